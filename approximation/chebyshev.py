@@ -55,11 +55,11 @@ def coefficients(values: Array, axis: int = 0) -> Array:
         Of the shape of `values`: the m-th entry along the axis multiplies T_m.
     """
     # the transform counts points from the right end
-    found = dct(np.flip(values, axis), type=2, axis=axis) / values.shape[axis]
+    series = dct(np.flip(values, axis), type=2, axis=axis) / values.shape[axis]
     first: list[Any] = [slice(None)] * values.ndim
     first[axis] = 0
-    found[tuple(first)] /= 2
-    return np.asarray(found)
+    series[tuple(first)] /= 2
+    return np.asarray(series)
 
 
 def interpolation(count: int, places: Array) -> Array:

@@ -65,12 +65,12 @@ class Measure:
 
     def values(self, s: Floats) -> Floats:
         """Return the measure of fields s, (B, >= m, n): (B, n)."""
-        found: Floats | None = None
+        highest: Floats | None = None
         for linear, root in zip(self.linear, self.root, strict=True):
             squares = sum(_product(row, s) ** 2 for row in root if row.any())
             branch = _product(linear, s) + np.sqrt(squares)
-            found = np.asarray(branch) if found is None else np.maximum(found, branch, out=found)
-        return np.broadcast_to(np.asarray(found), (len(s), s.shape[2]))
+            highest = np.asarray(branch) if highest is None else np.maximum(highest, branch, out=highest)
+        return np.broadcast_to(np.asarray(highest), (len(s), s.shape[2]))
 
     def bent(self, s: Array) -> Bent:
         """Return the measure of fields s, (n, m), with its derivatives along the branch that is largest."""

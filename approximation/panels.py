@@ -117,8 +117,8 @@ class Scan:
             pairs[0].append(np.stack([net[:, :-1].ravel(), net[:, 1:].ravel()]))
             pairs[1].append(np.stack([net[:-1].ravel(), net[1:].ravel()]))
             start += down * across
-        found = [np.concatenate(own, axis=1) for own in pairs]
-        return [(own[0], own[1]) for own in found if own.size]
+        beside = [np.concatenate(own, axis=1) for own in pairs]
+        return [(own[0], own[1]) for own in beside if own.size]
 
 
 def line(counts: Sequence[int], ends: Sequence[float]) -> Array:

@@ -54,19 +54,19 @@ def highest(fields: Array, counts: tuple[int, ...], measure: Measure, close: flo
     ends = np.cumsum((0, *counts))
     curves, down, across = _hills(measure.values(fields.reshape(*fields.shape[:2], -1)), fields.shape[2], ends)
     panel = np.searchsorted(ends, across, "right") - 1
-    found = np.empty((3, curves.size))
+    tops = np.empty((3, curves.size))
     for number, count in enumerate(counts):
         own = np.flatnonzero(panel == number)
         if own.size:
             start = gauss_points(count)[across[own] - ends[number]], gauss_points(fields.shape[2])[down[own]]
             part = fields[curves[own], ..., ends[number] : ends[number + 1]]
-            found[:, own] = climb(part, measure, start, close)
+            tops[:, own] = climb(part, measure, start, close)
     value = np.full(len(fields), -np.inf)
-    np.maximum.at(value, curves, found[2])
-    alike = np.flatnonzero(found[2] >= (value - _ALIKE * np.abs(value))[curves])
-    order = alike[np.lexsort((2 * panel[alike] + found[0, alike], curves[alike]))]
+    np.maximum.at(value, curves, tops[2])
+    alike = np.flatnonzero(tops[2] >= (value - _ALIKE * np.abs(value))[curves])
+    order = alike[np.lexsort((2 * panel[alike] + tops[0, alike], curves[alike]))]
     first = order[np.searchsorted(curves[order], np.arange(len(fields)))]
-    return Top(panel[first], found[0, first], found[1, first], value)
+    return Top(panel[first], tops[0, first], tops[1, first], value)
 
 
 def _hills(values: Floats, down: int, ends: Indices) -> tuple[Indices, Indices, Indices]:

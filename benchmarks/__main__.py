@@ -32,14 +32,14 @@ def main(names: list[str]) -> int:
         return 2
     FOLDER.mkdir(exist_ok=True)
     path = FOLDER / "benchmarks.json"
-    found = json.loads(path.read_text(encoding="utf-8")) if names and path.exists() else {}
+    measured = json.loads(path.read_text(encoding="utf-8")) if names and path.exists() else {}
     for name in names or MEASUREMENTS:
         print(f"{name} ...", flush=True)
         start = perf_counter()
-        found[name] = import_module(f"benchmarks.{name}").measure()
-        print(printed(found[name]))
+        measured[name] = import_module(f"benchmarks.{name}").measure()
+        print(printed(measured[name]))
         print(f"{name}: {perf_counter() - start:.0f} s", flush=True)
-        _kept(found, path)  # what was measured stays where a later measurement fails
+        _kept(measured, path)  # what was measured stays where a later measurement fails
     print(f"{path}, {FOLDER / 'benchmarks.html'}")
     return 0
 

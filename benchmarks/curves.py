@@ -70,8 +70,8 @@ def solved(base: str, region: str, place: Sequence[float], G: Array, charges: Ar
         whole, Profile.cylinder(np.full(G.shape, RADIUS)), load, load[:, None] * charges, np.ones(G.shape)
     )
     of, unit = PeakTable(whole), load / THICKNESS
-    found = {name: one if name.endswith("position") else one / unit[:, None]
-             for name, one in region_curves(of, contact, region).items()}  # fmt: skip
+    found = {name: curve if name.endswith("position") else curve / unit[:, None]
+             for name, curve in region_curves(of, contact, region).items()}  # fmt: skip
     found |= {"mean_pressure": THICKNESS / (2 * contact.half_width), "half_length": contact.half_width}
     if region == "interface":
         peaks = of.interface(contact)
@@ -94,8 +94,8 @@ def grid(base: str, region: str, counts: Sequence[int]) -> xr.Dataset:
     base, region : str, what is below the film, and where its curves lie
     counts : sequence of int, levels of every group
     """
-    axes = [one.levels(count) for one, count in zip(inputs(base), counts, strict=True)]
-    loads, *charges = (one.ravel() for one in np.meshgrid(*axes[2:], indexing="ij"))
+    axes = [axis.levels(count) for axis, count in zip(inputs(base), counts, strict=True)]
+    loads, *charges = (values.ravel() for values in np.meshgrid(*axes[2:], indexing="ij"))
     parts = [
         solved(base, region, (v, f), loads, np.stack(charges, -1)) for v in axes[0].tolist() for f in axes[1].tolist()
     ]
@@ -123,9 +123,9 @@ def fresh(base: str, region: str, places: int, together: int, seed: int) -> xr.D
     for k in range(places):
         u = random.uniform(-1, 1, (5, together))
         u[:2] = np.array(spread)[:, k, None]
-        values = [one.from_unit(row) for one, row in zip(groups, u, strict=True)]
+        values = [axis.from_unit(row) for axis, row in zip(groups, u, strict=True)]
         part = solved(base, region, (float(values[0][0]), float(values[1][0])), values[2], np.stack(values[3:], -1))
-        part |= {one.name: value for one, value in zip(groups, values, strict=True)}
+        part |= {axis.name: value for axis, value in zip(groups, values, strict=True)}
         for name, value in part.items():
             columns.setdefault(name, []).append(value)
     return xr.Dataset(
@@ -212,13 +212,13 @@ def _seconds(action: Callable[[], object], repeats: int = 3) -> float:
 
 def measure() -> dict[str, Any]:
     """Errors and times of every base, region and grid."""
-    found: dict[str, Any] = {}
+    figures: dict[str, Any] = {}
     for base in BASES:
         for region, grids in GRIDS.items():
             cases = fresh(base, region, _PLACES, _TOGETHER, 1)
             for counts, error in zip(grids, (1e-5, 1e-6), strict=False):
-                found[f"{base}, {region}, {np.prod(counts)} cases"] = compared(base, region, counts, cases, error)
-    return found
+                figures[f"{base}, {region}, {np.prod(counts)} cases"] = compared(base, region, counts, cases, error)
+    return figures
 
 
 if __name__ == "__main__":

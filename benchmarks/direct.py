@@ -103,8 +103,8 @@ def main(target: str, cores: int) -> None:
     jobs, waits = planned(target, cores)
     start, used = perf_counter(), _processor()
     run(jobs, waits, cores)
-    found = {"seconds": perf_counter() - start, "processor": _processor() - used, "jobs": len(jobs)}
-    print(json.dumps(found))
+    cost = {"seconds": perf_counter() - start, "processor": _processor() - used, "jobs": len(jobs)}
+    print(json.dumps(cost))
 
 
 if __name__ == "__main__":

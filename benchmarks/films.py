@@ -29,12 +29,12 @@ def measure(fresh: int = 1000, held: int = 2500, queries: int = QUERIES) -> dict
     fresh, held, queries : int, fresh cases, cases of the calibration, and queries that are timed
     """
     whole = studies.load(ROOT / "config" / "film.yaml")
-    found: dict[str, float] = {}
+    figures: dict[str, float] = {}
     for base in BASES:
         for name, levels in LEVELS.items():
             study = alone(whole, base, levels)
-            found |= {f"{base}, {name}: {what}": value for what, value in of(study, fresh, held, queries).items()}
-    return found
+            figures |= {f"{base}, {name}: {what}": value for what, value in of(study, fresh, held, queries).items()}
+    return figures
 
 
 def alone(whole: Study, base: str, levels: tuple[int, ...]) -> Study:

@@ -49,8 +49,8 @@ def cubic_spline(levels: Sequence[Array], values: Array) -> Predict:
         spline = make_interp_spline(own, kept, degree, axis=axis)
         knots.append(spline.t)
         kept = np.moveaxis(spline.c, 0, axis)  # the spline keeps its axis first
-    found = NdBSpline(tuple(knots), np.ascontiguousarray(kept), tuple(degrees))
-    return lambda at, with_std: (np.asarray(found(at)), None)
+    interpolant = NdBSpline(tuple(knots), np.ascontiguousarray(kept), tuple(degrees))
+    return lambda at, with_std: (np.asarray(interpolant(at)), None)
 
 
 def kronecker(levels: Sequence[Array], values: Array) -> Predict:
@@ -89,15 +89,15 @@ def _process(levels: Sequence[Array], values: Array) -> Callable[[Array, bool], 
         return float(values.size * np.log((data**2 / spectrum).mean()) + np.log(spectrum).sum())
 
     bounds = [(np.log(0.2), np.log(20.0))] * len(levels)
-    found = minimize(
+    fit = minimize(
         loss, np.full(len(levels), 0.7), method="L-BFGS-B", bounds=bounds, options={"maxiter": 50, "eps": 1e-4}
     )
-    vectors, spectrum, data = decomposed(found.x)
+    vectors, spectrum, data = decomposed(fit.x)
     variance = float((data**2 / spectrum).mean())
     weights = _transformed(data / spectrum, [vector.T for vector in vectors])
 
     def predict(at: Array, with_std: bool) -> tuple[Array, Array]:
-        near = [_rbf(column, own, np.exp(log)) for column, own, log in zip(at.T, levels, found.x, strict=True)]
+        near = [_rbf(column, own, np.exp(log)) for column, own, log in zip(at.T, levels, fit.x, strict=True)]
         mean = _contracted(weights[..., None], near)[:, 0]
         if not with_std:
             return mean, mean

@@ -56,11 +56,11 @@ def appended(history: str, found: Mapping[str, Any], date: str, commit: str, cor
 
 def main() -> None:
     """Append what `make bench` measured last."""
-    found = json.loads((ROOT / "results/benchmarks.json").read_text(encoding="utf-8"))
+    measured = json.loads((ROOT / "results/benchmarks.json").read_text(encoding="utf-8"))
     done = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True)
     history = HISTORY.read_text(encoding="utf-8") if HISTORY.exists() else ""
     date = datetime.now(UTC).date().isoformat()
-    write_text(HISTORY, appended(history, found, date, done.stdout.strip(), len(os.sched_getaffinity(0))))
+    write_text(HISTORY, appended(history, measured, date, done.stdout.strip(), len(os.sched_getaffinity(0))))
 
 
 if __name__ == "__main__":

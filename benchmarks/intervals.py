@@ -71,15 +71,15 @@ def measure(studies: tuple[str, ...] = ("quickstart", "precise", "sensor"), fres
     studies : tuple of str, their names
     fresh : int, number of fresh cases
     """
-    found: dict[str, float] = {}
+    figures: dict[str, float] = {}
     for name in studies:
         study = _closed(named(name), name)
         model = training.fit(study, factorial.exact(study, factorial.levels(study), curves=True))
         held = curves.learned(study, factorial.cases(study, "calibration"))
         new = factorial.learned(study, factorial.sample(study, fresh, (SEED, 0)))
         for key, value in compare(model, held, new).items():
-            found[f"{name}: {key}"] = value
-    return found
+            figures[f"{name}: {key}"] = value
+    return figures
 
 
 def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict[str, float]:
@@ -96,14 +96,14 @@ def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict
     at, known = _cases(model, held)
     mean, std = _predicted(model, at)
     methods = {"raw": raw, "standardised": _standardised(raw, (known - mean) / std)}
-    found = {}
+    figures = {}
     if find_spec("mapie"):
-        found["standardised, largest difference to MAPIE's own ends over their distance"] = beside_mapie(
+        figures["standardised, largest difference to MAPIE's own ends over their distance"] = beside_mapie(
             methods["standardised"], known - mean, std
         )
     start = perf_counter()
     model.calibrate(held)
-    found |= {"calibrated, seconds of the calibration": perf_counter() - start}
+    figures |= {"calibrated, seconds of the calibration": perf_counter() - start}
     methods["calibrated"] = Method(*_predicted(model, X), model.distribution)
     seconds += _seconds(model, X)
     t, spread = unit_coordinates(model.inputs_, X), np.ptp(true, axis=1)
@@ -112,7 +112,7 @@ def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict
     for name, method in methods.items():
         for level in LEVELS:
             share = method.inside(true, level).mean(axis=1)
-            found[f"{name}, {100 * level:g} %, least"], found[f"{name}, {100 * level:g} %, largest"] = (
+            figures[f"{name}, {100 * level:g} %, least"], figures[f"{name}, {100 * level:g} %, largest"] = (
                 share.min(),
                 share.max(),
             )
@@ -120,7 +120,7 @@ def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict
         one_std = (np.abs(true - method.mean) <= method.std).mean(axis=1)
         error = np.abs(true - method.mean).max(axis=1) / over
         score = crps(true, method.mean, method.std, method.distribution).mean(axis=1)
-        found |= {
+        figures |= {
             f"{name}, +- one std, least": one_std.min(),
             f"{name}, +- one std, largest": one_std.max(),
             **{f"{name}, {part}": share for part, share in worst_parts(t, inside).items()},
@@ -131,9 +131,9 @@ def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict
         }
     random = np.random.default_rng(0)
     ideal = [worst_parts(t, random.uniform(size=true.shape) < NOMINAL) for _ in range(DRAWS)]
-    found |= {f"ideal, {part}": float(np.mean([one[part] for one in ideal])) for part in ideal[0]}
-    found["calibrated, more microseconds a query"] = 1e6 * seconds
-    return {key: float(value) for key, value in found.items()}
+    figures |= {f"ideal, {part}": float(np.mean([one[part] for one in ideal])) for part in ideal[0]}
+    figures["calibrated, more microseconds a query"] = 1e6 * seconds
+    return {key: float(value) for key, value in figures.items()}
 
 
 def worst_parts(t: Array, inside: Flags) -> dict[str, float]:
@@ -205,7 +205,9 @@ def beside_mapie(method: Method, errors: Array, std: Array) -> float:
     worst = 0.0
     for p in np.flatnonzero(errors.any(axis=1) & (std > 0).all(axis=1)):
         unit = errors[p].std()  # MAPIE takes what is below 1e-8 for zero
-        held, fresh = (np.stack([np.zeros_like(one), one / unit], axis=1) for one in (std[p], method.std[p]))
+        held, fresh = (
+            np.stack([np.zeros_like(deviations), deviations / unit], axis=1) for deviations in (std[p], method.std[p])
+        )
         score = ResidualNormalisedScore(residual_estimator=_Column(1), prefit=True, sym=True)
         theirs = SplitConformalRegressor(
             _Column(0), confidence_level=list(LEVELS), conformity_score=score, prefit=True

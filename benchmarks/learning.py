@@ -133,19 +133,19 @@ class Device:
     def points(self) -> Array:
         """Measured ones first."""
         t = np.random.default_rng((self.seed, 2)).uniform(-1, 1, (self.rows + self.fresh, 2))
-        return np.stack([one.from_unit(t[:, k]) for k, one in enumerate(INPUTS)], 1)
+        return np.stack([axis.from_unit(t[:, k]) for k, axis in enumerate(INPUTS)], 1)
 
     @property
     def truth(self) -> Array:
         """All outputs at all points, (n, 4)."""
         random, X = np.random.default_rng((self.seed, 3)), self.points
-        found = model(X, logs(self.constants))
+        outputs = model(X, logs(self.constants))
         if self.scenario.discrepancy:
-            t = np.stack([one.to_unit(X[:, k]) for k, one in enumerate(INPUTS)], 1)
+            t = np.stack([axis.to_unit(X[:, k]) for k, axis in enumerate(INPUTS)], 1)
             away = cdist(t, t, "mahalanobis", VI=np.diag(random.uniform(1, 3, 2) ** -2.0))
             root = np.linalg.cholesky(np.exp(-0.5 * away**2) + 1e-9 * np.eye(len(t)))
-            found[:, :2] += self.scenario.discrepancy * SIZES[:2] * (root @ random.normal(size=(len(t), 2)))
-        return found
+            outputs[:, :2] += self.scenario.discrepancy * SIZES[:2] * (root @ random.normal(size=(len(t), 2)))
+        return outputs
 
     def read(self) -> tuple[Measurements, set[int]]:
         """What is measured, and the rows that hold an outlier."""
@@ -164,7 +164,9 @@ def learnt(device: Device) -> Learnt:
     rows, gain = device.read()[0], device.scenario.gain
 
     def forward(z: Array) -> tuple[Array, Array]:
-        mean, by = (one[rows.row, rows.output] for one in (model(rows.points, logs(z)), slopes(rows.points, z[:12])))
+        mean, by = (
+            values[rows.row, rows.output] for values in (model(rows.points, logs(z)), slopes(rows.points, z[:12]))
+        )
         if not gain:
             return mean, by
         shown = 1 + np.where(rows.output == 0, gain * z[12], 0.0)
@@ -196,13 +198,13 @@ def judged(device: Device) -> Held:
     by = slopes(X, found.about[:12])
     base = model(X, logs(found.about[:12])) - by @ found.about[:12]
     means, variances, drawn = [], [], []
-    t = np.stack([one.to_unit(X[:, k]) for k, one in enumerate(INPUTS)], 1)
+    t = np.stack([axis.to_unit(X[:, k]) for k, axis in enumerate(INPUTS)], 1)
     random = np.random.default_rng((device.seed, 5))
     for draw in found.draws:
         J = np.concatenate([by, np.zeros((*by.shape[:2], len(draw.mean) - 12))], -1)
         mean, variance = base.copy(), np.zeros_like(base)
-        for q, one in draw.discrepancies.items():
-            own, cross, variance[:, q] = one.at(t)
+        for q, discrepancy in draw.discrepancies.items():
+            own, cross, variance[:, q] = discrepancy.at(t)
             mean[:, q] += own
             J[:, q] -= cross
         z = random.multivariate_normal(draw.mean, draw.covariance, method="eigh")
@@ -256,28 +258,28 @@ def measure(devices: int = 200, first: int = FIRST) -> dict[str, float]:
     devices : int, of every scenario
     first : int, seed of the first of them
     """
-    found: dict[str, float] = {}
+    figures: dict[str, float] = {}
     for name, scenario in SCENARIOS.items():
         start = process_time()
         every = [judged(Device(scenario, first + seed)) for seed in range(devices)]
         parts: dict[str, Callable[[Held], Flags]] = {
-            "measured outputs": lambda one: one.measured, "unmeasured outputs": lambda one: one.unmeasured,
-            "constants": lambda one: one.constants, "readings left out": lambda one: one.left_out,
+            "measured outputs": lambda device: device.measured, "unmeasured outputs": lambda device: device.unmeasured,
+            "constants": lambda device: device.constants, "readings left out": lambda device: device.left_out,
         }  # fmt: skip
         for part, of in parts.items():
-            found[f"{name}: {part}"] = float(np.mean([of(one).mean() for one in every]))
-        whole = [np.concatenate([one.measured, one.unmeasured], 1).mean() for one in every]
-        found[f"{name}: worst device"] = float(min(whole))
-        found[f"{name}: worst device, ideal"] = float(min(one.ideal.mean() for one in every))
-        found[f"{name}: devices below 0.85"] = float(np.mean(np.array(whole) < 0.85))
-        found[f"{name}: devices below 0.85, ideal"] = float(np.mean([one.ideal.mean() < 0.85 for one in every]))
-        found[f"{name}: wrong words"] = float(np.mean([bool(one.wrong) for one in every]))
-        for word in sorted({word for one in every for word in one.wrong}):
-            found[f"{name}: wrong: {word}"] = float(np.mean([word in one.wrong for one in every]))
-        found[f"{name}: processor seconds a device"] = (process_time() - start) / devices
-        for key in [key for key in found if key.startswith(f"{name}: ")]:
-            print(f"  {key}: {found[key]:.3f}", flush=True)
-    return found
+            figures[f"{name}: {part}"] = float(np.mean([of(device).mean() for device in every]))
+        whole = [np.concatenate([device.measured, device.unmeasured], 1).mean() for device in every]
+        figures[f"{name}: worst device"] = float(min(whole))
+        figures[f"{name}: worst device, ideal"] = float(min(device.ideal.mean() for device in every))
+        figures[f"{name}: devices below 0.85"] = float(np.mean(np.array(whole) < 0.85))
+        figures[f"{name}: devices below 0.85, ideal"] = float(np.mean([device.ideal.mean() < 0.85 for device in every]))
+        figures[f"{name}: wrong words"] = float(np.mean([bool(device.wrong) for device in every]))
+        for word in sorted({word for device in every for word in device.wrong}):
+            figures[f"{name}: wrong: {word}"] = float(np.mean([word in device.wrong for device in every]))
+        figures[f"{name}: processor seconds a device"] = (process_time() - start) / devices
+        for key in [key for key in figures if key.startswith(f"{name}: ")]:
+            print(f"  {key}: {figures[key]:.3f}", flush=True)
+    return figures
 
 
 if __name__ == "__main__":

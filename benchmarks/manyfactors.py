@@ -58,7 +58,7 @@ def measure(tolerance: float = 1e-3, path: str | Path = ROOT / "config" / "two_l
     start = process_time()
     grid = sparse_grid(lambda t: (blocks(study, solved(study, box, t)) - low) / spread, fresh.shape[1], count)
     rival = process_time() - start
-    found = {
+    figures = {
         "tolerance": tolerance,
         "places": float(count),
         "cases": float(count * study.block),
@@ -66,13 +66,13 @@ def measure(tolerance: float = 1e-3, path: str | Path = ROOT / "config" / "two_l
     }
     for name, seconds, got in (("cross", ours, predicted), ("sparse_grid", rival, grid(fresh) * spread + low)):
         error = (np.abs(got - truth) / spread).max(axis=(0, 1))
-        found |= {
+        figures |= {
             f"{name}_seconds": seconds,
             f"{name}_largest_error": float(error.max()),
             f"{name}_median_error": float(np.median(error)),
             f"{name}_voltage_error": float(error[study.outputs.index("voltage")]),
         }
-    return found
+    return figures
 
 
 def scaled(study: Study, box: dict[str, Input], places: xr.Dataset) -> Array:

@@ -40,7 +40,7 @@ def measure(studies: tuple[str, ...] = ("quickstart", "large"), repeats: int = 2
     repeats : int, of which the best counts
     """
     cores = len(os.sched_getaffinity(0))
-    found = {"cores": float(cores)}
+    figures = {"cores": float(cores)}
     for study in studies:
         times: dict[str, list[float]] = {}
         with tempfile.TemporaryDirectory(dir=ROOT, prefix=".overhead.") as name:
@@ -52,8 +52,8 @@ def measure(studies: tuple[str, ...] = ("quickstart", "large"), repeats: int = 2
         best = {key: min(values) for key, values in times.items()}
         best["overhead_share"] = 1 - best["seconds_direct"] / best["seconds_run"]
         best["overhead_share_of_processor_time"] = 1 - best["processor_seconds_direct"] / best["processor_seconds_run"]
-        found |= {f"{study}_{key}": value for key, value in best.items()}
-    return found
+        figures |= {f"{study}_{key}": value for key, value in best.items()}
+    return figures
 
 
 def _copy(folder: Path) -> None:

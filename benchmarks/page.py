@@ -27,7 +27,7 @@ def page(found: dict[str, Any]) -> str:
     environment.filters |= {"number": _number, "counted": counted, "median": median}
     surrogates = found.get("surrogates")
     plain = {name: part for name, part in found.items() if name not in (*_ABOUT, "surrogates")}
-    pictures = [_svg(one(surrogates["rows"])) for one in (_errors, _times)] if surrogates else []
+    pictures = [_svg(draw(surrogates["rows"])) for draw in (_errors, _times)] if surrogates else []
     return environment.get_template("page.html.j2").render(
         surrogates=surrogates, plain=plain, pictures=pictures, about={name: found[name] for name in _ABOUT}
     )

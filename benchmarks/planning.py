@@ -49,7 +49,7 @@ class Planned:
         draw = Draw.of(processes, PRIOR)
         asked = np.random.default_rng((seed, 6)).uniform(-1, 1, (4, 2))  # a place for every output's answer
         places, each = np.concatenate([spread(2, CANDIDATES), asked]), len(outputs)
-        points = np.stack([one.from_unit(places[:, k]) for k, one in enumerate(INPUTS)], 1)
+        points = np.stack([axis.from_unit(places[:, k]) for k, axis in enumerate(INPUTS)], 1)
         where = np.concatenate([np.repeat(np.arange(CANDIDATES), each), CANDIDATES + np.arange(4)])
         output = np.concatenate([np.tile(outputs, CANDIDATES), np.arange(4)])
         both = joint(draw, places[where], output, slopes(points, np.zeros(12))[where, output])
@@ -76,8 +76,8 @@ class Planned:
         wanted = self.wanted(name)
         plan = chosen(self.joints, self.noise, wanted, FURTHER)
         planned, every, *others = (
-            np.log(widths(self.joints, self.noise, one, wanted))
-            for one in (plan, list(range(self.readings)), *self.random)
+            np.log(widths(self.joints, self.noise, taken, wanted))
+            for taken in (plan, list(range(self.readings)), *self.random)
         )
         other = np.median(others, axis=0)
         return float(np.exp(np.mean(other - planned))), float(np.exp(np.mean(other - every)))
@@ -85,20 +85,20 @@ class Planned:
 
 def measure(devices: int = 200) -> dict[str, Array]:
     """Both ratios of every device (devices, 2), by rows, outputs that can be measured, and what is wanted."""
-    found = {}
+    figures = {}
     for rows in (2, 10):
         for outputs in ([0, 1], [0, 1, 2, 3]):
             every = [Planned(FIRST + k, rows, np.array(outputs, np.intp)) for k in range(devices)]
             for name in WANTED:
-                ratios = np.array([one.ratios(name) for one in every])
-                found[f"{rows} rows, {len(outputs)} outputs, {name}"] = ratios
+                ratios = np.array([device.ratios(name) for device in every])
+                figures[f"{rows} rows, {len(outputs)} outputs, {name}"] = ratios
                 low, middle, high = np.quantile(ratios[:, 0], [0.05, 0.5, 0.95])
                 print(
                     f"  {rows} rows, {len(outputs)} outputs, {name}: median {middle:.2f} ({low:.2f} to {high:.2f}), "
                     f"all places {np.median(ratios[:, 1]):.2f}",
                     flush=True,
                 )
-    return found
+    return figures
 
 
 if __name__ == "__main__":

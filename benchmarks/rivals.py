@@ -163,5 +163,5 @@ RIVALS = [
 
 def installed() -> tuple[list[Rival], list[str]]:
     """Return the rivals that can run here, and the names of those left out."""
-    here = [one for one in RIVALS if find_spec(one.package)]
-    return here, [one.name for one in RIVALS if one not in here]
+    here = [rival for rival in RIVALS if find_spec(rival.package)]
+    return here, [rival.name for rival in RIVALS if rival not in here]

@@ -150,7 +150,7 @@ METHODS = [
 
 def measure(cases: tuple[int, ...] = CASES) -> dict[str, float]:
     """Seconds, memory, errors and coverage by method, function and number of cases."""
-    found: dict[str, float] = {}
+    figures: dict[str, float] = {}
     for method in METHODS:
         if not find_spec(method.package):
             print(f"  left out, as not installed here: {method.name}")
@@ -159,8 +159,8 @@ def measure(cases: tuple[int, ...] = CASES) -> dict[str, float]:
             for name in FUNCTIONS if count <= method.most else ():
                 print(f"  {method.name}, {name}, {count} cases ...", flush=True)
                 for key, value in _row(method, name, count).items():
-                    found[f"{method.name}, {name}, {count} cases: {key}"] = value
-    return found
+                    figures[f"{method.name}, {name}, {count} cases: {key}"] = value
+    return figures
 
 
 def _row(method: Method, name: str, count: int) -> dict[str, float]:

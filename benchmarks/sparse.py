@@ -31,11 +31,11 @@ def basis(t: Array, points: Array) -> Array:
     t : ndarray, shape (B,), places
     points : ndarray, shape (count,)
     """
-    found = np.ones((len(points), len(t)))
+    polynomials = np.ones((len(points), len(t)))
     for level in range(1, len(points)):
         before = points[:level, None]
-        found[level] = ((t - before) / (points[level] - before)).prod(axis=0)
-    return found
+        polynomials[level] = ((t - before) / (points[level] - before)).prod(axis=0)
+    return polynomials
 
 
 def sparse_grid(
@@ -61,7 +61,7 @@ def sparse_grid(
     def at(t: Array) -> Array:
         along = [basis(row, leja_points) for row in t.T]
         table = np.array(indices)
-        weights = np.prod([one[table[:, k]] for k, one in enumerate(along)], axis=0)
+        weights = np.prod([weight[table[:, k]] for k, weight in enumerate(along)], axis=0)
         return np.tensordot(weights.T, np.stack(surpluses), 1)
 
     while len(indices) < most:

@@ -88,9 +88,9 @@ def measure(huge: bool = False) -> dict[str, Any]:
 
 def ratios(rows: list[dict[str, Any]]) -> dict[str, float]:
     """How many times faster than scikit-learn on 1,024 cases the Gaussian process on 1,048,576 and 64,000 is."""
-    found = {(row["method"], row["cases"]): row for row in rows}
-    slow = found[("scikit-learn GP (RBF)", 1024)]
-    million, good = (found[("Chebyshev-kernel GP", cases)] for cases in (16**5, 64_000))
+    by_method = {(row["method"], row["cases"]): row for row in rows}
+    slow = by_method[("scikit-learn GP (RBF)", 1024)]
+    million, good = (by_method[("Chebyshev-kernel GP", cases)] for cases in (16**5, 64_000))
     return {
         "fit of 1,048,576 cases over scikit-learn's of 1,024": slow["fit_seconds"] / million["fit_seconds"],
         "mean and interval of a query, 64,000 cases over scikit-learn's 1,024": slow["std_seconds"]
@@ -103,19 +103,19 @@ def ratios(rows: list[dict[str, Any]]) -> dict[str, float]:
 
 def equal_accuracy(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """For every accuracy and method the row of the fewest cases that reaches it in every output."""
-    found = []
+    counts = []
     for accuracy in ACCURACIES:
         best: dict[str, dict[str, Any]] = {}
         for row in sorted(rows, key=lambda row: row["cases"]):
             if row["fit_seconds"] is not None and max(row["error"].values()) <= accuracy:
                 best.setdefault(row["method"], row)
-        found += [{"accuracy": accuracy, **row} for row in sorted(best.values(), key=lambda row: row["fit_seconds"])]
-    return found
+        counts += [{"accuracy": accuracy, **row} for row in sorted(best.values(), key=lambda row: row["fit_seconds"])]
+    return counts
 
 
 def _exact(study: Study, inputs: list[Input]) -> Entry:
     def ask(_: None, X: Array, with_std: bool) -> tuple[Array, None]:
-        points = {one.name: xr.DataArray(column, dims="case") for one, column in zip(inputs, X.T, strict=True)}
+        points = {axis.name: xr.DataArray(column, dims="case") for axis, column in zip(inputs, X.T, strict=True)}
         return _stacked(factorial.exact(study, points)), None
 
     return Entry("exact solver", 0, None, ask)
@@ -224,7 +224,7 @@ def told(row: dict[str, Any]) -> str:
 
 def _grid(study: Study, inputs: list[Input], counts: tuple[int, ...]) -> xr.Dataset:
     """The complete factorial in memory: the solver gives views along what a quantity does not depend on."""
-    axes = {one.name: one.levels(n) for one, n in zip(inputs, counts, strict=True)}
+    axes = {axis.name: axis.levels(n) for axis, n in zip(inputs, counts, strict=True)}
     data = factorial.exact(study, axes)[OUTPUTS]
     return data.map(lambda array: array.copy(data=np.ascontiguousarray(array.values)))
 
@@ -236,7 +236,7 @@ def _cases(study: Study, inputs: list[Input], count: int, seed: int) -> xr.Datas
 
 
 def _points(inputs: list[Input], t: Array) -> dict[str, xr.DataArray]:
-    return {one.name: xr.DataArray(one.from_unit(row), dims="case") for one, row in zip(inputs, t, strict=True)}
+    return {axis.name: xr.DataArray(axis.from_unit(row), dims="case") for axis, row in zip(inputs, t, strict=True)}
 
 
 def _stacked(data: xr.Dataset) -> Array:

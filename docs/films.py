@@ -40,12 +40,12 @@ def _thick(material: solver.Material) -> dict[str, float]:
         "bonded": Stack((Layer(material, 10 * exact, "bonded"),), SILICON),
         "grounded": Stack((Layer(material, 10 * exact, "grounded"),), SILICON),
     }
-    found = {}
+    errors = {}
     for name, stack in stacks.items():
         of = table(stack, 0.3, least=0.05, most=0.2, nodes=12)
         contact = FilmContact(of, _CYLINDER, load, charges, np.array(1.0))
-        found[f"thick film, {name}"] = float(contact.half_width[0]) / exact - 1
-    return found
+        errors[f"thick film, {name}"] = float(contact.half_width[0]) / exact - 1
+    return errors
 
 
 def _reciprocal() -> dict[str, float]:

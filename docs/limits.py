@@ -24,10 +24,10 @@ def numbers() -> dict[str, float]:
     width, pressure = conducts["contact_trailing"] + conducts["contact_leading"], conducts["peak_pressure"]
     elastic = solver.solve({**CASE, "punch": ["rigid", "steel"]})
     under_steel = (elastic["contact_trailing"] + elastic["contact_leading"]).values
-    found = {"charge per load of PZT-4 on copper": _on_copper()} | {
+    errors = {"charge per load of PZT-4 on copper": _on_copper()} | {
         f"volts per load, datum {d:g} m": abs(v) for d, v in zip(data, at["voltage_sensitivity"].values, strict=True)
     }
-    return found | {
+    return errors | {
         "free of the datum within": max(
             float(np.ptp(at[name].values) / np.abs(at[name].values).mean()) for name in free
         ),
@@ -81,9 +81,9 @@ def surroundings(name: str, case: Mapping[str, float | str]) -> str:
     rows = []
     for own, meeting in kinds:
         found = solver.solve({**film, **own})
-        known = {str(one): np.abs(values.values) for one, values in found.data_vars.items()}
-        numbers = {one: value for one, value in case.items() if not isinstance(value, str)}
-        known |= {one: np.asarray(value) for one, value in {**device.constants, **numbers}.items()}
+        known = {str(quantity): np.abs(values.values) for quantity, values in found.data_vars.items()}
+        numbers = {factor: value for factor, value in case.items() if not isinstance(value, str)}
+        known |= {factor: np.asarray(value) for factor, value in {**device.constants, **numbers}.items()}
 
         told = [float(grammar.parse(text, meeting).evaluate(known)) * scale for text, scale in _TOLD.items()]
         rows.append([f"{number:.3g}" for number in told])

@@ -24,7 +24,7 @@ ERRORS = {"voltage": 0.005, "capacitance": 0.01, "depth": 0.005}
 def rows() -> list[dict[str, float | str]]:
     """A row a specimen and load; numbers as they are written."""
     random = np.random.default_rng(0)
-    found: list[dict[str, float | str]] = []
+    table: list[dict[str, float | str]] = []
     for _ in range(SPECIMENS):
         u = random.uniform(size=4)
         factors = {
@@ -49,8 +49,8 @@ def rows() -> list[dict[str, float | str]]:
                 there = name != "voltage" or not missing
                 value = read[name] + std * random.normal()
                 row |= {name: f"{value:.5g}" if there else "", f"{name}_std": f"{std:g}" if there else ""}
-            found.append(row)
-    return found
+            table.append(row)
+    return table
 
 
 def written(table: list[dict[str, float | str]]) -> bytes:

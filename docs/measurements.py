@@ -26,8 +26,8 @@ def table(compared_rows: Sequence[Row]) -> str:
 def _cells(row: Row) -> list[str]:
     unit = "" if row["unit"] == "1" else f" {row['unit']}"
     error = f" ± {number(row['error'])}" if row["error"] else ""
-    model = [f"{number(one['value'])} ± {number(one['deviation'], 1)}" for one in row["model"]]
-    off = ["–" if one["off"] is None else _short(one["off"]) for one in row["model"]]
+    model = [f"{number(quantity['value'])} ± {number(quantity['deviation'], 1)}" for quantity in row["model"]]
+    off = ["–" if quantity["off"] is None else _short(quantity["off"]) for quantity in row["model"]]
     link = " because " if row["verdict"] == "cannot be told" else ": "
     told = f"{row['verdict']}{link}{row['because']}"
     return [row["of"], f"{number(row['value'])}{error}{unit}", "; ".join(model) or "–", "; ".join(off) or "–", told]

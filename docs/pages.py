@@ -26,7 +26,9 @@ _ROLE = re.compile(r":\w+:<code>~?([\w.]+)</code>")
 
 def on_config(config: Any) -> Any:
     """The theme's search reads its index from a server; that of search.js needs none."""
-    config.extra_javascript = ["search.js" if str(one) == "search/main.js" else one for one in config.extra_javascript]
+    config.extra_javascript = [
+        "search.js" if str(script) == "search/main.js" else script for script in config.extra_javascript
+    ]
     return config
 
 
@@ -91,7 +93,7 @@ def commands() -> str:
 def study() -> str:
     """The page of every key of a study."""
     keys = (ROOT / "config/schema/default.yaml").read_text(encoding="utf-8")
-    examples = ", ".join(f"[{one.stem}](../config/{one.name})" for one in sorted((ROOT / "config").glob("*.yaml")))
+    examples = ", ".join(f"[{file.stem}](../config/{file.name})" for file in sorted((ROOT / "config").glob("*.yaml")))
     return f"""# The study file
 
 A study is one YAML file of at most 1 MB. A number is decimal and has its unit behind it (`20 um`), or is in SI

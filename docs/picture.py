@@ -41,11 +41,11 @@ def places(pairs: Arrows) -> dict[str, tuple[int, float]]:
     column: dict[str, int] = {}
     while len(column) < len(needs):
         ready = sorted(rule for rule in needs if rule not in column and needs[rule] <= column.keys())
-        column |= {rule: max((column[one] + 1 for one in needs[rule]), default=0) for rule in ready}
+        column |= {rule: max((column[need] + 1 for need in needs[rule]), default=0) for rule in ready}
     height: dict[str, float] = {}
     for index in range(max(column.values()) + 1):
         here = [rule for rule in sorted(column) if column[rule] == index]
-        mean = {rule: sum(height[one] for one in needs[rule]) / max(len(needs[rule]), 1) for rule in here}
+        mean = {rule: sum(height[need] for need in needs[rule]) / max(len(needs[rule]), 1) for rule in here}
         for rank, rule in enumerate(sorted(here, key=lambda rule: (mean[rule], rule))):
             height[rule] = rank - (len(here) - 1) / 2
     return {rule: (column[rule], height[rule]) for rule in sorted(needs)}

@@ -62,13 +62,13 @@ def places(pairs: Arrows) -> dict[str, tuple[float, int]]:
 
     @cache
     def row(name: str) -> int:
-        return max((row(one) + 1 for one in after[name]), default=0)
+        return max((row(room) + 1 for room in after[name]), default=0)
 
     at: dict[str, tuple[float, int]] = {}
     left = float(_EDGE)
     for column, (wide, *_) in COLUMNS.items():
         rows: dict[int, list[str]] = defaultdict(list)
-        for name in sorted({one for pair in pairs for one in pair if one.split(".")[0] == column}):
+        for name in sorted({room for pair in pairs for room in pair if room.split(".")[0] == column}):
             rows[row(name)].append(name)
         for height, names in rows.items():
             inset = (wide - len(names)) / 2
@@ -172,7 +172,7 @@ def _lines(folder: Path, depth: int = 3) -> str:
     rooms = sorted(path.parent for path in folder.glob("*/__init__.py"))
     head = f"{'#' * depth} {folder.relative_to(FOLDER.parent)}/\n\n{_said(folder / '__init__.py')}\n\n"
     own = "".join(f"- `{path.name}`: {_said(path)}\n" for path in modules)
-    return head + (own and own + "\n") + "".join(_lines(one, depth + 1) for one in rooms)
+    return head + (own and own + "\n") + "".join(_lines(room, depth + 1) for room in rooms)
 
 
 def _said(path: Path) -> str:

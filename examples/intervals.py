@@ -18,16 +18,16 @@ def scattered(count: int, seed: int) -> xr.Dataset:
     count, seed : int, number of cases, and what draws them
     """
     unit = 2 * qmc.LatinHypercube(len(INPUTS), rng=seed).random(count) - 1
-    columns = {one.name: ("case", one.from_unit(unit[:, k])) for k, one in enumerate(INPUTS)}
+    columns = {axis.name: ("case", axis.from_unit(unit[:, k])) for k, axis in enumerate(INPUTS)}
     return solver.solve(dict(xr.Dataset(columns)) | {"load": 1e4, "friction": 0.2})
 
 
-levels = {one.name: one.levels(count) for one, count in zip(INPUTS, (12, 8), strict=True)}
+levels = {axis.name: axis.levels(count) for axis, count in zip(INPUTS, (12, 8), strict=True)}
 exact = solver.solve(levels | {"load": 1e4, "friction": 0.2})
 model = surrogate.GridGP(inputs=INPUTS, outputs=["voltage"]).fit(exact).calibrate(scattered(5000, 1))
 
 fresh = scattered(3000, 2)
-points = {one.name: fresh[one.name] for one in INPUTS}
+points = {axis.name: fresh[axis.name] for axis in INPUTS}
 for level in (0.5, 0.8, 0.95):
     ends = model.interval(points, level=level)
     inside = (ends["voltage_lower"] <= fresh["voltage"]) & (fresh["voltage"] <= ends["voltage_upper"])

@@ -1,4 +1,4 @@
-"""Exact sliding contact of a rigid punch on magneto-electro-elastic half-planes and films."""
+"""Exact contact of a punch that slides or presses on magneto-electro-elastic half-planes, half-spaces and films."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING

@@ -58,7 +58,7 @@ class Kind:
     layered
         Whether it has a top layer with a thickness, on a base.
     air
-        Whether the air beside its contact carries charge; fields of points are then not given.
+        Whether the air beside its contact carries charge.
     factors
         Factors that no other kind has.
     tabled
@@ -92,12 +92,7 @@ class Kind:
     @property
     def fields(self) -> Mapping[str, Described]:
         """Fields that its surface may have."""
-        return FIELDS if self.contact == "line" else {} if self.air else POINT_FIELDS
-
-    @property
-    def inside(self) -> bool:
-        """Whether fields inside it are given."""
-        return not self.air or self.contact == "line"
+        return FIELDS if self.contact == "line" else POINT_FIELDS
 
     @property
     def slides(self) -> bool:
@@ -136,8 +131,8 @@ HALF_PLANE_IN_AIR = Kind(
     "line",
     "relative",
     _OF_A_LINE | {name: FILM_QUANTITIES[name] for name in ("capacitance", "permeance")} | GAP_QUANTITIES,
-    {},
-    (),
+    PEAKS,
+    ("body",),
     air=True,
     tabled=tuple(name for name in TABLED if name not in OF_A_FILM),
     method=_IN_AIR,
@@ -173,7 +168,6 @@ HALF_SPACE_IN_AIR = replace(
     HALF_SPACE,
     name="half-space with air beside the contact",
     quantities=_OF_A_POINT | POINT_GAP_QUANTITIES,
-    peaks={},
     air=True,
     tabled=tuple(name for name in POINT_FILM.tabled if name not in OF_A_FILM),
     method=_IN_AIR,
@@ -182,7 +176,6 @@ POINT_FILM_IN_AIR = replace(
     POINT_FILM,
     name="film under a point with air beside it",
     quantities=_OF_A_POINT | POINT_GAP_QUANTITIES | {"nominal_field": FILM_QUANTITIES["nominal_field"]},
-    peaks={},
     air=True,
     method=POINT_FILM.method + _IN_AIR,
 )

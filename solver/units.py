@@ -159,13 +159,29 @@ def in_si(text: str, units: str) -> float:
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
     if match is None:
         raise ValueError(f"{text[:_LONGEST]!r} is not a finite number [{units}], nor one with its unit")
-    found = parse(match[2])
-    if not found.fits(parse(units)):
+    unit = parse(match[2])
+    if not unit.fits(parse(units)):
         raise ValueError(f"{text!r}: unit mismatch: {match[2]!r} does not measure what {units!r} measures")
-    value = float(Decimal(match[1]) * Decimal(repr(found.scale))) if isfinite(float(match[1])) else float("inf")
+    value = scaled(match[1], unit.scale)
     if not isfinite(value):
         raise ValueError(f"{text!r} is not a finite number [{units}]")
     return value
+
+
+def scaled(text: str, scale: float) -> float:
+    """A number in digits, times a scale, rounded once; one that is not finite as it is.
+
+    Parameters
+    ----------
+    text : str, the digits
+    scale : float
+
+    Examples
+    --------
+    >>> scaled("80", 1e-6), 80 * 1e-6
+    (8e-05, 7.999999999999999e-05)
+    """
+    return float(Decimal(text) * Decimal(repr(scale))) if isfinite(float(text)) else float(text)
 
 
 def _symbol(text: str) -> Unit:

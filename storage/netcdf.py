@@ -115,8 +115,8 @@ def read_whole(
             return as_meant(dataset[[name for name in dataset.data_vars if name in names]].load())
     with dataset, _reported(path):
         loaded = dataset.load()
-        found = checksum(loaded)
-    if found != mark:
+        digest = checksum(loaded)
+    if digest != mark:
         raise FormatError(path, "altered: its contents do not match their checksum")
     return as_meant(loaded)
 

@@ -24,9 +24,9 @@ def scaled(attrs: Mapping[Any, Any]) -> dict[Hashable, Any]:
     'C m-2'
     """
     units = attrs.get("units")
-    if not isinstance(units, str) or not (found := _ROOT.search(units)):
+    if not isinstance(units, str) or not (root := _ROOT.search(units)):
         return dict(attrs)
-    whole = (int(found[2]) - 1) // 2
+    whole = (int(root[2]) - 1) // 2
     rest = _ROOT.sub(f" m{whole}" if whole not in (0, 1) else " m" * whole, units, count=1).strip()
     name = f"{attrs.get('long_name', 'the quantity')}{_SCALED}"
     return {**attrs, "units": rest or "1", "long_name": name, SI_UNITS: units}

@@ -142,21 +142,21 @@ def totals(case: Case) -> float:
 def constitutive(case: Case) -> float:
     """Largest error of a flux over its largest value."""
     fields = [name for pair in (*FLOWS, *POTENTIAL_FIELDS) for name in pair]
-    found = solver.solve_interior(case, X, Y, fields=[*fields, "strain_xx", "strain_yy", "strain_xy"])
-    state = [found.strain_xx, found.strain_yy, 2 * found.strain_xy]
-    state += [-found[name] for pair in POTENTIAL_FIELDS for name in pair]
+    inside = solver.solve_interior(case, X, Y, fields=[*fields, "strain_xx", "strain_yy", "strain_xy"])
+    state = [inside.strain_xx, inside.strain_yy, 2 * inside.strain_xy]
+    state += [-inside[name] for pair in POTENTIAL_FIELDS for name in pair]
     material = constants(solver.find(case["material"]))
     fluxes = np.einsum("ij,jkl->ikl", constitutive_matrix(material), np.stack([part.values for part in state]))
-    return max(_off(found[name], flux) for name, flux in zip(FIELDS, fluxes, strict=True))
+    return max(_off(inside[name], flux) for name, flux in zip(FIELDS, fluxes, strict=True))
 
 
 def at_surface(case: Case) -> float:
     """Largest error of a field on the surface over its largest value."""
     surface = solver.solve(case, X)
     names = [name for name in SURFACE_FIELDS if name not in ("contact_pressure", "shear_traction")]
-    found = solver.solve_interior(case, X, [0.0], fields=[*names, "stress_yy", "stress_xy"]).isel(y=0)
-    traction = max(_off(-found.stress_yy, surface.contact_pressure), _off(found.stress_xy, surface.shear_traction))
-    return max(traction, *(_off(found[name], surface[name]) for name in names))
+    inside = solver.solve_interior(case, X, [0.0], fields=[*names, "stress_yy", "stress_xy"]).isel(y=0)
+    traction = max(_off(-inside.stress_yy, surface.contact_pressure), _off(inside.stress_xy, surface.shear_traction))
+    return max(traction, *(_off(inside[name], surface[name]) for name in names))
 
 
 def far_field(case: Case) -> float:
@@ -173,13 +173,13 @@ def flamant() -> float:
     case = {"material": material, "radius": 0.05, "load": load, "friction": friction}
     ends = solver.solve(case)
     half = float(ends.contact_trailing + ends.contact_leading) / 2
-    found = solver.solve_interior(case, r * X, r * Y, fields=["stress_xx", "stress_yy", "stress_xy"])
+    fields = solver.solve_interior(case, r * X, r * Y, fields=["stress_xx", "stress_yy", "stress_xy"])
     x, y = np.meshgrid(r * half * X, r * half * Y)
     distance = np.hypot(x, y)
     radial = 2 * (friction * load * x + load * y) / (np.pi * distance**2)
     expected = {"stress_xx": x * x, "stress_yy": y * y, "stress_xy": x * y}
     size = float(np.max(np.abs(radial)))
-    return max(float(np.max(np.abs(found[k] - radial * v / distance**2))) / size for k, v in expected.items())
+    return max(float(np.max(np.abs(fields[k] - radial * v / distance**2))) / size for k, v in expected.items())
 
 
 def _off(found: xr.DataArray, expected: xr.DataArray | Array) -> float:

@@ -89,12 +89,12 @@ def surface_error(case: dict[str, Any], places: tuple[float, ...]) -> float:
     case : dict, SI, as of `solver.solve`
     places : tuple of float, over the contact's half-width
     """
-    found = solver.solve(case, places)
+    solved = solver.solve(case, places)
     factors = {name: value for name, value in case.items() if name != "material"}
     exact = precise.solve(constants(solver.find(case["material"])), positions=places, **factors)
     known = {name: value for name, value in exact.quantities.items() if not isnan(value)}
-    quantities = max(off_each(found[name], float(value)) for name, value in known.items())
-    return max(quantities, *(off_each(found[name], np.array(v, float)) for name, v in exact.fields.items()))
+    quantities = max(off_each(solved[name], float(value)) for name, value in known.items())
+    return max(quantities, *(off_each(solved[name], np.array(v, float)) for name, v in exact.fields.items()))
 
 
 def interior_error(case: dict[str, Any]) -> float:
@@ -103,9 +103,9 @@ def interior_error(case: dict[str, Any]) -> float:
     points = [(x, y) for y in Y_INSIDE for x in X_INSIDE]
     factors = {name: value for name, value in case.items() if name not in ("material", "datum")}
     exact = interior.solve(constants(material), points, **factors)
-    found = solver.solve_interior(case, X_INSIDE, Y_INSIDE, fields=list(exact))
+    solved = solver.solve_interior(case, X_INSIDE, Y_INSIDE, fields=list(exact))
     worst = 0.0
     for name, values in exact.items():
         size = max(float(np.max(np.abs(values))), 1e-60)
-        worst = max(worst, float(np.max(np.abs(found[name].values.ravel() - np.array(values)))) / size)
+        worst = max(worst, float(np.max(np.abs(solved[name].values.ravel() - np.array(values)))) / size)
     return worst

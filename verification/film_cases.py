@@ -97,21 +97,21 @@ class Solved:
         profile, load = Profile.cylinder(np.array(self.case["radius"])), np.array([self.case["load"]])
         stack = Stack(layers, self.base or RIGID)
         wide = table(stack, self.case.get("friction", 0.0), self.conducts, least=0.05, most=12.0, nodes=24)
-        found = FilmContact(wide, profile, load, np.array([self.charges]), np.array(1.0))
-        return replace(found, table=wide.narrowed(float(found.half_width[0])))
+        solved = FilmContact(wide, profile, load, np.array([self.charges]), np.array(1.0))
+        return replace(solved, table=wide.narrowed(float(solved.half_width[0])))
 
     def quantities(self, datum: float) -> Answers:
         """Quantities by name, the largest tractions of the lowest interface among them."""
-        one = self.contact
-        peaks = PeakTable(one.table).interface(one)
+        contact = self.contact
+        peaks = PeakTable(contact.table).interface(contact)
         extremes = {"interface_shear": peaks.shear[0], "interface_tension": peaks.tension[0]}
         if not self.stacked:
             found = solver.solve(self.case | {"datum": datum})
             return {str(name): value.values for name, value in found.items()} | extremes
-        out = dict(zip(RESPONSES, one.response[0], strict=True)) | extremes
+        out = dict(zip(RESPONSES, contact.response[0], strict=True)) | extremes
         for end, side in (("trailing", 1.0), ("leading", -1.0)):
-            out |= zip((f"{name}_{end}" for name in INTENSITIES), one.edge_intensity(side)[0], strict=True)
-        return out | {"contact_trailing": one.trailing[0], "contact_leading": one.leading[0]}
+            out |= zip((f"{name}_{end}" for name in INTENSITIES), contact.edge_intensity(side)[0], strict=True)
+        return out | {"contact_trailing": contact.trailing[0], "contact_leading": contact.leading[0]}
 
     def surface(self, at: Array) -> Answers:
         """Surface fields by name."""

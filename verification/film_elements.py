@@ -93,8 +93,8 @@ class Compared:
     @property
     def ends(self) -> tuple[Answers, Answers]:
         """a and b; like the others below by the elements and by the solver."""
-        one = self.contact
-        ends = np.array([one.half_length + one.centre, one.half_length - one.centre])
+        contact = self.contact
+        ends = np.array([contact.half_length + contact.centre, contact.half_length - contact.centre])
         return {"ends": ends}, {"ends": np.array([self.quantities[f"contact_{end}"] for end in _ENDS])}
 
     @property
@@ -138,9 +138,11 @@ class Compared:
     @property
     def interface(self) -> tuple[Answers, Answers]:
         """Largest shear, and largest tension or 0."""
-        found = self.contact.interface(len(self.solved.layers) - 1)
+        tractions = self.contact.interface(len(self.solved.layers) - 1)
         expected = [self.quantities[f"interface_{name}"] for name in ("shear", "tension")]
-        return {"extremes": np.array([found["shear"], max(found["tension"], 0.0)])}, {"extremes": np.array(expected)}
+        return {"extremes": np.array([tractions["shear"], max(tractions["tension"], 0.0)])}, {
+            "extremes": np.array(expected)
+        }
 
     @cached_property
     def _potentials(self) -> list[tuple[int, str, str]]:

@@ -92,18 +92,18 @@ def thick(base: Case, expected: tuple[float, float]) -> float:
 
 def uniaxial() -> float:
     """Error of the load of a thin film of BaTiO3 on a rigid base, under a punch that takes no charge anywhere."""
-    one = solver.find("BaTiO3")
-    expected = 2 / 3 * float(one.c33 + one.e33**2 / one.eps33)
-    case = {"material": one, "electric": "insulating", "magnetic": "insulating"}
+    material = solver.find("BaTiO3")
+    expected = 2 / 3 * float(material.c33 + material.e33**2 / material.eps33)
+    case = {"material": material, "electric": "insulating", "magnetic": "insulating"}
     ratios, found = _thin(case, [expected * ratio**3 for ratio in (7.5, 15, 30)])
     return off(_limit(ratios, found["load"].values * 0.05 / THIN**2 / ratios**3), expected)
 
 
 def thin_charge() -> float:
     """Error of the charge per load of a thin film of BaTiO3 on a rigid base at zero volts."""
-    one = solver.find("BaTiO3")
-    ratios, found = _thin({"material": one}, [2 / 3 * float(one.c33) * ratio**3 for ratio in (7.5, 15, 30)])
-    return off(_limit(ratios, found.charge_sensitivity.values), float(one.e33 / one.c33))
+    material = solver.find("BaTiO3")
+    ratios, found = _thin({"material": material}, [2 / 3 * float(material.c33) * ratio**3 for ratio in (7.5, 15, 30)])
+    return off(_limit(ratios, found.charge_sensitivity.values), float(material.e33 / material.c33))
 
 
 def incompressible() -> float:
@@ -117,8 +117,8 @@ def incompressible() -> float:
 def _thin(case: Case, scaled: list[float]) -> tuple[Array, xr.Dataset]:
     """h/h1 of a film on a rigid base without friction at values of P R/h1^2 [Pa], and the solutions."""
     loads = [share * THIN**2 / 0.05 for share in scaled]
-    found = solver.solve({"radius": 0.05, "base": "rigid", "thickness": THIN, "load": loads, **case})
-    return _half(found) / THIN, found
+    solved = solver.solve({"radius": 0.05, "base": "rigid", "thickness": THIN, "load": loads, **case})
+    return _half(solved) / THIN, solved
 
 
 def _limit(ratios: Array, values: Array) -> float:
@@ -139,10 +139,10 @@ def totals() -> float:
     ends = np.pi / 2 * np.concatenate([ends, 2 - ends[-2::-1]])
     middle, width = (ends[1:] + ends[:-1])[:, None] / 2, np.diff(ends)[:, None] / 2
     theta, weight = (middle + width * nodes).ravel(), (width * weights).ravel()
-    found = solver.solve(case, np.cos(theta), regular=True)
-    half = float(_half(found))
-    pressed = found.contact_pressure.values * np.sin(theta)
-    whole = (pressed, -found.electric_displacement_y_regular.values, -found.magnetic_induction_y_regular.values)
+    solved = solver.solve(case, np.cos(theta), regular=True)
+    half = float(_half(solved))
+    pressed = solved.contact_pressure.values * np.sin(theta)
+    whole = (pressed, -solved.electric_displacement_y_regular.values, -solved.magnetic_induction_y_regular.values)
     loads = [case[name] for name in ("load", "charge", "magnetic_charge")]
     return off_each([half * float(weight @ values) for values in whole], loads)
 
@@ -151,9 +151,9 @@ def betti() -> float:
     """Largest relative difference of both sides of Betti's law between states of a flat punch on a film."""
     case = {"profile": "flat", "width": 4e-4, "volume_fraction": 0.5, "thickness": 2e-4, "base": "steel"}
     loads = {"load": [1e5, 2e5], "charge": [0.0, 1e-5], "magnetic_charge": [0.0, 1e-2]}
-    found = solver.solve(case | loads)
+    solved = solver.solve(case | loads)
     names = ("depth", "voltage", "magnetic_potential")
-    by = {k: found.diff(k).isel({other: 0 for other in loads if other != k}) / np.diff(v)[0] for k, v in loads.items()}
+    by = {k: solved.diff(k).isel({other: 0 for other in loads if other != k}) / np.diff(v)[0] for k, v in loads.items()}
     tangent = np.array([[float(by[load][name].squeeze()) for load in loads] for name in names])
     return off_each([tangent[0, 1], tangent[0, 2], tangent[1, 2]], [-tangent[1, 0], -tangent[2, 0], tangent[2, 1]])
 

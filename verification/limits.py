@@ -126,8 +126,8 @@ def uncoupled(field: int) -> float:
     kap = k[0] - N[0, 1] * k[1] / N[1, 1]
     alpha = np.arctan2(1, -case["friction"] * kap / lam) / np.pi
     width = np.sqrt(2 * lam * PUNCH["radius"] * PUNCH["load"] / (np.pi * alpha * (1 - alpha)))
-    found = [one.pressure_exponent, one.contact_trailing, one.contact_leading]
-    return max(same, answered, off_each(found, [alpha, (1 - alpha) * width, alpha * width]))
+    values = [one.pressure_exponent, one.contact_trailing, one.contact_leading]
+    return max(same, answered, off_each(values, [alpha, (1 - alpha) * width, alpha * width]))
 
 
 def _smaller(m: dict[str, float], field: int) -> tuple[Array, Array]:
@@ -165,13 +165,13 @@ def reciprocity() -> list[Check]:
 
 def mirror() -> float:
     """Largest relative error of the mirror image of every surface field."""
-    found = solver.solve({"material": SIH_SONG, **CHARGED}, X)
+    solved = solver.solve({"material": SIH_SONG, **CHARGED}, X)
     other = precise.solve(
         constants(solver.find(SIH_SONG)), positions=(-X).tolist(), **CHARGED | {"friction": -CHARGED["friction"]}
     )
     odd = ("shear_traction", "electric_displacement_x", "magnetic_induction_x")
     return max(
-        off(found[name], (-1 if name in odd else 1) * np.array(values, dtype=float))
+        off(solved[name], (-1 if name in odd else 1) * np.array(values, dtype=float))
         for name, values in other.fields.items()
     )
 
@@ -187,8 +187,8 @@ def units() -> float:
     plain = constants(solver.find(SIH_SONG))
     plain.pop("rho", None)
     changed = {name: value * of[name.rstrip("0123456789")] for name, value in plain.items()}
-    one = solver.solve({"material": solver.Material.from_mapping(plain), **CHARGED})
+    elastic = solver.solve({"material": solver.Material.from_mapping(plain), **CHARGED})
     two = solver.solve(
         {"material": solver.Material.from_mapping(changed), **{k: v * factors[k] for k, v in CHARGED.items()}}
     )  # fmt: skip
-    return off_each([two[name] for name in answers], [float(one[name]) * unit for name, unit in answers.items()])
+    return off_each([two[name] for name in answers], [float(elastic[name]) * unit for name, unit in answers.items()])

@@ -66,13 +66,13 @@ def run(sizes: Sizes) -> Findings:
 def hertz() -> float:
     """Largest relative error."""
     r = np.array([0.0, 0.4, 0.9])
-    found = solver.solve(_BARE | _BALL, r)
+    solved = solver.solve(_BARE | _BALL, r)
     a = (3 * _BARE["force"] * _BALL["radius"] / (4 * _PLANE)) ** (1 / 3)
     p0 = 3 * _BARE["force"] / (2 * np.pi * a**2)
     numbers = off_each(
-        [found["contact_radius"], found["depth"], found["peak_pressure"]], [a, a**2 / _BALL["radius"], p0]
+        [solved["contact_radius"], solved["depth"], solved["peak_pressure"]], [a, a**2 / _BALL["radius"], p0]
     )
-    return max(numbers, off(found["contact_pressure"], p0 * np.sqrt(1 - r**2)))
+    return max(numbers, off(solved["contact_pressure"], p0 * np.sqrt(1 - r**2)))
 
 
 def sneddon() -> float:
@@ -99,9 +99,9 @@ def huber() -> float:
 def hamilton() -> float:
     """Largest relative error, of three frictions."""
     eta = np.array([0.0, 0.25, 0.5])
-    found = solver.solve(_BARE | _BALL | {"punch": _BODY, "friction": eta})
+    solved = solver.solve(_BARE | _BALL | {"punch": _BODY, "friction": eta})
     share = (1 - 2 * _POISSON) / 3 + eta * np.pi * (4 + _POISSON) / 8
-    return off_each(found["trailing_tension"] / found["peak_pressure"], share)
+    return off_each(solved["trailing_tension"] / solved["peak_pressure"], share)
 
 
 def precise(case: Mapping[str, Any], exponent: float, coefficient: float) -> float:
@@ -113,13 +113,13 @@ def precise(case: Mapping[str, Any], exponent: float, coefficient: float) -> flo
     exponent, coefficient : float, the profile is coefficient r^exponent; of a disc 0 and its radius [m]
     """
     charges = {"total_charge": 3e-10, "total_flux": -2e-8}
-    found = solver.solve({"material": "BaTiO3-CoFe2O4 50:50", "force": 10.0} | charges | dict(case))
+    solved = solver.solve({"material": "BaTiO3-CoFe2O4 50:50", "force": 10.0} | charges | dict(case))
     exact = point.quantities(
         constants(solver.find("BaTiO3-CoFe2O4 50:50")), exponent=exponent, coefficient=coefficient, force=10.0,
         charge=charges["total_charge"], magnetic_charge=charges["total_flux"],
     )  # fmt: skip
-    names = [name for name in exact if name in found and (name != "peak_pressure" or exponent <= 2)]
-    return off_each([found[name] for name in names], [exact[name] for name in names])
+    names = [name for name in exact if name in solved and (name != "peak_pressure" or exponent <= 2)]
+    return off_each([solved[name] for name in names], [exact[name] for name in names])
 
 
 def own_base() -> float:
@@ -138,13 +138,13 @@ def hayes() -> float:
     """Largest relative error."""
     layer = _BARE | {"thickness": 1e-3, "base": "rigid", "force": 1.0} | _DISC
     shear = _MODULUS / (2 * (1 + _POISSON))
-    found = [
+    ratios = [
         float(solver.solve(layer | {"width": 2e-3 * ratio})["contact_stiffness"])
         * (1 - _POISSON)
         / (4 * shear * ratio * 1e-3)
         for ratio in _HAYES
     ]
-    return off_each(found, list(_HAYES.values()))
+    return off_each(ratios, list(_HAYES.values()))
 
 
 def thin() -> float:
@@ -166,20 +166,20 @@ def thin() -> float:
 
 def alike() -> float:
     """Largest relative difference from the material's own constant."""
-    found = [
+    values = [
         solver.solve({"material": "BaTiO3", "force": force} | punch)[name]
         for punch, *_ in _PROFILES
         for force in (1e-3, 10.0)
         for name in ("charge_sensitivity", "stroke_per_volt")
     ]
-    return off_each(found, np.full(len(found), float(found[0])))
+    return off_each(values, np.full(len(values), float(values[0])))
 
 
 def fixed_edge() -> float:
     """Relative difference of charge per force and stroke per volt of a disc on films of both bases."""
     disc = {key: value for key, value in _FILM.items() if key not in _BALL} | _DISC
-    found = [solver.solve(disc | {"base": base}) for base in _BASES]
-    return max(off_each(one["charge_sensitivity"], one["stroke_per_volt"]) for one in found)
+    solutions = [solver.solve(disc | {"base": base}) for base in _BASES]
+    return max(off_each(solution["charge_sensitivity"], solution["stroke_per_volt"]) for solution in solutions)
 
 
 def tangents() -> float:
@@ -213,5 +213,5 @@ def elements(base: str, order: int) -> float:
     other = PointContact(
         [layer], below, case["radius"], float(ours["contact_radius"]), case["total_charge"], 0.0, order=order
     )
-    found = [other.force, other.depth, other.voltage]
-    return off_each(found, [case["force"], float(ours["depth"]), float(ours["voltage"])])
+    values = [other.force, other.depth, other.voltage]
+    return off_each(values, [case["force"], float(ours["depth"]), float(ours["voltage"])])

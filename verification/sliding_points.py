@@ -92,11 +92,11 @@ def _moments(case: dict[str, Any], a: float) -> tuple[float, float]:
     x, w = np.polynomial.legendre.leggauss(_ANGLES)
     angle, weights = np.pi / 4 * (1 + x), np.pi / 4 * w
     r = np.sin(angle)
-    found = solver.solve(case, np.concatenate([r, -r]))
-    offset = float(found["contact_offset"])
+    solved = solver.solve(case, np.concatenate([r, -r]))
+    offset = float(solved["contact_offset"])
 
     def moment(name: str, total: float, sign: float) -> float:
-        values = found[name].values.squeeze()
+        values = solved[name].values.squeeze()
         odd = (values[: r.size] - values[r.size :]) / 2
         return total * offset + sign * np.pi * a**3 * float(np.sum(weights * np.cos(angle) * r**2 * odd))
 
@@ -106,5 +106,5 @@ def _moments(case: dict[str, Any], a: float) -> tuple[float, float]:
 
 def first_order(case: dict[str, Any]) -> float:
     """Largest difference of the moments at little friction, where the second order is below the grid's error."""
-    found = difference(case, 0.05, 128)
-    return max(abs(found.force_moment), abs(found.charge_moment))
+    differences = difference(case, 0.05, 128)
+    return max(abs(differences.force_moment), abs(differences.charge_moment))

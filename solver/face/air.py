@@ -1,7 +1,6 @@
 """Cases with air beside the contact: a film's as without, a half-plane's as a film bonded to its own material."""
 
-from collections.abc import Sequence, Set
-from typing import NoReturn
+from collections.abc import Iterable, Sequence, Set
 
 import numpy as np
 
@@ -11,9 +10,10 @@ from solver.body import HALF_PLANE_IN_AIR
 from solver.face.film import OnFilm
 from solver.face.filmbodies import Bodies, HalfPlanes
 from solver.face.halfplane import contact_of
-from solver.face.refusal import FactorError
 from solver.film.similar import Films
-from solver.surroundings.fields import curves, fields, inside, peaks
+from solver.material.constants import MaterialError
+from solver.names import PEAKS
+from solver.surroundings.fields import body_curves, body_peaks, curves, fields, inside, peaks
 from solver.surroundings.quantities import quantities
 
 
@@ -48,7 +48,7 @@ class FilmInAir(OnFilm):
 
 
 class HalfPlaneInAir(FilmInAir):
-    """The same on half-planes, whose peaks and curves are not given.
+    """The same on half-planes.
 
     Its half-length is that of the closed form: a half-plane's pressure does not know what charges lie beside it.
     """
@@ -63,24 +63,15 @@ class HalfPlaneInAir(FilmInAir):
         return {name: value for name, value in super().quantities().items() if name in HALF_PLANE_IN_AIR.quantities}
 
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
-        """None: those of a half-plane are searched for in its closed form."""
-        return {}
+        """Those of ``solver.names.PEAKS`` that are asked for; (...)."""
+        self._require_c12(asked & PEAKS.keys())
+        return self._put_together(lambda films, places: body_peaks(films, self._medium(places), asked))
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """Refused: as the peaks."""
-        refuse("curves", "stresses of half-planes with air beside their contacts")
+        """Sizes and curves of the region ``body``; (...) and (..., point)."""
+        self._require_c12(PEAKS)
+        return self._put_together(lambda films, places: body_curves(films, self._medium(places)))
 
-
-def refuse(name: str, what: str) -> NoReturn:
-    """Refuse what is not given of contacts with air beside them, by the argument that asks for it.
-
-    Parameters
-    ----------
-    name, what : str, the argument, and what it asks for
-
-    Raises
-    ------
-    FactorError
-        Always.
-    """
-    raise FactorError(f"{name}: {what} are not given; ask for quantities alone")
+    def _require_c12(self, names: Iterable[str]) -> None:
+        if names and (lacks := self._bodies.lacks_c12) is not None:
+            raise MaterialError(f"{lacks}: c12: missing; {next(iter(names))} needs it [Pa]")

@@ -6,16 +6,16 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.face.air import refuse
 from solver.face.halfspace import OnHalfSpace
-from solver.face.point import OnPoints
+from solver.face.point import SURFACE, OnPoints
 from solver.face.pointfilm import OnPointFilm, with_nominal_field
-from solver.face.refusal import CaseError
+from solver.face.refusal import CaseError, FactorError
+from solver.fields import POINT_NEED_C12
 from solver.point.pressed import Pressed
 from solver.point.sliding import warn_of_order
+from solver.surroundings.pointfields import fields, inside, peaks
 from solver.surroundings.pointquantities import quantities
 
-_FIELDS = "fields of point contacts with air beside them"
 _BESIDE = ("peak_displacement", "gap_field")
 
 
@@ -36,17 +36,17 @@ class _InAir(OnPoints):
         edge are then left out.
         """
         slides = bool(np.any(self._friction))
-        permittivity, end = self.flat(self.cases.number("gap_permittivity")), self.flat(self._end)
 
         def solved(pressed: Pressed, places: Indices) -> dict[str, Array]:
             warn_of_order(pressed)
-            found = with_nominal_field(quantities(pressed, permittivity[places], end[places]), pressed)
-            if "gap_radius" in self.cases.values and np.any(narrow := found["contact_radius"] > end[places]):
+            permittivity, end = self._gap(places)
+            values = with_nominal_field(quantities(pressed, permittivity, end), pressed)
+            if "gap_radius" in self.cases.values and np.any(narrow := values["contact_radius"] > end):
                 raise CaseError(
-                    f"gap_radius: {end[places][narrow][0]:g} is less than the contact's radius "
-                    f"{found['contact_radius'][narrow][0]:.4g} m: the punch is at least as wide as its contact"
+                    f"gap_radius: {end[narrow][0]:g} is less than the contact's radius "
+                    f"{values['contact_radius'][narrow][0]:.4g} m: the punch is at least as wide as its contact"
                 )
-            return {name: value for name, value in found.items() if not (slides and name in _BESIDE)}
+            return {name: value for name, value in values.items() if not (slides and name in _BESIDE)}
 
         return self.put_together(solved)
 
@@ -56,21 +56,40 @@ class _InAir(OnPoints):
         said = self.cases.values.get("gap_radius", np.array(np.nan))
         return np.asarray(np.where(np.isnan(said), self.cases.number("radius"), said))
 
-    def peaks(self, asked: Set[str]) -> dict[str, Array]:
-        """None: fields of contacts with air beside them are not given."""
-        return {}
-
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """None: fields of contacts with air beside them are not given."""
-        refuse("curves", _FIELDS)
+        """Refused: as without air."""
+        raise FactorError("curves: of a body under a point contact are not given; ask for peaks")
 
+    @np.errstate(all="ignore")
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """Refused: as the curves."""
-        refuse("positions", _FIELDS)
+        """Fields of ``solver.fields.POINT_FIELDS`` at r/a that every case has; (..., position)."""
+        self._refuse_sliding("positions: fields")
+        values = self.put_together(lambda pressed, own: fields(pressed, *self._gap(own), positions))
+        if self._lacks_c12 is None:
+            names = [name for name in SURFACE if SURFACE[name] in POINT_NEED_C12]
+            stresses = self.interior(positions, np.zeros(1), [SURFACE[name] for name in names])
+            values |= {name: stresses[SURFACE[name]][..., 0, :] for name in names}
+        return self.with_regular(values, positions) if regular else values
 
-    def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """Refused: as the curves."""
-        refuse("fields", _FIELDS)
+    def _peaks(self, pressed: Pressed, places: Indices, asked: Set[str]) -> dict[str, Array]:
+        self._refuse_sliding("peaks: those")
+        return peaks(pressed, *self._gap(places), self._inside(places, pressed), asked)
+
+    def _fields(self, pressed: Pressed, places: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
+        self._refuse_sliding("fields: those")
+        return inside(pressed, *self._gap(places), self._inside(places, pressed), x, y, names)
+
+    def _gap(self, places: Indices) -> tuple[Array, Array]:
+        """Relative permittivity of what fills the gaps of some cases, and where they end [m]; (place,) each."""
+        return self.flat(self.cases.number("gap_permittivity"))[places], self.flat(self._end)[places]
+
+    def _refuse_sliding(self, what: str) -> None:
+        if np.any(slides := self._friction):
+            raise FactorError(
+                f"{what} of a sliding point contact with air beside it (friction: {np.max(slides):g}) are not given, "
+                "for charges beside it to the first order in friction are not solved; must be 0, or surroundings: "
+                "insulated"
+            )
 
 
 class HalfSpaceInAir(_InAir, OnHalfSpace):

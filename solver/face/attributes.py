@@ -38,7 +38,7 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
     """
     defaults = _defaults(arrays)
     kinds = present(arrays)
-    found = {
+    attrs = {
         "title": title.replace("half-plane", " or ".join(sorted(kind.name for kind in kinds))),
         "source": "; ".join(
             SOURCES[contact] + "".join(kind.method for kind in kinds if kind.contact == contact)
@@ -47,12 +47,12 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
     }
     if "material" not in arrays and BODY not in arrays:
         used = _kinds(arrays, "composite") or [str(defaults["composite"])]
-        found["composite"] = ", ".join(str(composite) for composite in used)
+        attrs["composite"] = ", ".join(str(composite) for composite in used)
     if "volume_fraction" in arrays:
-        found["phases"] = ", ".join(phase.name if isinstance(phase, Material) else phase for phase in phases)
+        attrs["phases"] = ", ".join(phase.name if isinstance(phase, Material) else phase for phase in phases)
     words = {name: f" {FACTORS[name].units}" for name in defaults if name in FACTORS and FACTORS[name].units != "1"}
     shown = {name: f"{value:g}" if isinstance(value, float) else value for name, value in defaults.items()}
-    return {**found, "defaults": ", ".join(f"{name} = {text}{words.get(name, '')}" for name, text in shown.items())}
+    return {**attrs, "defaults": ", ".join(f"{name} = {text}{words.get(name, '')}" for name, text in shown.items())}
 
 
 def of_output(described: Described, arrays: Mapping[str, xr.DataArray], kinds: Sequence[Kind]) -> dict[str, str]:
@@ -101,13 +101,13 @@ def united(parts: Sequence[Mapping[Any, Any]]) -> dict[Any, Any]:
 
 def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
     """Defaults that are used; only what a profile takes is one."""
-    found: dict[str, float | str] = {
+    defaults: dict[str, float | str] = {
         name: factor.default for name, factor in FACTORS.items() if factor.default is not None and name not in arrays
     }
     kinds = _kinds(arrays, "profile") or [CHOICES["profile"][0]]
     takes = {name for kind in kinds if not isinstance(kind, Profile) for name in PROFILES[str(kind)].may}
     if "slope" in takes and not {"slope", "moment"} & set(arrays):
-        found["slope"] = 0.0
+        defaults["slope"] = 0.0
     spared = {"composite"} if {"material", BODY} & set(arrays) else set()
     spared |= set() if "corner" in takes else {"corner"}
     kinds_present = present(arrays)
@@ -120,13 +120,13 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
     unused |= set() if any(kind.air for kind in kinds_present) else {*OF_A_GAP}
     unused |= set() if "patch_size" in arrays else {*OF_AN_ELECTRODE}
     spared |= {"patch"} | unused
-    found = {name: value for name, value in found.items() if name not in unused}
+    defaults = {name: value for name, value in defaults.items() if name not in unused}
     if "interface_magnetic" not in {*arrays, *spared}:
         spared |= {"interface_magnetic"}
-        found["interface_magnetic"] = "grounded on a rigid base and bonded on others"
+        defaults["interface_magnetic"] = "grounded on a rigid base and bonded on others"
     if "patch_size" in arrays and "patch" not in arrays:
-        found["patch"] = "disc below a point and strip below a line"
-    return found | {name: names[0] for name, names in CHOICES.items() if name not in arrays and name not in spared}
+        defaults["patch"] = "disc below a point and strip below a line"
+    return defaults | {name: names[0] for name, names in CHOICES.items() if name not in arrays and name not in spared}
 
 
 def _kinds(arrays: Mapping[str, xr.DataArray], name: str) -> list[Any]:

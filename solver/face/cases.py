@@ -150,13 +150,13 @@ class Cases:
         """
         kinds = present(self.arrays)
         own = {name: axis.size for name, axis in (axes or {}).items()}
-        found = {}
+        outputs = {}
         for name, value in values.items():
             if not np.all(np.isfinite(value) | (np.isnan(value) & (described[name].sparse | hollow))):
                 raise CaseError(f"{name}: not finite for these {of}")
             whole = np.broadcast_to(value, (*self.sizes.values(), *own.values()))
-            found[name] = xr.Variable((*self.sizes, *own), whole, of_output(described[name], self.arrays, kinds))
-        return found
+            outputs[name] = xr.Variable((*self.sizes, *own), whole, of_output(described[name], self.arrays, kinds))
+        return outputs
 
     def solved(self, title: str, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
         """The part of each kind of case, put together, with global attributes.

@@ -64,15 +64,15 @@ def solve_curves(
     def part(cases: Cases) -> xr.Dataset:
         body, coordinates = body_of(cases), cases.coordinates
         values = body.curves(regions)
-        found = cases.labelled({name: values[name] for name in SIZES if name in values}, SIZES, _OF)
+        outputs = cases.labelled({name: values[name] for name in SIZES if name in values}, SIZES, _OF)
         for name in regions:
             table = described(name)
             if not values.keys() >= table.keys():
                 continue
             attrs = {"units": "1", "long_name": f"number of a point of the panels over the {name}"}
             axis = {f"{name}_point": xr.Variable(f"{name}_point", np.arange(REGIONS[name].panels.size), attrs)}
-            found |= cases.labelled({key: values[key] for key in table}, table, _OF, axis)
+            outputs |= cases.labelled({key: values[key] for key in table}, table, _OF, axis)
             coordinates |= axis
-        return xr.Dataset(found, coordinates)
+        return xr.Dataset(outputs, coordinates)
 
     return cases.solved("exact stresses inside a magneto-electro-elastic body below a sliding punch", part)

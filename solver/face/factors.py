@@ -171,10 +171,10 @@ def _in_si(name: str, array: xr.DataArray) -> xr.DataArray:
     """Texts such as "20 um" as numbers in SI; what else there is, as it is."""
     if array.dtype.kind in "iuf" or not any(isinstance(text, str) for text in array.values.flat):
         return array
-    factor, found = FACTORS[name], np.empty(array.shape, dtype=object)
+    factor, values = FACTORS[name], np.empty(array.shape, dtype=object)
     for place, given in np.ndenumerate(array.values):
         try:
-            found[place] = in_si(str(given), factor.units) if isinstance(given, str) else given
+            values[place] = in_si(str(given), factor.units) if isinstance(given, str) else given
         except ValueError as error:
             wrong = (
                 str(error)
@@ -182,8 +182,8 @@ def _in_si(name: str, array: xr.DataArray) -> xr.DataArray:
                 else f"{shown(given)} is not {factor.allowed}, bare or with its unit"
             )
             raise FactorError(f"{name}: {wrong}") from None
-    numbers = all(is_finite(value) for value in found.flat)
-    return array.copy(data=found.astype(np.float64) if numbers else found)
+    numbers = all(is_finite(value) for value in values.flat)
+    return array.copy(data=values.astype(np.float64) if numbers else values)
 
 
 def _number(name: str, array: xr.DataArray) -> xr.DataArray:

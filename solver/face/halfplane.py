@@ -64,13 +64,13 @@ class OnHalfPlane:
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """Those of ``solver.names.PEAKS`` that are asked for; (...)."""
         self._require_c12([name for name in PEAKS if name in asked])
-        found: dict[str, Array] = {}
+        every: dict[str, Array] = {}
         if {"peak_von_mises", "peak_von_mises_depth"} & asked:
             largest = peak_von_mises(self.contact)
-            found |= {"peak_von_mises": largest.value, "peak_von_mises_depth": largest.depth}
+            every |= {"peak_von_mises": largest.value, "peak_von_mises_depth": largest.depth}
         if "peak_principal_tension" in asked:
-            found["peak_principal_tension"] = peak_principal_tension(self.contact).value
-        return {name: value for name, value in found.items() if name in asked}
+            every["peak_principal_tension"] = peak_principal_tension(self.contact).value
+        return {name: value for name, value in every.items() if name in asked}
 
     @np.errstate(all="ignore")
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
@@ -90,13 +90,13 @@ class OnHalfPlane:
         regular : bool, whether the singular ones are wanted in regular form too
         """
         fields = surface_fields(self.contact, positions)
-        found: dict[str, Array] = {}
+        out: dict[str, Array] = {}
         for name in FIELDS:
             field = getattr(fields, name)
-            found[name] = field.values if name in SINGULAR else field
+            out[name] = field.values if name in SINGULAR else field
             if regular and name in SINGULAR:
-                found[f"{name}_regular"] = field.regular
-        return found
+                out[f"{name}_regular"] = field.regular
+        return out
 
     @np.errstate(all="ignore")
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:

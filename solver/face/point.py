@@ -75,12 +75,10 @@ class OnPoints:
         """Those of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and every case has; (...)."""
         if (lacks := self._lacks_c12) is not None:
             raise MaterialError(f"{lacks}: c12: missing; largest stresses under a point need it [Pa]")
-        return self.put_together(
-            lambda pressed, places: peaks(pressed, self._inside(places, pressed), asked), self._apart()
-        )
+        return self.put_together(lambda pressed, places: self._peaks(pressed, places, asked), self._apart())
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """Refused: peaks of points are searched for, not learned from curves."""
+        """Refused: peaks of points are searched for, not learnt from curves."""
         raise FactorError("curves: of a body under a point contact are not given; ask for peaks")
 
     @np.errstate(all="ignore")
@@ -132,16 +130,24 @@ class OnPoints:
         linear = tuple(dict.fromkeys(needed))
 
         def found(pressed: Pressed, places: Indices) -> dict[str, Array]:
-            tractions = Rubbed(pressed.charged).tractions
-            whole = self._within(places, pressed).fields(tractions, x, y, linear)
+            whole = self._fields(pressed, places, x, y, linear)
             values = {name: whole[:, number] for number, name in enumerate(linear)}
-            for name in POTENTIALS.keys() & values.keys():
-                values[name] = values[name] * pressed.length[:, None, None]
             for name in set(names) & DERIVED.keys():
                 values[name] = DERIVED[name](*(values[stress] for stress in STRESSES))
             return {name: values[name] for name in names}
 
         return self.put_together(found, self._apart())
+
+    # -- what is beside the contact has its part in ------------------------------------------------------------------
+    def _peaks(self, pressed: Pressed, places: Indices, asked: Set[str]) -> dict[str, Array]:
+        return peaks(pressed, self._inside(places, pressed), asked)
+
+    def _fields(self, pressed: Pressed, places: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
+        """Fields of ``LINEAR`` and potentials; (case, field, y, x)."""
+        values = self._within(places, pressed).fields(Rubbed(pressed.charged).tractions, x, y, names)
+        potentials = [number for number, name in enumerate(names) if name in POTENTIALS]
+        values[:, potentials] *= pressed.length[:, None, None, None]
+        return values
 
     @property
     def _lacks_c12(self) -> str | None:
@@ -173,14 +179,14 @@ class OnPoints:
         parts : sequence of (ndarray of int, Pressed), places and contacts; None: those of all cases
         """
         try:
-            found = [(places, output(pressed, places)) for places, pressed in parts or self._parts]
+            solved = [(places, output(pressed, places)) for places, pressed in parts or self._parts]
         except ContactError as error:
             raise CaseError(str(error)) from None
         out: dict[str, Array] = {}
-        for name in found[0][1]:
-            if all(name in values for _, values in found):
-                whole = np.empty((int(np.prod(self.shape)), *found[0][1][name].shape[1:]))
-                for places, values in found:
+        for name in solved[0][1]:
+            if all(name in values for _, values in solved):
+                whole = np.empty((int(np.prod(self.shape)), *solved[0][1][name].shape[1:]))
+                for places, values in solved:
                     whole[places] = values[name]
                 out[name] = whole.reshape((*self.shape, *whole.shape[1:]))
         return out

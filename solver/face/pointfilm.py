@@ -44,7 +44,7 @@ class OnPointFilm(OnPoints):
         punches = conducts[..., 0], conducts[..., 1], elastic.compliance, elastic.coupling, electroded(self.cases)
         columns = [self.flat(column) for column in (*bodies.columns, *punches)]
         kinds, which = distinct_rows(np.stack(columns, -1))
-        thickness, reading, found = self.flat(bodies.thickness), reading_of(self.cases), []
+        thickness, reading, pressed = self.flat(bodies.thickness), reading_of(self.cases), []
         for number, (*row, electric, magnetic, punch, coupling, covered) in enumerate(kinds.tolist()):
             film = Kind(*bodies.film(row), 0.0, (True, True), (True, True), 1, electroded=bool(covered))
             if metal := film.electroded or film.stack().conductors[0]:
@@ -56,8 +56,8 @@ class OnPointFilm(OnPoints):
                 read = None if reading is None else reading.part(own)
                 friction = self._rubbing(kind, own, coupling)
                 loads = self._loads(own)
-                found.append((own, Pressed(body, kind.scale, coefficient, *loads, np.array(held), read, friction)))
-        return found
+                pressed.append((own, Pressed(body, kind.scale, coefficient, *loads, np.array(held), read, friction)))
+        return pressed
 
     def _refuse_electroded(self, what: str) -> None:
         if any(pressed.body.kind.film.electroded for _, pressed in self._parts if isinstance(pressed.body, Film)):
@@ -92,7 +92,7 @@ class OnPointFilm(OnPoints):
         return None if self._lacks_c12 is not None or stack.electroded else Rim.of(stack.media[0].halfplane)
 
     def _stretch(self, places: Indices) -> Stretch | None:
-        stack = next(_stack(one) for own, one in self._parts if own is places)
+        stack = next(_stack(pressed) for own, pressed in self._parts if own is places)
         if self._lacks_c12 is not None or stack.electroded or stack.top.graded:
             return None
         return Stretch.of(stack.media[0].halfplane)
@@ -118,13 +118,13 @@ class OnPointFilm(OnPoints):
         positions : ndarray, shape (position,), r/a, of sliding punches x/a
         regular : bool, whether the singular ones are wanted in regular form too
         """
-        found = super().surface(positions, regular=regular)
+        values = super().surface(positions, regular=regular)
         if self._lacks_c12 is None and any(_stack(pressed).top.graded for _, pressed in self._parts):
             inside = self.interior(positions, np.zeros(1), ["stress_xx", "stress_zz"])
             for name, own in (("radial_stress", "stress_xx"), ("hoop_stress", "stress_zz")):
-                found[name] = inside[own][..., 0, :]
-            found = self.with_regular(found, positions) if regular else found
-        return found
+                values[name] = inside[own][..., 0, :]
+            values = self.with_regular(values, positions) if regular else values
+        return values
 
     def _refuse_graded(self, why: str) -> None:
         if any(_stack(pressed).top.graded for _, pressed in self._parts):

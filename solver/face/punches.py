@@ -57,8 +57,8 @@ def _given(cases: Cases) -> bool:
 def _elasticity(cases: Cases, which: Iterable[Any]) -> Array:
     """Modulus and Poisson's ratio of named punches; (2, case). Every name is found once."""
     named = list(which)
-    found = {fromkey: _isotropic(cases, fromkey) for fromkey in dict.fromkeys(named)}
-    return np.array([found[name] for name in named]).T
+    punches = {fromkey: _isotropic(cases, fromkey) for fromkey in dict.fromkeys(named)}
+    return np.array([punches[name] for name in named]).T
 
 
 def _isotropic(cases: Cases, which: object) -> tuple[float, float]:

@@ -90,14 +90,14 @@ def solve(
     def part(cases: Cases) -> xr.Dataset:
         body, coordinates = body_of(cases), cases.coordinates
         values = body.quantities() | (body.peaks(searched) if searched else {})
-        found = cases.labelled(values, ALL_QUANTITIES, "factors (contact as wide as the datum, or overflow)")
+        outputs = cases.labelled(values, ALL_QUANTITIES, "factors (contact as wide as the datum, or overflow)")
         if X is not None:
             coordinates |= (
                 axis := {"position": xr.Variable("position", X, ALONG if cases.kind.contact == "line" else ACROSS)}
             )
             fields = body.surface(X, regular=regular)
-            found |= cases.labelled(fields, EVERY_FIELD, "factors and positions (overflow)", axis)
-        return xr.Dataset(found, coordinates)
+            outputs |= cases.labelled(fields, EVERY_FIELD, "factors and positions (overflow)", axis)
+        return xr.Dataset(outputs, coordinates)
 
     out = cases.solved("exact solution of a punch sliding on a magneto-electro-elastic half-plane", part)
     first = [name for name in ALL_QUANTITIES if name in out]

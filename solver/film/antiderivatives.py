@@ -60,12 +60,12 @@ class Antiderivatives:
         far = np.abs(z) >= _FAR
         out[far] = self._far(z[far])
         near, start = z[~far], self._far(_START)
-        found = []
+        columns = []
         for block in range(0, near.size, _BLOCK):
             path = near[block : block + _BLOCK] - _START
             line = _START + path[:, None] * LINE
-            found.append(start + path * (self._first_transform(line) @ LINE_WEIGHTS))
-        out[~far] = np.concatenate(found) if found else 0
+            columns.append(start + path * (self._first_transform(line) @ LINE_WEIGHTS))
+        out[~far] = np.concatenate(columns) if columns else 0
         return out
 
     def _far(self, z: ComplexArray) -> ComplexArray:

@@ -69,8 +69,8 @@ class Assembly:
         system, M = self.system, self.basis.terms
         series = system.eliminated(self._rough[1])[1]
         signs = np.stack([np.ones(M), (-1.0) ** np.arange(1, M + 1)])
-        found = system.eliminated(self._rough[0])[0], system.eliminated(self._rough[2][:, :3])[0]
-        return signs @ series[:, :, :M] - series[:, :, M:], found[1] - self.basis.dual(EDGES, M).T @ found[0]
+        rows = system.eliminated(self._rough[0])[0], system.eliminated(self._rough[2][:, :3])[0]
+        return signs @ series[:, :, :M] - series[:, :, M:], rows[1] - self.basis.dual(EDGES, M).T @ rows[0]
 
     @property
     def displacements(self) -> Array:
@@ -137,10 +137,10 @@ class Assembly:
         """Unknowns, quadrature nodes, rule and (sigma_yy, D_y, B_y) carried, of the pressure and of each field."""
         basis, c = self.basis, self.system.coefficients
         own = np.concatenate([[1.0], c.follower * [f in c.fields for f in (0, 1)]])
-        found = [(slice(0, basis.pressures), *basis.pressure_rule, own)]
+        rules = [(slice(0, basis.pressures), *basis.pressure_rule, own)]
         for f, start in self.system.starts(basis).items():
-            found.append((slice(start, start + basis.terms + 1), *basis.charge_rule, np.eye(3)[1 + f]))
-        return found
+            rules.append((slice(start, start + basis.terms + 1), *basis.charge_rule, np.eye(3)[1 + f]))
+        return rules
 
 
 def mixing(friction: float, carried: Array) -> Array:

@@ -104,8 +104,8 @@ class _Read:
         else:
             of_case, rows = self._rows
             share = np.array([row.wave(self.k) for row in rows])[of_case]
-        found = np.asarray(np.sum((self.carried[:, 0] * wave).real * share * self.weights, -1)) / np.pi
-        return found + self._local(distance, size, order) if self.electrode.on_top else found
+        charge = np.asarray(np.sum((self.carried[:, 0] * wave).real * share * self.weights, -1)) / np.pi
+        return charge + self._local(distance, size, order) if self.electrode.on_top else charge
 
     @cached_property
     def _rows(self) -> tuple[Indices, list[Strips]]:

@@ -135,8 +135,8 @@ class FilmContact:
     # -- edges ---------------------------------------------------------------------------------------------------------
     def edge_intensity(self, edge: float) -> Array:
         """lim sqrt(2 pi r) (D_y, B_y) [C m^-3/2, T m^1/2] at X = 1 trailing or -1 leading; (case, 2)."""
-        found = self.output(outputs.INTENSITY)[:, (0, 2) if edge > 0 else (1, 3)]
-        return np.asarray(np.sqrt(self.half_width)[:, None] * found / self.scale[2:])
+        intensities = self.output(outputs.INTENSITY)[:, (0, 2) if edge > 0 else (1, 3)]
+        return np.asarray(np.sqrt(self.half_width)[:, None] * intensities / self.scale[2:])
 
     def edge_stress(self, edge: float) -> Array:
         """sigma_xx [Pa] on the free surface just outside a smooth edge, X = 1 trailing or -1 leading; (case,)."""
@@ -177,15 +177,15 @@ class FilmContact:
 
         Charges carry a part of the load, which changes with them, and move the contact where there is friction.
         """
-        found = self._by_load
+        slopes = self._by_load
         if self.loading.order != -1:
             jacobian, right, by_edges = self._edges
             shift = right[:, 1, 1:] / jacobian[:, 1, 1, None]
             carried = jacobian[:, 0, 1, None] * shift - right[:, 0, 1:]
-            found = found[..., 1:] - self.far[..., :1] * carried[:, None, :] + by_edges[..., 1:] * shift[:, None, :]
+            slopes = slopes[..., 1:] - self.far[..., :1] * carried[:, None, :] + by_edges[..., 1:] * shift[:, None, :]
         else:
-            found = found[..., 1:]
-        return self._si(found, self.scale[2:])
+            slopes = slopes[..., 1:]
+        return self._si(slopes, self.scale[2:])
 
     @property
     def _first_charge(self) -> int:
@@ -213,15 +213,15 @@ class FilmContact:
     def _by_load(self) -> Array:
         """d (displacement, potentials) / d (P, T, J) at fixed edges and slope, units of the stack; (case, 3, 3)."""
         first, read = self._first_charge, self._read(outputs.DISPLACEMENT)
-        found = np.zeros((self.load.size, 3, 3))
-        found[..., 1:] = read[..., first : first + 2]
-        found -= self.far
+        slopes = np.zeros((self.load.size, 3, 3))
+        slopes[..., 1:] = read[..., first : first + 2]
+        slopes -= self.far
         if self.loading.order == -1:
-            found[..., 0] += read[..., -1]
+            slopes[..., 0] += read[..., -1]
             if self.profile.moment is not None:
                 moments = self._read(slice(outputs.MOMENT, outputs.MOMENT + 1))[:, 0]
-                found -= read[..., :1] * (moments[:, [-1, first, first + 1]] / moments[:, :1])[:, None, :]
-        return found
+                slopes -= read[..., :1] * (moments[:, [-1, first, first + 1]] / moments[:, :1])[:, None, :]
+        return slopes
 
     @cached_property
     def _edges(self) -> tuple[Array, Array, Array]:
@@ -255,9 +255,9 @@ class FilmContact:
 
     def _si(self, tangents: Array, loads: Array) -> Array:
         """Derivatives by some loads in SI, those of the displacement as depth, g - u_y."""
-        found = tangents * self.scale[1:, None] * loads
-        found[:, 0] *= -1
-        return np.asarray(found)
+        scaled = tangents * self.scale[1:, None] * loads
+        scaled[:, 0] *= -1
+        return np.asarray(scaled)
 
     def part(self, case: int) -> "FilmContact":
         """One of the cases."""

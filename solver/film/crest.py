@@ -23,14 +23,14 @@ def peak_pressure(contact: FilmContact) -> Array:
     series[:, [0, -1]] /= 2
     size = np.max(np.abs(series), axis=(0, 2))
     count = int(np.flatnonzero(size > _NEGLIGIBLE * np.max(size))[-1]) + 1
-    found = np.empty(contact.load.size)
-    for start in range(0, found.size, _CHUNK):
+    peaks = np.empty(contact.load.size)
+    for start in range(0, peaks.size, _CHUNK):
         some = slice(start, start + _CHUNK)
         polynomials = contact.table.polynomials(np.log(contact.half_width[some]))
         read = np.tensordot(polynomials, series[:, :count], 1)
         own = np.einsum("cjq,cq->cj", read, contact.causes.values[some])
-        found[some] = largest(own, contact.exponent)
-    return np.asarray(found / contact.scale[1])
+        peaks[some] = largest(own, contact.exponent)
+    return np.asarray(peaks / contact.scale[1])
 
 
 def largest(series: Array, exponent: float) -> Array:
@@ -48,9 +48,9 @@ def largest(series: Array, exponent: float) -> Array:
     beside = np.pad(values, ((0, 0), (1, 1)), constant_values=-np.inf)
     hill = (values >= beside[:, :-2]) & (values >= beside[:, 2:]) & (values >= _RIVAL * values.max(1, keepdims=True))
     cases, places = np.nonzero(hill)
-    found = np.full(len(series), -np.inf)
-    np.maximum.at(found, cases, _tops(series[cases], A, np.arccos(grid[places])))
-    return found
+    highest = np.full(len(series), -np.inf)
+    np.maximum.at(highest, cases, _tops(series[cases], A, np.arccos(grid[places])))
+    return highest
 
 
 def _tops(series: Array, A: float, angle: Array) -> Array:

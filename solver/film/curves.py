@@ -29,8 +29,8 @@ def region_curves(of: PeakTable, contact: FilmContact, region: str) -> dict[str,
     """
     here, (net, series) = REGIONS[region], _tabulated(of, region)
     across, down = here.lines()
-    found = interpolation(net.down, down) @ of.read(contact, series) @ _along(net.across, across).T
-    stresses = here.panels.by_panel(found)
+    values = interpolation(net.down, down) @ of.read(contact, series) @ _along(net.across, across).T
+    stresses = here.panels.by_panel(values)
     out = {f"{region}_{name}": stresses[:, k] for k, name in enumerate(here.fields[: stresses.shape[1]])}
     return out | ({"interface_position": net.positions(contact.half_width, across)} if region == "interface" else {})
 

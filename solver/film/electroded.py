@@ -31,18 +31,18 @@ class Electroded(HalfPlane):
     def compliance(self) -> Array:
         """N of (y, phi, psi); (..., 3, 3)."""
         own = self._bare.compliance
-        found = own - self._shares[..., 1:, None] * own[..., None, 1, :]
-        found[..., 1, :] = found[..., :, 1] = 0.0
-        found[..., 1, 1] = own[..., 1, 1]
-        return np.asarray(found)
+        bare = own - self._shares[..., 1:, None] * own[..., None, 1, :]
+        bare[..., 1, :] = bare[..., :, 1] = 0.0
+        bare[..., 1, 1] = own[..., 1, 1]
+        return np.asarray(bare)
 
     @cached_property
     def friction_coupling(self) -> Array:
         """k of (y, phi, psi); (..., 3)."""
         own = self._bare.friction_coupling
-        found = own - self._shares[..., 1:] * own[..., 1:2]
-        found[..., 1] = 0.0
-        return np.asarray(found)
+        bare = own - self._shares[..., 1:] * own[..., 1:2]
+        bare[..., 1] = 0.0
+        return np.asarray(bare)
 
     @cached_property
     def tangential_compliance(self) -> Array:
@@ -69,9 +69,9 @@ def surface(stack: Stack) -> Array:
     own = stack.media[0].compliance
     if not stack.electroded:
         return own
-    found = held(own, (_PHI,))
-    found[_PHI, _PHI] = own[_PHI, _PHI]
-    return found
+    Y = held(own, (_PHI,))
+    Y[_PHI, _PHI] = own[_PHI, _PHI]
+    return Y
 
 
 def difference(stack: Stack, k: Array) -> Array:
@@ -89,9 +89,9 @@ def difference(stack: Stack, k: Array) -> Array:
     share = np.eye(4)
     share[:, _PHI] -= own[_PHI] / own[_PHI, _PHI] - share[:, _PHI]
     D = share @ added @ share.T
-    found = D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (own[_PHI, _PHI] + D[:, _PHI, _PHI])[:, None, None]
-    found[:, _PHI, :] = found[:, :, _PHI] = 0.0
-    return np.asarray(found)
+    grounded = D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (own[_PHI, _PHI] + D[:, _PHI, _PHI])[:, None, None]
+    grounded[:, _PHI, :] = grounded[:, :, _PHI] = 0.0
+    return np.asarray(grounded)
 
 
 def lowest(stack: Stack) -> Array:
@@ -114,6 +114,6 @@ def beyond_local(stack: Stack, k: Array) -> Array:
     k : ndarray, shape (k,), wavenumbers [1/m]
     """
     own, row = stack.media[0].compliance[_PHI, _PHI], waves(stack, k)[0].difference[:, _PHI]
-    found = (row - local(stack) * row[:, _PHI, None]) / (own + row[:, _PHI, None])
-    found[:, _PHI] = 0.0
-    return np.asarray(found)
+    shares = (row - local(stack) * row[:, _PHI, None]) / (own + row[:, _PHI, None])
+    shares[:, _PHI] = 0.0
+    return np.asarray(shares)

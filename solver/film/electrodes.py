@@ -15,6 +15,7 @@ from solver.arrays import Array, ComplexArray
 from solver.film.electroded import beyond_local, local
 from solver.film.fourier import falling
 from solver.film.kernel import strip, wavenumbers
+from solver.film.reading import FarError
 from solver.film.reflection import waves
 from solver.film.stack import Stack, StackError
 from solver.film.within import below
@@ -29,15 +30,15 @@ def electrodes(stack: Stack) -> list[tuple[int, ...]]:
 
     The surface counts as the interface -1; a metal below it is that electrode itself.
     """
-    found: list[tuple[int, ...]] = [(_TOP,)] if stack.electroded and not stack.conductors[0] else []
+    places: list[tuple[int, ...]] = [(_TOP,)] if stack.electroded and not stack.conductors[0] else []
     for number, held in enumerate(stack.grounded):
         if 2 not in held:
             continue
-        if found and stack.conductors[number] and found[-1][-1] == number - 1:
-            found[-1] = (*found[-1], number)
+        if places and stack.conductors[number] and places[-1][-1] == number - 1:
+            places[-1] = (*places[-1], number)
         else:
-            found.append((number,))
-    return found
+            places.append((number,))
+    return places
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,17 +95,17 @@ class Electrode:
         every = electrodes(self.stack)
         ends = [(_TOP - 1,), *every, (len(self.stack.layers),)]
         above, own, below = ends[self.number - 1 : self.number + 2]
-        found = [range(above[-1] + 1, own[0] + 1)] if self.number > 1 else []
-        return [*found, range(own[-1] + 1, below[0] + 1)] if self.number < len(every) else found
+        sublayers = [range(above[-1] + 1, own[0] + 1)] if self.number > 1 else []
+        return [*sublayers, range(own[-1] + 1, below[0] + 1)] if self.number < len(every) else sublayers
 
     @property
     def capacitance(self) -> float:
         """To the next electrodes per area [F m-2], of plates whose layers are free to thicken and not to widen."""
-        scale, found = float(self.stack.scale[_PHI]), 0.0
+        scale, total = float(self.stack.scale[_PHI]), 0.0
         for layers in self.between:
             own = [(self.stack.layers[i].thickness, self.stack.media[i].system[_PHI, 4 + _PHI]) for i in layers]
-            found += 1 / (scale**2 * sum(thickness * abs(float(inverse)) for thickness, inverse in own))
-        return found
+            total += 1 / (scale**2 * sum(thickness * abs(float(inverse)) for thickness, inverse in own))
+        return total
 
     def transfers(self, reach: float) -> tuple[Array, Array, Array]:
         """Wavenumbers [1/m] and weights for distances up to reach [m], (k,) each, and rows of charge and of sigma_yy.
@@ -116,15 +117,12 @@ class Electrode:
 
         Raises
         ------
-        StackError
+        FarError
             A distance that is not resolved.
         """
         if reach > _FARTHEST * self.width:
             farthest = _FARTHEST * self.width / self.stack.top.thickness
-            raise StackError(
-                "patch_size: the patch reaches farther from the contact than is resolved, "
-                f"{farthest:.3g} thicknesses of the top layer"
-            )
+            raise FarError(f"the patch reaches farther from the contact than is resolved, {farthest:.3g} times that")
         k, weights = wavenumbers(self.stack, reach, self.width)
         return k, weights, self.rows(k)
 
@@ -193,14 +191,14 @@ def transfers(stack: Stack, number: int, octave: int) -> tuple[Array, Array, Arr
 def _small(stack: Stack) -> list[tuple[Array, Array]]:
     """A and C of Y = A + k C + ... at the surface and below each layer, before the interface's rules; (4, 4) each."""
     A = np.zeros((4, 4)) if stack.base_medium is None else stack.base_medium.compliance
-    C, found = np.zeros((4, 4)), []
+    C, terms = np.zeros((4, 4)), []
     for number in range(len(stack.layers) - 1, -1, -1):
-        found.append((A, C))
+        terms.append((A, C))
         A, C = _held(A, C, stack.grounded[number])
         system = stack.media[number].system
         (turned, inverse), (Q, _) = (np.split(rows, 2, axis=1) for rows in np.split(system, 2))
         C = C + stack.layers[number].thickness * (inverse + turned @ A + A @ turned.T - A @ Q @ A)
-    return [(A, C), *found[::-1]]
+    return [(A, C), *terms[::-1]]
 
 
 def _held(A: Array, C: Array, components: tuple[int, ...]) -> tuple[Array, Array]:

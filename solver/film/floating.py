@@ -178,17 +178,17 @@ class Strips:
     def matrix(self) -> Array:
         """Charges per voltages of the strips [F m-1 / stack units], symmetric and positive definite; (2n+1, 2n+1)."""
         strips = 2 * self.floating + 1
-        found = self._energy[:strips, :strips] + self._energy[:strips, strips:] @ self._in_gaps
-        return np.asarray(found + found.T) / 2
+        energy = self._energy[:strips, :strips] + self._energy[:strips, strips:] @ self._in_gaps
+        return np.asarray(energy + energy.T) / 2
 
     @cached_property
     def voltages(self) -> Array:
         """Of the strips where the middle one has one volt and the others float; (2n + 1,)."""
         n = self.floating
         others = np.arange(2 * n + 1) != n
-        found = np.ones(2 * n + 1)
-        found[others] = -np.linalg.solve(self.matrix[np.ix_(others, others)], self.matrix[others, n])
-        return found
+        volts = np.ones(2 * n + 1)
+        volts[others] = -np.linalg.solve(self.matrix[np.ix_(others, others)], self.matrix[others, n])
+        return volts
 
     @property
     def capacitance(self) -> float:

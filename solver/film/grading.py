@@ -135,14 +135,14 @@ class GradedMedium:
         def solved(right: Array) -> Array:
             return np.asarray(np.linalg.solve(operator, right.reshape(-1, 16, 1)).reshape(-1, 4, 4))
 
-        found: list[Array] = []
-        while len(found) < _TAILS:
-            right = -self._upward(found[-1] if found else medium.compliance)
-            for early, other in zip(found, found[::-1], strict=True):
+        tails: list[Array] = []
+        while len(tails) < _TAILS:
+            right = -self._upward(tails[-1] if tails else medium.compliance)
+            for early, other in zip(tails, tails[::-1], strict=True):
                 right = right - early @ Q @ other
-            found.append(solved(right))
+            tails.append(solved(right))
         surface = (-1.0) ** np.arange(_DEPTHS)  # T_n(-1)
-        return np.array([np.tensordot(surface, coefficients(Y), 1) for Y in found])
+        return np.array([np.tensordot(surface, coefficients(Y), 1) for Y in tails])
 
     def _upward(self, values: Array) -> Array:
         """d/dy at the samples."""

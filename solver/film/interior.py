@@ -239,13 +239,13 @@ def _far(stack: Stack, totals: Array) -> list[Array]:
     for held_below in reversed(stack.grounded):
         response.append(held(response[-1], held_below))
     *under, Y = response
-    found, t = [(Y @ totals)[:, 2:]], totals
+    parts, t = [(Y @ totals)[:, 2:]], totals
     for Y, components in zip(under[::-1], stack.grounded, strict=True):
         free, there = [i for i in range(4) if i not in components], list(components)
         t = np.array(t)
         t[:, there] = -np.linalg.pinv(Y[np.ix_(there, there)]) @ Y[np.ix_(there, free)] @ t[:, free]
-        found.append((Y @ t)[:, 2:])
-    return found
+        parts.append((Y @ t)[:, 2:])
+    return parts
 
 
 def _blocks(inside: BoolArray) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], BoolArray]]:
@@ -302,9 +302,9 @@ def fields_of(tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...], 
 
     def parts(sublayers: int) -> Array:
         inside = Interior(tractions, sublayers)
-        found = [inside.fields(X[None], Y[None], linear)] if linear else []
-        found += [inside.potentials(X[None], Y[None], datum)] if asked else []
-        return np.concatenate(found, 1)[..., 0]
+        parts = [inside.fields(X[None], Y[None], linear)] if linear else []
+        parts += [inside.potentials(X[None], Y[None], datum)] if asked else []
+        return np.concatenate(parts, 1)[..., 0]
 
     whole = parts(SUBLAYERS)
     if tractions.system.kernel.graded is not None:  # of second order in the thickness of the sublayers

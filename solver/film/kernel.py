@@ -122,14 +122,14 @@ class Kernel:
         middle, half = (self.edges[1:] + self.edges[:-1]) / 2, np.diff(self.edges) / 2
         own = panel[order] % count
         T = polynomials((distance[order] - middle[own]) / half[own], _DEGREE + 1).T
-        found = np.empty((flat.size, asked.shape[-1]))
+        values = np.empty((flat.size, asked.shape[-1]))
         for sign, parity in enumerate((np.ones(_ODD.size), np.where(_ODD, -1.0, 1.0))):
             mixed = self.coefficients @ (parity[:, None] * asked)
             for p, (start, stop) in enumerate(pairwise(bounds[sign * count : (sign + 1) * count + 1])):
                 if stop > start:
-                    found[start:stop] = T[start:stop] @ mixed[p]
-        out = np.empty_like(found)
-        out[order] = found
+                    values[start:stop] = T[start:stop] @ mixed[p]
+        out = np.empty_like(values)
+        out[order] = values
         return out.reshape(*x.shape, asked.shape[-1])
 
 

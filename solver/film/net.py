@@ -161,6 +161,22 @@ class Nets:
         return Net(*near, _farthest(stack), *singular(stack), top, bottom, stack.thickness, self.least, self.most)
 
 
+def of_whole(stack: Stack, half: float, bottom: float, farthest: float) -> Net:
+    """Points of one body, layers alike, below depth 0.1 h.
+
+    Parameters
+    ----------
+    stack
+        Of one material.
+    half
+        h [m].
+    bottom, farthest
+        Greatest depth, and distance from the edges, over h.
+    """
+    ends = (DEPTH, 0.0), (bottom, 0.0)
+    return Net(_BESIDE, 0.0, farthest * half, *singular(stack), *ends, stack.thickness, half, half)
+
+
 def _farthest(stack: Stack) -> float:
     """Distance [m] from the edges beyond which nothing is larger: a stiff film bends a soft base over cube roots."""
     stiffness = max(float(layer.material.c11) for layer in stack.layers)

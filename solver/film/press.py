@@ -171,6 +171,6 @@ def _beyond(table: Table, how: str) -> str:
 def _refuse_tension(table: Table, loading: Loading, half: Array, centre: Array) -> None:
     samples = table.series[:, PRESSURE][:, ::8]
     pressures = np.tensordot(table.polynomials(np.log(half)), samples, 1)
-    found = np.einsum("cpq,cq->cp", pressures, loading.at(half, centre).values)
-    if np.any(np.min(found, -1) < -_TENSION * np.max(np.abs(found), -1)):
+    pressure = np.einsum("cpq,cq->cp", pressures, loading.at(half, centre).values)
+    if np.any(np.min(pressure, -1) < -_TENSION * np.max(np.abs(pressure), -1)):
         raise TensionError("contact: it would need tension between punch and surface (charges or tilt too large)")

@@ -135,14 +135,14 @@ def peaks_of(films: Films, asked: Set[str], tables: PeakTables) -> dict[str, Arr
     names += [f"{body}_peak_{of}" for body in bodies for of in ("von_mises", "principal_tension")]
     out = {name: np.empty(films.load.size) for name in names}
     for places, of, own in tables if names else ():
-        found: list[Array] = []
+        read: list[Array] = []
         if _INTERFACE[0] in out:
             interface = of.interface(own)
-            found += [interface.shear, interface.shear_position, interface.tension, interface.tension_position]
+            read += [interface.shear, interface.shear_position, interface.tension, interface.tension_position]
         for body in bodies:
             largest = of.film(own) if body == "film" else of.base(own)
-            found += [largest.von_mises, largest.principal_tension]
-        for name, value in zip(names, found, strict=True):
+            read += [largest.von_mises, largest.principal_tension]
+        for name, value in zip(names, read, strict=True):
             out[name][places] = value
     return {name: values for name, values in out.items() if name in asked}
 

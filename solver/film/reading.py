@@ -17,6 +17,11 @@ DISC, STRIP, RING, RECTANGLE = (CHOICES["patch"].index(name) for name in ("disc"
 #: Below which punches nothing has a voltage: it would move their charge.
 BARE = "below a punch that conducts on a bare surface; electric must be insulating, or electrode top"
 
+
+class FarError(StackError):
+    """A patch that reaches farther than is resolved; what is said of it stands behind its size."""
+
+
 _Outputs = dict[str, Array]
 Gapped = TypeVar("Gapped")
 
@@ -94,14 +99,24 @@ class Reading:
             Outputs of some cases, of an electrode, for an octave of distances.
         extent
             Of the contacts from their middle; (case,).
+
+        Raises
+        ------
+        StackError
+            A patch that reaches farther than is resolved.
         """
-        octaves, found = _octave_of(self.reach + extent), list[tuple[Indices, dict[str, Array]]]()
+        octaves, parts = _octave_of(self.reach + extent), list[tuple[Indices, dict[str, Array]]]()
         for number in np.unique(self.collector).tolist():
             for octave in np.unique(octaves).tolist():
                 some = np.flatnonzero((self.collector == number) & (octaves == octave))
-                if some.size:
-                    found.append((some, answer(some, int(number), octave)))
-        return joined(found, extent.size)
+                if not some.size:
+                    continue
+                try:
+                    parts.append((some, answer(some, int(number), octave)))
+                except FarError as error:
+                    size = "" if self.size is None else f"{self.size[some].max():.3g} thicknesses of the top layer; "
+                    raise StackError(f"patch_size: {size}{error}") from None
+        return joined(parts, extent.size)
 
     @property
     def reach(self) -> Array:

@@ -87,7 +87,7 @@ def _recursion(stack: Stack, k: Array, first: int) -> tuple[Array, list[LayerWav
     Y = np.zeros((k.size, 4, 4))
     if stack.base_medium is not None:
         Y += stack.base_medium.compliance
-    found = []
+    waves = []
     long = (k * stack.thickness < _LONG) & stack.insulated
     for number in range(len(stack.layers) - 1, first - 1, -1):
         medium, thickness = stack.media[number], stack.layers[number].thickness
@@ -104,9 +104,9 @@ def _recursion(stack: Stack, k: Array, first: int) -> tuple[Array, list[LayerWav
             lowest = number == len(stack.layers) - 1
             through = _transfer(medium, k[long] * thickness)
             added[long] = (_above_insulated(through) if lowest else _above(through, Y[long])) - own
-        found.append(LayerWaves(medium, thickness, before, reflection, round_trip, added))
+        waves.append(LayerWaves(medium, thickness, before, reflection, round_trip, added))
         Y = own + added
-    return Y, found[::-1]
+    return Y, waves[::-1]
 
 
 def _difference(own: Array, round_trip: Array) -> Array:

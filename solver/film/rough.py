@@ -78,14 +78,14 @@ class Rough:
         )
         distance = np.where(beyond[:, None] > 0, beyond[:, None] - 1 + one, beyond[:, None] + 1 - other)
         kinds = np.array([np.sign(distance), np.log(np.abs(distance)), np.ones_like(distance)])
-        found = []
+        parts = []
         for values, rule in zip(own, terms, strict=True):
             whole = np.empty((9, X.size, rule.shape[1]))
             whole[:, inside] = values
             for kind, power in np.ndindex(3, 3):
                 whole[3 * kind + power, ~inside] = (kinds[kind] * distance**power) @ rule
-            found.append(whole)
-        return found[0], found[1]
+            parts.append(whole)
+        return parts[0], parts[1]
 
     def pressures(self, X: Array, one: Array, other: Array) -> Array:
         """Integrals of w P_j; (type, point, pressures).
@@ -144,11 +144,11 @@ class Rough:
         """All types from integrals F_j of a kernel: that of X - S times it is X F_j - sum_l shift_jl F_l."""
         plain = np.zeros_like(sign)
         plain[:, 0] = total
-        found = []
+        parts = []
         for own in (sign, log, plain):
             first = X[:, None] * own - own @ shift.T
-            found += [own, first, X[:, None] * first - first @ shift.T]
-        return np.array(found)
+            parts += [own, first, X[:, None] * first - first @ shift.T]
+        return np.array(parts)
 
 
 def weights(tails: Array, friction: float, carried: Array, half_lengths: Array) -> Array:

@@ -72,11 +72,11 @@ class Films:
     @cached_property
     def parts(self) -> list[tuple[Indices, int, FilmContact]]:
         """Cases, window and contacts on films of unit thickness."""
-        found = []
+        pieces = []
         for number in np.unique(self._windows).tolist():
             places = np.flatnonzero(self._windows == number)
-            found.append((places, number, self._contact(places, window(self.kind, number))))
-        return found
+            pieces.append((places, number, self._contact(places, window(self.kind, number))))
+        return pieces
 
     def gather(self, output: Callable[[FilmContact], Array]) -> Array:
         """An output of the contacts on films of unit thickness; (case, ...)."""

@@ -61,11 +61,11 @@ class SurfaceTable:
             kernel(system.kernel.stack, farthest * self.table.upper) if farthest > 2 else system.kernel,
             system.sliding, system.smooth, system.degree, system.accuracy,
         )  # fmt: skip
-        found: Array = np.empty((h.size, 6, self.positions.size, system.causes))
+        values: Array = np.empty((h.size, 6, self.positions.size, system.causes))
         for basis, members in batches(wide, h, self.positions.size):
             assembly = Assembly(wide, basis, h[members], self.positions)
-            found[members] = np.einsum("hfpu,huc->hfpc", local_fields(assembly), assembly.unknowns)
-        return coefficients(found)
+            values[members] = np.einsum("hfpu,huc->hfpc", local_fields(assembly), assembly.unknowns)
+        return coefficients(values)
 
     def fields(self, contact: FilmContact) -> FilmFields:
         """Fields of contacts that were read from the same table."""

@@ -145,10 +145,10 @@ def at(system: System, half_lengths: Array) -> Array:
     system : System, of the contacts
     half_lengths : ndarray, shape (half,), m
     """
-    found: Array = np.empty((half_lengths.size, outputs.COUNT, system.causes))
+    out: Array = np.empty((half_lengths.size, outputs.COUNT, system.causes))
     for basis, members in batches(system, half_lengths):
-        found[members] = outputs.outputs(Assembly(system, basis, half_lengths[members]))
-    return found
+        out[members] = outputs.outputs(Assembly(system, basis, half_lengths[members]))
+    return out
 
 
 def batches(system: System, half_lengths: Array, points: int = 2) -> list[tuple[Basis, NDArray[np.intp]]]:

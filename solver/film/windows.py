@@ -202,5 +202,5 @@ def peak_window(kind: Kind, number: int) -> PeakTable:
 
 def number_of(ratio: Array) -> Indices:
     """The window that holds half-lengths over the thickness; any shape."""
-    found = np.floor(_A_DECADE * np.log10(ratio))
-    return np.asarray(np.clip(found, FIRST, LAST), dtype=np.intp)
+    number = np.floor(_A_DECADE * np.log10(ratio))
+    return np.asarray(np.clip(number, FIRST, LAST), dtype=np.intp)

@@ -20,17 +20,27 @@ _STRESSES = _REGION.fields[:4]
 
 def body_curves(contact: Contact) -> dict[str, Array]:
     """Fields of the region ``body`` by name; (..., point), SI."""
-    X, depth = _points()
+    X, depth = (_REGION.panels.by_panel(whole) for whole in np.meshgrid(*lines()))
     stresses = interior_parts(contact, X, -depth, _STRESSES).whole(contact)
-    found = {f"body_{name}": stresses[..., k, :] for k, name in enumerate(_STRESSES)}
-    return found | {"body_depth": contact.half_width[..., None] * depth}
+    return named(stresses, contact.half_width, depth)
 
 
-def _points() -> tuple[Array, Array]:
-    """X and depth over h; (point,) each."""
+def named(stresses: Array, half_width: Array, depth: Array) -> dict[str, Array]:
+    """Fields of the region by their names, SI.
+
+    Parameters
+    ----------
+    stresses : ndarray, shape (..., 4, point), Pa
+    half_width : ndarray, h [m]; (...)
+    depth : ndarray, shape (point,), over h
+    """
+    curves = {f"body_{name}": stresses[..., k, :] for k, name in enumerate(_STRESSES)}
+    return curves | {"body_depth": half_width[..., None] * depth}
+
+
+def lines() -> tuple[Array, Array]:
+    """X of the points across, and depths over h of those down."""
     across, down = _REGION.lines()
     size = np.abs(across)
     X = np.where(size < 1, across, np.sign(across) * (1 + (size - 1) / (2 - size)))
-    depth = DEPTH * (_DEEPEST / DEPTH) ** down
-    whole = np.meshgrid(X, depth)
-    return _REGION.panels.by_panel(whole[0]), _REGION.panels.by_panel(whole[1])
+    return X, DEPTH * (_DEEPEST / DEPTH) ** down

@@ -140,8 +140,8 @@ def _starts(contact: Contact, measure: Measure, *grids: Grid) -> tuple[Array, Ar
     x, y, values, largest = (np.concatenate(parts, -1) for parts in zip(*scans, strict=True))
     order = np.argsort(-values, axis=-1)[..., :_MAXIMA]
     ranked = np.take_along_axis(values, order, -1)
-    found = np.isfinite(ranked) & (ranked >= ranked[..., :1] - _RIVAL * np.max(largest, -1, keepdims=True))
-    order = np.where(found, order, order[..., :1])[..., : int(found.sum(-1).max(initial=1))]  # else the highest again
+    rivals = np.isfinite(ranked) & (ranked >= ranked[..., :1] - _RIVAL * np.max(largest, -1, keepdims=True))
+    order = np.where(rivals, order, order[..., :1])[..., : int(rivals.sum(-1).max(initial=1))]  # else the highest again
     return np.take_along_axis(x, order, -1), np.take_along_axis(y, order, -1)
 
 

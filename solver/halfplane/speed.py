@@ -56,8 +56,8 @@ def limiting_speed(material: Material, conducts: BoolArray | tuple[bool, bool] =
 
     transonic = transonic_speed(cases)
     top = transonic * _SHORT_OF
-    found = elementwise.find_root(stiffness, (np.zeros_like(top), top), args=(everywhere,))
-    return np.where(stiffness(top, everywhere) > 0, transonic, found.x).reshape(shape)
+    root = elementwise.find_root(stiffness, (np.zeros_like(top), top), args=(everywhere,))
+    return np.where(stiffness(top, everywhere) > 0, transonic, root.x).reshape(shape)
 
 
 def transonic_speed(material: Material) -> Array:
@@ -87,8 +87,8 @@ def transonic_speed(material: Material) -> Array:
     least = np.argmin(scan, -1)
     low = np.where(least > 0, _SLOPES[least - 1], -_SLOPES[1])
     bracket = (low, _SLOPES[least], _SLOPES[np.minimum(least + 1, _SLOPES.size - 1)])
-    found = elementwise.find_minimum(slowest, bracket, args=(everywhere,))
-    value = np.minimum(np.where(found.success, found.f_x, np.inf), scan[everywhere, least])
+    minimum = elementwise.find_minimum(slowest, bracket, args=(everywhere,))
+    value = np.minimum(np.where(minimum.success, minimum.f_x, np.inf), scan[everywhere, least])
     return np.asarray(np.sqrt(value / unit / cases.rho).reshape(material.shape))
 
 

@@ -219,11 +219,11 @@ class Material:
         >>> [variant.name for variant in solver.find("PZT-5H").variants()]
         ['PZT-5H (alternative 1)']
         """
-        found = []
+        others = []
         for k, alternative in enumerate(self.alternatives, 1):
             changed: dict[str, Any] = {**alternative.constants, "source": alternative.source, "alternatives": ()}
-            found.append(replace(self, **changed, name=f"{self.name} (alternative {k})"))
-        return found
+            others.append(replace(self, **changed, name=f"{self.name} (alternative {k})"))
+        return others
 
     @property
     def spread(self) -> dict[str, tuple[float, float]]:

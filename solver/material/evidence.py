@@ -68,7 +68,7 @@ def read_alternatives(entries: object, units: Mapping[str, str]) -> tuple[Altern
         raise ValueError(f"alternatives: {shown(entries)} is not a list of constants with their source")
     if len(entries) > _MOST_ALTERNATIVES:
         raise ValueError(f"alternatives: {len(entries)} are more than {_MOST_ALTERNATIVES}")
-    found = []
+    alternatives = []
     for number, entry in enumerate(entries, 1):
         where = f"alternatives: {number}"
         constants = dict(_mapping(where, entry, (*units, "source")))
@@ -79,8 +79,8 @@ def read_alternatives(entries: object, units: Mapping[str, str]) -> tuple[Altern
         for name, value in constants.items():
             if not is_finite(value):
                 raise ValueError(f"{where}: {name}: {shown(value)} is not a finite number [{units[name]}]")
-        found.append(Alternative({name: float(value) for name, value in constants.items()}, source))
-    return tuple(found)
+        alternatives.append(Alternative({name: float(value) for name, value in constants.items()}, source))
+    return tuple(alternatives)
 
 
 def _mapping(where: str, content: object, known: Collection[str]) -> Mapping[str, Any]:

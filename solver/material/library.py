@@ -48,7 +48,7 @@ def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Mate
     Raises
     ------
     MaterialError
-        Naming the nearest known name.
+        Naming the nearest known name, or all of them where none is near.
 
     Examples
     --------
@@ -63,6 +63,6 @@ def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Mate
             if variant.name == name:
                 return variant
         near = get_close_matches(name, known, 1, 0.5)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        raise MaterialError(f"material: {shown(name)} is unknown; {hint}known are {', '.join(known)}")
+        hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
+        raise MaterialError(f"material: {shown(name)} is unknown; {hint}")
     return known[name]

@@ -131,7 +131,7 @@ class _Read:
         out |= collected.quantities(self.force)
         if self.reading.floating is not None:
             of_case, found = self._discs
-            out["disc_capacitance"] = np.array([one.capacitance for one in found])[of_case] * self.thickness
+            out["disc_capacitance"] = np.array([electrode.capacitance for electrode in found])[of_case] * self.thickness
             out["disc_voltage_per_force"] = -out["patch_charge_per_force"] / out["disc_capacitance"]
         return out
 

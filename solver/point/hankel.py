@@ -8,6 +8,7 @@ A wave of the rate m then needs int t(k) exp(-k m z) J_n(kr) k dk: a sum over b 
 sharp beside b = r near the surface, where panels in b shrink with the depth.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -17,6 +18,7 @@ from solver.arrays import Array, ComplexArray
 
 _NODES = 14  # a panel: panels as long as they are away from what is singular beside them
 _KINKS = 14  # halvings of panels towards b = 0, where a cone's density is kinked, and b = 1, where friction's is steep
+_PANEL = 8.0  # phase of a panel in b
 #: The shallowest depth that rounding spares: what is above it is continued from below.
 LEAST = 1e-5
 
@@ -28,7 +30,7 @@ def _gauss() -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Nodes:
-    """Nodes of panels on 0 to 1.
+    """Nodes of panels on 0 to 1, or beyond.
 
     Attributes
     ----------
@@ -43,7 +45,9 @@ class Nodes:
     beside: Array
 
 
-def nodes(radius: float = np.inf, near: float = 1.0, *, parts: int = 4, kinked: bool = False) -> Nodes:
+def nodes(
+    radius: float = np.inf, near: float = 1.0, *, parts: int = 4, kinked: bool = False, beyond: Sequence[float] = ()
+) -> Nodes:
     """Nodes for a field point, or for waves.
 
     Parameters
@@ -56,23 +60,31 @@ def nodes(radius: float = np.inf, near: float = 1.0, *, parts: int = 4, kinked: 
         Number of panels at least: the phase of a wave over 8.
     kinked
         Whether the density is kinked at 0 or steep at 1.
+    beyond
+        Ends of panels beyond 1, of a density that goes on beside the contact.
     """
+    last = beyond[-1] if beyond else 1.0
     places = [np.asarray(np.linspace(0.0, 1.0, parts + 1), dtype=np.float64)]
     if kinked:
         away = np.asarray(0.5 ** np.arange(2, _KINKS), dtype=np.float64)
         places += [away, 1 - away]
-    sharp = min(radius, 1.0)
-    offsets = np.concatenate(places) - sharp
-    if radius < 2:
-        least = max(near, radius - 1, LEAST) / 2
-        steps = least * 2.0 ** np.arange(int(np.ceil(np.log2(1 / least))) + 1)
+    sharp = min(radius, last)
+    offsets = np.concatenate([*places, beyond]) - sharp
+    if radius < 2 * last:
+        least = max(near, radius - last, LEAST) / 2
+        steps = least * 2.0 ** np.arange(int(np.ceil(np.log2(max(1.0, sharp) / least))) + 1)
         offsets = np.concatenate([offsets, [0.0], steps, -steps])
     ends = np.unique(offsets)
-    ends = ends[(ends >= -sharp) & (ends <= 1 - sharp)]
+    ends = ends[(ends >= -sharp) & (ends <= last - sharp)]
     x, w = _gauss()
     half = np.diff(ends)[:, None] / 2
     offset = (ends[:-1, None] + half * (1 + x)).ravel()
     return Nodes(sharp + offset, (half * w).ravel(), offset + (sharp - radius))
+
+
+def parts(phases: Array) -> int:
+    """Number of panels for waves of phases up to the largest of these."""
+    return int(np.max(phases) / _PANEL) + 4
 
 
 def waves(

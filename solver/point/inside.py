@@ -27,7 +27,6 @@ from solver.point.shear import Sheared, ShearWaves
 
 _NEAR = 0.05  # of a: the depth above which the half-space's part is closed
 _MOST_PHASE = 8000.0  # and everywhere, where the integrals over k would be longer
-_PANEL = 8.0  # phase of a panel in b
 _STEP = 512  # wavenumbers at a time
 _ENTRIES = 1 << 22  # of a block of waves: bounded memory
 _ON = 1 + 1e-12  # a depth on an interface belongs to the layer above it
@@ -80,6 +79,43 @@ class Tractions:
         if self.sines is None:
             return plain, None
         return plain, np.concatenate([-self.friction[columns, None, None] * own[:, :1], self.sines(b, columns)], 1)
+
+    def nodes(self, radius: float, near: float) -> hankel.Nodes:
+        """Nodes in b for a field point, its r/a and its depth over a."""
+        return hankel.nodes(radius, near, kinked=self.kinked)
+
+    def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:
+        """Tractions at the surface as waves of phases k a, of 1 and of cos(angle); (k, 4, column) each.
+
+        Parameters
+        ----------
+        phases
+            k a; (k,).
+        columns
+            Those of one radius.
+        """
+        at = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
+        first, second = self.vectors(at.b, columns)
+        cosines = np.cos(phases[:, None] * at.b) * at.weights
+        top = np.einsum("kb,cib->kic", cosines, first, optimize=True)
+        if second is None:
+            return top, None
+        sines = np.sin(phases[:, None] * at.b) * at.weights
+        along = np.einsum("kb,cib->kic", cosines, second[:, :1], optimize=True)
+        down = np.einsum("kb,cib->kic", sines, second[:, 1:], optimize=True)
+        return top, np.concatenate([along, down], 1)
+
+    def wavenumbers(self, stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
+        """Wavenumbers and weights of integrals over k of a stack.
+
+        Parameters
+        ----------
+        stack
+            Layers and base.
+        reach, width
+            What phases are longest over, and what waves decay over, in the unit of the body's lengths.
+        """
+        return wavenumbers(stack, reach, width)
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +229,7 @@ class Inside:
                 reach = ratio * (1 + float(np.max(np.abs(X))))
                 if reach > _FARTHEST * max(width, strip(self.stack) / 2):
                     raise StackError(f"x: {np.max(np.abs(X)):g} is farther from the contact than is resolved")
-                k, weights = wavenumbers(self.stack, 2 * reach, width)
+                k, weights = tractions.wavenumbers(self.stack, 2 * reach, width)
                 step = max(_ENTRIES // (8 * rows.size * columns.size), 8)
                 for first in range(0, k.size, min(step, _STEP)):
                     here = slice(first, first + min(step, _STEP))
@@ -234,7 +270,7 @@ class Inside:
         plain, moved = (self.rows(0, depth * float(tractions.ratio[0]), names, sliding=of) for of in (False, True))
         out = np.empty((tractions.ratio.size, len(names), len(continued), X.size))
         for place, x in enumerate(X.tolist()):
-            at = hankel.nodes(abs(x), float(np.min(depth)), kinked=tractions.kinked)
+            at = tractions.nodes(abs(x), float(np.min(depth)))
             cosines, sines = hankel.waves(rates, depth, abs(x), at, ORDERS if sliding else 3, potentials=potentials)
             weights = at.weights
             if x < 0:
@@ -300,17 +336,7 @@ class _Block:
     @cached_property
     def _tops(self) -> tuple[Array, Array | None]:
         """Tractions at the surface, of 1 and of cos(angle), but for the sums over b; (k, 4, column) each."""
-        phases = self.k * float(self.tractions.ratio[self.columns[0]])
-        at = hankel.nodes(parts=int(np.max(phases) / _PANEL) + 4, kinked=self.tractions.kinked)
-        first, second = self.tractions.vectors(at.b, self.columns)
-        cosines = np.cos(phases[:, None] * at.b) * at.weights
-        top = np.einsum("kb,cib->kic", cosines, first, optimize=True)
-        if second is None:
-            return top, None
-        sines = np.sin(phases[:, None] * at.b) * at.weights
-        along = np.einsum("kb,cib->kic", cosines, second[:, :1], optimize=True)
-        down = np.einsum("kb,cib->kic", sines, second[:, 1:], optimize=True)
-        return top, np.concatenate([along, down], 1)
+        return self.tractions.transforms(self.k * float(self.tractions.ratio[self.columns[0]]), self.columns)
 
     def summed(self, x: Array, depth: Array, number: int, names: tuple[str, ...], *, reflected: bool) -> Array:
         """Fields at depths within one body, the base the last; (column, field, depth, x)."""

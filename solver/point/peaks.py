@@ -13,10 +13,9 @@ from approximation.measure import ITSELF, Measure
 from approximation.summit import Top, highest
 from solver.arrays import Array
 from solver.curves import PRINCIPAL, SHEAR, VON_MISES
-from solver.film.net import DEPTH, Net, Nets, singular
+from solver.film.net import DEPTH, Net, Nets, of_whole
 from solver.film.table import RangeError
 from solver.names import FILM_PEAKS, PEAKS
-from solver.point.body import Film
 from solver.point.inside import Inside, Tractions
 from solver.point.pressed import Pressed
 from solver.point.sliding import Rubbed
@@ -90,12 +89,15 @@ def peaks(pressed: Pressed, inside: Inside, asked: Set[str]) -> dict[str, Array]
     RangeError
         A contact so wide that the film has no depth below 0.1 a.
     """
-    tractions = Rubbed(pressed.charged).tractions
-    film = isinstance(pressed.body, Film)
+    return peaks_of(inside, Rubbed(pressed.charged).tractions, pressed.charged.radius, asked)
+
+
+def peaks_of(inside: Inside, tractions: Tractions, radius: Array, asked: Set[str]) -> dict[str, Array]:
+    """The same of tractions and the contact radii [m] of their columns; (column,) each."""
     found: dict[str, Array] = {}
     for places in _by_radius(tractions.ratio):
         own = tractions.part(places)
-        values = _of_film(inside, own, asked) if film else _of_halfspace(inside, own, pressed.charged.radius[places])
+        values = _of_halfspace(inside, own, radius[places]) if inside.plain else _of_film(inside, own, asked)
         for name in values.keys() & asked:
             found.setdefault(name, np.empty(tractions.ratio.size))[places] = values[name]
     return {name: found[name] for name in (*PEAKS, *FILM_PEAKS) if name in found}
@@ -108,8 +110,7 @@ def _by_radius(ratio: Array) -> list[Indices]:
 
 
 def _of_halfspace(inside: Inside, tractions: Tractions, radius: Array) -> dict[str, Array]:
-    net = Net(0.4, 0.0, _FAR, *singular(inside.stack), (DEPTH, 0.0), (_BOTTOM, 0.0), 1.0, 1.0, 1.0)
-    searched = _Searched.on(inside, net, tractions, _STRESSES)
+    searched = _Searched.on(inside, of_whole(inside.stack, 1.0, _BOTTOM, _FAR), tractions, _STRESSES)
     highest_stress = searched.top(VON_MISES)
     return {
         "peak_von_mises": highest_stress.value,

@@ -70,23 +70,35 @@ class AirPoint(Read):
         GapError
             The punch would touch the surface beside the contact, or no solution is found.
         """
-        found = None if self.near is None else self._sought(PointState(self, self.near))
-        if found is None or not found.open:  # from afar Newton's iteration may come to a gap that is closed
-            found = self._sought(PointState(self, self._first))
+        found = self._solution
         if found is None:
             raise GapError("surroundings: no contact with air beside it is found for this force and these charges")
         found.require_gap()
         return found
 
+    @property
+    def within(self) -> "PointState | None":
+        """The solution, where there is one and the operators were made for its radius."""
+        found = self._solution
+        return found if found and found.open and self.operators.holds(float(found.unknowns[0])) else None
+
+    @cached_property
+    def _solution(self) -> "PointState | None":
+        found = None if self.near is None else self._sought(PointState(self, self.near))
+        if found is None or not found.open:  # from afar Newton's iteration may come to a gap that is closed
+            found = self._sought(PointState(self, self._first))
+        return found
+
     def _sought(self, state: "PointState") -> "PointState | None":
         """What Newton's iteration comes to, its gap open or not; None where it comes to nothing."""
-        last = np.inf
+        last = 0.0
         for _ in range(_STEPS):
             step = np.linalg.solve(state.jacobian, state.residual)
             step /= max(1.0, abs(float(step[0])) / _MOST)
             size = float(np.max(np.abs(step) / state.sizes))
             state = PointState(self, state.unknowns - step)
-            if size < _CLOSE or (size < _STALLED and size > last / 2):
+            # steps shrink like squares: the next one would be about size^3 / last^2
+            if size < _CLOSE or size**3 < _CLOSE * last**2 or (size < _STALLED and size > last / 2):
                 return state
             last = size
         return None
@@ -129,15 +141,17 @@ class PointState:
     @property
     def densities(self) -> Array:
         """D_y and B_y over C a^(e-1) at the nodes; (field, n)."""
-        return self._over_size * self.of.rings.size
+        return self.over_size * self.of.rings.size
 
     @property
-    def _over_size(self) -> Array:
+    def over_size(self) -> Array:
+        """The same over their size; (field, n)."""
         rows = self.of.rows
         return self.unknowns[rows.causes :].reshape(len(rows.fields), rows.nodes)
 
     @property
-    def _columns(self) -> Array:
+    def columns(self) -> Array:
+        """u0, the profile and the densities over their size: what operators answer; (column,)."""
         first = self.of.rows.causes
         return np.concatenate([self.unknowns[1:first], [1.0], self.unknowns[first:]])
 
@@ -148,19 +162,19 @@ class PointState:
     @cached_property
     def outputs(self) -> Array:
         """Rows of :mod:`solver.surroundings.ringoperators` up to the pressures; (row,)."""
-        return np.asarray(self._read[0] @ self._columns)
+        return np.asarray(self._read[0] @ self.columns)
 
     @cached_property
     def inside(self) -> Array:
         """The rows from the pressures on; (row,)."""
-        return np.asarray(self.of.operators.read_inside(float(self.unknowns[0])) @ self._columns)
+        return np.asarray(self.of.operators.read_inside(float(self.unknowns[0])) @ self.columns)
 
     @cached_property
     def _rates(self) -> Array:
         """Derivatives of the rows in the unknowns; (row, unknown)."""
         value, rate = self._read
         first = self.of.rows.causes
-        return np.concatenate([(rate @ self._columns)[:, None], value[:, : first - 1], value[:, first:]], 1)
+        return np.concatenate([(rate @ self.columns)[:, None], value[:, : first - 1], value[:, first:]], 1)
 
     def _beside(self, rows: Array) -> tuple[Array, Array]:
         """u_y and the potentials beside the contact less those at the edge; (n, ...) and (field, n, ...)."""
@@ -190,7 +204,7 @@ class PointState:
         rows, load = self.of.rows, self.size * self.radius
         force = load * self.outputs[0] / self.of.force + 1
         closings = [self._closing(place) for place in range(len(rows.fields))]
-        law = self._over_size * self.gap / self.of.profile - self._conductance * self._beside(self.outputs)[1]
+        law = self.over_size * self.gap / self.of.profile - self._conductance * self._beside(self.outputs)[1]
         return np.concatenate([[force, self.outputs[rows.edges][0], *closings], law.ravel()])
 
     def _closing(self, place: int) -> float:
@@ -228,7 +242,7 @@ class PointState:
             law = -conductance[:, None] * potentials[place]
             law[:, 0] -= conductance * (1 - e - 2 * (1 - self.thinned)) * self._beside(self.outputs)[1][place]
             if moved:
-                law -= (self._over_size[place] / self.of.profile)[:, None] * self._beside(self._rates)[0]
+                law -= (self.over_size[place] / self.of.profile)[:, None] * self._beside(self._rates)[0]
             law[:, own][np.diag_indices(n)] += self.gap / self.of.profile
             matrix[own] = law
         return matrix
@@ -237,7 +251,7 @@ class PointState:
     def sizes(self) -> Array:
         """What steps of the unknowns are small against; (unknown,)."""
         causes = np.maximum(np.abs(self.displacement), 1e-3 * np.max(np.abs(self.displacement)))
-        largest = np.max(np.abs(self._over_size), 1, initial=1e-300)
+        largest = np.max(np.abs(self.over_size), 1, initial=1e-300)
         largest = np.maximum(largest, 1e-3 * self.of.force / (self.size * self.radius))
         return np.concatenate([[1.0], causes, np.repeat(largest, self.of.rows.nodes)])
 

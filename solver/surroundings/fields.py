@@ -6,22 +6,32 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from approximation.arrays import Indices
+from approximation.summit import highest
 from solver.arrays import Array
+from solver.curves import PRINCIPAL, REGIONS, VON_MISES
 from solver.fields import FIELDS
 from solver.film.contact import FilmContact
 from solver.film.inside import in_blocks
 from solver.film.interior import Interior, fields_of
-from solver.film.net import Net, Nets
+from solver.film.net import Net, Nets, of_whole
 from solver.film.peaks import PeakTable
 from solver.film.quantities import curves_of, peaks_of, require_depth
 from solver.film.similar import Films
+from solver.halfplane.curves import lines as region_lines
+from solver.halfplane.curves import named
+from solver.halfplane.interior import LINEAR
 from solver.halfplane.potentials import POTENTIALS
+from solver.names import PEAKS
 from solver.surroundings.charges import FAR, NEAR
 from solver.surroundings.quantities import states
+from solver.surroundings.state import State
 from solver.surroundings.surface import surface_fields
 from solver.surroundings.tractions import AirTractions, Solved
 
 _EDGES = np.array([1.0, -1.0])
+_BOTTOM, _FAR = 6.0, 400.0  # of h: how deep and how far from the edges a half-plane is searched
+_NOTHING = 1e-12  # of the mean pressure: a tension below it is none
+_CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width
 
 
 def fields(films: Films, permittivity: Array, positions: Array) -> dict[str, Array]:
@@ -72,6 +82,45 @@ def curves(films: Films, permittivity: Array, regions: Sequence[str]) -> dict[st
     return curves_of(films, regions, _tables(films, permittivity))
 
 
+def body_peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, Array]:
+    """Quantities of ``solver.names.PEAKS`` that are asked for, of half-planes as films of themselves; (case,) each."""
+    out = {name: np.empty(films.load.size) for name in PEAKS if name in asked}
+    for place, state in states(films, permittivity) if out else ():
+        h = np.array([state.half])
+        net = of_whole(films.kind.stack(), state.half, _BOTTOM, _FAR)
+        tractions = _reaching(state, 1 + _FAR)
+        stresses = Interior(tractions).fields(net.positions(h, net.line), -net.depths(h), LINEAR[:4])[..., 0]
+        shear, pull = (highest(stresses, net.across, measure, _CLOSE) for measure in (VON_MISES, PRINCIPAL))
+        depth = net.depth_at(state.half, shear.down) * h * films.thickness[place]
+        least = _NOTHING * films.load[place] / (2 * state.half * films.thickness[place])
+        found = (shear.value, depth, np.where(pull.value < least, 0.0, pull.value))
+        for name, value in zip(PEAKS, found, strict=True):
+            if name in out:
+                out[name][place] = value[0]
+    return out
+
+
+def body_curves(films: Films, permittivity: Array) -> dict[str, Array]:
+    """Sizes of the contacts and the curves of the region ``body`` of half-planes as films; (case, ...) each."""
+    X, depth = region_lines()
+    found: dict[str, list[Array]] = {}
+    for place, state in states(films, permittivity):
+        half = np.array([state.half]) * films.thickness[place]
+        stresses = Interior(_reaching(state, float(np.max(np.abs(X))))).fields(X[None], -depth[None], LINEAR[:4])
+        panels = REGIONS["body"].panels
+        by_panel = panels.by_panel(stresses[..., 0])
+        below = panels.by_panel(np.broadcast_to(depth[:, None], (depth.size, X.size)))
+        own = {"mean_pressure": films.load[[place]] / (2 * half), "half_length": half} | named(by_panel, half, below)
+        for name, value in own.items():
+            found.setdefault(name, []).append(value)
+    return {name: np.concatenate(values) for name, values in found.items()}
+
+
+def _reaching(state: State, farthest: float) -> AirTractions:
+    """Tractions of a contact for fields up to X of a size."""
+    return replace(Solved(state, _EDGES).tractions, widest=(1 + farthest) * state.half)
+
+
 def _tables(films: Films, permittivity: Array) -> Iterator[tuple[Indices, PeakTable, FilmContact]]:
     """Cases with the stresses below them, one at a time."""
     for place, state in states(films, permittivity):
@@ -81,9 +130,8 @@ def _tables(films: Films, permittivity: Array) -> Iterator[tuple[Indices, PeakTa
         c = state.of.contact
         extent = Extent(table, c.profile, c.load, c.charges, c.datum, c.punch_datum, half)
         nets = Nets(films.kind.stack(), state.half, state.half)
-        widest = max(float(np.max(net.positions(half, net.line))) for net in (nets.interface, nets.film)) + 1.5
-        tractions = replace(Solved(state, _EDGES).tractions, widest=widest * state.half)
-        yield np.array([place]), AirPeaks(table, tractions), extent
+        widest = max(float(np.max(net.positions(half, net.line))) for net in (nets.interface, nets.film)) + 0.5
+        yield np.array([place]), AirPeaks(table, _reaching(state, widest)), extent
 
 
 @dataclass(frozen=True, eq=False)

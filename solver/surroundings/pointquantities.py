@@ -1,38 +1,28 @@
 """Every quantity of point contacts with air beside them by its name (points, 6)."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from solver.arrays import Array
-from solver.film.kernel import strip
-from solver.film.windows import FIRST, LAST, number_of
+from solver.film.windows import FIRST, LAST
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.point.body import Film, HalfSpace
 from solver.point.pressed import Contact, Pressed
 from solver.point.pressure import SAMPLES, climbed, finite
 from solver.point.profile import Shape
 from solver.point.quantities import RESPONSES
-from solver.point.table import PointKind, ends
 from solver.surroundings.airpoint import AirPoint, PointState
 from solver.surroundings.largest import peak_of_panels
 from solver.surroundings.refusal import require_gap_of_point
 from solver.surroundings.ringoperators import WITHIN, RingOperators
 from solver.surroundings.rings import rings
-from solver.surroundings.ringtable import RingsByRadius, RingsOnHalfSpace, RingTable
-from solver.surroundings.spread import spread
+from solver.surroundings.ringtable import RingsByRadius, RingsOnHalfSpace
+from solver.surroundings.ringwindows import RingWindows
 
-_TABLES = 12  # kept: 20 MB each at most
 _MATERIALS = 64
-
-
-@lru_cache(_TABLES)
-def _air_window(kind: PointKind, number: int) -> RingTable:
-    stack = kind.film.stack()
-    fields = tuple(field for field in (0, 1) if kind.conducts[field])
-    operators = RingOperators(rings(), fields, kind.compliance, kind.shape, spread(stack), strip(stack))
-    return RingTable(operators, ends(number))
 
 
 @lru_cache(_MATERIALS)
@@ -61,18 +51,28 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array) -> dict[str, A
     SurroundingsError
         A punch or a body that the theory of air does not cover.
     """
-    conducts = np.broadcast_to(pressed.conducts, (pressed.force.size, 2))
-    require_gap_of_point(pressed.body, conducts)
     cases = [_of_case(case, contact) for case, contact in _cases(pressed, permittivity, end)]
     return {name: np.array([case[name] for case in cases]) for name in cases[0] if all(name in case for case in cases)}
 
 
-class _Case:
+def solved(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple["Case", PointState, RingOperators]]:
+    """Every case with its solution and the operators that it was found with; arguments and refusals as above."""
+    for case, contacts in _cases(pressed, permittivity, end):
+        state = case.charged(contacts)
+        yield case, state, case.operators(state.radius).exact
+
+
+class Case:
     """One case of a body: its units, and its contacts under any charges or potentials."""
 
-    def __init__(self, pressed: Pressed, place: int, fields: tuple[int, ...], permittivity: float, end: float) -> None:
+    def __init__(
+        self, pressed: Pressed, windows: RingWindows | None, place: int, fields: tuple[int, ...],
+        permittivity: float, end: float,
+    ) -> None:  # fmt: skip
         body, self.fields, self._pressed, self.place = pressed.body, fields, pressed, place
+        self._windows = windows
         self.units = pressed.units[place]
+        self.layered = isinstance(body, Film)
         self.length = float(body.thickness[place]) if isinstance(body, Film) else 1.0
         e = body.shape.exponent
         self._coefficient = float(pressed.coefficient[place] / self.units[0] * self.length ** (e - 1))
@@ -87,45 +87,52 @@ class _Case:
         """Units of the charges of the fields [C, Wb]; (field,)."""
         return np.asarray(self.length**2 / self.units[[1 + f for f in self.fields]])
 
+    def charged(self, contacts: dict[str, Contact]) -> PointState:
+        """With its own charges."""
+        start = contacts["charged"]
+        return self.state(start.pressed.charges[self.place], False, float(start.radius[self.place]))
+
     def state(self, charges: Array, held: bool, start: float, near: PointState | None = None) -> PointState:
         """With charges [C, Wb], or with all potentials at zero, from a radius [m] or from another state on."""
         given = np.zeros(len(self.fields)) if held else charges[list(self.fields)] / self.own
         at, begin = (start / self.length, None) if near is None else (near.radius, near.unknowns)
+        posed = AirPoint(self.operators(at), self._coefficient, self._force, given, (held,) * len(self.fields),
+                         self._media, self._end, at, begin)  # fmt: skip
+        if found := posed.within:
+            return found
         for _ in range(LAST - FIRST):
-            operators, number = self._operators(at)
-            state = AirPoint(operators, self._coefficient, self._force, given, (held,) * len(self.fields),
-                             self._media, self._end, at, begin).state  # fmt: skip
-            if number is None or number == number_of(np.array([state.radius]))[0] or _within(state.radius, number):
+            posed = replace(posed, operators=self.operators(at, wide=True), start=at, near=begin)
+            state = posed.state
+            if posed.operators.holds(np.log(state.radius)):
                 break
             at, begin = state.radius, state.unknowns
         return state
 
-    def _operators(self, ratio: float) -> tuple[RingsByRadius, int | None]:
+    def operators(self, ratio: float, *, wide: bool = False) -> RingsByRadius:
+        """What the body answers about a radius, and more widely."""
         body = self._pressed.body
-        if isinstance(body, HalfSpace):
-            return _on_half_space(tuple(body.compliance[self.place].ravel().tolist()), self.fields, body.shape), None
-        number = int(number_of(np.array([ratio]))[0])
-        return _air_window(body.kind, number), number
+        if self._windows is not None:
+            return self._windows.wide(ratio) if wide else self._windows.narrow(ratio)
+        assert isinstance(body, HalfSpace)
+        return _on_half_space(tuple(body.compliance[self.place].ravel().tolist()), self.fields, body.shape)
 
 
-def _within(ratio: float, number: int) -> bool:
-    low, high = ends(number)
-    return bool(low <= np.log(ratio) <= high)
-
-
-def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[_Case, dict[str, Contact]]]:
-    charged, grounded = pressed.charged, pressed.grounded
-    contacts = {"charged": charged, "uncharged": pressed.uncharged, "grounded": grounded}
-    conducts = np.broadcast_to(pressed.conducts, (pressed.force.size, 2))
+def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[Case, dict[str, Contact]]]:
+    conducts, body, windows = np.broadcast_to(pressed.conducts, (pressed.force.size, 2)), pressed.body, None
+    require_gap_of_point(body, conducts)
+    contacts = {"charged": pressed.charged, "uncharged": pressed.uncharged, "grounded": pressed.grounded}
+    if isinstance(body, Film):
+        radii = np.concatenate([contact.radius / body.thickness for contact in contacts.values()])
+        windows = RingWindows.of(body.kind, radii)
     for place in range(pressed.force.size):
         fields = tuple(np.flatnonzero(conducts[place]).tolist())
-        yield _Case(pressed, place, fields, float(permittivity[place]), float(end[place])), contacts
+        yield Case(pressed, windows, place, fields, float(permittivity[place]), float(end[place])), contacts
 
 
-def _of_case(case: _Case, contacts: dict[str, Contact]) -> dict[str, float]:
+def _of_case(case: Case, contacts: dict[str, Contact]) -> dict[str, float]:
     place, nothing = case.place, np.zeros(2)
     charges = contacts["charged"].pressed.charges[place]
-    state = case.state(charges, False, float(contacts["charged"].radius[place]))
+    state = case.charged(contacts)
     idle = state if not np.any(charges) else case.state(nothing, False, float(contacts["uncharged"].radius[place]))
     short = case.state(nothing, True, float(contacts["grounded"].radius[place]), idle)
     tangent = _tangent(case, state.flexibility)
@@ -165,7 +172,7 @@ def _of_case(case: _Case, contacts: dict[str, Contact]) -> dict[str, float]:
     return out
 
 
-def _tangent(case: _Case, flexibility: Array) -> Array:
+def _tangent(case: Case, flexibility: Array) -> Array:
     """-d (P, T, J) / d (-depth, V, Psi) of the channels, SI."""
     units = case.units[[0, *(1 + f for f in case.fields)]]
     return np.asarray(-np.linalg.inv(flexibility) * case.length / (units[:, None] * units))

@@ -6,12 +6,14 @@ half-space is then the same at every radius. Below the contact chi is given, so 
 of the second kind; beside it gap and potentials are what chi leaves from its value at the edge.
 """
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
-from solver.arrays import Array
+from solver.arrays import Array, BoolArray
 from solver.film.kernel import CHANNEL
 from solver.point.pressure import SAMPLES, added_forms, finite, halfspace_form
 from solver.point.profile import Shape
@@ -20,9 +22,7 @@ from solver.surroundings.rings import Rings
 from solver.surroundings.spread import Spread
 
 _FIRST, _MORE = 14, 6.0  # of S below a narrow contact, and what wide ones add
-_FARTHEST = 19.0  # theta beyond which S is nothing
 _POWER = 3  # of the nodes where the profile is a power of s that is not even
-_RULE = 8  # nodes between two breaks of a rule
 _APART = 4.0  # growth of the distances from the target at which rules break
 #: x = sqrt(1 - r^2) below the contact at which densities are told: panels, graded to the edge, and the centre.
 _ENDS = (0.0, 0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
@@ -45,17 +45,17 @@ class Rows:
     fields: tuple[int, ...]
     nodes: int
 
-    @property
+    @cached_property
     def channels(self) -> list[int]:
         """y and the potentials of the fields among (y, phi, psi)."""
         return [0, *(1 + f for f in self.fields)]
 
-    @property
+    @cached_property
     def causes(self) -> int:
         """Number of causes: u0 of every channel, then g."""
         return len(self.fields) + 2
 
-    @property
+    @cached_property
     def columns(self) -> int:
         """Causes, then the densities of every field."""
         return self.causes + len(self.fields) * self.nodes
@@ -64,22 +64,22 @@ class Rows:
         """Columns of the densities of a field, by its place."""
         return slice(self.causes + place * self.nodes, self.causes + (place + 1) * self.nodes)
 
-    @property
+    @cached_property
     def loads(self) -> slice:
         """-(P, T, J) over C a^(e+1) of the channels."""
         return slice(0, len(self.channels))
 
-    @property
+    @cached_property
     def edges(self) -> slice:
         """S of the channels just within the edge."""
         return slice(len(self.channels), 2 * len(self.channels))
 
-    @property
+    @cached_property
     def raised(self) -> int:
         """First of those beside the contact: (channel, node) of u less that at the edge."""
         return 2 * len(self.channels)
 
-    @property
+    @cached_property
     def pressure(self) -> slice:
         """Pressures at ``SAMPLES``, but for an edge's."""
         first = self.raised + len(self.channels) * self.nodes
@@ -90,7 +90,7 @@ class Rows:
         first = self.pressure.stop + place * X_WITHIN.size
         return slice(first, first + X_WITHIN.size)
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number of rows."""
         return int(self.pressure.stop) + len(self.fields) * X_WITHIN.size
@@ -124,6 +124,11 @@ class RingOperators:
     width: float = np.inf
 
     @property
+    def exact(self) -> Self:
+        """Themselves."""
+        return self
+
+    @cached_property
     def rows(self) -> Rows:
         """Places of the outputs."""
         return Rows(self.fields, self.rings.grid.count)
@@ -132,9 +137,9 @@ class RingOperators:
         """Outputs of every cause and density; (row, column)."""
         rows, channels = self.rows, self.rows.channels
         below = _Below.of(radius / self.width)
-        count, profile, inverse = below.nodes.size, rows.causes - 1, self._inverse
+        count, profile, inverse = below.nodes.size, rows.causes - 1, self.inverse
         closed = np.einsum("ij,jnc->inc", inverse, self._given(below.nodes))  # S of a half-space
-        S, added = self._layered(radius, below, closed)
+        S, added = self._layered(radius, below, closed, self.rings.grid.distance)
         edge = inverse @ (self._given(np.ones(1))[:, 0] - added[:, count])
         found = np.empty((rows.count, rows.columns))
         # S of the profile is of_power s^e: of_power (1 - s^e), whose tractions are closed, less than at the edge
@@ -144,7 +149,7 @@ class RingOperators:
         found[rows.loads] = 4 * np.einsum("n,inc->ic", below.weights, S)
         found[rows.loads, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
         found[rows.edges] = edge
-        coefficients = np.einsum("mn,inc->imc", below.series, S)
+        coefficients = below.series @ S
         beside_it = added[:, count + 1 :] - added[:, count, None]
         for place, channel in enumerate(channels[1:]):
             found[1 + place, rows.densities(place)] += 4 * self.rings.totals
@@ -152,56 +157,59 @@ class RingOperators:
             outside[:, rows.densities(place)] = self.rings.gathered
             beside_it += self.compliance[channels, channel][:, None, None] * (outside - edge[1 + place])
         beside_it -= self.compliance[channels, 0][:, None, None] * edge[0]
-        raised = np.einsum("mn,inc->imc", self.rings.raised, beside_it)
+        raised = self.rings.raised @ beside_it
         found[rows.raised : rows.pressure.start] = raised.reshape(-1, rows.columns)
         found[rows.pressure] = -added_forms(SAMPLES, count) @ coefficients[0]
         found[rows.pressure, profile] += inverse[0, 0] * self._form(SAMPLES)
         for place in range(len(self.fields)):
             found[rows.within(place)] = added_forms(X_WITHIN, count) @ coefficients[1 + place]
-            found[rows.within(place), rows.densities(place)] += self._drawn
+            found[rows.within(place), rows.densities(place)] += _drawn(self.rings)
             found[rows.within(place), profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
         return found
+
+    def series(self, radius: float) -> Array:
+        """Coefficients in f_n (points, 4) of the tractions but for the profile's closed part; (channel, n, column)."""
+        below = _Below.of(radius / self.width)
+        closed = np.einsum("ij,jnc->inc", self.inverse, self._given(below.nodes))
+        S = self._layered(radius, below, closed, np.zeros(0))[0]
+        closed[..., self.rows.causes - 1] = self.inverse[:, :1] * self.shape.rise
+        return np.asarray(np.einsum("mn,inc->imc", below.series, S + closed))
 
     def _form(self, x: Array) -> Array:
         """Pressure of a half-space of N^-1 = 1; nothing where it has no largest value, which is then not asked for."""
         return 2 / np.pi * halfspace_form(self.shape, x) if finite(self.shape) else np.zeros_like(x)
 
-    def _layered(self, radius: float, below: "_Below", closed: Array) -> tuple[Array, Array]:
-        """What layers add to S below the contact, and to N S at its nodes, the edge and the nodes beside it.
+    def _layered(self, radius: float, below: "_Below", closed: Array, beside_it: Array) -> tuple[Array, Array]:
+        """What layers add to S below the contact, and to N S at its nodes, the edge and places beside it.
 
         Smooth and even, also where the profile is a power that is not; (channel, node, column) each.
         """
         rows, count = self.rows, below.nodes.size
         size = len(rows.channels)
-        added = np.zeros((size, count + 1 + rows.nodes, rows.columns))
+        added = np.zeros((size, count + 1 + beside_it.size, rows.columns))
         if self.layers is None:
             return np.zeros_like(closed), added
-        targets = np.concatenate([below.nodes, [1.0], self.rings.grid.distance])
+        targets = np.concatenate([below.nodes, [1.0], beside_it])
         beside = self._paired(self._beside(radius, targets))
         for place in range(len(self.fields)):
             added[..., rows.densities(place)] = beside[:, 1 + place] @ self.rings.gathered
         own = self._paired(self._within(radius, targets, below))
-        added += np.einsum("ijtn,jnc->itc", own, closed)
+        added += _summed(own, closed)
         if self.shape.exponent % 2:
             fine = _Below.of(radius / self.width, even=False)
-            power = self._inverse[:, :1] * self._given(fine.nodes)[0, :, rows.causes - 1]
+            power = self.inverse[:, :1] * self._given(fine.nodes)[0, :, rows.causes - 1]
             kernels = self._paired(self._within(radius, targets, fine))
             added[..., rows.causes - 1] = np.einsum("ijtn,jn->it", kernels, power)
         compliance = self.compliance[np.ix_(rows.channels, rows.channels)]
         matrix = np.einsum("ij,mn->imjn", compliance, np.eye(count)) + np.moveaxis(own[:, :, :count], 1, 2)
         S = np.linalg.solve(matrix.reshape(size * count, -1), -added[:, :count].reshape(size * count, -1))
         S = S.reshape(size, count, -1)
-        return S, added + np.einsum("ijtn,jnc->itc", own, S)
+        return S, added + _summed(own, S)
 
     @cached_property
-    def _inverse(self) -> Array:
-        """Of N of the channels."""
+    def inverse(self) -> Array:
+        """Of N of the channels; (channel, channel)."""
         return np.asarray(np.linalg.inv(self.compliance[np.ix_(self.rows.channels, self.rows.channels)]))
-
-    @cached_property
-    def _drawn(self) -> Array:
-        """What the rings draw below the contact; (x, n)."""
-        return self.rings.poisson(X_WITHIN)
 
     def _given(self, nodes: Array) -> Array:
         """chi below the contact; (channel, node, column)."""
@@ -212,43 +220,81 @@ class RingOperators:
         found[0, :, rows.causes - 1] = self.shape.rise * nodes**self.shape.exponent
         return found
 
+    @cached_property
+    def _pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Those of the six pairs that the channels have, and the place of each two channels among them."""
+        used, places = np.unique(CHANNEL[np.ix_(self.rows.channels, self.rows.channels)], return_inverse=True)
+        return used, places.reshape(2 * (len(self.rows.channels),))
+
+    @cached_property
+    def _added(self) -> Spread:
+        """Of these pairs."""
+        assert self.layers is not None
+        return replace(self.layers, series=self.layers.series[..., self._pairs[0]])
+
     def _paired(self, kernels: Array) -> Array:
-        """Kernels of the channels, from those of the six pairs; (channel, channel, target, node)."""
-        channels = self.rows.channels
-        return np.moveaxis(kernels[..., CHANNEL[np.ix_(channels, channels)]], (2, 3), (0, 1))
+        """Kernels of the channels, from those of their pairs; (channel, channel, target, node)."""
+        return np.moveaxis(kernels[..., self._pairs[1]], (2, 3), (0, 1))
 
     def _within(self, radius: float, targets: Array, below: "_Below") -> Array:
-        """From S below the contact to what layers add at targets; (target, node, 6)."""
-        assert self.layers is not None
+        """From S below the contact to what layers add at targets; (target, node, pair)."""
         apart = np.stack([np.abs(targets[:, None] - below.nodes), targets[:, None] + below.nodes])
-        return np.asarray(radius / np.pi * np.sum(self.layers.at(radius * apart), 0) * below.weights[:, None])
+        return np.asarray(radius / np.pi * np.sum(self._added.at(radius * apart), 0) * below.weights[:, None])
 
     def _beside(self, radius: float, targets: Array) -> Array:
-        """The same from S at the nodes beside the contact; (target, node, 6)."""
-        assert self.layers is not None
-        grid, size = self.rings.grid, self.rings.size
-        ends = np.append(grid.ends, _FARTHEST)
-        far = np.cosh(ends[-1])
-        found = np.zeros((targets.size, grid.count, 6))
+        """The same from S at the nodes beside the contact; (target, node, pair).
+
+        One rule a panel serves where kernels are smooth over it, and everywhere those of the opposite place.
+        """
+        grid, (s, share) = self.rings.grid, self.rings.rule
+        breaks = self._breaks(radius, targets)
+        ends = np.cosh(self.rings.ends)
+        broken = np.diff([np.searchsorted(own, ends, side="right") for own in breaks], axis=1) > 0
+        kernels = self._added.at(radius * (targets[:, None, None] + s))
+        row, panel = np.nonzero(~broken)
+        kernels[row, panel] += self._added.at(radius * np.abs(targets[row, None] - s[panel]))
+        found = np.swapaxes(np.swapaxes(kernels, -1, -2) @ share, -1, -2)  # (target, panel, node, pair)
+        self._add_pieces(found, radius, targets, breaks, broken)
+        size = self.rings.size.reshape(grid.panels, -1, 1)
+        return np.asarray(radius / np.pi * found / size).reshape(targets.size, grid.count, -1)
+
+    def _breaks(self, radius: float, targets: Array) -> Array:
+        """Where rules break about targets, rising, at the edge where there are fewer; (target, break).
+
+        Farther from a target than it is from the axis, panels are short enough.
+        """
+        far = float(np.cosh(self.rings.ends[-1]))
         gaps = self.width / radius * _APART ** np.arange(-1, 40.0)
         gaps = np.concatenate([[0.0], gaps[gaps < far]])
-        breaks = np.clip(targets[:, None] + np.concatenate([gaps, -gaps[1:]]), 1.0, far)
+        both = np.concatenate([-gaps[1:], gaps])
+        there = targets[:, None] + both
+        used = (np.abs(both) < np.maximum(targets, 1.0)[:, None]) & (there > 1) & (there < far)
+        return np.sort(np.where(used, there, 1.0), 1)
+
+    def _add_pieces(self, found: Array, radius: float, targets: Array, breaks: Array, broken: BoolArray) -> None:
+        """Add panels that break, piece by piece."""
+        grid = self.rings.grid
+        ends = self.rings.ends
         all_ends = np.sort(np.concatenate([np.tile(ends, (targets.size, 1)), np.arccosh(breaks)], 1), 1)
-        row, place = np.nonzero(np.diff(all_ends) > 0)
-        start, stop = all_ends[row, place], all_ends[row, place + 1]
-        panel = np.searchsorted(ends, (start + stop) / 2) - 1
-        x, w = gauss(np.array([0.0, 1.0]), _RULE)
-        theta = start[:, None] + (stop - start)[:, None] * x
-        s = np.cosh(theta)
-        weights = (stop - start)[:, None] * w * np.sinh(theta) / s**2 * radius / np.pi
-        values = np.sum(self.layers.at(radius * np.stack([np.abs(targets[row, None] - s), targets[row, None] + s])), 0)
-        last = (panel == grid.panels - 1)[:, None]
-        shape = grid.interpolations(panel, np.where(last, np.exp(-theta), theta))  # (piece, point, node)
-        nodes = shape.shape[-1]
-        pieces = np.swapaxes(shape * weights[..., None], 1, 2) @ values  # (piece, node, 6)
-        flat = (row * grid.count + panel * nodes)[:, None] + np.arange(nodes)
-        np.add.at(found.reshape(-1, 6), flat, pieces)
-        return found / size[:, None]
+        start, stop = all_ends[:, :-1], all_ends[:, 1:]
+        panel = np.clip(np.searchsorted(ends, (start + stop) / 2) - 1, 0, grid.panels - 1)
+        row, place = np.nonzero((stop > start) & np.take_along_axis(broken, panel, 1))
+        own = panel[row, place]
+        s, share = self.rings.ruled(own, start[row, place], stop[row, place])
+        pieces = np.swapaxes(share, 1, 2) @ self._added.at(radius * np.abs(targets[row, None] - s))
+        first = np.flatnonzero(np.diff(row * grid.panels + own, prepend=-1))
+        found[row[first], own[first]] += np.add.reduceat(pieces, first)
+
+
+def _summed(kernels: Array, S: Array) -> Array:
+    """Kernels (i, j, target, node) of S (j, node, column); (i, target, column)."""
+    return np.asarray(np.tensordot(kernels, S, ((1, 3), (0, 1))))
+
+
+@lru_cache(2)
+def _drawn(rings: Rings) -> Array:
+    """What rings draw below the contact; (x, n)."""
+    return rings.poisson(X_WITHIN)
 
 
 @dataclass(frozen=True, eq=False)

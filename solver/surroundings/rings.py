@@ -21,6 +21,8 @@ from solver.surroundings.grid import Grid, gauss
 _FINE = 24  # of the rules in tau, theta' = theta +- tau^2, which has no root at the target
 
 _FARTHEST = 1e5  # end of the finite panels, in contact radii
+_NOTHING = 19.0  # theta beyond which S is nothing
+_RULE = 9  # nodes between two breaks of a rule
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +41,33 @@ class Rings:
     def size(self) -> Array:
         """Density over the unknown at the nodes, 1/r^2: in wide gaps densities fall like that; (n,)."""
         return np.asarray(1 / self.grid.distance**2)
+
+    @cached_property
+    def ends(self) -> Array:
+        """Ends of the panels in theta; (panel + 1,)."""
+        return np.append(self.grid.ends, _NOTHING)
+
+    @cached_property
+    def rule(self) -> tuple[Array, Array]:
+        """As :meth:`ruled` of whole panels."""
+        return self.ruled(np.arange(self.grid.panels), self.ends[:-1], self.ends[1:])
+
+    def ruled(self, panel: Indices, start: Array, stop: Array) -> tuple[Array, Array]:
+        """Nodes s on pieces of panels, and weights of int S ds from S over ``size``; (piece, point) and (..., node).
+
+        Parameters
+        ----------
+        panel
+            (piece,).
+        start, stop
+            Ends in theta; (piece,).
+        """
+        x, w = gauss(np.array([0.0, 1.0]), _RULE)
+        theta = start[:, None] + (stop - start)[:, None] * x
+        s = np.cosh(theta)
+        weights = (stop - start)[:, None] * w * np.sinh(theta) / s**2
+        last = (panel == self.grid.panels - 1)[:, None]
+        return s, weights[..., None] * self.grid.interpolations(panel, np.where(last, np.exp(-theta), theta))
 
     @property
     def _last(self) -> float:
@@ -79,23 +108,30 @@ class Rings:
 
     def poisson(self, x: Array) -> Array:
         """What densities add to that below the contact at x = sqrt(1 - r^2) beside what S within makes; (x, n)."""
+        at = x[:, None]
+        return self._integrated(lambda theta: 2 / np.pi * at / (np.sinh(theta) * (np.sinh(theta) ** 2 + at**2)))
 
-        def of(at: float) -> Callable[[Array], Array]:
-            return lambda theta: 2 / np.pi * at / (np.sinh(theta) * (np.sinh(theta) ** 2 + at**2))
-
-        return np.stack([self._integrated(of(at)) for at in x.tolist()])
+    def read(self, r: Array) -> Array:
+        """Densities at r > 1, from those over their size; (place, n)."""
+        grid, found = self.grid, np.zeros((r.size, self.grid.count))
+        theta = np.arccosh(r)
+        panels = np.minimum(np.searchsorted(grid.ends[1:], theta), grid.panels - 1)
+        for panel in np.unique(panels).tolist():
+            here = np.flatnonzero(panels == panel)
+            u = theta[here] if panel < grid.panels - 1 else np.exp(-theta[here])
+            found[here, grid.slice(panel)] = grid.interpolation(panel, u)
+        return found / r[:, None] ** 2
 
     def _integrated(self, of: Callable[[Array], Array]) -> Array:
-        """int f D r dr of a function f of theta; (n,)."""
-        grid = self.grid
-        found = np.zeros(grid.count)
+        """int f D r dr of functions f of theta, (..., point); (..., n)."""
+        grid, found = self.grid, list[Array]()
         for panel in range(grid.panels):
             u, weights = grid.rule(panel, 0.0 if panel in (0, grid.panels - 1) else None)
             theta = grid.theta_of(panel, u)
             along = 1.0 if panel < grid.panels - 1 else 1 / u
             share = weights * along * np.tanh(theta) * of(theta)
-            found[grid.slice(panel)] = share @ grid.interpolation(panel, u)
-        return found
+            found.append(share @ grid.interpolation(panel, u))
+        return np.concatenate(found, -1)
 
     @cached_property
     def raised(self) -> Array:

@@ -12,7 +12,7 @@ from solver.point.profile import Shape
 from solver.surroundings.ringoperators import RingOperators, Rows
 from solver.surroundings.rings import Rings
 
-NODES = 18  # radii of a window: 1e-12 between them
+NODES, FEW = 18, 8  # radii of half a decade and of a twentieth: 1e-12 between them, 1e-9 of what takes derivatives
 
 
 class Places(Protocol):
@@ -43,24 +43,42 @@ class Read:
 
     operators: Places
 
-    @property
+    @cached_property
     def rows(self) -> Rows:
         """Places of the outputs."""
         return self.operators.rows
 
-    @property
+    @cached_property
     def rings(self) -> Rings:
         """Panels beside the contact."""
         return self.operators.rings
 
-    @property
+    @cached_property
     def shape(self) -> Shape:
         """The punch."""
         return self.operators.shape
 
 
+class Tabled(Places, Protocol):
+    """What a table is made of: operators, or another table."""
+
+    @property
+    def exact(self) -> RingOperators:
+        """The operators."""
+
+    def at(self, radius: float) -> Array:
+        """Outputs of every cause and density; (row, column)."""
+
+
 class RingsByRadius(Places, Protocol):
     """Outputs of :class:`solver.surroundings.ringoperators.RingOperators` at every radius of a body."""
+
+    @property
+    def exact(self) -> RingOperators:
+        """Those that are solved at any radius."""
+
+    def holds(self, log_radius: float) -> bool:
+        """Whether it was made for this radius."""
 
     def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
         """The rows up to one, and their derivatives in log a; (row, column) each."""
@@ -79,22 +97,47 @@ class RingTable(Read):
         Operators at any radius.
     ends
         log a at both ends.
+    count
+        Number of radii.
     """
 
-    operators: RingOperators
+    operators: Tabled
     ends: tuple[float, float]
+    count: int = NODES
+
+    @property
+    def exact(self) -> RingOperators:
+        """The operators that it is made of in the end."""
+        return self.operators.exact
 
     @cached_property
     def values(self) -> tuple[Array, Array]:
         """Outputs at the radii, flat: those up to the pressures, and those below the contact; (node, ...)."""
-        found = np.stack([self.operators.at(float(np.exp(at))) for at in mapped_points(NODES, *self.ends)])
+        found = np.stack([self.operators.at(float(np.exp(at))) for at in mapped_points(self.count, *self.ends)])
         split = self.rows.pressure.start
-        return found[:, :split].reshape(NODES, -1), found[:, split:].reshape(NODES, -1)
+        return found[:, :split].reshape(self.count, -1), found[:, split:].reshape(self.count, -1)
+
+    def holds(self, log_radius: float) -> bool:
+        """Whether a radius lies between the ends."""
+        return self.ends[0] <= log_radius <= self.ends[1]
+
+    def at(self, radius: float) -> Array:
+        """Outputs of every cause and density; (row, column)."""
+        local = self._polynomials(float(np.log(radius)))[0]
+        return np.concatenate([local @ part for part in self.values]).reshape(self.rows.count, -1)
 
     def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
         """The rows up to the pressures, and their derivatives in log a; (row, column) each."""
-        found = (self._polynomials(log_radius) @ self.values[0]).reshape(2, stop, -1)
+        if log_radius not in self._last:
+            self._last.clear()
+            self._last[log_radius] = (self._polynomials(log_radius) @ self.values[0]).reshape(2, stop, -1)
+        found = self._last[log_radius]
         return found[0], found[1]
+
+    @cached_property
+    def _last(self) -> dict[float, Array]:
+        """What was read last: iterations ask again where they begin."""
+        return {}
 
     def read_inside(self, log_radius: float) -> Array:
         """The rows below the contact; (row, column)."""
@@ -105,12 +148,13 @@ class RingTable(Read):
         """From values at the radii to those at log a and to derivatives; (2, node)."""
         low, high = self.ends
         series, rates = self._series
-        local = np.polynomial.chebyshev.chebvander(np.array([(2 * log_radius - low - high) / (high - low)]), NODES - 1)
+        at = np.array([(2 * log_radius - low - high) / (high - low)])
+        local = np.polynomial.chebyshev.chebvander(at, self.count - 1)
         return np.asarray(np.concatenate([local @ series, local @ rates]))
 
     @cached_property
     def _series(self) -> tuple[Array, Array]:
-        series, (low, high) = coefficients(np.eye(NODES)), self.ends
+        series, (low, high) = coefficients(np.eye(self.count)), self.ends
         rates = np.zeros_like(series)
         rates[:-1] = np.polynomial.chebyshev.chebder(series) * 2 / (high - low)
         return series, rates
@@ -128,9 +172,18 @@ class RingsOnHalfSpace(Read):
 
     operators: RingOperators
 
+    @property
+    def exact(self) -> RingOperators:
+        """The operators."""
+        return self.operators
+
     @cached_property
     def _values(self) -> Array:
         return self.operators.at(1.0)
+
+    def holds(self, log_radius: float) -> bool:
+        """Whatever the radius."""
+        return True
 
     def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
         """The rows up to one, and zeros."""

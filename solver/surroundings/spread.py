@@ -41,7 +41,7 @@ class Spread:
     series: Array
 
     def at(self, x: Array) -> Array:
-        """Lambda at distances x >= 0; (..., 6)."""
+        """Lambda at distances x >= 0; (..., 6), or of as many pairs as there are series of."""
         distance = x.ravel()
         reach = self.edges[-1]
         near = np.minimum(distance, reach)
@@ -51,13 +51,13 @@ class Spread:
         bounds = np.searchsorted(own, np.arange(len(self.series) + 1)).tolist()
         low, high = self.edges[:-1][own], self.edges[1:][own]
         T = polynomials((2 * near[order] - low - high) / (high - low), _DEGREE + 1).T
-        sorted_, found = np.empty((distance.size, 6)), np.empty((distance.size, 6))
+        sorted_, found = (np.empty((distance.size, self.series.shape[-1])) for _ in range(2))
         for p, (start, stop) in enumerate(pairwise(bounds)):
             sorted_[start:stop] = T[start:stop] @ self.series[p]
         found[order] = sorted_
         beyond = distance > reach
         found[beyond] *= (reach / distance[beyond, None]) ** 2
-        return found.reshape(*x.shape, 6)
+        return found.reshape(*x.shape, -1)
 
 
 @lru_cache(32)

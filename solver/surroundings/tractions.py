@@ -53,9 +53,7 @@ class AirTractions(Tractions):
         """Ends of panels in k, from so small ones on that the farthest charges are in phase."""
         stack = self.system.kernel.stack
         ends = panels(stack, strip(stack) / 2)
-        turns = np.log(ends[1] * self._half * np.cosh(self.beside.ends[-1]) / _FIRST) / np.log(_GROWTH)
-        below = ends[1] * _GROWTH ** -np.arange(1.0, max(turns, 0) + 2)
-        return np.concatenate([[0.0], below[::-1], ends[1:]])
+        return from_smaller(ends, self._half * float(np.cosh(self.beside.ends[-1])))
 
     @cached_property
     def _spectrum(self) -> Spectrum:
@@ -90,6 +88,21 @@ class AirTractions(Tractions):
         found = super().on_plane(z, integrated=integrated)
         found[2:, 0, :, 0] += self.beside.transforms(z[0], integrated=integrated)
         return found
+
+
+def from_smaller(ends: Array, farthest: float) -> Array:
+    """Ends of panels in k with smaller ones before, across the first of which the farthest charges are in phase.
+
+    Parameters
+    ----------
+    ends
+        From 0; (end,).
+    farthest
+        Distance of the charges, over the length of the wavenumbers.
+    """
+    turns = np.log(ends[1] * farthest / _FIRST) / np.log(_GROWTH)
+    below = ends[1] * _GROWTH ** -np.arange(1.0, max(turns, 0) + 2)
+    return np.concatenate([[0.0], below[::-1], ends[1:]])
 
 
 @dataclass(frozen=True, eq=False)

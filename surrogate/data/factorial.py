@@ -145,9 +145,9 @@ def _inferred(dataset: xr.Dataset, factor: str, levels: Array, chebyshev: bool) 
         low, high = (
             (np.exp(middle - reach), np.exp(middle + reach)) if scale == "log" else (middle - reach, middle + reach)
         )
-        found = Input(factor, float(low), float(high), scale, **attrs)
-        if np.abs(found.to_unit(levels) - gauss_points(len(levels))).max() <= LEVEL_TOLERANCE:
-            return found
+        inferred = Input(factor, float(low), float(high), scale, **attrs)
+        if np.abs(inferred.to_unit(levels) - gauss_points(len(levels))).max() <= LEVEL_TOLERANCE:
+            return inferred
     raise ValueError(
         f"input {factor!r}: its {len(levels)} levels are no Chebyshev-Gauss levels of a linear or log range"
     )
@@ -185,25 +185,25 @@ def check_levels(inputs: Sequence[Input], levels: Sequence[Array], chebyshev: bo
         _check_levels(own, values, chebyshev)
 
 
-def _check_levels(one: Input, levels: Array, chebyshev: bool) -> None:
+def _check_levels(own: Input, levels: Array, chebyshev: bool) -> None:
     if len(levels) > MOST_OF_A_FACTOR:
-        raise ValueError(f"input {one.name!r} has {len(levels)} levels; a factor has at most {MOST_OF_A_FACTOR}")
+        raise ValueError(f"input {own.name!r} has {len(levels)} levels; a factor has at most {MOST_OF_A_FACTOR}")
     if len(levels) < 2:
-        raise ValueError(f"input {one.name!r} has {len(levels)} level; a factor needs at least 2")
-    if one.scale == "log" and levels[0] <= 0:
-        raise ValueError(f"input {one.name!r} has the level {levels[0]:g} on a log scale")
-    unit = one.to_unit(levels)
+        raise ValueError(f"input {own.name!r} has {len(levels)} level; a factor needs at least 2")
+    if own.scale == "log" and levels[0] <= 0:
+        raise ValueError(f"input {own.name!r} has the level {levels[0]:g} on a log scale")
+    unit = own.to_unit(levels)
     if chebyshev:
         away = np.abs(unit - gauss_points(len(levels)))
         if away.max() > LEVEL_TOLERANCE:
             k = int(away.argmax())
             raise ValueError(
-                f"input {one.name!r}: level {levels[k]:.10g} is none of the {len(levels)} Chebyshev-Gauss levels of "
-                f"{one.range_text()} ({one.scale}), expected {one.levels(len(levels))[k]:.10g}"
+                f"input {own.name!r}: level {levels[k]:.10g} is none of the {len(levels)} Chebyshev-Gauss levels of "
+                f"{own.range_text()} ({own.scale}), expected {own.levels(len(levels))[k]:.10g}"
             )
     elif np.abs(unit).max() > 1 + LEVEL_TOLERANCE:
         raise ValueError(
-            f"input {one.name!r}: level {levels[np.abs(unit).argmax()]:g} is outside its range {one.range_text()}"
+            f"input {own.name!r}: level {levels[np.abs(unit).argmax()]:g} is outside its range {own.range_text()}"
         )
 
 

@@ -63,10 +63,10 @@ class Points:
     def dataset(self, values: Mapping[str, tuple[NDArray[Any], Mapping[str, str]]]) -> xr.Dataset:
         """Label one value per point of every name, with its attributes: (n,) each -> the shape of the broadcast."""
         # variables spare xarray the merging of the same coordinates once an output
-        found = {
+        variables = {
             name: xr.Variable(self.dims, array.reshape(self.shape), attrs) for name, (array, attrs) in values.items()
         }
-        return xr.Dataset(found, self.coords)
+        return xr.Dataset(variables, self.coords)
 
     def labelled(self, values: NDArray[Any], attrs: Mapping[str, str]) -> xr.DataArray:
         """Label one value a point.
@@ -182,12 +182,12 @@ def _margins(inputs: tuple[Input, ...]) -> tuple[Array, Array]:
     return np.array(low), np.array(high)
 
 
-def _margin(one: Input) -> tuple[float, float]:
-    if one.scale == "log":
-        slack = SLACK * np.log(one.high / one.low)
-        return one.low * (1 - slack), one.high * (1 + slack)
-    slack = SLACK * (one.high - one.low)
-    return one.low - slack, one.high + slack
+def _margin(own: Input) -> tuple[float, float]:
+    if own.scale == "log":
+        slack = SLACK * np.log(own.high / own.low)
+        return own.low * (1 - slack), own.high * (1 + slack)
+    slack = SLACK * (own.high - own.low)
+    return own.low - slack, own.high + slack
 
 
 def _by_name(points: Table | ArrayLike, names: Sequence[str]) -> dict[Any, Any]:
@@ -210,8 +210,8 @@ def _one_point(points: Mapping[Any, Any] | xr.Dataset, names: Sequence[str]) -> 
     """The point, (d,), where every entry is a plain number, which needs no broadcasting; None otherwise."""
     if not all(type(points[name]) in (float, int, np.float64) for name in names):
         return None
-    found = np.array([points[name] for name in names])  # of objects where a whole number is too large
-    return found.astype(np.float64) if found.dtype.kind in "if" and np.isfinite(found).all() else None
+    values = np.array([points[name] for name in names])  # of objects where a whole number is too large
+    return values.astype(np.float64) if values.dtype.kind in "if" and np.isfinite(values).all() else None
 
 
 def _along(column: NDArray[Any]) -> xr.DataArray:

@@ -403,9 +403,9 @@ class GaussianProcess(Physical, Predictive):
         if self.region_ is not None and not extrapolate:
             self.require_answers(X)
         single = self.single() if len(X) == 1 else None
-        found = single(X[0].tolist(), return_std) if single else None
-        if found is not None:
-            mean, std = found[0][:, None], None if found[1] is None else found[1][:, None]
+        answer = single(X[0].tolist(), return_std) if single else None
+        if answer is not None:
+            mean, std = answer[0][:, None], None if answer[1] is None else answer[1][:, None]
         else:
             if not extrapolate:
                 require_inside(X, self.inputs_)

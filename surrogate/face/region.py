@@ -71,13 +71,13 @@ class Region:
         count = int(self.degrees.max()) + 1
         T = np.stack([chebyshev.polynomials(row, count) for row in t])
         S = np.stack([chebyshev.slopes(row, own) for row, own in zip(t, T, strict=True)])
-        found = np.empty_like(t)
+        derivatives = np.empty_like(t)
         for j in range(len(t)):
             product = np.ones((len(self.degrees), t.shape[1]))
             for k, column in enumerate(self.degrees.T):
                 product *= (S if k == j else T)[k][column]
-            found[j] = self.coefficients @ product
-        return found
+            derivatives[j] = self.coefficients @ product
+        return derivatives
 
     def reason(self, t: Array) -> str:
         """Return why the known case nearest to a point, (d,), is refused."""

@@ -175,25 +175,25 @@ def degrees(rho: Sequence[float], cases: int, known_at: Sequence[int] | None = N
     parts: set[tuple[int, ...]] = set()
     most_parts = min(known_at or [cases]) // CASES_A_TERM // (1 + len(shared)) if shared else 1
     heap: list[tuple[float, tuple[int, ...]]] = [(0.0, (0,) * len(cost))]
-    found: list[tuple[float, tuple[int, ...]]] = []
-    while heap and heap[0][0] <= COST and len(found) <= most:
+    ranked: list[tuple[float, tuple[int, ...]]] = []
+    while heap and heap[0][0] <= COST and len(ranked) <= most:
         spent, index = heappop(heap)
         part = tuple(index[k] for k in shared)
         if part not in parts and len(parts) >= max(most_parts, 1):
             continue  # nor does any index that follows from it
         parts.add(part)
-        found.append((spent, index))
+        ranked.append((spent, index))
         # each index is reached once: from the one without its last degree
         last = max((j for j, degree in enumerate(index) if degree), default=0)
         for j in range(last, len(cost)):
             above = (*index[:j], index[j] + 1, *index[j + 1 :])
             heappush(heap, (float(np.dot(above, cost)), above))
-    if len(found) > most:  # what costs as much as the first one too many goes with it
-        beyond = found[-1][0]
+    if len(ranked) > most:  # what costs as much as the first one too many goes with it
+        beyond = ranked[-1][0]
         if beyond <= LEAST_COST:
             return None
-        found = [pair for pair in found if pair[0] < beyond * (1 - 1e-12)]
-    return np.array([index for _, index in found], dtype=np.intp)
+        ranked = [pair for pair in ranked if pair[0] < beyond * (1 - 1e-12)]
+    return np.array([index for _, index in ranked], dtype=np.intp)
 
 
 def correct(

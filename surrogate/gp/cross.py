@@ -164,8 +164,8 @@ def run(steps: Steps, known: Mapping[tuple[int, ...], Array]) -> Indices | Cross
         try:
             wanted = steps.send(np.stack([known[index] for index in map(tuple, wanted.tolist())]))
         except StopIteration as end:
-            found: Crossed = end.value
-            return found
+            crossed: Crossed = end.value
+            return crossed
 
 
 def interpolation(matrix: Array, left: float, first: Sequence[int] = ()) -> tuple[Indices, Array]:

@@ -106,11 +106,11 @@ class CrossGP(GridGP):
             The crossed inputs over `place`; in the end `error` over `output`, the largest over its range at the last
             fresh places, on levels.
         """
-        found = run(self._cross.steps(), {} if X is None else self.blocks(X))
-        if X is not None and isinstance(found, Crossed):
-            error = ("output", found.error, {"long_name": "largest error over range at fresh places"})
+        crossed = run(self._cross.steps(), {} if X is None else self.blocks(X))
+        if X is not None and isinstance(crossed, Crossed):
+            error = ("output", crossed.error, {"long_name": "largest error over range at fresh places"})
             return xr.Dataset({"error": error}, {"output": self._names(X)})
-        columns = [(self._input(name), index) for name, index in zip(self.crossed, np.asarray(found).T, strict=True)]
+        columns = [(self._input(name), index) for name, index in zip(self.crossed, np.asarray(crossed).T, strict=True)]
         return xr.Dataset(
             {own.name: (PLACE, own.levels(self.levels[own.name])[index], own.attrs) for own, index in columns}
         )
@@ -128,21 +128,21 @@ class CrossGP(GridGP):
         ValueError
             Cases are missing, or are not finite; a value is no level.
         """
-        found = run(self._cross.steps(), self.blocks(X))
-        if not isinstance(found, Crossed):
-            raise ValueError(f"{len(found)} places are still to be solved; `ask` names them")
+        crossed = run(self._cross.steps(), self.blocks(X))
+        if not isinstance(crossed, Crossed):
+            raise ValueError(f"{len(crossed)} places are still to be solved; `ask` names them")
         assert self.inputs is not None
         self.inputs_ = tuple(self.inputs)
         self.levels_ = tuple(input_.levels(self.levels[input_.name]) for input_ in self.inputs)
         self.outputs_ = tuple(self._names(X))
         self.attrs_ = {name: text_attrs(X[name]) for name in self.outputs_}
         self.calibration_ = self.correction_ = None
-        self.cases_ = int(found.entries * np.prod([self.levels[name] for name in self.whole]))
+        self.cases_ = int(crossed.entries * np.prod([self.levels[name] for name in self.whole]))
         names = [input_.name for input_ in self.inputs]
         self.order_ = tuple(names.index(name) for name in (*self.crossed, *self.whole))
-        self.error_ = dict(zip(self.outputs_, found.error.tolist(), strict=True))
-        self.places_ = found.entries
-        self._standardise(self._train(found), found)
+        self.error_ = dict(zip(self.outputs_, crossed.error.tolist(), strict=True))
+        self.places_ = crossed.entries
+        self._standardise(self._train(crossed), crossed)
         return self
 
     @property
@@ -174,19 +174,19 @@ class CrossGP(GridGP):
 
     def _index(self, name: str, values: Array) -> Indices:
         """The level of every value; ValueError for one that is none."""
-        one = self._input(name)
-        levels, unit = one.to_unit(one.levels(self.levels[name])), one.to_unit(values)
+        axis = self._input(name)
+        levels, unit = axis.to_unit(axis.levels(self.levels[name])), axis.to_unit(values)
         nearest = np.abs(unit[:, None] - levels).argmin(axis=1)
         away = np.abs(unit - levels[nearest]) > LEVEL_TOLERANCE
         if away.any():
             raise ValueError(f"input {name!r}: {values[away][0]:.10g} is none of its {self.levels[name]} levels")
         return np.asarray(nearest, dtype=np.intp)
 
-    def _train(self, found: Crossed) -> TensorTrain:
+    def _train(self, crossed: Crossed) -> TensorTrain:
         """The train of the coefficients in the orthonormal bases, of values less offset over scale."""
         bases = [cosine_basis(self.levels[name])[0] for name in (*self.crossed, *self.whole)]
-        cores = [np.einsum("rns,nm->rms", core, basis) for core, basis in zip(found.cores[:-1], bases, strict=False)]
-        last = found.cores[-1]
+        cores = [np.einsum("rns,nm->rms", core, basis) for core, basis in zip(crossed.cores[:-1], bases, strict=False)]
+        last = crossed.cores[-1]
         rest: Any = last.reshape(*last.shape[:2], *(self.levels[name] for name in self.whole), last.shape[-1])
         for k, basis in enumerate(bases[len(cores) :], start=1):
             rest = np.moveaxis(np.tensordot(rest, basis, (k, 0)), -1, k)
@@ -197,7 +197,7 @@ class CrossGP(GridGP):
         whole = TensorTrain((*cores, first, *split[1:]))
         return whole.only(range(last.shape[-1]), small * float(np.sqrt(self._places())))
 
-    def _standardise(self, train: TensorTrain, found: Crossed) -> None:
+    def _standardise(self, train: TensorTrain, crossed: Crossed) -> None:
         """Take the outputs' means and standard deviations from the train, then kernels and variance as on a grid."""
         sizes = [len(self.levels_[k]) for k in self.order_]
         constants, grams = [np.eye(size)[:, :1] for size in sizes], train.grams()
@@ -210,7 +210,7 @@ class CrossGP(GridGP):
             gram[:, :, 0] -= mean * line
         spread = np.sqrt(np.trace(grams[0], axis1=1, axis2=2) / self._places())
         spread[spread <= 0] = 1.0
-        self.offset_, self.scale_ = found.offset, found.scale * spread
+        self.offset_, self.scale_ = crossed.offset, crossed.scale * spread
         for gram, size in zip(grams, sizes, strict=True):
             gram /= (spread**2 * (self._places() / size))[:, None, None]
         back = np.argsort(self.order_)

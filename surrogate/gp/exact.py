@@ -148,8 +148,8 @@ def chosen(
     }
 
     def score(kernel: str) -> float:
-        found = tried[kernel]
-        return float(found.log_marginal_likelihood_value_ - 0.5 * len(found.kernel_.theta) * np.log(len(t)))
+        fitted = tried[kernel]
+        return float(fitted.log_marginal_likelihood_value_ - 0.5 * len(fitted.kernel_.theta) * np.log(len(t)))
 
     best = max(tried, key=score)
     return best, tried[best]
@@ -212,11 +212,11 @@ def _slope_priors(kernel: str, regressor: GaussianProcessRegressor, t: Array) ->
 
 def _product(factors: Sequence[Array], without: int) -> Array:
     """The product of all factors but one."""
-    found = np.ones_like(factors[0])
+    product = np.ones_like(factors[0])
     for i, factor in enumerate(factors):
         if i != without:
-            found = found * factor
-    return found
+            product = product * factor
+    return product
 
 
 def _radial(kernel: str, r: Array) -> Array:

@@ -90,7 +90,7 @@ class FiniteRank:
             decay = most_likely(t[:, some], y[some][:, varies], root_weight[some] ** 2)[0]
         indices, sizes = largest(decay, rank)
         y = y * root_weight[:, None]
-        gram, seen = _products(t, y, indices, root_weight)
+        gram, seen = _gathered(t, y, indices, root_weight)
         root = np.sqrt(sizes)
         spectrum, vectors = eigh(gram * root * root[:, None], overwrite_a=True, check_finite=False, driver="evd")
         # what rounding leaves of small squares says nothing: as good as not seen by any case
@@ -98,9 +98,9 @@ class FiniteRank:
         directions = root[:, None] * vectors
         known = _along(directions, spectrum, seen)
         rest = Rest(np.zeros_like(known), known, np.einsum("np,np->p", y, y))
-        found = [rest.variances(spectrum, p, t.shape[1]) for p in range(y.shape[1])]
+        variances = [rest.variances(spectrum, p, t.shape[1]) for p in range(y.shape[1])]
         # products of features know squares of the outputs to rounding only; what is left after a first fit knows more
-        first = rest.weights(spectrum, np.array([noise / signal for signal, noise in found]))
+        first = rest.weights(spectrum, np.array([noise / signal for signal, noise in variances]))
         seen, energy = _left(t, y, indices, directions @ first, root_weight)
         rest = Rest(first, _along(directions, spectrum, seen), energy)
         signal, noise = np.array([rest.variances(spectrum, p, t.shape[1]) for p in range(y.shape[1])]).T
@@ -115,7 +115,7 @@ class FiniteRank:
         t : ndarray, shape (d, B), scaled coordinates
         weights : ndarray, shape (2, p), of the process's variance and of the noise's; None: no variance
         """
-        features = _products(self.indices, t)
+        features = _features(self.indices, t)
         mean = self._physical(self.coefficients.T @ features) + self.offset[:, None]
         if weights is None:
             return mean, None
@@ -192,7 +192,7 @@ class FiniteRank:
         return (shares * (weights * self.scale**2)).T @ along
 
     def _derived(self, t: Array) -> Iterator[Array]:
-        return (_products(self.indices, t, derived) for derived in range(len(t)))
+        return (_features(self.indices, t, derived) for derived in range(len(t)))
 
 
 def largest(decay: Decay, count: int) -> tuple[Indices, Array]:
@@ -214,7 +214,7 @@ def largest(decay: Decay, count: int) -> tuple[Indices, Array]:
     return indices, weights
 
 
-def _products(indices: Indices, t: Array, derived: int = -1) -> Array:
+def _features(indices: Indices, t: Array, derived: int = -1) -> Array:
     """Return prod_j T_{a_j}(t_j) of every index, one input's polynomial replaced by its derivative: (r, B).
 
     Parameters
@@ -223,18 +223,18 @@ def _products(indices: Indices, t: Array, derived: int = -1) -> Array:
     t : ndarray, shape (d, B), scaled coordinates
     derived : int, the input whose polynomial is replaced; -1: none
     """
-    found = np.ones((len(indices), t.shape[1]))
+    product = np.ones((len(indices), t.shape[1]))
     for j, (column, x) in enumerate(zip(indices.T, t, strict=True)):
         T = chebyshev.polynomials(x, max(2, 1 + int(column.max())))
-        found *= (chebyshev.slopes(x, T) if j == derived else T)[column]
-    return found
+        product *= (chebyshev.slopes(x, T) if j == derived else T)[column]
+    return product
 
 
-def _products(t: Array, y: Array, indices: Indices, root_weight: Array) -> tuple[Array, Array]:
+def _gathered(t: Array, y: Array, indices: Indices, root_weight: Array) -> tuple[Array, Array]:
     """Products of the weighted features with each other, (r, r), and with the outputs, (r, p), over all cases."""
     gram, seen = np.zeros((len(indices), len(indices)), order="F"), np.zeros((len(indices), y.shape[1]))
     for start in range(0, t.shape[1], BLOCK):
-        features = _products(indices, t[:, start : start + BLOCK])
+        features = _features(indices, t[:, start : start + BLOCK])
         features *= root_weight[start : start + BLOCK]
         # half of the products, added in place; the block's transpose is what LAPACK's order sees
         gram = dsyrk(1.0, features.T, 1.0, gram, trans=1, lower=1, overwrite_c=1)
@@ -251,7 +251,7 @@ def _left(t: Array, y: Array, indices: Indices, coefficients: Array, root_weight
     """Products of the weighted features with what coefficients leave of the outputs, (r, p), and its squares, (p,)."""
     seen, energy = np.zeros_like(coefficients), np.zeros(y.shape[1])
     for start in range(0, t.shape[1], BLOCK):
-        features = _products(indices, t[:, start : start + BLOCK])
+        features = _features(indices, t[:, start : start + BLOCK])
         features *= root_weight[start : start + BLOCK]
         left = y[start : start + BLOCK] - features.T @ coefficients
         seen += features @ left

@@ -341,8 +341,8 @@ class GridGP(GaussianProcess):
         """Return the derivatives of the means by the scaled coordinates (d, B): (d, p, B)."""
         features, slopes = self._features(t), self._features(t, slopes=True)
         parts = self.train_.gradient([features[k].mean for k in self.order_], [slopes[k].mean for k in self.order_])
-        found = np.asarray(parts[np.argsort(self.order_)] * self.scale_[:, None])
-        return found if self.correction_ is None else found + self.correction_.slopes(t)
+        derivatives = np.asarray(parts[np.argsort(self.order_)] * self.scale_[:, None])
+        return derivatives if self.correction_ is None else derivatives + self.correction_.slopes(t)
 
     def uncalibrated(self) -> Self:
         """Return the model without what `calibrate` has learnt."""

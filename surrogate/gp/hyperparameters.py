@@ -68,8 +68,8 @@ def most_predictive(make: Callable[[float], Factor], grams: Array, bounds: tuple
     grid = np.linspace(float(np.log(bounds[0])), float(np.log(bounds[1])), COARSE)
     best = int(np.argmin([cost(logarithm) for logarithm in grid]))
     around = (grid[max(best - 1, 0)], grid[min(best + 1, COARSE - 1)])
-    found = scipy.optimize.minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": 1e-3})
-    return make(float(np.exp(found.x)))
+    optimum = scipy.optimize.minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": 1e-3})
+    return make(float(np.exp(optimum.x)))
 
 
 def rho_bounds(levels: int) -> tuple[float, float]:

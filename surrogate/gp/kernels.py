@@ -68,10 +68,10 @@ class Noise(WhiteKernel):  # type: ignore[misc]  # untyped
 
     def __call__(self, X: Array, Y: Array | None = None, eval_gradient: bool = False) -> Any:
         """The noise's covariance, (n, n) of the cases, nothing between these and other points; as scikit-learn's."""
-        found = super().__call__(X, Y, eval_gradient)
+        kernel = super().__call__(X, Y, eval_gradient)
         if Y is not None or self.weights is None:
-            return found
+            return kernel
         share = 1 / self.weights
         if eval_gradient:
-            return found[0] * share, found[1] * share[:, None]
-        return found * share
+            return kernel[0] * share, kernel[1] * share[:, None]
+        return kernel * share

@@ -166,6 +166,6 @@ def _of_modes(factors: Sequence[ChebyshevFactor], known: Array, missing: Flags) 
         known = np.moveaxis(np.tensordot(factor.basis.T, known, (1, axis)), 0, axis)
     right = -scale[:, None] * known.reshape(missing.size, -1)[heaviest]
     orthogonal, triangle, order = qr(matrix, mode="economic", pivoting=True, overwrite_a=True)
-    found = np.empty((count, right.shape[1]))
-    found[order] = solve_triangular(triangle, orthogonal.T @ right)
-    return found
+    columns = np.empty((count, right.shape[1]))
+    columns[order] = solve_triangular(triangle, orthogonal.T @ right)
+    return columns

@@ -82,10 +82,10 @@ def most_likely(t: Array, y: Array, weights: Array | None = None) -> tuple[Decay
     d, share = len(t), np.ones(t.shape[1]) if weights is None else 1 / weights
     start = np.log(np.concatenate([np.full(d, 0.3), np.full(d, 0.3), [1e-3]]))
     bounds = [tuple(np.log(ends)) for ends in [FIRST] * d + [RHO] * d + [NOISE]]
-    found = scipy.optimize.minimize(
+    optimum = scipy.optimize.minimize(
         _cost, start, (t, y, share), method="L-BFGS-B", jac=True, bounds=bounds, options={"maxiter": ITERATIONS}
     )
-    parameters = np.exp(found.x)
+    parameters = np.exp(optimum.x)
     return Decay(parameters[:d], parameters[d : 2 * d]), float(parameters[-1])
 
 
@@ -175,8 +175,8 @@ def sum_curvature(x: Array, rho: float) -> Array:
     value = above / below / 2
     slope = (by_above / 2 - value * by_below) / below
     both = (2 * rho * rho + squared) - by_above / 2 * by_below / below  # the numerator's own slope by both, halved
-    found = (both - slope * by_below + 4 * rho * squared * value + value * by_below**2 / below) / below
-    return np.asarray(np.where(np.abs(x) <= 1, found, 0.0))
+    curvature = (both - slope * by_below + 4 * rho * squared * value + value * by_below**2 / below) / below
+    return np.asarray(np.where(np.abs(x) <= 1, curvature, 0.0))
 
 
 def _quotient(x: Array, y: Array, rho: float) -> tuple[Array, Array, float, Array, Array]:

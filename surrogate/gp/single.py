@@ -240,12 +240,12 @@ class SingleGuard:
         return np.asarray(np.maximum.reduce(self._cells[cells]))
 
 
-def mapping(one: Input) -> tuple[float, float, Callable[[float], float], float]:
+def mapping(own: Input) -> tuple[float, float, Callable[[float], float], float]:
     """The ends of an input; on its scale, the distance of a value from the lower end, and that of the upper end."""
-    low, high = one.low, one.high
-    if one.scale == "log":
+    low, high = own.low, own.high
+    if own.scale == "log":
         return low, high, lambda x: log(x / low), log(high / low)
-    if one.scale == "logit":
+    if own.scale == "logit":
         start = log(low / (1 - low))
         return low, high, lambda x: log(x / (1 - x)) - start, log(high / (1 - high)) - start
     return low, high, lambda x: x - low, high - low

@@ -183,9 +183,9 @@ class Calibration:
             "corner_guard": (pairs, 3, 3, outputs),
             "quantile": (len(PROBABILITIES), outputs),
         }
-        found = {name: array.shape for name, array in arrays.items()}
+        given = {name: array.shape for name, array in arrays.items()}
         degree = arrays["trend_degree"]
-        if found != shapes or not 0 < terms <= MOST_TERMS or degree.dtype.kind not in "iu" or cases < MINIMUM:
+        if given != shapes or not 0 < terms <= MOST_TERMS or degree.dtype.kind not in "iu" or cases < MINIMUM:
             raise ValueError("the calibration does not fit the model")
         if degree.min() < 0 or degree.max() > MOST_DEGREE or degree[0].any():
             raise ValueError("the calibration has degrees that none has")
@@ -202,12 +202,12 @@ class Calibration:
 
 def _outer(stored: xr.Dataset, outputs: int) -> Guard | None:
     """The outer guard in a file, None where it has none; ValueError where it does not fit."""
-    found = {name: stored[f"calibration_{name}"].values for name in _OUTER_DIMS if f"calibration_{name}" in stored}
-    if not found:
+    outer = {name: stored[f"calibration_{name}"].values for name in _OUTER_DIMS if f"calibration_{name}" in stored}
+    if not outer:
         return None
-    guard, pooled = (found.get(name, np.zeros(0)) for name in ("outer_guard", "outer_pooled_guard"))
+    guard, pooled = (outer.get(name, np.zeros(0)) for name in ("outer_guard", "outer_pooled_guard"))
     empty = unguarded(len(guard), outputs, pooled=True)
-    corners = found.get("outer_corner_guard", empty.corners)  # none of one input
+    corners = outer.get("outer_corner_guard", empty.corners)  # none of one input
     if (guard.shape, corners.shape, pooled.shape) != (empty.slabs.shape, empty.corners.shape, (outputs,)):
         raise ValueError("the calibration's outer guard does not fit the model")
     return Guard(guard, corners, pooled)
@@ -261,12 +261,12 @@ def calibrate(
     scores = (np.sign(errors) * np.exp(logarithms))[:, even]
     distribution = _distribution(scores)
     # in standard deviations from here on
-    one = np.ptp(distribution.ends(ONE_STD), axis=0) / 2
-    one = np.where(one > 0, one, 1.0)
-    whole[0] += np.log(one)
+    size = np.ptp(distribution.ends(ONE_STD), axis=0) / 2
+    size = np.where(size > 0, size, 1.0)
+    whole[0] += np.log(size)
     fitted = A @ whole
     within = np.stack([fitted.min(axis=0), fitted.max(axis=0)])
-    table = replace(distribution, quantiles=distribution.quantiles / one)
+    table = replace(distribution, quantiles=distribution.quantiles / size)
     return Calibration(weights, floor, whole, degrees, within, guard, table, further, Copula.of(scores, t[:, even]))
 
 
@@ -307,8 +307,8 @@ def _fitted(logarithms: Array, t: Array, groups: Indices) -> tuple[Indices, Arra
     degrees = np.concatenate([degrees, waves])
     A = values(degrees, t).T
     starts = np.pad(trend, ((0, len(waves)), (0, 0))).T
-    found = [quantile_regression(A, values, NOMINAL, start) for values, start in zip(logarithms, starts, strict=True)]
-    return degrees, np.array(found).T
+    fits = [quantile_regression(A, values, NOMINAL, start) for values, start in zip(logarithms, starts, strict=True)]
+    return degrees, np.array(fits).T
 
 
 def _waves(A: Array, logarithms: Array, trend: Array, t: Array, pairs: Sequence[tuple[int, int]]) -> Indices | None:
@@ -332,9 +332,9 @@ def _waves(A: Array, logarithms: Array, trend: Array, t: Array, pairs: Sequence[
 def _distribution(scores: Array) -> Tabulated:
     """The distribution of scores, (p, n); of an output that has none, NaN, as good as normal."""
     exact = np.asarray(np.isnan(scores).any(axis=1))
-    found = Tabulated.of(np.where(exact[:, None], 0.0, scores))
+    distribution = Tabulated.of(np.where(exact[:, None], 0.0, scores))
     ends = np.clip(PROBABILITIES, 0.5 / scores.shape[1], 1 - 0.5 / scores.shape[1])
-    return replace(found, quantiles=np.where(exact, Normal().quantile(ends), found.quantiles))
+    return replace(distribution, quantiles=np.where(exact, Normal().quantile(ends), distribution.quantiles))
 
 
 def _components(variances: Array, squares: Array) -> Array:

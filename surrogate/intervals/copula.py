@@ -194,13 +194,13 @@ def _fitted(squares: Array, alike: Array) -> Array:
 
     starts = [np.full(len(squares), np.log(length)) for length in (1.0, _LIKELY, 0.1)]
     bounds = [(float(np.log(_BOUNDS[0])), float(np.log(_BOUNDS[1])))] * len(squares)
-    found = [minimize(cost, start, jac=True, method="L-BFGS-B", bounds=bounds) for start in starts]
-    return np.asarray(np.exp(min(found, key=lambda one: float(one.fun)).x))
+    fits = [minimize(cost, start, jac=True, method="L-BFGS-B", bounds=bounds) for start in starts]
+    return np.asarray(np.exp(min(fits, key=lambda fit: float(fit.fun)).x))
 
 
 def _pairs(scaled: Array) -> Indices:
     """Pairs of cases of scaled angles (d, n) that differ by at most one along every input, `_PAIRS` at most: (k, 2)."""
     from scipy.spatial import cKDTree  # slow to import
 
-    found = cKDTree(scaled.T).query_pairs(1.0, p=np.inf, output_type="ndarray")
-    return found if len(found) <= _PAIRS else np.random.default_rng(0).choice(found, _PAIRS, replace=False)
+    pairs = cKDTree(scaled.T).query_pairs(1.0, p=np.inf, output_type="ndarray")
+    return pairs if len(pairs) <= _PAIRS else np.random.default_rng(0).choice(pairs, _PAIRS, replace=False)

@@ -173,8 +173,8 @@ class Predictive(ABC):
         most = (1 + self.distribution.highest_level()) / 2
         for probability in asked[~((1 - most <= asked) & (asked <= most))]:
             raise ValueError(f"q {probability:g} is not between {1 - most:.4g} and {most:.10g}{self._told()}")
-        found = self._quantiles(points, asked, extrapolate)
-        return found if np.ndim(q) else found.isel(quantile=0)
+        quantiles = self._quantiles(points, asked, extrapolate)
+        return quantiles if np.ndim(q) else quantiles.isel(quantile=0)
 
     def sample(
         self, points: Queries, n: int, seed: int, *, extrapolate: bool = False, together: bool = True
@@ -214,9 +214,9 @@ class Predictive(ABC):
         share = self._shares(named.X, n, np.random.default_rng(seed), together)
         away = self.distribution.inverse(share.reshape(len(share), -1)).reshape(share.shape)
         drawn = self.reached(np.broadcast_to(mean[:, None], away.shape), std[:, None], away)
-        found = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
+        flagged = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
         dims = ("sample", *named.dims)
-        return found.assign(
+        return flagged.assign(
             {
                 name: xr.Variable(dims, own.reshape(n, *named.shape), self.attrs_[name])
                 for name, own in zip(self.outputs_, drawn, strict=True)
@@ -317,10 +317,10 @@ class Predictive(ABC):
         named, (mean, std), flags = self._asked(points, True, extrapolate)
         away = np.broadcast_to(self.distribution.quantile(q).T, (len(mean), len(q)))[..., None]
         values = self.reached(np.repeat(mean[:, None], len(q), axis=1), std[:, None], away)
-        found = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
+        flagged = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
         dims = ("quantile", *named.dims)
         answer = {
             name: xr.Variable(dims, own.reshape(len(q), *named.shape), self.attrs_[name])
             for name, own in zip(self.outputs_, values, strict=True)
         }
-        return found.assign(answer).assign_coords(quantile=("quantile", q, {"long_name": "probability of no more"}))
+        return flagged.assign(answer).assign_coords(quantile=("quantile", q, {"long_name": "probability of no more"}))

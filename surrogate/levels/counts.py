@@ -121,9 +121,9 @@ def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | N
     }
 
 
-def _kinks(found: Decays) -> dict[str, tuple[str, ...]]:
+def _kinks(judged: Decays) -> dict[str, tuple[str, ...]]:
     """Return outputs whose coefficients do not decay geometrically, and the inputs along which."""
-    every = {output: tuple(name for name in along if along[name].algebraic) for output, along in found.items()}
+    every = {output: tuple(name for name in along if along[name].algebraic) for output, along in judged.items()}
     return {output: where for output, where in every.items() if where}
 
 
@@ -207,22 +207,22 @@ def _lines(values: Array) -> list[Array]:
     return largest
 
 
-def _smallest(found: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int] | None:
+def _smallest(judged: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int] | None:
     """Level counts of few cases with every output's summed error within the tolerance, None where there are none."""
-    counts = _equally_shared(found, tolerance, given)
-    return None if counts is None else _trimmed(counts, found, tolerance, given)
+    counts = _equally_shared(judged, tolerance, given)
+    return None if counts is None else _trimmed(counts, judged, tolerance, given)
 
 
-def _equally_shared(found: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int] | None:
+def _equally_shared(judged: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int] | None:
     """Level counts that split what the given counts leave of the tolerance equally between the other inputs."""
-    names = list(next(iter(found.values())))
-    taken = max(sum(along[name].error(given[name]) for name in names if name in given) for along in found.values())
+    names = list(next(iter(judged.values())))
+    taken = max(sum(along[name].error(given[name]) for name in names if name in given) for along in judged.values())
     if taken > tolerance:
         return None
-    curved = sum(any(not along[name].affine for along in found.values()) for name in names if name not in given)
+    curved = sum(any(not along[name].affine for along in judged.values()) for name in names if name not in given)
     share, counts = (tolerance - taken) / max(1, curved), dict[str, int]()
     for name in names:
-        fewest = given[name] if name in given else _fewest([along[name] for along in found.values()], share)
+        fewest = given[name] if name in given else _fewest([along[name] for along in judged.values()], share)
         if fewest is None:
             return None
         counts[name] = fewest
@@ -236,12 +236,12 @@ def _fewest(decays: Sequence[Decay], error: float) -> int | None:
     )
 
 
-def _trimmed(counts: dict[str, int], found: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int]:
+def _trimmed(counts: dict[str, int], judged: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int]:
     """Take levels away, where that saves most first, while the sum of the errors allows: equal shares are wasteful."""
     while True:
         free = sorted((name for name in counts if name not in given and counts[name] > 2), key=counts.__getitem__)
         fewer = ({**counts, name: counts[name] - 1} for name in free)
-        allowed = (tried for tried in fewer if max(_error(along, tried) for along in found.values()) <= tolerance)
+        allowed = (tried for tried in fewer if max(_error(along, tried) for along in judged.values()) <= tolerance)
         best = next(allowed, None)
         if best is None:
             return counts

@@ -31,14 +31,14 @@ def decays(model: CrossGP, X: xr.Dataset) -> Decays:
     spread = np.ptp(blocks, axis=(0, 1))
     values = blocks / np.where(spread > 0, spread, 1.0)
     sizes = [model.levels[name] for name in model.whole]
-    found: dict[str, Array] = {}
+    columns: dict[str, Array] = {}
     for k, name in enumerate(model.crossed):
-        found[name] = _largest(_whole_lines(indices, values, k, model.levels[name]))
+        columns[name] = _largest(_whole_lines(indices, values, k, model.levels[name]))
     whole = values.reshape(len(values), *sizes, -1)
     for k, name in enumerate(model.whole):
-        found[name] = _largest(np.moveaxis(whole, 1 + k, 1))
+        columns[name] = _largest(np.moveaxis(whole, 1 + k, 1))
     return {
-        output: {name: decay_of(found[name][:, p]) for name in model.levels}
+        output: {name: decay_of(columns[name][:, p]) for name in model.levels}
         for p, output in enumerate(output_names(X, model.outputs, exclude=tuple(model.levels)))
     }
 

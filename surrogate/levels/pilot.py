@@ -65,7 +65,7 @@ def explore(
     UnreachableError, ValueError
         As `levels.choose_levels`.
     """
-    found: dict[str, dict[str, Decay]] = {}
+    judged: dict[str, dict[str, Decay]] = {}
     fineness = dict.fromkeys((input_.name for input_ in inputs), 0)
     waiting, spent = [input_.name for input_ in inputs], 0
     while waiting:
@@ -73,15 +73,15 @@ def explore(
             axes = _levels(inputs, name, LEVELS[fineness[name]], budget)
             spent += int(np.prod([len(axis) for axis in axes.values()]))
             for output, along in decays(solve(axes), inputs, outputs).items():
-                found.setdefault(output, {})[name] = along[name]
+                judged.setdefault(output, {})[name] = along[name]
         waiting = []
-        for name in _unsettled(found, tolerance, given):
+        for name in _unsettled(judged, tolerance, given):
             finer = fineness[name] + 1
             lines = _others(len(inputs), budget) ** (len(inputs) - 1)
             if finer < len(LEVELS) and spent + LEVELS[finer] * lines <= budget:
                 fineness[name] = finer
                 waiting.append(name)
-    ordered = {output: {input_.name: along[input_.name] for input_ in inputs} for output, along in found.items()}
+    ordered = {output: {input_.name: along[input_.name] for input_ in inputs} for output, along in judged.items()}
     choice = choose(ordered, tolerance, budget, given)
     return Pilot(choice, {name: LEVELS[fine] for name, fine in fineness.items()}, spent)
 
@@ -97,12 +97,12 @@ def _others(inputs: int, budget: int) -> int:
     return next((n for n in OTHERS if n ** (inputs - 1) <= room), OTHERS[-1])
 
 
-def _unsettled(found: Mapping[str, Mapping[str, Decay]], tolerance: float, given: Mapping[str, int]) -> list[str]:
+def _unsettled(judged: Mapping[str, Mapping[str, Decay]], tolerance: float, given: Mapping[str, int]) -> list[str]:
     """Inputs of whose decay more must be seen: a kink is suspected, or more levels are needed than were seen."""
-    names = list(next(iter(found.values())))
+    names = list(next(iter(judged.values())))
     unsettled = []
     for name in names:
-        decays_along = [along[name] for along in found.values()]
+        decays_along = [along[name] for along in judged.values()]
         seen = max(len(decay.coefficients) for decay in decays_along)
         unclear = name not in given and max(decay.error(seen) for decay in decays_along) > tolerance / len(names)
         if unclear or any(decay.algebraic for decay in decays_along):

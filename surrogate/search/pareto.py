@@ -67,11 +67,11 @@ def front(problem: Problem, objectives: int, *, points: int = 33, fill: int = 8,
     ends = values[-len(anchors) :] if len(X) > len(anchors) else values
     low, high = ends.min(0), ends.max(0)
     weights = np.where(high > low, high - low, 1.0)
-    found = [X[values[:, k].argmax()] for k in range(objectives)]
+    starts = [X[values[:, k].argmax()] for k in range(objectives)]
     for reference in _references(values, ends, points):
         start = X[((values - reference) / weights).min(1).argmax()]
-        found.append(improve(scalarised(problem, objectives, reference, weights), start, 1.0).x)
-    designs = np.array(found)
+        starts.append(improve(scalarised(problem, objectives, reference, weights), start, 1.0).x)
+    designs = np.array(starts)
     designs = designs[np.argsort(_worst(problem, designs, objectives)[:, 0])]
     between = _between(designs, _worst(problem, designs, objectives), fill * len(designs))
     designs = _feasible(problem, np.concatenate([designs, between]))

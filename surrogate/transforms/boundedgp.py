@@ -126,8 +126,8 @@ class BoundedGP(Transformed):
         told = steep > 0
         with np.errstate(divide="ignore", invalid="ignore"):
             learnt = np.stack([_link(y, low, high) for y, low, high in zip(mean, *self._bounds(), strict=True)])
-            found = self._outputs(learnt + away * np.where(told, std / steep, 0.0))
-        return np.asarray(np.where(told, found, mean))
+            ends = self._outputs(learnt + away * np.where(told, std / steep, 0.0))
+        return np.asarray(np.where(told, ends, mean))
 
     # -- answers -------------------------------------------------------------------------------------------------------
     @property

@@ -3,7 +3,7 @@
 Where a model of the world scales, its outputs depend on fewer numbers than it has inputs. Nothing here knows why.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
@@ -15,6 +15,13 @@ from approximation.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.transforms.inputs import NEAR, Axes, Group, Powers, middle, span
 from surrogate.transforms.outputs import Scales, Scaling
+
+
+def _over(variable: xr.Variable, dims: Mapping[Hashable, int]) -> Array:
+    """Values over dimensions of these sizes, those of the variable among them."""
+    own = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
+    axes = tuple(slice(None) if dim in variable.dims else None for dim in dims)
+    return np.broadcast_to(own[axes], tuple(dims.values()))
 
 
 @dataclass(frozen=True)
@@ -97,13 +104,16 @@ class Grouping:
         outputs : sequence of str
             Which to take.
         """
-        columns = xr.broadcast(*(dataset[own.name].reset_coords(drop=True) for own in self.inputs))
+        columns = [dataset[own.name].variable for own in self.inputs]
+        own_dims = tuple(dict.fromkeys(dim for column in columns for dim in column.dims))
         arrays: dict[Any, Any] = {}
         for name in outputs:
-            array, *given = xr.broadcast(dataset[name].reset_coords(drop=True), *columns)
-            X = np.stack([column.transpose(*array.dims).values.ravel() for column in given], axis=1)
-            learnt = self.scales([name]).transform(np.asarray(array.values, dtype=np.float64).reshape(1, -1), X)
-            arrays[name] = array.dims, learnt.reshape(array.shape), dataset[name].attrs
+            variable = dataset[name].variable
+            dims = {dim: dataset.sizes[dim] for dim in dict.fromkeys((*variable.dims, *own_dims))}
+            array, *given = (_over(one, dims) for one in (variable, *columns))
+            X = np.stack([column.ravel() for column in given], axis=1)
+            learnt = self.scales([name]).transform(np.asarray(array, dtype=np.float64).reshape(1, -1), X)
+            arrays[name] = tuple(dims), learnt.reshape(array.shape), dataset[name].attrs
         return xr.Dataset(arrays)
 
     def only(self, outputs: Sequence[str]) -> Self:

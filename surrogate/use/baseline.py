@@ -73,23 +73,23 @@ def baseline(
     axes = {axis.name: training[axis.name] for axis in grouping.axes}
     at = xr.DataArray(grouping.products.values(named.X), dims=("point", "axis"))
     columns = {axis.name: at.isel(axis=k) for k, axis in enumerate(grouping.axes)}
-    found = chebyshev_interpolation(
+    interpolated = chebyshev_interpolation(
         grouping.reduced(training, outputs).assign_coords(axes), grouping.axes, columns, outputs
     )
-    rows = grouping.scales(outputs).untransform(np.stack([found[name].values for name in outputs]), named.X)
+    rows = grouping.scales(outputs).untransform(np.stack([interpolated[name].values for name in outputs]), named.X)
     return named.dataset({name: (row, training[name].attrs) for name, row in zip(outputs, rows, strict=True)})
 
 
 def coefficients(values: Array) -> Array:
     """Return the Chebyshev coefficients of the polynomial through values on ascending Chebyshev levels, any dims."""
-    found: Any = values
+    series: Any = values
     for axis, size in enumerate(values.shape):
         # the transform counts points from the right end, levels ascend
-        found = dct(np.flip(found, axis), type=2, axis=axis) / size
+        series = dct(np.flip(series, axis), type=2, axis=axis) / size
         first: list[Any] = [slice(None)] * values.ndim
         first[axis] = 0
-        found[tuple(first)] /= 2
-    return np.asarray(found)
+        series[tuple(first)] /= 2
+    return np.asarray(series)
 
 
 def _evaluate(coefficients: Array, t: Sequence[Array]) -> Array:

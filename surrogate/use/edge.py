@@ -77,11 +77,11 @@ def learn(t: Array, refused: Flags, even: Flags, groups: Indices, which: Indices
 
 def _chosen(refused: Flags, even: Flags, random: np.random.Generator) -> Indices:
     """At most so many cases: the evenly spread ones first, and as many refused ones as there may be."""
-    found = []
+    chosen = []
     for kind in (refused, ~refused):
         places = random.permutation(np.flatnonzero(kind))
-        found.append(places[np.argsort(~even[places], kind="stable")][: MOST_CASES // 2])
-    return np.sort(np.concatenate(found))
+        chosen.append(places[np.argsort(~even[places], kind="stable")][: MOST_CASES // 2])
+    return np.sort(np.concatenate(chosen))
 
 
 def _total(inputs: int, degree: int) -> Indices:
@@ -92,12 +92,12 @@ def _total(inputs: int, degree: int) -> Indices:
 
 def _left_out(degrees: Indices, t: Array, refused: Flags, fold: Indices) -> Array:
     """The value at every case of the polynomial that the other folds tell, (n,)."""
-    terms, found = values(degrees, t), np.empty(t.shape[1])
+    terms, predicted = values(degrees, t), np.empty(t.shape[1])
     for number in range(FOLDS):
         out = fold == number
         if out.any():
-            found[out] = _fitted(terms[:, ~out], refused[~out]) @ terms[:, out]
-    return found
+            predicted[out] = _fitted(terms[:, ~out], refused[~out]) @ terms[:, out]
+    return predicted
 
 
 def _loss(score: Array, refused: Flags) -> float:
@@ -114,16 +114,16 @@ def _fitted(terms: Array, refused: Flags) -> Array:
     def cost(own: Array) -> float:
         return float(np.logaddexp(0.0, sign * (own @ terms)).mean() + penalty @ own**2 / 2)
 
-    found = np.zeros(len(terms))
-    least = cost(found)
+    fitted = np.zeros(len(terms))
+    least = cost(fitted)
     for _ in range(_STEPS):
-        share = 1 / (1 + np.exp(-np.clip(sign * (found @ terms), -500, 500)))
-        gradient = terms @ (sign * share) / terms.shape[1] + penalty * found
+        share = 1 / (1 + np.exp(-np.clip(sign * (fitted @ terms), -500, 500)))
+        gradient = terms @ (sign * share) / terms.shape[1] + penalty * fitted
         hessian = (terms * (share * (1 - share))) @ terms.T / terms.shape[1] + np.diag(penalty)
         step, length = np.linalg.solve(hessian, gradient), 1.0
-        while (now := cost(found - length * step)) > least and length > 1e-4:
+        while (now := cost(fitted - length * step)) > least and length > 1e-4:
             length /= 2
         if now >= least - 1e-10:
             break
-        found, least = found - length * step, now
-    return found
+        fitted, least = fitted - length * step, now
+    return fitted

@@ -279,8 +279,8 @@ def _shift(levels: Array) -> float:
 
     if not missed(_STEEPNESS[1]) < 0 < missed(_STEEPNESS[0]):
         return 0.0
-    found = brentq(missed, *_STEEPNESS, xtol=1e-15, rtol=4 * np.finfo(float).eps)
-    return float(levels[0] - (levels[-1] - levels[0]) / np.expm1(found * (points[-1] - points[0])))
+    root = brentq(missed, *_STEEPNESS, xtol=1e-15, rtol=4 * np.finfo(float).eps)
+    return float(levels[0] - (levels[-1] - levels[0]) / np.expm1(root * (points[-1] - points[0])))
 
 
 def _some_places(columns: Array, levels: Sequence[Array]) -> Indices | None:

@@ -270,12 +270,12 @@ def _chained(
 def _shares(told: Sequence[tuple[Array, Array]], single: Flags) -> Array:
     """Log-probabilities of the shares `OWN`, up to a constant, from what every output says of the constants."""
     precision, weighted = (np.sum([pair[k] for pair in told], axis=0) for k in (0, 1))
-    found: Array = np.log(OWN_CHANCE)
+    shares: Array = np.log(OWN_CHANCE)
     for k, share in enumerate(OWN):
         prior = np.where(single, share, 1.0)
         inner = np.eye(len(prior)) + prior[:, None] * precision * prior
-        found[k] += 0.5 * (posterior(precision, weighted, prior)[0] @ weighted - np.linalg.slogdet(inner)[1])
-    return found
+        shares[k] += 0.5 * (posterior(precision, weighted, prior)[0] @ weighted - np.linalg.slogdet(inner)[1])
+    return shares
 
 
 def _draw(parts: Mapping[int, Residuals], states: Mapping[int, State], share: float, single: Flags) -> Draw:

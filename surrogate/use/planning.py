@@ -51,13 +51,13 @@ def joint(draw: Draw, points: Array, output: Indices, slopes: Array) -> Array:
     """
     shown, m = slopes.copy(), len(points)
     own = np.zeros((m, m))
-    for q, one in draw.discrepancies.items():
+    for q, discrepancy in draw.discrepancies.items():
         at = np.flatnonzero(output == q)
-        cross = one.covariance(points[at])
-        shown[at] -= one.at(points[at])[1]
-        away = (points[at, None] - points[at]) / one.lengths
-        white = solve_triangular(one.factor, cross.T, lower=True)
-        own[np.ix_(at, at)] = one.amplitude**2 * np.exp(-0.5 * (away**2).sum(axis=-1)) - white.T @ white
+        cross = discrepancy.covariance(points[at])
+        shown[at] -= discrepancy.at(points[at])[1]
+        away = (points[at, None] - points[at]) / discrepancy.lengths
+        white = solve_triangular(discrepancy.factor, cross.T, lower=True)
+        own[np.ix_(at, at)] = discrepancy.amplitude**2 * np.exp(-0.5 * (away**2).sum(axis=-1)) - white.T @ white
     across = draw.covariance @ shown.T
     return np.block([[draw.covariance, across], [across.T, shown @ across + own]])
 
@@ -89,12 +89,12 @@ def chosen(joints: Sequence[Array], noise: Array, wanted: Indices, count: int) -
     now = list(joints)
     for _ in range(count):
         plan.append(_best(now, noise, wanted, plan))
-        now = [_after(one, noise, plan[-1:]) for one in now]
+        now = [_after(covariance, noise, plan[-1:]) for covariance in now]
     for _ in range(_EXCHANGES):
         before = list(plan)
         for place in range(count):
             others = plan[:place] + plan[place + 1 :]
-            plan[place] = _best([_after(one, noise, others) for one in joints], noise, wanted, others)
+            plan[place] = _best([_after(covariance, noise, others) for covariance in joints], noise, wanted, others)
         if plan == before:
             break
     return plan
@@ -110,27 +110,27 @@ def widths(joints: Sequence[Array], noise: Array, plan: Sequence[int], wanted: I
     plan : sequence of int, numbers of the readings
     wanted : ndarray of int, rows of the covariances that are wanted
     """
-    variances = [np.diag(_after(one, noise, plan))[wanted] for one in joints]
+    variances = [np.diag(_after(covariance, noise, plan))[wanted] for covariance in joints]
     return np.asarray(np.sqrt(np.mean(variances, axis=0)))
 
 
 def _best(now: Sequence[Array], noise: Array, wanted: Indices, taken: Sequence[int]) -> int:
     """The reading that takes most of the logarithm of the volume."""
     gain = np.zeros(len(noise))
-    for one in now:
-        k = len(one) - len(noise)
-        across = one[wanted, k:]
-        told = np.einsum("im,im->m", across, np.linalg.solve(one[np.ix_(wanted, wanted)], across))
-        gain -= np.log1p(-np.minimum(told / (np.diag(one)[k:] + noise), 1 - 1e-12))
+    for covariance in now:
+        k = len(covariance) - len(noise)
+        across = covariance[wanted, k:]
+        told = np.einsum("im,im->m", across, np.linalg.solve(covariance[np.ix_(wanted, wanted)], across))
+        gain -= np.log1p(-np.minimum(told / (np.diag(covariance)[k:] + noise), 1 - 1e-12))
     gain[list(taken)], gain[~np.isfinite(noise)] = -np.inf, -np.inf
     return int(np.argmax(gain))
 
 
-def _after(one: Array, noise: Array, plan: Sequence[int]) -> Array:
+def _after(covariance: Array, noise: Array, plan: Sequence[int]) -> Array:
     """The covariance after readings."""
     if not len(plan):
-        return one
-    k = len(one) - len(noise)
+        return covariance
+    k = len(covariance) - len(noise)
     at = k + np.asarray(plan)
-    block = one[np.ix_(at, at)] + np.diag(noise[list(plan)])
-    return np.asarray(one - one[:, at] @ np.linalg.solve(block, one[at]))
+    block = covariance[np.ix_(at, at)] + np.diag(noise[list(plan)])
+    return np.asarray(covariance - covariance[:, at] @ np.linalg.solve(block, covariance[at]))

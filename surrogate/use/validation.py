@@ -209,13 +209,13 @@ def ideal(model: Mapping[str, Input], cases: Mapping[str, xr.DataArray], outputs
     """
     X = np.stack([np.asarray(cases[name].values, dtype=np.float64) for name in model], axis=1)
     t, random = unit_coordinates(tuple(model.values()), X), np.random.default_rng(0)
-    found = []
+    worst = []
     for _ in range(DRAWS):
         u = random.uniform(size=(outputs, len(X)))
         inside, shares = u < NOMINAL, np.stack([(u < level).mean(axis=1) for level in LEVELS])
         deciles = min(float(_by_decile(column, inside).min()) for column in t)
-        found.append([deciles, float(worst_corner(t, inside).min()), *shares.min(axis=1), *shares.max(axis=1)])
-    decile, corner, *ends = np.mean(found, axis=0).tolist()
+        worst.append([deciles, float(worst_corner(t, inside).min()), *shares.min(axis=1), *shares.max(axis=1)])
+    decile, corner, *ends = np.mean(worst, axis=0).tolist()
     low, high = ends[: len(LEVELS)], ends[len(LEVELS) :]
     return {"low": low, "high": high, "worst_decile_coverage": decile, "worst_corner_coverage": corner}
 

@@ -198,11 +198,11 @@ def _with_load_upright(problem: Problem) -> Contact:
         trial = contact(unknown)
         return np.array([trial.tilt / steepest, -trial.totals[0] / problem.load - 1])
 
-    found = root(mismatch, np.zeros(2), tol=1e-13).x
-    worst = float(np.max(np.abs(mismatch(found))))
+    ends = root(mismatch, np.zeros(2), tol=1e-13).x
+    worst = float(np.max(np.abs(mismatch(ends))))
     if worst > 1e-11:
         raise ArithmeticError(f"contact ends not found: tilt or load is off by {worst:.1e}")
-    return contact(found)
+    return contact(ends)
 
 
 def between(problem: Problem, trailing: float, leading: float) -> Contact:

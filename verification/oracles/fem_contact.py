@@ -120,10 +120,10 @@ def _held(answers: Array, touching: Array, height: Array, totals: Array) -> tupl
     matrix = np.block([[block, rigid], [rigid.T, np.zeros((3, 3))]])
     scale = np.append(np.repeat(_UNITS, n), 1 / _UNITS)
     given = np.concatenate([height[touching], np.zeros(2 * n), -totals])
-    found = scale * np.linalg.solve(scale[:, None] * matrix * scale, scale * given)
+    solution = scale * np.linalg.solve(scale[:, None] * matrix * scale, scale * given)
     loads = np.zeros((3, len(touching)))
-    loads[:, touching] = found[:-3].reshape(3, n)
-    return loads, found[-3:]
+    loads[:, touching] = solution[:-3].reshape(3, n)
+    return loads, solution[-3:]
 
 
 def _end(x: Array, pressure: Array) -> float:

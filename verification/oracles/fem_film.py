@@ -231,8 +231,8 @@ class FilmContact:
     def interface(self, layer: int) -> dict[str, float]:
         """Largest abs(sigma_xy) and largest sigma_yy [Pa] on the lower side of a layer."""
         depth = sum(above.thickness for above in self.layers[: layer + 1])
-        found = self.fields(_SEARCHED, depth, layer)
-        return {"shear": _largest(np.abs(found["stress_xy"])), "tension": _largest(found["stress_yy"])}
+        stresses = self.fields(_SEARCHED, depth, layer)
+        return {"shear": _largest(np.abs(stresses["stress_xy"])), "tension": _largest(stresses["stress_yy"])}
 
 
 def under_load(

@@ -142,16 +142,16 @@ class GapContact:
         """Of each conducted potential: scaled int eps/g N N ds over nodes, from gaps over h (side, point)."""
         shapes, _, weights = self._rule
         nodes, least = self._edges, _LEAST * weights.sum(axis=1, keepdims=True)
-        found = {}
+        springs = {}
         for potential in self.punch.conducted:
             strength = self._medium(potential) * UNITS[potential] ** 2 / STIFFNESS
             blocks = strength * np.einsum("sp,pi,pj->sij", weights / np.maximum(gap, least), shapes, shapes)
             rows, columns = np.broadcast_arrays(nodes[:, :, None], nodes[:, None, :])
             count = len(self.body.places)
-            found[potential] = csr_array(
+            springs[potential] = csr_array(
                 coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count))
             )
-        return found
+        return springs
 
     def _medium(self, potential: int) -> float:
         """eps or mu of the gap; the medium's permittivity says nothing of mu0."""

@@ -160,8 +160,8 @@ class PointContact:
     @cached_property
     def _below(self) -> Index:
         r, y = self.body.places.T
-        found = np.flatnonzero((y == 0) & (r <= 1))
-        return found[np.argsort(r[found])]
+        nodes = np.flatnonzero((y == 0) & (r <= 1))
+        return nodes[np.argsort(r[nodes])]
 
     @cached_property
     def _edges(self) -> Index:
@@ -298,3 +298,8 @@ class PointContact:
     def voltage(self) -> float:
         """V [V]."""
         return float(self._solved[2][2] * UNITS[ELECTRIC])
+
+    def beside(self, which: int) -> tuple[Array, Array]:
+        """r/a of nodes beside the contact, and phi [V] (``ELECTRIC``); (node,) each."""
+        nodes = np.setdiff1d(self._edges, self._below)
+        return self.body.places[nodes, 0], self._solved[0].reshape(-1, 4)[nodes, which] * UNITS[which]

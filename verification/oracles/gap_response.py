@@ -77,8 +77,8 @@ class Dry:
 def contact(body: Body) -> Index:
     """Nodes of the contact, by rising x."""
     x, y = body.places.T
-    found = np.flatnonzero((y == 0) & (np.abs(x) <= 1))
-    return found[np.argsort(x[found])]
+    nodes = np.flatnonzero((y == 0) & (np.abs(x) <= 1))
+    return nodes[np.argsort(x[nodes])]
 
 
 def sides(body: Body) -> Index:

@@ -124,11 +124,11 @@ def quantities(
 def _named(punch: Punch, P: mpf, own: dict[int, mpf]) -> list[tuple[str, mpf]]:
     now = answer(punch, P, own)
     a, nothing = now["radius"], {1: mpf(0), 2: mpf(0)}
-    found = [("contact_radius", a), ("depth", now["depth"])]
+    named = [("contact_radius", a), ("depth", now["depth"])]
     if punch.exponent > 1:
-        found.append(("peak_pressure", punch.central_pressure(a)))
+        named.append(("peak_pressure", punch.central_pressure(a)))
     held = _inverse_tangent(punch, P, own)
-    found += [("contact_stiffness", _tangent(held)[0, 0]), ("contact_stiffness_open", 1 / held[0, 0])]
+    named += [("contact_stiffness", _tangent(held)[0, 0]), ("contact_stiffness_open", 1 / held[0, 0])]
     names = {
         1: ("voltage", "voltage_per_force", "charge_sensitivity", "stroke_per_volt", "blocked_force_per_volt",
             "contact_capacitance", "electric_edge_intensity"),
@@ -150,8 +150,8 @@ def _named(punch: Punch, P: mpf, own: dict[int, mpf]) -> list[tuple[str, mpf]]:
             now[f"u{i}"], uncharged[place, 0], grounded, -stiff[0, place] / stiff[0, 0], stiff[0, place],
             fixed[place - 1, place - 1], sqrt(pi * a) * strength,
         )  # fmt: skip
-        found += list(zip(names[i], values, strict=True))
-    return found
+        named += list(zip(names[i], values, strict=True))
+    return named
 
 
 def _inverse_tangent(punch: Punch, P: mpf, own: dict[int, mpf]) -> matrix:

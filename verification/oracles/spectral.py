@@ -90,9 +90,9 @@ class Body:
         """Coordinates of the nodes of the borders, shape (nodes, 2)."""
         border = self._places[0]
         grid = np.stack(np.meshgrid(self._line, self._line, indexing="ij"), axis=-1).reshape(-1, 2)[border]
-        found = np.empty((self.nodes.max() + 1, 2))
-        found[self.nodes] = self.mesh.origin[:, None] + np.einsum("na,eai->eni", _bilinear(grid), self.mesh.corners)
-        return found
+        at = np.empty((self.nodes.max() + 1, 2))
+        at[self.nodes] = self.mesh.origin[:, None] + np.einsum("na,eai->eni", _bilinear(grid), self.mesh.corners)
+        return at
 
     @cached_property
     def _shapes(self) -> tuple[Index, Index]:
@@ -168,7 +168,7 @@ class Body:
         ValueError
             A point is not in the layer.
         """
-        found = np.empty((7, len(points)))
+        out = np.empty((7, len(points)))
         M, (border, inner) = constitutive_matrix(self.materials[layer]), self._places
         elements, at = zip(*(self._find(point, layer) for point in points), strict=True)
         for element in set(elements):
@@ -177,8 +177,8 @@ class Body:
             full[border] = u[self.nodes[element]] / UNITS
             full[inner] = (self._inside(int(self._shapes[1][element])) @ full[border].ravel()).reshape(-1, 4)
             along, down = self._gradients(element, np.stack(at)[here])[0] @ (full * UNITS)
-            found[:, here] = M @ (ALONG @ along.T + DOWN @ down.T)
-        return found
+            out[:, here] = M @ (ALONG @ along.T + DOWN @ down.T)
+        return out
 
     def _find(self, point: Array, layer: int) -> tuple[int, Array]:
         """Element of the layer that holds the point, and its place there."""

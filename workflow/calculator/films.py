@@ -95,8 +95,8 @@ def _table(top: Material, base: Material, punch: str, kept: float, *shown: int) 
     """Units and series of a film, kept to a share of their largest coefficients; the pressure at the places shown."""
     kind = Kind((Coat(constants_of(top)),), constants_of(base), 0.0, (True, True), (True, True), 1)
     kinds = [PointKind(kind, (True, True), shape, _compliance(punch)) for shape in _SHAPES]
-    found = [_entries(kinds, place, shown) for place in mapped_points(_NODES, *np.log(RANGE))]
-    loads, pressures = (coefficients(np.array(part)).T for part in zip(*found, strict=True))
+    rows = [_entries(kinds, place, shown) for place in mapped_points(_NODES, *np.log(RANGE))]
+    loads, pressures = (coefficients(np.array(part)).T for part in zip(*rows, strict=True))
     centre = len(pressures) - len(_CAUSES) - 1  # where the pressure is largest; elsewhere it is drawn
     return {
         "units": kinds[0].scale[1:].tolist(),

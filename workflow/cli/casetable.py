@@ -176,12 +176,12 @@ def _scale(path: Path, name: str, unit: str, more: Mapping[str, str]) -> float:
         raise InputError(f"{path}: column {name!r}: holds names, which have no unit")
     own = more.get(name) or FACTORS[name].units
     try:
-        found = units.parse(unit)
+        parsed = units.parse(unit)
     except ValueError as error:
         raise InputError(f"{path}: column {name!r}: {error}") from None
-    if not found.fits(units.parse(own)):
+    if not parsed.fits(units.parse(own)):
         raise InputError(f"{path}: column {name!r}: unit mismatch: {unit!r} does not measure what {own!r} measures")
-    return found.scale
+    return parsed.scale
 
 
 def _number(path: Path, line: int, name: str, text: str, more: Mapping[str, str], scale: float) -> float:
@@ -189,7 +189,8 @@ def _number(path: Path, line: int, name: str, text: str, more: Mapping[str, str]
         return np.nan
     allowed = f"a finite number [{more[name]}]" if name in more else FACTORS[name].allowed
     try:
-        value = number(text) * scale
+        value = number(text)
+        value = value if scale == 1 else units.scaled(text, scale)
     except ValueError:
         value = _with_unit(path, line, name, text, more.get(name) or FACTORS[name].units, allowed)
     if not np.isfinite(value):

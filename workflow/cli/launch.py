@@ -108,11 +108,11 @@ def _check_verifiable(name: str) -> None:
 
 def _profile(name: str) -> Path:
     """The folder of a profile: of the current folder before the program's own."""
-    found = {file.parent.name: file.parent for file in SNAKEFILE.parent.glob("profiles/*/config.yaml")}
-    found |= {file.parent.name: file.parent for file in Path("profiles").glob("*/config.yaml")}
-    if name not in found:
-        raise InputError(f"--profile: {name!r} is unknown; {nearest(name, sorted(found))}")
-    return found[name]
+    profiles = {file.parent.name: file.parent for file in SNAKEFILE.parent.glob("profiles/*/config.yaml")}
+    profiles |= {file.parent.name: file.parent for file in Path("profiles").glob("*/config.yaml")}
+    if name not in profiles:
+        raise InputError(f"--profile: {name!r} is unknown; {nearest(name, sorted(profiles))}")
+    return profiles[name]
 
 
 def _there(name: str) -> bool:

@@ -112,14 +112,14 @@ def _uncertain(words: list[str] | None) -> dict[str, float | None] | None:
     """``NAME`` or ``NAME=5%`` between commas: prior standard deviations by name."""
     if words is None:
         return None
-    found: dict[str, float | None] = {}
+    uncertain: dict[str, float | None] = {}
     for part in (pair for word in words for pair in word.split(",")):
         name, equals, text = part.partition("=")
         name = " ".join(name.split())
-        if name in found:
+        if name in uncertain:
             raise InputError(f"--uncertain: {name}: given twice")
-        found[name] = _share(name, text) if equals else None
-    return found
+        uncertain[name] = _share(name, text) if equals else None
+    return uncertain
 
 
 def _share(name: str, text: str, option: str = "--uncertain") -> float:
@@ -139,17 +139,17 @@ def _instruments(words: list[str] | None, study: "Study") -> "list[Instrument]":
     from workflow.language.sizes import size
     from workflow.learning.instruments import Instrument
 
-    found: list[Instrument] = []
+    instruments: list[Instrument] = []
     for part in (pair.strip() for word in words or [] for pair in word.split(",")):
         name, _, text = (each.strip() for each in part.partition("="))
         quantity, _, family = name.rpartition("_")
         if family not in ("gain", "offset") or quantity not in study.outputs:
             known = ", ".join(study.outputs)
             raise InputError(f"--instrument: {name!r} is not QUANTITY_gain or QUANTITY_offset of one of {known}")
-        if name in [instrument.name for instrument in found]:
+        if name in [instrument.name for instrument in instruments]:
             raise InputError(f"--instrument: {name}: given twice")
         if family == "gain":
-            found.append(Instrument(quantity, True, _share(name, text, "--instrument")))
+            instruments.append(Instrument(quantity, True, _share(name, text, "--instrument")))
             continue
         try:
             absolute, _ = size(quantity, text)
@@ -157,8 +157,8 @@ def _instruments(words: list[str] | None, study: "Study") -> "list[Instrument]":
             raise InputError(f"--instrument: {name}: {error}") from None
         if not 0 < absolute < float("inf"):
             raise InputError(f"--instrument: {name}: {text!r} is not a positive size with a unit, as '0.1 um'")
-        found.append(Instrument(quantity, False, absolute, ALL_QUANTITIES[quantity].units))
-    return found
+        instruments.append(Instrument(quantity, False, absolute, ALL_QUANTITIES[quantity].units))
+    return instruments
 
 
 def _names(words: list[str] | None) -> list[str]:
@@ -169,27 +169,27 @@ def _errors(words: list[str] | None) -> dict[str, tuple[float, float]]:
     """``QUANTITY=1%`` or ``QUANTITY=0.1um`` between commas: absolute error in SI, and its share of the value."""
     from workflow.language.sizes import size
 
-    found = {}
+    errors = {}
     for name, text in _pairs("--errors", words):
         try:
-            found[name] = size(name, text)
+            errors[name] = size(name, text)
         except (KeyError, ValueError) as error:
             raise InputError(f"--errors: {name}: {error}") from None
-    return found
+    return errors
 
 
 def _box(words: list[str] | None) -> dict[str, tuple[float, float]]:
     """``FACTOR=LOW:HIGH`` between commas, with units."""
     from workflow.language.factors import FACTORS
 
-    found = {}
+    box = {}
     for name, text in _pairs("--within", words):
         low, colon, high = text.partition(":")
         if not colon or name not in FACTORS:
             raise InputError(f"--within: {name}={text}: is not of the form FACTOR=LOW:HIGH, as load=10kN/m:20kN/m")
         units = FACTORS[name].units
-        found[name] = (quantity(f"--within: {name}", low, units), quantity(f"--within: {name}", high, units))
-    return found
+        box[name] = (quantity(f"--within: {name}", low, units), quantity(f"--within: {name}", high, units))
+    return box
 
 
 def _pairs(option: str, words: list[str] | None) -> list[tuple[str, str]]:

@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             warnings.showwarning = _warned
             return int(options.run(options) or 0)
     except (InputError, FactorError, MaterialError, OutOfBoxError, FormatError) as error:
-        print(f"meecontact: {one_line(str(error))}", file=sys.stderr)
+        print(f"meecontact: {one_line(f'{error}{_aside(options, error)}')}", file=sys.stderr)
         return 2
     except np.linalg.LinAlgError as error:
         print(f"meecontact: constants beyond what double precision can solve ({error})", file=sys.stderr)
@@ -64,6 +64,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         reason = f"{error.filename}: {error.strerror}" if error.filename else str(error)
         print(f"meecontact: {one_line(reason)}", file=sys.stderr)
         return 2
+
+
+def _aside(options: argparse.Namespace, error: Exception) -> str:
+    """What helps beside an error: where a material of one's own is named, which a command takes by an option."""
+    own = isinstance(error, MaterialError) and "is unknown" in str(error) and getattr(options, "materials", None) == []
+    return " an own one: --materials FILE.yaml; all that are built in: meecontact list materials" if own else ""
 
 
 def _warned(

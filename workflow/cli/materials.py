@@ -1,29 +1,48 @@
 """``meecontact material``: the list of what is built in, and one material in full."""
 
+import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from approximation.arrays import Array
 from solver import Material, MaterialError, find, limiting_speed, materials
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
 from solver.names import COMPOSITES, FACTORS, LIMITS
+from workflow.language.numbers import shown
 from workflow.study.reading import InputError, read_material
+
+_WIDE, _DIGITS = 100, 6  # columns of what is printed, and digits of a constant
+#: What people call the units of permeabilities and of magnetoelectric constants, which are the same.
+_KNOWN_AS = {"N s2 C-2": "H m-1", "N s V-1 C-1": "s m-1"}
+#: Units of the slopes of (u_y, phi, psi) by (sigma_yy, D_y, B_y).
+_COMPLIANCE = (("Pa-1", "V m N-1", "A m N-1"), ("V m N-1", "V m C-1", "A m C-1"), ("A m N-1", "A m C-1", "A2 N-1"))
 
 
 def listed() -> str:
-    """A line for every built-in material: name, a mark where its constants are in doubt, coupling, source."""
+    """Every built-in material: name, a mark where its constants are in doubt, coupling, source."""
     known = materials()
     width = max(map(len, known))
     lines = [
-        f"{name:{width}s} {'*' if own.note or own.alternatives else ' '} {_coupling(own):23s}  {own.source}"
+        _filled(f"{name:{width}s} {'*' if own.note or own.alternatives else ' '} {_coupling(own):24s}", own.source)
         for name, own in known.items()
     ]
-    lines.append("* repaired, doubtful or disputed: meecontact material NAME says what, with the constants and roots")
+    lines.append(
+        _filled("*", "repaired, doubtful or disputed: meecontact material NAME says what, with constants and roots")
+    )
     mixed = ", ".join(f"{name} ({fraction})" for name, fraction in COMPOSITES.items())
-    lines.append(f"composites, and the factor each takes: {mixed}")
+    lines.append(_filled("composites, and the factor each takes:", mixed))
     lines.append("own materials: meecontact material FILE.yaml")
     return "\n".join(lines)
+
+
+def _filled(head: str, text: str) -> str:
+    """A text behind its head, in lines of `_WIDE`, all of which begin at one place."""
+    return textwrap.fill(
+        text, _WIDE, initial_indent=f"{head} ", subsequent_indent=" " * (len(head) + 1), break_on_hyphens=False
+    )
 
 
 def _coupling(material: Material) -> str:
@@ -58,37 +77,49 @@ def described(name: str) -> str:
 
 
 def _described(material: Material, half: HalfPlane) -> str:
-    texts = (("source", material.source), ("note", material.note))
+    texts = (("source:", material.source), ("note:", material.note))
     lines = [f"{_in_line(material.name)}: admissible"]
-    lines += [f"{label}: {_in_line(text)}" for label, text in texts if text]
+    lines += [_filled(label, text) for label, text in texts if text]
     lines += ["a conductor: one potential inside, its permittivity has no part"] if material.conductor else []
     lines.append("constants")
     lines += [_constant(material, name) for name in UNITS if not np.isnan(getattr(material, name))]
     for variant, other in zip(material.variants(), material.alternatives, strict=True):
-        values = ", ".join(f"{name} = {value:.6g} {UNITS[name]}" for name, value in other.constants.items())
-        lines.append(f"{_in_line(variant.name)}: {values}: {_in_line(other.source)}")
+        values = ", ".join(f"{name} = {shown(value, _units(name), _DIGITS)}" for name, value in other.constants.items())
+        lines.append(_filled(f"{_in_line(variant.name)}:", f"{values}: {other.source}"))
     lines += ["limits"] if material.limits else []
     for name, limit in material.limits.items():
-        lines.append(f"  {name:16s} {limit.value:< 14.6g} {LIMITS[name].units:6s} {_in_line(limit.source)}")
+        lines.append(_filled(f"  {name:16s}  {shown(limit.value, LIMITS[name].units, _DIGITS):11s}", limit.source))
     lines.append("Stroh roots")
     lines += [f"  {p.real:+.6f} {p.imag:+.6f}i" for p in half.roots]
     if not np.isnan(material.rho):
-        speed = float(limiting_speed(material))
-        lines.append(f"limiting speed of a conducting punch: {speed:.6g} m/s")
-    lines.append("compliance N of (u_y, phi, psi) to (sigma_yy, D_y, B_y), SI")
-    lines += ["  " + "  ".join(f"{value: .6e}" for value in row) for row in half.compliance]
-    lines.append("friction coupling k of (u_y, phi, psi), SI")
-    lines.append("  " + "  ".join(f"{value: .6e}" for value in half.friction_coupling))
+        speed = shown(float(limiting_speed(material)), "m s-1", _DIGITS)
+        lines.append(f"limiting speed of a conducting punch: {speed}")
+    lines.append("compliance N: slopes of (u_y, phi, psi) by (sigma_yy, D_y, B_y)")
+    lines += [_row(*one) for one in zip(half.compliance, _COMPLIANCE, strict=True)]
+    lines.append("friction coupling k of (u_y, phi, psi)")
+    lines.append(_row(half.friction_coupling, [units[0] for units in _COMPLIANCE]))
     return "\n".join(lines)
+
+
+def _row(values: Array, units: Sequence[str]) -> str:
+    """Numbers with their units, one below the other in each column."""
+    said = [shown(float(value), unit, _DIGITS) if value else "0" for value, unit in zip(values, units, strict=True)]
+    return "  " + "".join(f"{one:24s}" for one in said).rstrip()
 
 
 def _constant(material: Material, name: str) -> str:
     """A constant with its unit, and where other sources have it."""
-    line = f"  {name:6s} {float(getattr(material, name)):< 14.6g} {UNITS[name]}"
+    units = _units(name)
+    line = f"  {name:6s} {shown(float(getattr(material, name)), units, _DIGITS)}"
     if name not in material.spread:
         return line
-    low, high = material.spread[name]
-    return f"{line:38s} {low:.6g} to {high:.6g} by source"
+    low, high = (shown(end, units, _DIGITS) for end in material.spread[name])
+    return f"{line:31s} {low} to {high} by source"
+
+
+def _units(name: str) -> str:
+    """The unit of a constant, as data sheets have it."""
+    return _KNOWN_AS.get(UNITS[name], UNITS[name])
 
 
 def _in_line(text: str) -> str:

@@ -45,9 +45,9 @@ def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measureme
     wrong = outside(X, model.inputs_)
     if wrong.any():
         row, k = np.argwhere(wrong)[0]
-        one = model.inputs_[k]
+        own = model.inputs_[k]
         raise InputError(
-            f"{table.at(int(row))}: {one.name} = {X[row, k]:.10g} is outside the trained box {one.range_text()}"
+            f"{table.at(int(row))}: {own.name} = {X[row, k]:.10g} is outside the trained box {own.range_text()}"
         )
     if not (answers := model.has_answers(X)).all():
         row = int((~answers).argmax())

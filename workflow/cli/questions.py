@@ -53,12 +53,12 @@ def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProc
     """
     surrogate = file or folder / "surrogate.nc"
     if not surrogate.is_file():
-        raise InputError(f"{folder}: holds no surrogate.nc; run `make run STUDY={folder.name}` first")
+        raise InputError(f"{folder}: holds no surrogate.nc; run `meecontact run {folder.name}` first")
     study = studies.load(location.of_results(folder))
     model = load(surrogate)
     as_now = model.made_from_ == study.physics
     if not as_now or list(model.box.values()) != factorial.inputs(study) or list(model.outputs_) != study.learned:
-        raise InputError(f"{surrogate}: was made from another state of the study; run `make run STUDY={folder.name}`")
+        raise InputError(f"{surrogate}: was made from another state of the study; run `meecontact run {folder.name}`")
     return study, model
 
 
@@ -103,10 +103,10 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
         if name not in said and _usual(study, name):
             asked["at"][name] = _usual(study, name)
     try:
-        found = Target.model_validate(asked).meets(study.meeting)
+        read = Target.model_validate(asked).meets(study.meeting)
     except ValidationError as error:
         raise InputError(f"design: {first_problem(error, Target, asked)}") from None
-    return found
+    return read
 
 
 def _checked(study: Study, asked: Target) -> Study:
@@ -196,12 +196,12 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
         inversion = Inversion(model.only(asked) if study.kind.tabled else model, infer, asked, held)
     except ValueError as error:
         raise InputError(f"invert: {error}") from None
-    found = inversion.estimate(np.array(values), np.array(errors))
-    if found.misfit > _IMPOSSIBLE + len(pairs):
+    estimate = inversion.estimate(np.array(values), np.array(errors))
+    if estimate.misfit > _IMPOSSIBLE + len(pairs):
         raise InputError(
-            f"invert: no case within the study's ranges gives these measurements (misfit {found.misfit:.3g})"
+            f"invert: no case within the study's ranges gives these measurements (misfit {estimate.misfit:.3g})"
         )
-    rows = zip(infer, found.mean, found.low, found.high, strict=True)
+    rows = zip(infer, estimate.mean, estimate.low, estimate.high, strict=True)
     return "\n".join(_told(model.box[name], *numbers, si=si) for name, *numbers in rows)
 
 

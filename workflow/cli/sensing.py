@@ -79,9 +79,9 @@ def signal(options: argparse.Namespace) -> None:
     except ValueError as error:
         raise InputError(f"--device: {error}") from None
     history = history.finer(options.parts)
-    found = read(history, contact, circuit)
-    _write(path, history, found)
-    print("\n".join(_figures(history, found, contact, circuit, temperature)))
+    reading = read(history, contact, circuit)
+    _write(path, history, reading)
+    print("\n".join(_figures(history, reading, contact, circuit, temperature)))
     say(f"wrote {path}: {len(history.times)} times")
 
 
@@ -97,13 +97,13 @@ def _positive(where: str, text: str) -> float:
 
 def _pairs(option: str, text: str) -> dict[str, str]:
     """``NAME=VALUE`` between commas."""
-    found: dict[str, str] = {}
+    pairs: dict[str, str] = {}
     for part in text.split(","):
         name, equals, value = (word.strip() for word in part.partition("="))
-        if not equals or name in found:
+        if not equals or name in pairs:
             raise InputError(f"{option}: {part.strip()!r} is {'given twice' if equals else 'not NAME=VALUE'}")
-        found[name] = value
-    return found
+        pairs[name] = value
+    return pairs
 
 
 def _case(text: str) -> dict[str, Any]:
@@ -174,13 +174,13 @@ def _history(path: Path, kind: Kind, length: float) -> History:
     return History(times, forces * (length if column == "load" else 1.0))
 
 
-def _write(path: Path, history: History, found: Signal) -> None:
-    columns = [history.times, history.forces, found.charge, found.voltage, found.output]
+def _write(path: Path, history: History, reading: Signal) -> None:
+    columns = [history.times, history.forces, reading.charge, reading.voltage, reading.output]
     rows = (",".join(map(repr, row)) for row in np.stack(columns, 1).tolist())
     write_text(path, "\n".join(["time [s],force [N],charge [C],voltage [V],output [V]", *rows]) + "\n")
 
 
-def _figures(history: History, found: Signal, contact: Contact, circuit: Circuit, temperature: float) -> list[str]:
+def _figures(history: History, reading: Signal, contact: Contact, circuit: Circuit, temperature: float) -> list[str]:
     """What is told of a signal."""
     told = Figures.of(contact, circuit, temperature)
     noise, at_output, as_force = told.noise
@@ -192,7 +192,7 @@ def _figures(history: History, found: Signal, contact: Contact, circuit: Circuit
         )
     return [
         f"{name}: {shown(float(values[place]), 'V', 5)} at {shown(float(history.times[place]), 's', 5)}"
-        for name, values in (("peak voltage of the punch", found.voltage), ("peak output", found.output))
+        for name, values in (("peak voltage of the punch", reading.voltage), ("peak output", reading.output))
         for place in [int(np.abs(values).argmax())]
     ] + [
         f"contact at {shown(contact.most, 'N', 5)}: {shown(told.charge, 'C', 5)} at zero volts, "

@@ -63,9 +63,9 @@ class Model:
 
     def evaluate(self, at: Vector) -> Vector:
         """(n_inputs,) -> (n_outputs,), in SI units."""
-        found = self.surrogate.predict_array(at[None])[0]  # refuses what is outside the box, for both
+        mean = self.surrogate.predict_array(at[None])[0]  # refuses what is outside the box, for both
         if self.study is None:
-            return np.asarray(found, dtype=np.float64)
+            return np.asarray(mean, dtype=np.float64)
         points = {name: xr.DataArray([value], dims="point") for name, value in zip(self.surrogate.box, at, strict=True)}
         exact = factorial.learned(self.study, factorial.exact(self.study, points))
         return np.array([float(exact[name].values[0]) for name in self.surrogate.outputs_])

@@ -32,7 +32,7 @@ _DEFAULTS |= {name: choices[0] for name, choices in CHOICES.items() if name not 
 _DEFAULTS |= {name: np.nan if name in FACTORS else "" for name in (*OF_A_FILM, *OF_A_PUNCH)}
 # choices by which cases have unlike outputs
 _APART = ("profile", "corner", "electric", "magnetic", "surroundings", "electrode")
-_ON_DATUM = {name: one for name, one in (ALL_QUANTITIES | EVERY_INTERIOR).items() if one.on_datum}
+_ON_DATUM = {name: output for name, output in (ALL_QUANTITIES | EVERY_INTERIOR).items() if output.on_datum}
 _EMPTY = "no number where a case has none"
 _CASES = 512  # solved at a time at most: searched contacts (tilted flats) take 100 kB of temporaries each
 _VALUES = 2**17  # of a field at a time: some hundred temporaries of 8 bytes each inside the body

@@ -55,7 +55,11 @@ def add_interior(commands: Commands) -> None:
 def _add_cases(command: argparse.ArgumentParser, **endings: str) -> None:
     command.add_argument("cases", type=Path, metavar="CASES.csv", help="one row a case, columns are factors")
     command.add_argument(
-        "-o", "--output", type=written_as(**endings), required=True, metavar="|".join(f"OUT.{one}" for one in endings)
+        "-o",
+        "--output",
+        type=written_as(**endings),
+        required=True,
+        metavar="|".join(f"OUT.{ending}" for ending in endings),
     )
     command.add_argument(
         "--materials", type=Path, action="append", default=[], metavar="FILE.yaml", help="own material"

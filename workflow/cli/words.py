@@ -78,15 +78,15 @@ def pairs(text: str, units: Mapping[str, str]) -> dict[str, float]:
     InputError
         The part that is none.
     """
-    found: dict[str, float] = {}
+    given: dict[str, float] = {}
     for part in text.split(","):
         name, equals, value = part.partition("=")
         if not equals:
             raise InputError(f"--at: {part.strip()!r} is not of the form NAME=VALUE")
-        if name.strip() in found:
+        if name.strip() in given:
             raise InputError(f"--at: {name.strip()}: given twice")
-        found[name.strip()] = quantity(f"--at: {name.strip()}", value, units.get(name.strip(), "1"))
-    return found
+        given[name.strip()] = quantity(f"--at: {name.strip()}", value, units.get(name.strip(), "1"))
+    return given
 
 
 def surrogate_file(text: str) -> Path:

@@ -127,8 +127,8 @@ def write_slab(study: Study, path_of_cases: Path, index: int, path: Path) -> Non
     places = np.arange(cases.sizes["case"]) // TOGETHER
     part = np.isin(places, np.array_split(np.unique(places), slabs(study, path_of_cases))[index])
     points = {name: xr.DataArray(cases[name].values[part], dims="case") for name in study.factors}
-    found = factorial.exact(study, points, holes=np.inf)
-    write_whole(found.assign_coords({EVEN: ("case", np.zeros(found.sizes["case"], np.int8))}), path)
+    solved = factorial.exact(study, points, holes=np.inf)
+    write_whole(solved.assign_coords({EVEN: ("case", np.zeros(solved.sizes["case"], np.int8))}), path)
 
 
 def joined(calibration: xr.Dataset, further: Sequence[xr.Dataset]) -> xr.Dataset:

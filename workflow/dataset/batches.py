@@ -88,9 +88,9 @@ def exact(study: Study, places: xr.Dataset) -> xr.Dataset:
     """
     levels = {name: some for name, some in factorial.axes(study).items() if name not in study.crossed}
     crossed = {name: xr.DataArray(places[name].variable) for name in study.crossed}
-    found = factorial.exact(study, {**crossed, **levels})
-    whole = xr.broadcast(found[study.quantities])[0].transpose(PLACE, *levels)
-    return whole.reset_coords(drop=True).assign_coords({name: found[name] for name in (*study.crossed, *levels)})
+    solved = factorial.exact(study, {**crossed, **levels})
+    whole = xr.broadcast(solved[study.quantities])[0].transpose(PLACE, *levels)
+    return whole.reset_coords(drop=True).assign_coords({name: solved[name] for name in (*study.crossed, *levels)})
 
 
 def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:

@@ -75,15 +75,15 @@ def _at(positions: Sequence[float]) -> str:
     return f", each at {len(positions)} positions" if positions else ""
 
 
-def _file(one: Mapping[str, Any]) -> dict[str, Any]:
+def _file(file: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "@type": "cr:FileObject",
-        "@id": one["name"],
-        "name": one["name"],
-        "contentUrl": one["name"],
-        "contentSize": f"{one['bytes']} B",
+        "@id": file["name"],
+        "name": file["name"],
+        "contentUrl": file["name"],
+        "contentSize": f"{file['bytes']} B",
         "encodingFormat": _NETCDF,
-        "sha256": one["sha256"],
+        "sha256": file["sha256"],
     }
 
 
@@ -105,17 +105,19 @@ def _axis(name: str, category: bool) -> tuple[str, str]:
     return f"{FACTORS[name].long_name}, in {FACTORS[name].units}", "sc:Float"
 
 
-def _output(name: str, one: Mapping[str, Any], card: Mapping[str, Any]) -> dict[str, Any]:
+def _output(name: str, variable: Mapping[str, Any], card: Mapping[str, Any]) -> dict[str, Any]:
     """A field of every case: a number, or an array over the positions."""
-    attrs = one["attributes"]
+    attrs = variable["attributes"]
     field = _field(name, f"{attrs['long_name']}, in {attrs['units']}", "sc:Float")
     return field | (
-        {"isArray": True, "arrayShape": str(one["count"] // card["cases"])} if one["count"] > card["cases"] else {}
+        {"isArray": True, "arrayShape": str(variable["count"] // card["cases"])}
+        if variable["count"] > card["cases"]
+        else {}
     )
 
 
-def _measured(name: str, one: Mapping[str, Any]) -> dict[str, Any]:
-    attrs = one["attributes"]
+def _measured(name: str, variable: Mapping[str, Any]) -> dict[str, Any]:
+    attrs = variable["attributes"]
     low, high = attrs["actual_range"]
     return {
         "@type": "PropertyValue",

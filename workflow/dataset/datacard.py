@@ -187,9 +187,8 @@ def _datum(card: Mapping[str, Any]) -> str:
         return "Datum: none; depths and potentials are absolute"
     names = [name for name in card["variables"] if name in card["on_datum"]]
     which = "a factor" if card["datum"] is None else f"{card['datum']:g} m"
-    return (
-        f"Datum: {which}; on this arbitrary length of the potentials hang {', '.join(names) or 'none of the variables'}"
-    )
+    told = ", ".join(names) or "none of the variables"
+    return f"Datum: {which}; on this arbitrary length of the potentials depend {told}"
 
 
 def _file(path: Path, first: str) -> dict[str, Any]:
@@ -216,8 +215,8 @@ def _file(path: Path, first: str) -> dict[str, Any]:
 
 
 def _attributes(variable: "netCDF4.Variable[Any]") -> dict[str, Any]:
-    found = {key: np.asarray(variable.getncattr(key)).tolist() for key in variable.ncattrs()}
-    return {str(key): value for key, value in unscaled(found).items()}
+    attrs = {key: np.asarray(variable.getncattr(key)).tolist() for key in variable.ncattrs()}
+    return {str(key): value for key, value in unscaled(attrs).items()}
 
 
 def _merged(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

@@ -20,8 +20,8 @@ from workflow.study.sections import Axis
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
-#: Random cases of films that share the values for which the solver makes tables: these cost 0.1 to 1 s, a case 0.1 ms,
-#: but of these values few places tell little.
+#: How many random cases of films share the values for which the solver makes tables. A table costs 0.1 to 1 s, a case
+#: 0.1 ms; but a sample with few tables tells little of these values.
 TOGETHER = 10
 #: Parameters of the beta distribution of shares of a range that are drawn towards its ends.
 TOWARDS_ENDS = 0.3, 0.3
@@ -62,7 +62,7 @@ def grouping(study: Study, learned: xr.Dataset | None = None) -> Grouping:
 
 
 def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
-    """What is learned of the factorial over its axes: the outputs, or with groups the outputs over their scales.
+    """What is learnt of the factorial over its axes: the outputs, or with groups the outputs over their scales.
 
     Parameters
     ----------
@@ -157,14 +157,14 @@ def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETH
     together : int, how many cases of films share the factors for which the solver makes tables
     """
     random = np.random.default_rng(list(seed))
-    found: dict[str, xr.DataArray] = {}
+    drawn: dict[str, xr.DataArray] = {}
     for name, axis in study.factors.items():
         u = random.uniform(size=count)
         if name in study.tabled and together > 1:
             places = -(-count // together)
             u = np.repeat((random.permutation(places) + u[:places]) / places, together)[:count]
-        found[name] = xr.DataArray(_along(name, axis, u), dims="case")
-    return found
+        drawn[name] = xr.DataArray(_along(name, axis, u), dims="case")
+    return drawn
 
 
 def towards_ends(
@@ -186,12 +186,12 @@ def towards_ends(
     tables = np.stack([drawn[name].values for name in study.tabled or study.factors])
     place = np.unique(tables, axis=1, return_index=True, return_inverse=True)[1:]
     order = np.argsort(np.tile(place[0][place[1].reshape(-1)], 2), kind="stable")  # as they came
-    found = {}
+    both = {}
     for name, axis in study.factors.items():
         u = random.beta(*TOWARDS_ENDS, size=count)
         values = drawn[name].values if name in study.tabled else _along(name, axis, u)
-        found[name] = xr.DataArray(np.concatenate([drawn[name].values, values])[order], dims="case")
-    return found, (order < count).astype(np.int8)
+        both[name] = xr.DataArray(np.concatenate([drawn[name].values, values])[order], dims="case")
+    return both, (order < count).astype(np.int8)
 
 
 def _along(name: str, axis: Axis, u: Array) -> Array:
@@ -248,11 +248,11 @@ def exact(
 
     def whole(cases: Mapping[str, Any]) -> xr.Dataset:
         searched = study.searched if peaks is None else peaks
-        found = study.solved(solve, cases, positions, peaks=searched, regular=regular)
+        solved = study.solved(solve, cases, positions, peaks=searched, regular=regular)
         if not (curves and study.regions):
-            return found
+            return solved
         along = study.solved(solve_curves, cases, study.regions)
-        return found.merge(along, compat="override", join="exact", combine_attrs="override")
+        return solved.merge(along, compat="override", join="exact", combine_attrs="override")
 
     try:
         solved = whole(factors) if holes is None else answered(whole, factors, holes)

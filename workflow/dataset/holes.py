@@ -49,23 +49,23 @@ class Mask:
             More cases are refused than may be.
         """
         try:
-            found: xr.Dataset = solved()
+            answered: xr.Dataset = solved()
         except AllRefusedError as error:
-            found = error.mask
+            answered = error.mask
         except HolesError as error:
             raise self._too_many(str(error)) from None
-        if REFUSAL not in found:
-            return {str(name): array.values for name, array in found.data_vars.items()}
-        codes = _renumbered(found, self._numbers, self.axes)
+        if REFUSAL not in answered:
+            return {str(name): array.values for name, array in answered.data_vars.items()}
+        codes = _renumbered(answered, self._numbers, self.axes)
         self._refused.append((region, codes))
         self.count += int(np.count_nonzero(codes))
         if self.left < 0:
-            raise self._too_many(str(found[REASON].values[0]))
+            raise self._too_many(str(answered[REASON].values[0]))
         values: dict[str, NDArray[Any]] = {}
         for name, array in frame.data_vars.items():
             shape = (*codes.shape, *array.shape[codes.ndim :])
             missing = np.broadcast_to(codes.reshape(codes.shape + (1,) * (len(shape) - codes.ndim)) > 0, shape)
-            own = found[name].values if name in found else np.full(shape, np.nan)
+            own = answered[name].values if name in answered else np.full(shape, np.nan)
             values[str(name)] = np.ma.masked_array(own, missing)
         return values
 

@@ -99,7 +99,7 @@ def _with_scales(study: Study) -> Study:
                 *(["logit"] if 0 < axis.low < axis.high < 1 else []),
             ]
             tried = [_with_scale(study, text, scale) for scale in scales]
-            study = min(tried, key=lambda one: _error_along(one, product(text).name))
+            study = min(tried, key=lambda candidate: _error_along(candidate, product(text).name))
             log.info("%s: a %s scale", text, study.groups[text].scale)
     return study
 

@@ -28,7 +28,7 @@ _LENGTHS = ("thickness", "radius", "width", "datum", "slope")
 def grouping(
     study: Study, inputs: Sequence[Input], axes: Sequence[Input], weights: Mapping[str, str] | None = None
 ) -> Grouping:
-    """How the study's outputs follow from what is learned over its groups.
+    """How the study's outputs follow from what is learnt over its groups.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def _group(study: Study, axis: Input, names: Sequence[str]) -> Group:
 
 
 def with_logarithms(grouping: Grouping, study: Study, learned: xr.Dataset) -> Grouping:
-    """The grouping with the logarithms that are learned: those that the study names, or that decay faster.
+    """The grouping with the logarithms that are learnt: those that the study names, or that decay faster.
 
     Parameters
     ----------
@@ -110,22 +110,22 @@ def _replaced(grouping: Grouping, signs: Mapping[str, int]) -> Grouping:
 def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> dict[str, float]:
     """Predicted error of every output within the box, over its range there.
 
-    What is learned may span decades that the box never brings together with a large scale, or always does: an error
+    What is learnt may span decades that the box never brings together with a large scale, or always does: an error
     over its range says little of that of the output.
     """
     if not names:
         return {}
     axes = {axis.name: learned[axis.name] for axis in grouping.axes}
     data = grouping.reduced(learned, names).assign_coords(axes)
-    scales, nearest, found = *_within(grouping, learned, names), dict[str, float]()
+    scales, nearest, errors = *_within(grouping, learned, names), dict[str, float]()
     for number, (name, along) in enumerate(decays(data, grouping.axes, names).items()):
         values, sign, scale_ = data[name].transpose(*axes).values, grouping.scalings[name].logarithm, scales[number]
         outputs = (sign * np.exp(sign * values) if sign else values)[nearest] * scale_
         # an error of the logarithm is one of the output, relative
         size = np.abs(outputs) if sign else scale_
         error = max(sum(line.error(len(line.coefficients)) for line in along.values()), _LEAST) * np.ptp(values)
-        found[name] = float(error * size.max() / (np.ptp(outputs) or 1.0))
-    return found
+        errors[name] = float(error * size.max() / (np.ptp(outputs) or 1.0))
+    return errors
 
 
 def _within(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> tuple[Array, tuple[Indices, ...]]:
@@ -165,5 +165,5 @@ def _coefficient(study: Study, name: str, kinds: Kinds) -> float:
     if datum is None:
         return 0.0
     here = {**{key: value for key, value in study.fixed.items() if key != "datum"}, **middles(study), **kinds}
-    found = study.solved(solve, {**here, "datum": datum * np.array([1.0, np.e])})[name].values
-    return float(found[1] - found[0])
+    values = study.solved(solve, {**here, "datum": datum * np.array([1.0, np.e])})[name].values
+    return float(values[1] - values[0])

@@ -186,8 +186,8 @@ class Stacked(BackendArray):
         for levels, part in zip(np.split(wanted, changes), np.split(which, changes), strict=True):
             if levels.size:
                 parts.append(self._read(int(part[0]), levels - self.starts[part[0]], rest))
-        found = np.concatenate(parts) if parts else np.empty((0, *self.shape[1:]), self.dtype)[(slice(0), *rest)]
-        return found[0] if isinstance(first, int | np.integer) else found
+        whole = np.concatenate(parts) if parts else np.empty((0, *self.shape[1:]), self.dtype)[(slice(0), *rest)]
+        return whole[0] if isinstance(first, int | np.integer) else whole
 
     def _read(self, number: int, levels: NDArray[np.int64], rest: Sequence[Any]) -> NDArray[Any]:
         check_seal(self.files[number], MAX_BYTES, digest=False)

@@ -18,6 +18,8 @@ from workflow.study import layered
 from workflow.study.model import Study
 from workflow.study.pressing import Pressing
 
+#: What stands before the names of quantities of a contact at the force that is held.
+HELD = "held_"
 _PARTS = 40  # into which each part of the history is divided
 
 
@@ -68,13 +70,13 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
     )
     circuit = Circuit.of(numbers, material)
     times, told = history(pressing), Figures.of(contact, circuit, numbers["temperature"])
-    found = read(times, contact, circuit)
+    reading = read(times, contact, circuit)
     out = xr.Dataset(coords={"time": ("time", times.times, {"units": "s", "long_name": "time"})})
     for name, values, units, said in (
         ("force", times.forces, "N", "force on the punch"),
-        ("charge", found.charge, "C", "charge of the contact"),
-        ("voltage", found.voltage, "V", "voltage that the contact is read at"),
-        ("output", found.output, "V", "output of the amplifier"),
+        ("charge", reading.charge, "C", "charge of the contact"),
+        ("voltage", reading.voltage, "V", "voltage that the contact is read at"),
+        ("output", reading.output, "V", "output of the amplifier"),
     ):
         out[name] = ("time", values, {"units": units, "long_name": said})
     for name, value, units, said in (
@@ -88,6 +90,24 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
     ):
         out[name] = ((), value, {"units": units, "long_name": said})
     return out
+
+
+def held(study: Study, pressing: Pressing) -> xr.Dataset:
+    """Quantities of the contact while the force is held, at zero charge, each with ``HELD`` before its name.
+
+    Parameters
+    ----------
+    study
+        Of one case, as `workflow.study.beside.pressed` makes it.
+    pressing
+        How hard.
+    """
+    force = {
+        study.kind.loads.force: pressing.force
+        / (study.device.constants if study.device else {}).get("electrode_length", 1.0)
+    }
+    solved = study.solved(solve, {**study.fixed, **force})
+    return solved.drop_vars(list(solved.coords)).rename({name: f"{HELD}{name}" for name in solved.data_vars})
 
 
 def _beside(body: Stack, case: Mapping[str, Any]) -> Material:

@@ -22,8 +22,16 @@ class _Factors(Mapping[str, Factor]):
     def __getitem__(self, name: str) -> Factor:
         if (kind := own_kind(name)) is None:
             return names.FACTORS[name]
-        one = names.FACTORS[kind]
-        return Factor(one.units, name.replace("_", " "), None, one.low, one.low_allowed, one.high, one.high_allowed)
+        described = names.FACTORS[kind]
+        return Factor(
+            described.units,
+            name.replace("_", " "),
+            None,
+            described.low,
+            described.low_allowed,
+            described.high,
+            described.high_allowed,
+        )
 
     def __iter__(self) -> Iterator[str]:
         return iter(names.FACTORS)

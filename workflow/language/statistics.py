@@ -89,7 +89,7 @@ def statistic(text: str) -> Statistic:
     """
     family = Statistic.__subclasses__()
     for member in family:
-        if found := member.read(" ".join(text.split())):
-            return found
+        if read := member.read(" ".join(text.split())):
+            return read
     *forms, last = (repr(form) for member in family for form in member.forms)
     raise ValueError(f"{text!r} is not {', '.join(forms)} or {last}")

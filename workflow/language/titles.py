@@ -83,7 +83,7 @@ def _in_words(text: str) -> str:
     return told.replace(" / ", " over ") if not _OTHERS.search(text) else told
 
 
-def stated(one: statements.Objective | statements.Limit) -> str:
+def stated(statement: statements.Objective | statements.Limit) -> str:
     """What is wanted or bounded, in words, and what a deviation is taken over.
 
     Examples
@@ -93,9 +93,9 @@ def stated(one: statements.Objective | statements.Limit) -> str:
     >>> stated(statements.limit("trailing_tension <= 50 MPa"))
     'tension behind the contact'
     """
-    words = spoken(one.expression, one.inner)
-    over = f" over {listed([title(name) for name in one.over])}" if one.over else ""
-    return f"deviation of {words}{over}" if one.deviation else words
+    words = spoken(statement.expression, statement.inner)
+    over = f" over {listed([title(name) for name in statement.over])}" if statement.over else ""
+    return f"deviation of {words}{over}" if statement.deviation else words
 
 
 def wanted(goals: Sequence[statements.Objective]) -> str:
@@ -116,12 +116,12 @@ def _superlative(goal: statements.Objective) -> str:
     return words if words.startswith(most) else f"{most} {words}"
 
 
-def units(one: statements.Objective | statements.Limit, si: str) -> str:
+def units(statement: statements.Objective | statements.Limit, si: str) -> str:
     """The unit in which a statement's values are told, for their own in SI: deviations are shares.
 
     Parameters
     ----------
-    one : Objective or Limit
+    statement : Objective or Limit
     si : str, the unit of its values in SI
 
     Examples
@@ -129,7 +129,7 @@ def units(one: statements.Objective | statements.Limit, si: str) -> str:
     >>> units(statements.limit("deviation(charge_sensitivity over load) <= 3 %"), "1")
     '%'
     """
-    return "%" if one.deviation else si
+    return "%" if statement.deviation else si
 
 
 def bound(limit: statements.Limit, at: float, units: str) -> str:

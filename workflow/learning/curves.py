@@ -35,7 +35,7 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
     compression
         As of a `GridGP`.
     by
-        How the study's outputs follow from its groups, where it has some. Sizes are learned by their logarithms either
+        How the study's outputs follow from its groups, where it has some. Sizes are learnt by their logarithms either
         way, scores of curves as they are: they have no units.
     """
     curves: list[Curves] = []
@@ -52,9 +52,9 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
                     place = region.fields.index(peak.place) if peak.place else -1
                     learnt = output(quantity, kinds)
                     largest[learnt] = Largest(len(curves) - 1, peak.measure, place)
-                    one = ALL_QUANTITIES[quantity]
-                    words = f"{one.long_name}, {categories.named(kinds)}" if kinds else one.long_name
-                    attrs[learnt] = {"units": one.units, "long_name": words}
+                    described = ALL_QUANTITIES[quantity]
+                    words = f"{described.long_name}, {categories.named(kinds)}" if kinds else described.long_name
+                    attrs[learnt] = {"units": described.units, "long_name": words}
     inputs, kernel = factorial.inputs(study), study.surrogate.kernel
     scalings = dict(by.scalings) if by else {}
     for kinds in study.combinations if by else ():
@@ -110,10 +110,10 @@ def learned(study: Study, data: xr.Dataset) -> xr.Dataset:
     study : Study
     data : Dataset, over the factors or ``case``, and the categories
     """
-    found = factorial.learned(study, data)
+    outputs = factorial.learned(study, data)
     if not given(study, data):
-        return found
-    return found.merge(categories.apart(data, study.categories, _names(study)), combine_attrs="override")
+        return outputs
+    return outputs.merge(categories.apart(data, study.categories, _names(study)), combine_attrs="override")
 
 
 def _names(study: Study) -> list[str]:

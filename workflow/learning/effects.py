@@ -99,7 +99,7 @@ class Effects:
 
     def _differences(self, z: Array, here: xr.Dataset) -> list[xr.Dataset]:
         """Derivatives of all outputs by every scaled constant, zero where it has no part."""
-        found: dict[str, xr.Dataset] = {}
+        differences: dict[str, xr.Dataset] = {}
         solved = [constant for constant in self._constants if not self._parts(constant)]
         for number, constant in enumerate(solved, 1):
             self._say(f"{number} of {len(solved)}: {constant.name}")
@@ -109,20 +109,20 @@ class Effects:
             cases = factorial.exact(moved(self._study, self._constants, step).narrowed(held), dict(self._levels))
             kinds = {name: [held[name]] if name in held else names for name, names in self._study.categories.items()}
             there = categories.apart(_expanded(cases, held), kinds, self._study.outputs)
-            found[constant.name] = xr.Dataset({
+            differences[constant.name] = xr.Dataset({
                 name: (there[name] - here[name]) / _STEP if name in there else xr.zeros_like(here[name])
                 for name in self._model.outputs_
             })  # fmt: skip
         for family in self._constants:
             for part in self._parts(family):
-                share = found[part.name] * (family.std / part.std)
-                found[family.name] = found[family.name] + share if family.name in found else share
-        return [found[constant.name] for constant in self._constants]
+                share = differences[part.name] * (family.std / part.std)
+                differences[family.name] = differences[family.name] + share if family.name in differences else share
+        return [differences[constant.name] for constant in self._constants]
 
-    def _parts(self, one: Constant) -> list[Constant]:
+    def _parts(self, constant: Constant) -> list[Constant]:
         """The members of a family, where all of them are uncertain too, each for itself."""
-        names = members(find(one.material, self._study.own_materials), one.family)
-        parts = [other for other in self._constants if other.material == one.material and other.family in names]
+        names = members(find(constant.material, self._study.own_materials), constant.family)
+        parts = [other for other in self._constants if other.material == constant.material and other.family in names]
         return parts if len(parts) == len(names) else []
 
     def _judged(self) -> Array:
@@ -134,9 +134,9 @@ class Effects:
         points = factorial.points(self._study, _CHECKED, (self._study.validation.seed, 11), _TOGETHER)
         exact = factorial.learned(self._study, factorial.exact(moved(self._study, self._constants, z), points))
         X = np.stack([points[name].values for name in self._model.box], -1)
-        found = self._model.predict_array(X) + change.predict_array(X)
+        predicted = self._model.predict_array(X) + change.predict_array(X)
         truth = np.stack([exact[name].values for name in self._model.outputs_], -1)
-        return np.asarray(np.sqrt(np.mean((truth - found) ** 2, axis=0)))
+        return np.asarray(np.sqrt(np.mean((truth - predicted) ** 2, axis=0)))
 
 
 def _levels(study: Study, model: GaussianProcess) -> dict[str, Array]:

@@ -80,18 +80,18 @@ def learn(
         told = ", ".join(f"{value:+.2f}" for value in z[: len(constants)])
         say(f"constants at {told} prior standard deviations")
         latest[:] = [effects.at(z)]
-        found = latest[0].predict_array(rows.points).reshape(len(rows.points), len(model.outputs_), -1)
-        own = found[rows.row, rows.output]
+        predicted = latest[0].predict_array(rows.points).reshape(len(rows.points), len(model.outputs_), -1)
+        own = predicted[rows.row, rows.output]
         return shown(list(instruments), model, rows, z[count:], mean + own[:, 0], own[:, 1 : count + 1])
 
     try:
-        found = learning.learn(forward, rows, model.inputs_, len(unknown), spread, single)
+        posterior = learning.learn(forward, rows, model.inputs_, len(unknown), spread, single)
     except (learning.NotSettledError, MaterialError) as error:
         raise InputError(str(error)) from None
-    taught = Taught.of(found, rows, unknown, single, model, mean)
+    taught = Taught.of(posterior, rows, unknown, single, model, mean)
     names = {constant.name: constant.prior for constant in unknown}
     surrogate = CorrectedGP(
-        model, latest[0], names, found.about, found.draws, rows, effects.error, "\n".join(taught.lines)
+        model, latest[0], names, posterior.about, posterior.draws, rows, effects.error, "\n".join(taught.lines)
     )
     return surrogate, taught
 

@@ -50,22 +50,22 @@ class Plan:
     @property
     def lines(self) -> list[str]:
         """In words, a line each, and the table."""
-        found = [
+        told = [
             f"{len(self.rows)} further measurements leave {constant['planned']:.2f} of the prior of {constant['name']} "
             f"({constant['now']:.2f} now, {constant['random']:.2f} after as many at random)"
             for constant in self.constants
         ]
         for answer in self.answers:
             planned, now, random = (written(answer[key], answer["units"], 3) for key in ("planned", "now", "random"))
-            found.append(
+            told.append(
                 f"{len(self.rows)} further measurements leave +-{planned} of {answer['name']} "
                 f"(+-{now} now, +-{random} after as many at random)"
             )
-        found.append(",".join([*[name for name in self.rows[0] if name != "output"], "measure"]))
+        told.append(",".join([*[name for name in self.rows[0] if name != "output"], "measure"]))
         for row in self.rows:
             values = [f"{value:.4g}" for name, value in row.items() if name != "output"]
-            found.append(",".join([*values, str(row["output"])]))
-        return found
+            told.append(",".join([*values, str(row["output"])]))
+        return told
 
 
 def check(
@@ -208,9 +208,9 @@ def _shown(
     effect = model.effect_.predict_array(points).reshape(len(points), len(model.outputs_), -1)[where, output, 1:]
     physical = len(model.constants_) - len(instruments)
     readings = Measurements(points, where, output, np.zeros(len(where)), np.full(len(where), np.nan))
-    found = shown(instruments, model, readings, model.about_[physical:], mean, effect[:, :physical])[1]
-    found[read:] = effect[read:]
-    return mean, found
+    slopes = shown(instruments, model, readings, model.about_[physical:], mean, effect[:, :physical])[1]
+    slopes[read:] = effect[read:]
+    return mean, slopes
 
 
 def _outputs(model: CorrectedGP, errors: Mapping[str, tuple[float, float]]) -> dict[int, tuple[float, float]]:

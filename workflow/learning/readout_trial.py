@@ -54,9 +54,11 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     asked = [output(name, kinds) for name in names]
     own = model.only(asked) if study.kind.tabled else model  # of the many outputs that films have, only those
     inversion = Inversion(own, [input_.name for input_ in inputs], asked, readout.held)
-    found = [inversion.estimate(row, errors) for row, errors in zip(measured, _errors(readout, measured), strict=True)]
+    estimates = [
+        inversion.estimate(row, errors) for row, errors in zip(measured, _errors(readout, measured), strict=True)
+    ]
     mean, low, high = (
-        np.stack([getattr(posterior, key) for posterior in found], -1) for key in ("mean", "low", "high")
+        np.stack([getattr(posterior, key) for posterior in estimates], -1) for key in ("mean", "low", "high")
     )
     dims = ("factor", "case")
     left = [(own.to_unit(b) - own.to_unit(a)) / (2 * _LEVEL) for own, a, b in zip(inputs, low, high, strict=True)]

@@ -22,7 +22,7 @@ from workflow.learning import training
 from workflow.study import representatives
 from workflow.study.model import Study
 
-#: Fields that are learned, by their regular parts.
+#: Fields that are learnt, by their regular parts.
 NAMES = ("contact_pressure", "electric_displacement_y", "magnetic_induction_y", "stress_xx")
 ANGLE = Input("angle", 0.0, np.pi, "linear", "rad", "angle of the position under the punch, X = -cos(angle)")
 _BLOCK = 100  # random cases that are solved at once
@@ -134,10 +134,10 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
     weight = weights(position, quantities.predict(points, return_std=False)["pressure_exponent"])
     angle = xr.DataArray(np.arccos(-position), dims="position", coords={"position": position})
     at = {**points, "angle": angle}
-    found = fields.predict(at).assign(fields.interval(at).data_vars)
+    predicted = fields.predict(at).assign(fields.interval(at).data_vars)
     return xr.Dataset(
         {
-            f"{name}{suffix}": (found[f"{name}{suffix}"] * weight[name]).assign_attrs(FIELDS[name].attrs)
+            f"{name}{suffix}": (predicted[f"{name}{suffix}"] * weight[name]).assign_attrs(FIELDS[name].attrs)
             for name in NAMES
             for suffix in ("", "_std", "_lower", "_upper")
         }

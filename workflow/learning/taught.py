@@ -152,8 +152,8 @@ def _verdict(what: str, odds: float) -> dict[str, Any]:
     return {"what": what, "odds": min(max(odds, 1 / ROUNDS), float(ROUNDS)), "verdict": verdict}
 
 
-def _constants(found: Learnt, constants: list[Unknown]) -> list[dict[str, Any]]:
-    rows = zip(constants, found.mean.tolist(), found.contraction.tolist(), strict=True)
+def _constants(posterior: Learnt, constants: list[Unknown]) -> list[dict[str, Any]]:
+    rows = zip(constants, posterior.mean.tolist(), posterior.contraction.tolist(), strict=True)
     return [
         {
             "name": constant.name, "prior": constant.prior, "mean": mean, "std": std, "change": constant.change(mean),
@@ -163,26 +163,28 @@ def _constants(found: Learnt, constants: list[Unknown]) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def _combinations(found: Learnt, constants: list[Unknown]) -> list[dict[str, Any]]:
+def _combinations(posterior: Learnt, constants: list[Unknown]) -> list[dict[str, Any]]:
     """Directions that the rows know well though no constant in them is known alone."""
     known = []
-    for contraction, direction in zip(found.directions[0], found.directions[1].T, strict=True):
+    for contraction, direction in zip(posterior.directions[0], posterior.directions[1].T, strict=True):
         parts = np.flatnonzero(np.abs(direction) > 0.3)
-        if contraction < TOLD and len(parts) > 1 and found.contraction[parts].min() > TOLD:
+        if contraction < TOLD and len(parts) > 1 and posterior.contraction[parts].min() > TOLD:
             sign = np.sign(direction[parts[np.abs(direction[parts]).argmax()]])
             words = [f"{sign * direction[k]:+.2f} {constants[k].name}" for k in parts]
             known.append({"combination": " ".join(words), "posterior_over_prior": float(contraction)})
     return known
 
 
-def _discrepancy(found: Learnt, rows: Measurements, model: GaussianProcess, nominal: Array, q: int) -> dict[str, Any]:
+def _discrepancy(
+    posterior: Learnt, rows: Measurements, model: GaussianProcess, nominal: Array, q: int
+) -> dict[str, Any]:
     """Whether an output has a discrepancy, and how large it is at the measured points."""
-    k, odds = rows.of(q), found.odds[q]
+    k, odds = rows.of(q), posterior.odds[q]
     size = float(np.sqrt(np.mean(nominal[k] ** 2)))
     values = []
-    for draw in found.draws:
-        one = draw.discrepancies[q]
-        own, by_constants, _ = one.at(one.points)
+    for draw in posterior.draws:
+        discrepancy = draw.discrepancies[q]
+        own, by_constants, _ = discrepancy.at(discrepancy.points)
         values.append(own - by_constants @ draw.mean)
     share = float(np.sqrt(np.mean(np.mean(values, axis=0) ** 2))) / size if size else 0.0
     said = _odds_said(odds)
@@ -196,22 +198,22 @@ def _discrepancy(found: Learnt, rows: Measurements, model: GaussianProcess, nomi
     return {"output": model.outputs_[q], "odds": odds, "share_of_size": share, "verdict": verdict}
 
 
-def _errors(found: Learnt, model: GaussianProcess, q: int) -> dict[str, Any]:
+def _errors(posterior: Learnt, model: GaussianProcess, q: int) -> dict[str, Any]:
     """How many times larger than stated errors are."""
-    median, low, high = found.scale(q)
+    median, low, high = posterior.scale(q)
     verdict = ""
     if low > LARGER or high < SMALLER:
         verdict = f"errors are {median:.2g} times those stated (95 %: {low:.2g} to {high:.2g})"
     return {"output": model.outputs_[q], "times_stated": median, "low": low, "high": high, "verdict": verdict}
 
 
-def _outliers(found: Learnt, rows: Measurements, model: GaussianProcess) -> list[dict[str, Any]]:
+def _outliers(posterior: Learnt, rows: Measurements, model: GaussianProcess) -> list[dict[str, Any]]:
     """Values that do not belong to the others, each with its row."""
     named = []
-    for k in np.flatnonzero(found.wild > NAMED).tolist():
+    for k in np.flatnonzero(posterior.wild > NAMED).tolist():
         row, output = int(rows.row[k]) + 1, model.outputs_[rows.output[k]]
-        away = float((rows.value[k] - found.left_out[0][k]) / found.left_out[1][k])
-        odds = float(found.wild[k] / max(1 - found.wild[k], 1e-12))
+        away = float((rows.value[k] - posterior.left_out[0][k]) / posterior.left_out[1][k])
+        odds = float(posterior.wild[k] / max(1 - posterior.wild[k], 1e-12))
         verdict = (
             f"row {row}, {output}: an outlier ({_odds_said(odds)}), {away:+.1f} standard deviations from what the "
             "other rows say; it counts for little"
@@ -222,26 +224,26 @@ def _outliers(found: Learnt, rows: Measurements, model: GaussianProcess) -> list
 
 def _open(told: dict[str, Any]) -> list[str]:
     """Explanations that the rows do not decide between."""
-    found = [
+    unresolved = [
         f"a discrepancy of {row['output']} ({_odds_said(row['odds'])})"
         for row in told["discrepancies"]
         if UNSEEN <= row["odds"] <= REAL
     ]
-    found += [
+    unresolved += [
         f"errors of {row['output']} {row['times_stated']:.2g} times those stated"
         for row in told["errors"]
         if row["low"] <= LARGER < row["times_stated"]
     ]
     own = told.get("single_constants_off")
     if own and UNSEEN <= own["odds"] <= REAL:
-        found.append(f"{own['what']} ({_odds_said(own['odds'])})")
-    return found
+        unresolved.append(f"{own['what']} ({_odds_said(own['odds'])})")
+    return unresolved
 
 
-def _left_out(found: Learnt, rows: Measurements, nominal: Array) -> dict[str, Any]:
+def _left_out(posterior: Learnt, rows: Measurements, nominal: Array) -> dict[str, Any]:
     """How well every row is predicted from the others, beside the surrogate before; outliers are left out of this."""
-    predicted, std = found.left_out
-    usual = found.wild <= NAMED
+    predicted, std = posterior.left_out
+    usual = posterior.wild <= NAMED
     reach = float(Normal().ends(NOMINAL)[1, 0])
     after, before = np.abs(rows.value - predicted), np.abs(rows.value - nominal)
     inside = (after <= reach * std)[usual]

@@ -41,7 +41,7 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
     points = {name: cases[name] for name in study.factors}
     X = np.stack([array.values for array in points.values()], -1)
     count = X.shape[0]
-    found = {
+    times = {
         "cases": float(study.cases),
         "queries": float(count),
         "outputs": float(len(study.outputs)),
@@ -53,10 +53,10 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
     }
     if study.dataset.peaks:
         some = {name: array[:_SEARCHED] for name, array in points.items()}
-        found["exact_per_searched_case"] = seconds(lambda: factorial.exact(study, some), 1) / (
+        times["exact_per_searched_case"] = seconds(lambda: factorial.exact(study, some), 1) / (
             len(next(iter(some.values()))) * len(study.combinations)
         )
-    return found
+    return times
 
 
 def _half_planes(study: Study, points: dict[str, xr.DataArray], with_holes: bool) -> dict[str, float]:
@@ -64,7 +64,7 @@ def _half_planes(study: Study, points: dict[str, xr.DataArray], with_holes: bool
 
     Of a factorial with holes a case costs what it costs at points.
     """
-    one = {name: array[0] for name, array in points.items()}
+    first = {name: array[0] for name, array in points.items()}
     count = len(next(iter(points.values()))) * len(study.combinations)
     scattered = seconds(lambda: factorial.exact(study, points)) / count
     return {
@@ -72,7 +72,7 @@ def _half_planes(study: Study, points: dict[str, xr.DataArray], with_holes: bool
         if with_holes
         else seconds(lambda: factorial.exact(study, factorial.levels(study))) / study.cases,
         "exact_per_scattered_case": scattered,
-        "exact_single_case": seconds(lambda: factorial.exact(study.narrowed(study.combinations[0]), one)),
+        "exact_single_case": seconds(lambda: factorial.exact(study.narrowed(study.combinations[0]), first)),
     }
 
 

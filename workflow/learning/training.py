@@ -28,7 +28,7 @@ _TRIED, _WIDEST = 4096, 20
 
 
 def compression(study: Study) -> float:
-    """Error allowed to the compressed mean: far below the tolerance, and no smaller, since queries cost less so.
+    """Error allowed to the compressed mean: far below the tolerance, but no smaller, since lower ranks answer faster.
 
     A film has two dozen outputs on each base; with a smaller error the ranks of their train would be some hundreds.
     """
@@ -236,6 +236,6 @@ def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases:
     groups = np.concatenate([np.arange(columns[-1].size), columns[-1].size + shared])
     reasons = list(dict.fromkeys(texts))
     which = np.array([reasons.index(text) for text in texts], dtype=np.intp)
-    found = edge.learn(t[:, inside], refused[inside], even[inside], groups[inside], which, reasons)
-    log.info("%.2g %% of the cases are refused; %s", 100 * found.refused, "; ".join(reasons[:3]))
-    return found
+    region = edge.learn(t[:, inside], refused[inside], even[inside], groups[inside], which, reasons)
+    log.info("%.2g %% of the cases are refused; %s", 100 * region.refused, "; ".join(reasons[:3]))
+    return region

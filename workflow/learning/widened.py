@@ -1,4 +1,4 @@
-"""A study whose ranges are wider than its surrogate's: made and learned anew for one question."""
+"""A study whose ranges are wider than its surrogate's: made and learnt anew for one question."""
 
 from collections.abc import Mapping
 from math import ceil, prod
@@ -111,11 +111,11 @@ def _groups(study: Study, factors: Mapping[str, Axis]) -> dict[str, Group]:
         wider = grouped.axes(study.groups, factors, study.numbers)
     except ValueError as error:
         raise InputError(f"design: the ranges are wider than the study's: {error}") from None
-    found = {}
+    groups = {}
     for text, group in study.groups.items():
         name = grouped.product(text).name
-        found[text] = group.model_copy(update={"levels": _levels(study.axes[name], wider[name])})
-    return found
+        groups[text] = group.model_copy(update={"levels": _levels(study.axes[name], wider[name])})
+    return groups
 
 
 def _widened(axis: Axis, low: float, high: float) -> Axis:

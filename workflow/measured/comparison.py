@@ -1,5 +1,6 @@
 """All rows of a study beside the model: what is written, drawn and told."""
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -34,7 +35,7 @@ def _row(label: str, row: Measurement) -> Row:
     verdict = judged(row, model, rivals)
     return {
         "name": label,
-        "short": row.short or label.replace("_", " "),
+        "short": row.short or textwrap.shorten(row.of, 40, placeholder="..."),
         **row.model_dump(include={"of", "value", "error", "error_is", "unit", "note", "source", "read", "decides"}),
         "model": _values(row, row.model, model, verdict.deviations),
         "rivals": _values(row, row.rivals, rivals, verdict.rivals),
@@ -71,13 +72,13 @@ def dataset(rows: Sequence[Row]) -> xr.Dataset:
         "model_std": scale * _numbers(row.get("deviation") for row in first),
         "deviations": _numbers(row.get("off") for row in first),
     }
-    found = xr.Dataset(
+    table = xr.Dataset(
         {name: ("row", values) for name, values in numbers.items()}
         | {"verdict": ("row", np.array([row["verdict"] for row in rows], dtype=object))},
         {"row": np.array([row["name"] for row in rows], dtype=object),
          "unit": ("row", np.array([_SI[row["unit"]] for row in rows], dtype=object))},
     )  # fmt: skip
-    return described(found, "Published measurements beside the model", _SOURCE, _MEANINGS)
+    return described(table, "Published measurements beside the model", _SOURCE, _MEANINGS)
 
 
 def _numbers(values: Any) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

@@ -96,9 +96,9 @@ def _stiffness_under_charge(material: Material, case: Case) -> float:
 
 def _layer_factor(material: Material, case: Case) -> float:
     """P (1 - nu) / (4 G a d) of a disc on an isotropic layer (Hayes et al. 1972)."""
-    found = _solved(material, case)
+    solved = _solved(material, case)
     poisson = float(material.c12 / (material.c11 + material.c12))
-    size = 4 * float(material.c44) * float(found["contact_radius"] * found["depth"])
+    size = 4 * float(material.c44) * float(solved["contact_radius"] * solved["depth"])
     return float(case["force"]) * (1 - poisson) / size
 
 

@@ -23,7 +23,7 @@ def changes(study: Study) -> list[dict[str, Any]]:
     """What depends on the datum in the middle of the box, at a tenth of it, at it and at ten times it.
 
     With the change per decade of the datum, NaN where that is no constant. Of half-planes for the first name of every
-    category, of films for all: whether anything hangs depends on the base.
+    category, of films for all: whether anything depends on the datum is up to the base.
     """
     rows: list[dict[str, Any]] = []
     if study.kind.datum == "absolute":

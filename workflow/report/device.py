@@ -22,6 +22,8 @@ _TIPS = 10.0  # half of the least length that has room for two arrows
 _BAR = (4.0, 90.0)  # lengths of the bar that tells the scale
 _LINE = 22.0  # height of a line of text
 _POINTS = 97
+_LETTER = 8.5  # width of a letter, and some room
+_CORNERED = ("wedge", "half_cylinder")  # which lie on one side of their edge
 _FLAT, _POWERS = ("flat", "disc"), ("cone", "power")
 _ENDLESS = ("wedge", *_POWERS)  # of which a part is drawn
 _SIZES = {"flat": "w = ", "disc": "w = ", "wedge": "slope ", "cone": "slope ", "power": "C = "}
@@ -211,15 +213,13 @@ def _dimensions(device: Device) -> list[str]:
     name = _SIZES.get(device.profile, "R = ")
     size = number(device.size, 3) if device.profile in _ENDLESS else shown(device.size, "m", 3)
     extent = f"a = {shown(device.trailing, 'm', 3)}" if device.point else shown(device.contact, "m", 3)
-    cornered = device.profile in ("wedge", "half_cylinder")  # and lies on one side of its edge
-    aside = (38 if device.corner == "leading" else -38) if cornered else 0
     parts = [
-        _text(middle + aside, _SURFACE - 50, name + size, INK),
+        _sized(device, middle, name + size),
         _text(_WHOLE[0], _HEIGHT - 10, "to scale", SOFT, "start"),
         *_bar(device._whole_scale),
         _text(_NEAR[0], _HEIGHT - 10, f"the contact, at {number(device.magnified, 2)} times that scale", SOFT, "start"),
         *([_span(near if device.point else near - half, near + half, _SURFACE - 16)] if half > _TIPS else []),
-        _text(near, _SURFACE - 24, extent, INK),
+        _extent(device, near, extent),
     ]
     if device.thickness is None:
         return [*parts, _text(_NEAR[0] + 8, _LOW - 10, "half-space" if device.point else "half-plane", SOFT, "start")]
@@ -233,6 +233,25 @@ def _dimensions(device: Device) -> list[str]:
         _text(place - 8, words, f"film {shown(device.thickness, 'm', 3)}", INK, "end"),
         _text(_NEAR[0] + 8, _LOW - 10, escape(device.base) + below, SOFT, "start"),
     ]
+
+
+def _sized(device: Device, middle: float, words: str) -> str:
+    """The size of the punch: in it, or beside the sharp edge of a half cylinder, in which there is no room."""
+    if device.profile not in _CORNERED:
+        return _text(middle, _SURFACE - 50, words)
+    side = -1 if device.corner == "leading" else 1  # of the edge
+    edge = middle + side * device.contact / 2 * device._whole_scale
+    if device.profile == "wedge":
+        return _text((edge + (_WHOLE[1] if side < 0 else _WHOLE[0])) / 2, _SURFACE - 50, words)
+    return _text(edge + 8 * side, _SURFACE - 50, words, INK, "end" if side < 0 else "start")
+
+
+def _extent(device: Device, near: float, words: str) -> str:
+    """The size of the contact: over it, or beside a punch that is narrower than the words."""
+    half = device.reach * device._near_scale
+    if device.profile in _CORNERED or 2 * half > _LETTER * len(words):
+        return _text(near, _SURFACE - 24, words)
+    return _text(near + half + 8, _SURFACE - 24, words, INK, "start")
 
 
 def _bar(scale: float) -> list[str]:

@@ -41,8 +41,8 @@ def contact(study: Study, answer: Answer) -> dict[str, float]:
     study : Study
     answer : Answer, to one of its targets
     """
-    found = factorial.exact(study.narrowed(answer.kinds), dict(answer.case), peaks=())
-    return {name: float(found[name]) for name in study.kind.ends}
+    solved = factorial.exact(study.narrowed(answer.kinds), dict(answer.case), peaks=())
+    return {name: float(solved[name]) for name in study.kind.ends}
 
 
 def _of_design(study: Study, target: Target, answer: Answer) -> dict[str, Any]:

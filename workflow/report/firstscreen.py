@@ -10,7 +10,7 @@ from markupsafe import Markup
 from solver import find
 from solver.film.stack import RIGID
 from solver.material.punches import RIGID_PUNCH
-from solver.names import CHOICES, COMPOSITES, FORMULAS, MIXTURES, PROFILES
+from solver.names import AIR, CHOICES, COMPOSITES, FORMULAS, MIXTURES, PROFILES
 from workflow.design.told import asides
 from workflow.design.told.words import UNREACHABLE, Verdict, verdict
 from workflow.design.verdict.answer import Answer
@@ -26,6 +26,7 @@ from workflow.study.datum import hanging
 from workflow.study.model import Study
 from workflow.study.target import Target
 
+_AROUND = {AIR: "in air", "insulated": "insulated around"}
 _LITTLE = 1e-5  # share that is told as less than that
 #: The space between a number and its unit: a sign, or a letter of the SI with or without prefix, and what it is per.
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|[fpnµmkMGT]?(?:m|N|V|A|C|F|K|Pa|s|T|Wb|J|W)(?:[·/²³][^\s,;]*)?)(?:[\s,;.)]|$))")
@@ -94,7 +95,7 @@ def answered(
     """
     own, told = study.narrowed(found.kinds), verdict(found)
     case: Case = {**study.fixed, **found.kinds, **found.case}
-    built = f"{body_in_words(study, case)}; {punch_in_words(case)}"
+    built = in_words(own, case)
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
     why = (told.beyond, told.advice, told.idle, told.tolerance or cost(found), told.device, _sure(found),
            asides.spread(found), surroundings.told(around), told.sources)  # fmt: skip
@@ -103,12 +104,12 @@ def answered(
         name=name,
         title=title,
         code=found.goal,
-        build=_unbroken(built + asides.within(found)),
-        does=_unbroken(_good(target, found, hanging(own), reference)),
+        build=unbroken(built + asides.within(found)),
+        does=unbroken(_good(target, found, hanging(own), reference)),
         doubt=doubted(own),
-        stops=_unbroken(capital(told.stops)),
-        breaks=_unbroken(asides.first_to_break(found)),
-        why=tuple(_unbroken(reason) for reason in why if reason),
+        stops=unbroken(capital(told.stops)),
+        breaks=unbroken(asides.first_to_break(found)),
+        why=tuple(unbroken(reason) for reason in why if reason),
         verdict=told,
         drawing=element(
             device.draw(of_case(study, case, contact), built), f"device-{name}", f"{title}, drawn to scale: {built}"
@@ -166,6 +167,21 @@ def _grounded(study: Study, case: Case) -> bool:
     if study.body:
         return (study.body[0].below.electric or (usual if len(study.body) == 1 else "bonded")) == "grounded"
     return study.kind.layered and case.get("interface_electric", usual) == "grounded"
+
+
+def in_words(study: Study, case: Case) -> str:
+    """Body and punch, and what is beside the contact where a device reads it or it is air.
+
+    Parameters
+    ----------
+    study
+        Whose body it is.
+    case
+        All factors of the case, names among them.
+    """
+    around = str(case.get("surroundings", study.surroundings[0]))
+    told = f", {_AROUND[around]}" if study.device or around == AIR else ""
+    return f"{body_in_words(study, case)}; {punch_in_words(case)}{told}"
 
 
 def body_in_words(study: Study, case: Case) -> str:
@@ -231,16 +247,16 @@ def _round(profile: str, case: Case) -> str:
     return made + words[profile].format(titles.value(size, float(case[size]), 3))
 
 
-def _good(target: Target, found: Answer, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:
+def _good(target: Target, answer: Answer, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:
     """What a design does: every goal's value with its band, its datum if it depends on one, and over what."""
     datum = f" (ground {titles.value('datum', reference)} away)"
     parts = [
         f"{goal.title}{'' if hangs.isdisjoint(goal.statement.expression.names()) else datum} {_with_band(goal)}"
-        for goal in found.objectives
+        for goal in answer.objectives
     ]
     together = ", the compromise of both" if len(parts) == 2 else ", the compromise of all" if len(parts) > 2 else ""
     built = all(
-        {*goal.statement.expression.names()} <= {*found.case} for goal in found.objectives
+        {*goal.statement.expression.names()} <= {*answer.case} for goal in answer.objectives
     )  # a factor as a goal
     return capital(listed(parts)) + together + ("" if built else _over(target))
 
@@ -272,16 +288,16 @@ def cost(found: Answer) -> str:
     return f"{capital('; '.join(parts))}." if parts else ""
 
 
-def _sure(found: Answer) -> str:
+def _sure(answer: Answer) -> str:
     """How the first goal's value was found, and how far the surrogate was off."""
-    goal = found.terms[0]
+    goal = answer.terms[0]
     if not goal.exact:
         return "Solved exactly."
     inside = "within" if goal.inside else "outside"
     return f"Solved exactly; the surrogate was off by {_share(goal.error)}, {inside} its interval."
 
 
-def _unbroken(text: str) -> str:
+def unbroken(text: str) -> str:
     """With every unit in one piece with its number."""
     return _UNIT.sub("\N{NO-BREAK SPACE}", text)
 

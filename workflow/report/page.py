@@ -18,7 +18,7 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, title
 from workflow.learning.timing import by_quantity
-from workflow.report import firstscreen, problem, ranked, sections, sentences, tables, tornado, whatif
+from workflow.report import beside, firstscreen, problem, ranked, sections, sentences, tables, tornado, whatif
 from workflow.report.figures.design_kinds import kinds
 from workflow.report.svg import element, inlined
 from workflow.study import coupling
@@ -40,7 +40,6 @@ _MEANINGS = {
     "interface_magnetic": "the film's interface in the magnetic field",
 }
 
-#: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 _COMMENT = re.compile(r"^\s*//.*\n|^ +", re.MULTILINE)
 _LEAST = 1e-5  # share that is told
 _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
@@ -49,6 +48,7 @@ _SCRIPTS = (
     "contents.js", "numbers.js", "hover.js", "surrogate.js", "largest.js", "stack.js", "chart.js", "fields.js",
     "judging.js", "explore.js", "share.js", "whatif.js", "effects.js",
 )  # fmt: skip
+#: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -119,6 +119,7 @@ def page(
         "whatif": None,
         "readouts": [],
         "signal": None,
+        "beside": None,
         "scripts": [_script(name) for name in _SCRIPTS],
         "effects": list(study.effects.vary) if study.effects else [],
         "effects_table": tables.effects(study, folder) if study.effects else [],
@@ -136,21 +137,23 @@ def page(
         content["validation"] = tables.validation(folder, study)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = [row for row in by_quantity(study, times) if row["name"] in told]
-        found = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
+        answers = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
         solved = json.loads((folder / "solved.json").read_text(encoding="utf-8"))
         exact = [solved["designs"][target] for target in study.design]
         content["datum_changes"] = solved["datum"]
-        content["designs"] = [tables.design(answer) | told for answer, told in zip(found, exact, strict=True)]
+        content["designs"] = [tables.design(answer) | told for answer, told in zip(answers, exact, strict=True)]
         content["answers"] = [
             firstscreen.answered(study, *target, answer, told["contact"], told["around"])
-            for target, answer, told in zip(study.design.items(), found, exact, strict=True)
+            for target, answer, told in zip(study.design.items(), answers, exact, strict=True)
         ]
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
-        content["signal"] = tables.signal(folder) if study.signal else None
         quantities = read_whole(folder / "quantities.nc")
         fields = load(folder / "surface.nc") if study.surrogate.fields else None
-        content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, found, hangs, fields)
+        content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers, hangs, fields)
         content["whatif_json"] = whatif.as_json(content["whatif"])
+    if study.signal:
+        content["signal"] = pressed = tables.signal(folder)
+        content["beside"] = beside.card(study, pressed, pressed["held"]) if study.signal.case else None
     if study.effects:
         drawn = tornado.draw(ranked.spans(content["effects_table"]))
         content["spans"] = element(drawn, "spans", "what each factor changes, the strongest first", 1.6)
@@ -178,7 +181,8 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
     if content["readouts"]:
         says["readout"] = sentences.readout(content["readouts"])
     if study.signal:
-        says["signal"] = sentences.signal(content["signal"], study.titles[study.signal.design])
+        on = f"the design {study.titles[study.signal.design]!r}" if study.signal.design else content["beside"].on
+        says["signal"] = sentences.signal(content["signal"], on)
     if study.effects:
         says["effects"] = sentences.strongest(ranked.spans(content["effects_table"]))
         says["varied"] = sentences.effects(study)

@@ -25,15 +25,15 @@ def sensitivities(sensitivity: xr.Dataset, outputs: Sequence[str]) -> list[Chart
     outputs
         As the surrogate calls them, ``quantity`` or ``quantity[names]``.
     """
-    found = []
+    charts = []
     for output in outputs:
         own, bars = sensitivity.sel(output=output), []
         for name in map(str, own["input"].values):
             total, alone = (100 * float(own[key].sel(input=name)) for key in ("total", "first_order"))
             told = f"{number(total, 2)} %" if total >= _LEAST else f"< {number(_LEAST, 1)} %"
             bars.append(Bar(name, titles.title(name), 0.0, total, told, min(max(alone, 0.0), total)))
-        found.append(Chart.of(output, titled(output), bars))
-    return found
+        charts.append(Chart.of(output, titled(output), bars))
+    return charts
 
 
 def elasticities(answer: Answer) -> list[Chart]:
@@ -62,7 +62,7 @@ def spans(rows: Sequence[Mapping[str, Any]]) -> list[Chart]:
     rows
         As `workflow.report.tables.effects` gives them: ``name`` of a factor, and ``spans`` by quantity.
     """
-    found = []
+    charts = []
     for quantity in dict.fromkeys(name for row in rows for name in row["spans"]):
         bars = [
             Bar(row["name"], f"{titles.title(row['name'])}", low, high,
@@ -71,5 +71,5 @@ def spans(rows: Sequence[Mapping[str, Any]]) -> list[Chart]:
             if quantity in row["spans"]
             for low, high in [row["spans"][quantity]]
         ]  # fmt: skip
-        found.append(Chart.of(quantity, titles.title(quantity), bars))
-    return found
+        charts.append(Chart.of(quantity, titles.title(quantity), bars))
+    return charts

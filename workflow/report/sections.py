@@ -73,10 +73,10 @@ def figures(study: Study) -> list[str]:
 
 def drawn() -> list[list[tuple[Section, Figure]]]:
     """The figures by the results that they are drawn from: one rule each, called after its first."""
-    found: dict[str, list[tuple[Section, Figure]]] = {}
+    figures: dict[str, list[tuple[Section, Figure]]] = {}
     for section, figure in _figures():
-        found.setdefault(figure.reads, []).append((section, figure))
-    return list(found.values())
+        figures.setdefault(figure.reads, []).append((section, figure))
+    return list(figures.values())
 
 
 def _figures() -> list[tuple[Section, Figure]]:

@@ -124,24 +124,26 @@ def readout(readouts: Sequence[Row]) -> str:
     return f"{capital('; '.join(parts))}."
 
 
-def signal(one: Row, design: str) -> str:
+def signal(press: Row, on: str) -> str:
     """What the amplifier shows of a press, what a constant force does, and the noise.
 
     Parameters
     ----------
-    one : mapping of str to float, as `tables.signal` gives it
-    design : str, the title of the design that is meant
+    press
+        Its numbers, as `workflow.report.tables.signal` gives them, in SI.
+    on
+        What is pressed, in words.
     """
     constant = "A constant force is held: nothing leaks"
-    if math.isfinite(one["time_constant"]):
+    if math.isfinite(press["time_constant"]):
         constant = (
-            f"A constant force fades with the time constant {shown(one['time_constant'], 's', 3)}: "
-            f"{number(100 * one['drop'], 2)} % less after 10 s"
+            f"A constant force fades with the time constant {shown(press['time_constant'], 's', 3)}: "
+            f"{number(100 * press['drop'], 2)} % less after 10 s"
         )
     return (
-        f"{shown(one['force'], 'N', 3)} on the design {design!r} shows {shown(one['output'], 'V', 3)} at the output. "
-        f"{constant}. The noise floor is {shown(one['noise_charge'], 'C', 2)}, "
-        f"{shown(one['noise_output'], 'V', 2)} at the output, as much as {shown(one['noise_force'], 'N', 2)}."
+        f"{shown(press['force'], 'N', 3)} on {on} shows {shown(press['output'], 'V', 3)} at the output. "
+        f"{constant}. The noise floor is {shown(press['noise_charge'], 'C', 2)}, "
+        f"{shown(press['noise_output'], 'V', 2)} at the output, as much as {shown(press['noise_force'], 'N', 2)}."
     )
 
 

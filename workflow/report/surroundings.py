@@ -43,7 +43,7 @@ def compared(study: Study, case: Mapping[str, float]) -> dict[str, Any]:
     other = next(name for name in CHOICES["surroundings"] if name != here)
     fixed = {name: value for name, value in study.fixed.items() if name not in OF_A_GAP} | {"surroundings": other}
     try:
-        found = factorial.exact(
+        solved = factorial.exact(
             study.model_copy(update={"fixed": fixed}),
             {name: value for name, value in case.items() if name not in OF_A_GAP},
             peaks=(),
@@ -51,10 +51,10 @@ def compared(study: Study, case: Mapping[str, float]) -> dict[str, Any]:
     except (FactorError, MaterialError):
         return {}
     own = factorial.exact(study, dict(case), peaks=())
-    known = [name for name in _READ if name in own and name in found]
+    known = [name for name in _READ if name in own and name in solved]
     return {
         "surroundings": here,
-        "quantities": {name: [float(own[name]), float(found[name])] for name in known},
+        "quantities": {name: [float(own[name]), float(solved[name])] for name in known},
     }
 
 

@@ -15,6 +15,7 @@ from surrogate.use.validation import ideal
 from workflow.dataset import factorial
 from workflow.dataset.slabs import CARD
 from workflow.design.verdict.answer import Answer
+from workflow.device.pressed import HELD
 from workflow.language import titles
 from workflow.report import sentences
 from workflow.report.verdict import findings
@@ -244,12 +245,17 @@ def readout(name: str, path: Path) -> dict[str, Any]:
     return {"name": name, "rows": rows, "cases": data.sizes["case"]}
 
 
-def signal(folder: Path) -> dict[str, float]:
-    """Numbers of a press in time."""
+def signal(folder: Path) -> dict[str, Any]:
+    """Numbers of a press in time; ``held``: quantities of a contact of its own at the force that is held."""
     data = read_whole(folder / "signal.nc")
-    found = {str(name): float(value) for name, value in data.data_vars.items() if not value.dims}
+    numbers = {str(name): float(value) for name, value in data.data_vars.items() if not value.dims}
     held = data["force"].values >= float(data["force"].max()) * (1 - 1e-9)
-    return found | {"force": float(data["force"].max()), "output": float(data["output"].values[held][0])}
+    of_contact = {name.removeprefix(HELD): numbers.pop(name) for name in [*numbers] if name.startswith(HELD)}
+    return numbers | {
+        "held": of_contact,
+        "force": float(data["force"].max()),
+        "output": float(data["output"].values[held][0]),
+    }
 
 
 def design(answer: Answer) -> dict[str, Any]:

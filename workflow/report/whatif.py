@@ -90,7 +90,7 @@ def content(
 def _combines(study: Study, designs: Sequence[Answer]) -> bool:
     """Whether some goal, limit or figure has several quantities, whose errors the page then counts together."""
     asked = [term.statement.expression.names() for answer in designs for term in answer.terms]
-    asked += [grammar.parse(one["name"], study.meeting).names() for one in figures(study)]
+    asked += [grammar.parse(figure["name"], study.meeting).names() for figure in figures(study)]
     return any(len({*names} & {*study.outputs}) > 1 for names in asked)
 
 
@@ -161,7 +161,9 @@ def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str
                 "held": not term.broken,
             }
         )
-    ranges = target.worst_case | {factor: list(one.support) for factor, one in target.uncertain.items()}
+    ranges = target.worst_case | {
+        factor: list(distribution.support) for factor, distribution in target.uncertain.items()
+    }
     over = [f"{titles.title(factor)} {titles.span(factor, low, high)}" for factor, (low, high) in ranges.items()]
     if target.tolerance:
         over.append(f"the tolerances of {titles.listed([titles.title(name) for name in target.tolerance])}")

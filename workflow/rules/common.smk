@@ -73,6 +73,12 @@ def designs_of(wildcards):
     return expand("results/{study}/design/{name}.nc", study=wildcards.study, name=study_of(wildcards).design)
 
 
+def pressed_of(wildcards):
+    """The answer whose punch is pressed in time; none where that is a contact of its own."""
+    name = study_of(wildcards).signal.design
+    return [f"results/{wildcards.study}/design/{name}.nc"] if name else []
+
+
 def levels_of(wildcards):
     """The file of the chosen levels, where the study leaves some open."""
     return [f"results/{wildcards.study}/levels.nc"] if study_of(wildcards).open else []

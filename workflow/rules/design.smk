@@ -50,10 +50,10 @@ rule readout:
         "../scripts/readout.py"
 
 
-# A press in time on a design, as the amplifier reads it.
+# A press in time on a design, or on a contact beside them, as the amplifier reads it.
 rule press:
     input:
-        lambda wildcards: f"results/{wildcards.study}/design/{study_of(wildcards).signal.design}.nc",
+        pressed_of,
     output:
         "results/{study}/signal.nc",
     params:

@@ -127,15 +127,15 @@ def _locked(name: str, path: Path) -> IO[str]:
 
 
 def _holder(path: Path) -> str:
-    found = _read(path)
-    where = "" if found.get("host") == socket.gethostname() else f" on {found.get('host', 'unknown')}"
-    return f"process {found.get('process', 'unknown')}{where}"
+    holder = _read(path)
+    where = "" if holder.get("host") == socket.gethostname() else f" on {holder.get('host', 'unknown')}"
+    return f"process {holder.get('process', 'unknown')}{where}"
 
 
 def _read(path: Path) -> dict[str, Any]:
     """What a lock says; nothing where it is absent or just being written."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return content if isinstance(content, dict) else {}

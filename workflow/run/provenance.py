@@ -27,16 +27,16 @@ def sources(module: Path) -> frozenset[Path]:
     ``from room import name`` leads to the module that defines the name, not to everything that the room's
     ``__init__`` gathers.
     """
-    found: set[Path] = set()
+    files: set[Path] = set()
     waiting = [module]
     while waiting:
         path = waiting.pop()
-        if path not in found:
-            found.add(path)
+        if path not in files:
+            files.add(path)
             modules, data = _named(path)
             waiting += modules
-            found |= data
-    return frozenset(found)
+            files |= data
+    return frozenset(files)
 
 
 def code(*paths: str) -> str:
@@ -45,11 +45,11 @@ def code(*paths: str) -> str:
     Snakemake sees an edit in a script but not in a package that the script imports: this hash, as a parameter of the
     rule, makes the edit rerun exactly what depends on it.
     """
-    found: set[Path] = set()
+    files: set[Path] = set()
     for path in paths:
         file = ROOT / path
-        found |= sources(file) if file.suffix == ".py" else {file}
-    return _hash(sorted(found))
+        files |= sources(file) if file.suffix == ".py" else {file}
+    return _hash(sorted(files))
 
 
 def _hash(files: list[Path]) -> str:

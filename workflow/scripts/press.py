@@ -1,4 +1,4 @@
-"""Rule press: a press in time on a design, as data."""
+"""Rule press: a press in time on a design, or on a contact beside those, as data."""
 
 from pathlib import Path
 
@@ -6,11 +6,16 @@ from storage.netcdf import write_whole
 from workflow.design.verdict import netcdf
 from workflow.device import pressed
 from workflow.run import joblog
-from workflow.study import planned
+from workflow.study import beside, planned
 
 snakemake = joblog.start(globals())
 config = planned.study(snakemake)
 assert config.signal is not None  # the rule is of studies that have it
-answer = netcdf.read(Path(snakemake.input[0]))
-shown = pressed.signal(config.narrowed(answer.kinds), config.signal, {**config.fixed, **answer.kinds, **answer.case})
+if config.signal.case:
+    own = beside.pressed(config)
+    shown = pressed.signal(own, config.signal, own.fixed).merge(pressed.held(own, config.signal))
+else:
+    answer = netcdf.read(Path(snakemake.input[0]))
+    case = {**config.fixed, **answer.kinds, **answer.case}
+    shown = pressed.signal(config.narrowed(answer.kinds), config.signal, case)
 write_whole(shown, Path(snakemake.output[0]))

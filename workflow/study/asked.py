@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, OF_A_FILM
 from workflow.language.factors import FACTORS
+from workflow.study import beside
 from workflow.study.contents import Contents
 from workflow.study.readout import Readout
 from workflow.study.target import Target
@@ -41,15 +42,21 @@ def check_quantities(study: Contents) -> None:
 
 
 def _check_signal(study: Contents) -> None:
-    """Whether a press in time has a design, an amplifier that reads it, and a charge that can be read."""
-    if study.signal is None:
-        return
-    if study.signal.design not in study.design:
+    """Whether a press in time has a design or a case, an amplifier that reads it, and a charge that can be read."""
+    if study.signal is not None and study.signal.case:
+        beside.check(study)
+    elif study.signal is not None:
+        _check_pressed(study, study.signal.design)
+
+
+def _check_pressed(study: Contents, design: str) -> None:
+    """Whether the punch of a design can be read."""
+    if design not in study.design:
         known = ", ".join(study.design) or "none"
-        raise ValueError(f"signal: design: {study.signal.design!r} is not a design target; known are {known}")
+        raise ValueError(f"signal: design: {design!r} is not a design target; known are {known}")
     if study.device is None or study.device.amplifier is None:
         raise ValueError("signal: needs device: amplifier")
-    target = study.design[study.signal.design]
+    target = study.design[design]
     for name in study.kind.loads.charges:
         if name in (*target.over, *target.at, *target.worst_case, *target.uncertain, *study.fixed):
             raise ValueError(f"signal: {name}: the circuit gives the charge; the design must not")
@@ -78,7 +85,7 @@ def _check_readout(study: Contents, where: str, readout: Readout) -> None:
 
 
 def check_target(study: Contents, where: str, target: Target) -> None:
-    """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs.
+    """Raise ValueError unless a target asks for every factor once, within its range, and for learnt outputs.
 
     Parameters
     ----------

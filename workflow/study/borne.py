@@ -76,8 +76,9 @@ def _least(limit: str, parts: Sequence[Material], composite: str) -> Borne:
     known = [part for part in parts if limit in part.limits]
     if not known:
         names = " and ".join(part.name for part in parts)
-        raise ValueError(f"{limit}: the library has none of {names}; give a number with a unit")
-    weakest = min(known, key=lambda one: one.limits[limit].value)
+        wanted = "give a number with a unit in its place, or limits in the material's file"
+        raise ValueError(f"{limit}: none is known of {names}; {wanted}")
+    weakest = min(known, key=lambda material: material.limits[limit].value)
     unknown = ", ".join(part.name for part in parts if part not in known)
     words = weakest.name
     if len(parts) > 1:

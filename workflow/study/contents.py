@@ -72,13 +72,17 @@ class Contents(Keys):
     def stores_fields(self) -> bool:
         """Whether the data set holds surface fields, and the page draws them.
 
-        A cross approximation has no factorial to show them over, those of points that slide take the solver
-        milliseconds a case, to which they are left, and points with air beside them have none. Those of lines in air,
-        which take as long as the contact itself, are stored where positions are asked for.
+        A cross approximation has no factorial to show them over, and those of points that slide take the solver
+        milliseconds a case, to which they are left. Those in air, which take as long as the contact itself, are stored
+        where positions are asked for.
         """
-        slides = self.kind.contact == "point" and ("friction" in self.factors or bool(self.numbers["friction"]))
-        asked = self.kind.contact == "line" and "positions" in self.dataset.model_fields_set
-        return not self.crossed and (asked or not self.kind.air) and not slides
+        asked = "positions" in self.dataset.model_fields_set
+        return not self.crossed and (asked or not self.kind.air) and not self.slides
+
+    @property
+    def slides(self) -> bool:
+        """Whether its contacts are points that slide: those in air have neither fields nor largest stresses."""
+        return self.kind.contact == "point" and ("friction" in self.factors or bool(self.numbers["friction"]))
 
     @property
     def meeting(self) -> Meeting:
@@ -189,9 +193,9 @@ class Contents(Keys):
 
     @property
     def added(self) -> frozenset[str]:
-        """Quantities whose logarithm of the datum is added exactly: of a film's groups, the depth on its base.
+        """Quantities to which the logarithm of the datum is added exactly: the depth, where a film has groups.
 
-        Under an elastic punch none: its depth has a second logarithm, of the punch's own datum.
+        Under an elastic punch there are none: the depth has a second logarithm then, that of the punch's own datum.
         """
         alone = self.kind.datum == "by_base" and not self.elastic
         return frozenset({"depth"} if alone else set()) & self._hanging
@@ -201,7 +205,7 @@ class Contents(Keys):
         """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
 
         None where it stands on a cross approximation, which knows no largest stresses, and under points, whose largest
-        stresses are learned as other quantities are.
+        stresses are learnt as other quantities are.
         """
         if self.crossed or not self.surrogate.curves or not self.kind.regions:
             return []
@@ -224,8 +228,8 @@ class Contents(Keys):
         """What the goals of its designs are made of, of it; without designs, its first two quantities."""
         goals = [goal.expression for target in self.design.values() for goal in target.objectives]
         asked = dict.fromkeys(name for goal in goals for name in goal.names())
-        found = [name for name in asked if name in self.outputs] or self.outputs[:2]
-        return [output(name, kinds) for name in found for kinds in self.combinations]
+        outputs = [name for name in asked if name in self.outputs] or self.outputs[:2]
+        return [output(name, kinds) for name in outputs for kinds in self.combinations]
 
     @property
     def titles(self) -> dict[str, str]:
@@ -283,11 +287,11 @@ class Contents(Keys):
         """
         if name in BORNE:
             return self.bears(name).value
-        found = self.device.constants if self.device else {}
-        if name not in found:
+        constants = self.device.constants if self.device else {}
+        if name not in constants:
             part = "device" if name in Device.model_fields else "device: amplifier"
             raise ValueError(f"{part}: {name}: missing; must be a number with a unit [{DEVICE[name].units}]")
-        return found[name]
+        return constants[name]
 
     def narrowed(self, kinds: Mapping[str, str]) -> Self:
         """The study with some of its categories held at a name."""

@@ -43,12 +43,12 @@ def fields_of(units: str) -> frozenset[Field]:
 
 def fields(study: Contents) -> frozenset[Field]:
     """The fields of a study's cases: those to which some material in use couples, or of which a punch has a charge."""
-    found = {field for material in materials(study) for field in _COUPLING if _couples(material, field)}
+    coupled = {field for material in materials(study) for field in _COUPLING if _couples(material, field)}
     given = _given(study)
     for field, charge in zip(_COUPLING, study.kind.loads.charges, strict=True):
         if charge in study.factors or any(value not in (0.0, None) for value in given.get(charge, [])):
-            found.add(field)
-    return frozenset(found)
+            coupled.add(field)
+    return frozenset(coupled)
 
 
 def _couples(material: Material, field: Field) -> bool:
@@ -106,10 +106,10 @@ def materials(study: Contents) -> list[Material]:
 
 def _given(study: Contents) -> dict[str, list[float | str]]:
     """What each factor or category takes by name or as a number, beside the ranges of a factorial."""
-    found: dict[str, list[float | str]] = {}
+    given: dict[str, list[float | str]] = {}
     parts: list[Mapping[str, float | str | Sequence[float | str]]] = [study.fixed, study.categories]
     if study.effects:
         parts += [study.effects.baseline, study.effects.film, study.effects.vary]
     for name, value in (pair for part in parts for pair in part.items()):
-        found.setdefault(name, []).extend([value] if isinstance(value, str | float | int) else value)
-    return found
+        given.setdefault(name, []).extend([value] if isinstance(value, str | float | int) else value)
+    return given

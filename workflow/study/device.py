@@ -84,7 +84,7 @@ class Device(Strict):
     def constants(self) -> dict[str, float]:
         """Every number that is given, by its name in designs, in SI."""
         given = {**dict(self), **dict(self.amplifier or {})}
-        found = {name: number(name, given[name]) for name in DEVICE if given.get(name) is not None}
-        energy, feedback = Boltzmann * found["temperature"], found.get("feedback_capacitance", 0.0)
+        numbers = {name: number(name, given[name]) for name in DEVICE if given.get(name) is not None}
+        energy, feedback = Boltzmann * numbers["temperature"], numbers.get("feedback_capacitance", 0.0)
         # what a resistance discharges: all of a circuit, or a charge amplifier's feedback alone
-        return found | {"thermal_energy": 0.0 if feedback else energy, "feedback_heat": (energy * feedback) ** 0.5}
+        return numbers | {"thermal_energy": 0.0 if feedback else energy, "feedback_heat": (energy * feedback) ** 0.5}

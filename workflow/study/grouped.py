@@ -91,10 +91,10 @@ def _powers(text: str, node: Expression) -> dict[str, int]:
     if isinstance(node, Power):
         return {name: power * node.exponent for name, power in _powers(text, node.base).items()}
     if isinstance(node, Operation) and node.symbol in "*/":
-        found, sign = _powers(text, node.left), 1 if node.symbol == "*" else -1
+        powers, sign = _powers(text, node.left), 1 if node.symbol == "*" else -1
         for name, power in _powers(text, node.right).items():
-            found[name] = found.get(name, 0) + sign * power
-        return found
+            powers[name] = powers.get(name, 0) + sign * power
+        return powers
     raise ValueError(f"{text!r}: only products and quotients of whole powers of factors make a group")
 
 
@@ -114,55 +114,55 @@ def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mappin
     """
     found: dict[str, Axis] = {}
     for text, group in groups.items():
-        one = product(text)
-        _check_names(one, factors, fixed)
-        if one.name in found:
+        axis = product(text)
+        _check_names(axis, factors, fixed)
+        if axis.name in found:
             raise ValueError(f"groups: {text}: is given twice")
-        low, high = _range(one, factors, fixed)
-        scale = group.scale or _usual(one, factors, low, high)
-        shown = f"{low:g} to {high:g} [{one.units}]"
+        low, high = _range(axis, factors, fixed)
+        scale = group.scale or _usual(axis, factors, low, high)
+        shown = f"{low:g} to {high:g} [{axis.units}]"
         if (scale == "log" and low <= 0) or (scale == "logit" and not 0 < low < high < 1):
             needs = "> 0" if scale == "log" else "between 0 and 1"
             raise ValueError(f"groups: {text}: scale: {scale} needs a range {needs}, this one is {shown}")
-        found[one.name] = Axis(low=low, high=high, levels=group.levels, scale=scale)
+        found[axis.name] = Axis(low=low, high=high, levels=group.levels, scale=scale)
     return found
 
 
-def _range(one: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> tuple[float, float]:
+def _range(axis: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> tuple[float, float]:
     """What the box gives a group; ValueError where numbers end before."""
     try:
-        low, high = span(_inputs(one, factors, fixed), dict(one.powers))
+        low, high = span(_inputs(axis, factors, fixed), dict(axis.powers))
     except OverflowError:
         low = high = np.inf
     if not (np.isfinite([low, high]).all() and low < high):
-        raise ValueError(f"groups: {one.text}: is beyond the range of numbers")
+        raise ValueError(f"groups: {axis.text}: is beyond the range of numbers")
     return low, high
 
 
-def _check_names(one: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> None:
-    for name, power in one.powers.items():
+def _check_names(axis: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> None:
+    for name, power in axis.powers.items():
         if name not in factors and not fixed.get(name):
-            raise ValueError(f"groups: {one.text}: {name!r} is none of the factors, nor fixed at a number but 0")
+            raise ValueError(f"groups: {axis.text}: {name!r} is none of the factors, nor fixed at a number but 0")
         low = factors[name].low if name in factors else fixed[name]
         if low <= 0 and power < 0:
-            raise ValueError(f"groups: {one.text}: divides by {name!r}, which is from {low:g} on; must be > 0")
-    if not any(name in factors for name in one.powers):
-        raise ValueError(f"groups: {one.text}: holds none of the factors")
+            raise ValueError(f"groups: {axis.text}: divides by {name!r}, which is from {low:g} on; must be > 0")
+    if not any(name in factors for name in axis.powers):
+        raise ValueError(f"groups: {axis.text}: holds none of the factors")
 
 
-def _inputs(one: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> list[Input]:
+def _inputs(axis: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> list[Input]:
     room = 1e-12  # a fixed factor has no range
     ends = {
         name: (factors[name].low, factors[name].high) if name in factors else (fixed[name], fixed[name] * (1 + room))
-        for name in one.powers
+        for name in axis.powers
     }
     return [Input(name, min(pair), max(pair)) for name, pair in ends.items()]
 
 
-def _usual(one: Product, factors: Mapping[str, Axis], low: float, high: float) -> Scale:
+def _usual(axis: Product, factors: Mapping[str, Axis], low: float, high: float) -> Scale:
     """The scale of a group that says none: its factor's own, or a logarithm over more than a decade."""
-    if one.lone:
-        return factors[next(iter(one.powers))].scale
+    if axis.lone:
+        return factors[next(iter(axis.powers))].scale
     return "log" if low > 0 and high / low > _DECADE else "linear"
 
 
@@ -179,13 +179,13 @@ def leads(products: Iterable[Product], factors: Mapping[str, Axis]) -> dict[str,
     ValueError
         Two axes would vary the same, in one line.
     """
-    found: dict[str, str] = {}
+    first_of: dict[str, str] = {}
     for axis in products:
         first = next(name for name in axis.powers if name in factors)
-        if first in found.values():
+        if first in first_of.values():
             raise ValueError(f"groups: {axis.text}: begins with {first!r} as another group does; begin with another")
-        found[axis.name] = first
-    return found
+        first_of[axis.name] = first
+    return first_of
 
 
 def unlike(products: Sequence[Product], factors: Sequence[str], fixed: Mapping[str, Weight]) -> dict[str, float] | None:

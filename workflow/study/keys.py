@@ -19,10 +19,18 @@ from workflow.study.types import BY_FACTOR, CategoryName, FactorName, InputName,
 
 @dataclass(frozen=True)
 class Origin:
-    """What a study has beside the content of its file: where that is, and the study's own materials by name.
+    """What a study has beside the content of its file.
 
-    Of one that was checked before, also the names of the quantities that some cases lack: of films it costs seconds to
-    ask the solver. And those that depend on a datum that is in none of its groups.
+    Attributes
+    ----------
+    path
+        The file.
+    materials
+        The study's own materials by name.
+    absent
+        Quantities that some cases lack; None before the solver, which takes seconds for films, was asked for them.
+    hanging
+        Quantities that depend on a datum which is in none of the groups.
     """
 
     path: Path

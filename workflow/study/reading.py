@@ -177,11 +177,11 @@ def _si(where: str, entry: Any, units: Mapping[str, str]) -> Any:
     """Numbers with a unit in SI; what else there is, and what is no mapping, is left to the material's check."""
     if not isinstance(entry, dict):
         return entry
-    found = dict(entry)
+    si = dict(entry)
     for name, unit in units.items():
-        if isinstance(text := found.get(name), str):
+        if isinstance(text := si.get(name), str):
             try:
-                found[name] = in_si(text, unit)
+                si[name] = in_si(text, unit)
             except ValueError as error:
                 raise InputError(f"{where}: {name}: {error}") from None
-    return found
+    return si

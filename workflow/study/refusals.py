@@ -117,7 +117,7 @@ def _whole(cases: _Cases, sizes: Mapping[str, int], parts: Sequence[_Part]) -> x
     shared = [name for name in like.data_vars if all(name in part for _, part in solved)]
     dims = [str(dim) for dim in (like[shared[0]].dims if shared else sizes) if dim in sizes]
     whole = like[shared].drop_dims([dim for dim in dims if dim in like.dims])
-    found: dict[str, xr.Variable] = {}
+    variables: dict[str, xr.Variable] = {}
     for name in [*shared, *(coordinate for coordinate in like.coords if set(like[coordinate].dims) & set(dims))]:
         of = like[name]
         shape = [sizes.get(str(dim), of.sizes[dim]) for dim in of.dims]
@@ -127,9 +127,9 @@ def _whole(cases: _Cases, sizes: Mapping[str, int], parts: Sequence[_Part]) -> x
             values = np.full(shape, np.nan)
         for region, part in solved:
             values[tuple(region.get(str(dim), slice(None)) for dim in of.dims)] = part[name].values
-        found[str(name)] = xr.Variable(of.dims, values, of.attrs)
-    whole = whole.assign_coords({name: found[name] for name in map(str, like.coords) if name in found})
-    whole = whole.assign({name: found[name] for name in map(str, shared)})
+        variables[str(name)] = xr.Variable(of.dims, values, of.attrs)
+    whole = whole.assign_coords({name: variables[name] for name in map(str, like.coords) if name in variables})
+    whole = whole.assign({name: variables[name] for name in map(str, shared)})
     return _masked(whole, dims, sizes, parts)
 
 

@@ -150,17 +150,17 @@ def lacked(study: Contents) -> frozenset[str]:
         return frozenset()
     ends: dict[str, Any] = {name: [axis.low, axis.high] for name, axis in study.factors.items()}
     ends |= {name: xr.DataArray(ends[name], dims="end") for name in study.tabled}
-    found = _answered(study, {**study.fixed, **study.categories, **ends})
+    solved = _answered(study, {**study.fixed, **study.categories, **ends})
     if study.groups:
         _solve_stored(study)
-    if REFUSAL in found:
+    if REFUSAL in solved:
         _check_share(study)
     peaks = set(study.kind.peaks)
     if "rigid" in study.categories.get("base", [study.fixed.get("base")]):
         peaks -= {name for name in peaks if name.startswith("base_")}
     if len(study.body) > 1:
         peaks -= {name for name in peaks if name.startswith("film_")}
-    return frozenset(set(ALL_QUANTITIES) - set(found.data_vars) - peaks)
+    return frozenset(set(ALL_QUANTITIES) - set(solved.data_vars) - peaks)
 
 
 def _solve_stored(study: Contents) -> None:
@@ -201,16 +201,20 @@ def check_fields(study: Contents) -> None:
     )
     pressed = PROFILES.get(str(effects.baseline.get("profile", CHOICES["profile"][0]))) if effects else None
     for where, given in drawn.items():
-        if pressed and pressed.contact == "point" and AIR in np.atleast_1d(given.get("surroundings", "")):
-            raise ValueError(f"{where}: surroundings: {AIR!r} has no fields, which effects draw; must be insulated")
+        slides = effects and np.any(np.atleast_1d({**effects.baseline, **effects.vary}.get("friction", 0.0)))
+        airy = AIR in np.atleast_1d(given.get("surroundings", ""))
+        if pressed and pressed.contact == "point" and slides and airy:
+            raise ValueError(
+                f"{where}: surroundings: {AIR!r} beside a point that slides has no fields, which effects draw; must be "
+                "insulated"
+            )
     if effects and effects.film and study.kind.contact == "point":
         raise ValueError("effects: film: is not drawn of a point; a film stands in the baseline")
-    without = f"cases with surroundings: {AIR!r} have none" if study.kind.air else "point contacts have none"
     if study.surrogate.fields and (study.kind.air or study.kind.contact == "point"):
         why = "those of contacts with air beside them are not learned" if study.kind.air else "point contacts have none"
         raise ValueError(f"surrogate: fields: {why}; must be 0")
-    if study.dataset.peaks and not study.kind.peaks:
-        raise ValueError(f"dataset: peaks: {without}; must be false")
+    if study.dataset.peaks and study.kind.air and study.slides:
+        raise ValueError(f"dataset: peaks: points that slide with surroundings: {AIR!r} have none; must be false")
 
 
 def solve_effects(study: Contents) -> None:

@@ -40,7 +40,7 @@ def _lacking(study: Contents) -> str:
     """Why a study, which is to be in air, cannot be; empty where it can."""
     profiles = _names(study, "profile")
     known = [PROFILES[name] for name in profiles if name in PROFILES]
-    if len({one.contact for one in known}) != 1:
+    if len({kind.contact for kind in known}) != 1:
         return "its punches are of more than one kind"
     if all("insulating" in _names(study, name) for name in ("electric", "magnetic")):
         return "its punch conducts no field, so that no charge lies beside it"
@@ -64,10 +64,10 @@ def _asks_for_more(study: Contents) -> str:
         check_groups(study)
     except ValueError as error:
         return str(error)
-    wanted += [*study.surrogate.outputs, *(name for one in study.readout.values() for name in one.measured)]
+    wanted += [*study.surrogate.outputs, *(name for readout in study.readout.values() for name in readout.measured)]
     wanted += [_READ[name] for name in study.surrogate.outputs if name in _READ]
     for name in wanted:
-        if name in {*ALL_QUANTITIES, *ALL_PEAKS} - {*has.quantities, *has.peaks}:
+        if name in {*ALL_QUANTITIES, *ALL_PEAKS} - {*has.quantities, *(() if study.slides else has.peaks)}:
             return f"contacts in air have no {name}, which it asks for"
         if study.surrogate.outputs and name in ALL_QUANTITIES and name not in study.surrogate.outputs:
             return f"{name}, by which a device in air is read, is not one of surrogate.outputs"

@@ -166,9 +166,9 @@ class Target(Strict):
             high if variable.high is None else min(high, variable.high),
         )
 
-    def deviating(self, one: statements.Objective | statements.Limit) -> tuple[str, ...]:
+    def deviating(self, statement: statements.Objective | statements.Limit) -> tuple[str, ...]:
         """The factors over which a statement's deviation is taken: those that it names, or all that are not chosen."""
-        return one.over or (*self.worst_case, *self.random)
+        return statement.over or (*self.worst_case, *self.random)
 
     @property
     def continuous(self) -> list[str]:
@@ -266,8 +266,8 @@ class Target(Strict):
         return list(dict.fromkeys(name for expression in goals + limits for name in expression.names()))
 
 
-def _part(one: statements.Objective | statements.Limit) -> str:
+def _part(statement: statements.Objective | statements.Limit) -> str:
     """The key of a target under which a statement stands."""
-    if isinstance(one, statements.Limit):
+    if isinstance(statement, statements.Limit):
         return "subject_to"
-    return "maximise" if one.maximise else "minimise"
+    return "maximise" if statement.maximise else "minimise"

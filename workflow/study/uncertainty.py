@@ -105,12 +105,12 @@ def uncertain(study: Study, asked: Mapping[str, float | None] | None = None) -> 
     InputError
         A name that the study has not; a study without any.
     """
-    found = {name: _constants(name, find(name, study.own_materials)) for name in materials(study)}
-    if not found:
+    constants = {name: _constants(name, find(name, study.own_materials)) for name in materials(study)}
+    if not constants:
         raise InputError(f"{study.path}: no material whose constants could be uncertain")
     if asked is None:
-        return [family for families in found.values() for family in families]
-    return [_asked(name, std, found, study) for name, std in asked.items()]
+        return [family for families in constants.values() for family in families]
+    return [_asked(name, std, constants, study) for name, std in asked.items()]
 
 
 def own(study: Study, constants: list[Constant]) -> list[Constant]:
@@ -123,13 +123,13 @@ def own(study: Study, constants: list[Constant]) -> list[Constant]:
     study : Study
     constants : list of Constant, the families, and what is named already
     """
-    named, found = {constant.name for constant in constants}, []
+    named, singles = {constant.name for constant in constants}, []
     for family in constants:
         material = find(family.material, study.own_materials)
         for name in members(material, family.family):
             single = Constant(family.material, name, _scatter(material, family.family))
-            found += [] if single.name in named else [single]
-    return found
+            singles += [] if single.name in named else [single]
+    return singles
 
 
 def members(material: Material, family: str) -> list[str]:
@@ -141,8 +141,8 @@ def members(material: Material, family: str) -> list[str]:
     family : str
     """
     values = {name: float(getattr(material, name)) for name in FAMILIES.get(family, ())}
-    found = [name for name, value in values.items() if value not in (0.0, _VACUUM.get(family)) and value == value]
-    return found if len(found) > 1 else []
+    names = [name for name, value in values.items() if value not in (0.0, _VACUUM.get(family)) and value == value]
+    return names if len(names) > 1 else []
 
 
 def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> Study:
@@ -162,17 +162,17 @@ def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> St
     return study.with_materials(changed)
 
 
-def concerned(study: Study, one: Constant) -> dict[str, str]:
+def concerned(study: Study, constant: Constant) -> dict[str, str]:
     """Categories that have to be at a name for a constant to matter; none where it always does.
 
     Parameters
     ----------
     study : Study
-    one : Constant
+    constant : Constant
     """
-    held = {kind: one.material for kind in _KINDS if one.material in study.categories.get(kind, [])}
+    held = {kind: constant.material for kind in _KINDS if constant.material in study.categories.get(kind, [])}
     elsewhere = [*study.fixed.values(), *(layer.material for layer in study.body), *_phases(study)]
-    return {} if one.material in elsewhere or len(held) > 1 else held
+    return {} if constant.material in elsewhere or len(held) > 1 else held
 
 
 def materials(study: Study) -> list[str]:
@@ -195,12 +195,12 @@ def _constants(name: str, material: Material) -> list[Constant]:
     """The families of a material that are not zero nor the vacuum's."""
     if _is_isotropic(material):
         return [Constant(name, "modulus", _spread(material, FAMILIES["stiffness"])), Constant(name, "poisson", POISSON)]
-    found = []
+    constants = []
     for family, names in FAMILIES.items():
         values = [float(getattr(material, key)) for key in names if not np.isnan(getattr(material, key))]
         if any(value not in (0.0, _VACUUM.get(family)) for value in values):
-            found.append(Constant(name, family, _spread(material, names)))
-    return found
+            constants.append(Constant(name, family, _spread(material, names)))
+    return constants
 
 
 def _asked(name: str, std: float | None, found: Mapping[str, list[Constant]], study: Study) -> Constant:

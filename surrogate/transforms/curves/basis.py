@@ -132,8 +132,8 @@ class Basis:
 
     def values(self, scores: Array) -> Array:
         """Return the fields of scores, (rank, B): (B, field, point)."""
-        found = scores.T @ self.vectors.reshape(len(self.vectors), -1)
-        return (found + self.mean.ravel()).reshape(-1, *self.mean.shape)
+        fields = scores.T @ self.vectors.reshape(len(self.vectors), -1)
+        return (fields + self.mean.ravel()).reshape(-1, *self.mean.shape)
 
     def error(self, share: float) -> float:
         """Return the error of every score that makes a root-mean-square error of a share of the fields."""

@@ -291,14 +291,14 @@ class CurveGP(Transformed):
             for number, curves in enumerate(self.curves):
                 true[self._links.scores[number]] = self.bases_[number].scores(curves.shapes(dataset))
             known = true - smooth
-        found = self.smooth_.corrected(dataset, known, t, groups)
+        smooth_left = self.smooth_.corrected(dataset, known, t, groups)
         self._stand_witness()
         for k, row in self._links.plain:
-            left[k] = found[row]
+            left[k] = smooth_left[row]
         if whole:
             others = [k for k, name in enumerate(self.outputs) if name in self.largest]
             truth = errors[others] + self._followed(smooth)[others]
-            left[others] = truth - self._followed(true - found)[others]
+            left[others] = truth - self._followed(true - smooth_left)[others]
         return left
 
     # -- files ---------------------------------------------------------------------------------------------------------

@@ -132,10 +132,10 @@ class Landscape:
         for number in np.unique(panel).tolist():
             own = np.flatnonzero(panel == number)
             fields[own] = self._fields(ones[:, curves[own]], number, slice(measure.fields))
-        found = np.stack(climb(fields, measure, start))
-        order = np.lexsort((-found[2], curves))
+        tops = np.stack(climb(fields, measure, start))
+        order = np.lexsort((-tops[2], curves))
         best = order[np.searchsorted(curves[order], np.arange(ones.shape[1]))]
-        return Top(panel[best], found[0, best], found[1, best], found[2, best])
+        return Top(panel[best], tops[0, best], tops[1, best], tops[2, best])
 
     def _rows(self, number: int, summit: Top, own: Indices) -> tuple[Array, Array]:
         down, across = self._shape
@@ -154,8 +154,8 @@ class Landscape:
     @cached_property
     def _scanned(self) -> NDArray[np.float32]:
         """The same at the points of the scan: single precision tells where hills are."""
-        found = self._whole[..., self.panels.scan.points].reshape(len(self._whole), -1)
-        return np.ascontiguousarray(found, dtype=np.float32)
+        scanned = self._whole[..., self.panels.scan.points].reshape(len(self._whole), -1)
+        return np.ascontiguousarray(scanned, dtype=np.float32)
 
     @property
     def _shape(self) -> tuple[int, int]:
@@ -166,8 +166,8 @@ class Landscape:
     def _by_panel(self) -> list[Array]:
         """The same at as many points of every panel: all are climbed at once; (1 + rank, field, down, across)."""
         most_down, most_across = (gauss_points(count) for count in self._shape)
-        found = []
+        parts = []
         for down, across, part in self.panels.parts:
             own = self._whole[..., part].reshape(*self._whole.shape[:2], down, across)
-            found.append(rows(down, most_down)[:, 0] @ own @ rows(across, most_across)[:, 0].T)
-        return found
+            parts.append(rows(down, most_down)[:, 0] @ own @ rows(across, most_across)[:, 0].T)
+        return parts

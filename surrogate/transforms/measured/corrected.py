@@ -120,8 +120,8 @@ class CorrectedGP(Transformed):
         X = self.physical(t)
         base, std = self.nominal_.predict_array(X, return_std=True, extrapolate=True)
         effect = self.effect_.predict_array(X, extrapolate=True).reshape(len(X), len(self.outputs_), self._each)
-        found = [self._drawn(draw, effect, t) for draw in self.draws_]
-        mean, variance = moments(found)
+        drawn = [self._drawn(draw, effect, t) for draw in self.draws_]
+        mean, variance = moments(drawn)
         mean += base.T
         if weights is None:
             return mean, None
@@ -175,9 +175,11 @@ class CorrectedGP(Transformed):
     def _derivatives(self, model: GaussianProcess, t: Array) -> tuple[Array, Array]:
         """Derivatives of a member by the scaled inputs, and their variances, (d, p, B) each."""
         X = self.physical(t)
-        found = model.gradient(X, return_std=True, extrapolate=True)
+        gradient = model.gradient(X, return_std=True, extrapolate=True)
         chain = self.unit_slopes(X)
-        mean, std = (np.stack([found[f"{name}{part}"].values for name in model.outputs_], 1) for part in ("", "_std"))
+        mean, std = (
+            np.stack([gradient[f"{name}{part}"].values for name in model.outputs_], 1) for part in ("", "_std")
+        )
         return mean / chain, (std / chain) ** 2
 
     def state(self) -> xr.Dataset:
@@ -242,17 +244,17 @@ class CorrectedGP(Transformed):
         """
         model = cls.__new__(cls)
         model._describe(inputs, tuple(outputs), outputs)
-        found = {str(name): stored[name].values for name in stored.data_vars}
-        error = found["measured_error"]
-        output, row = (found[f"measured_{name}"].astype(np.intp) for name in ("output", "row"))
+        arrays = {str(name): stored[name].values for name in stored.data_vars}
+        error = arrays["measured_error"]
+        output, row = (arrays[f"measured_{name}"].astype(np.intp) for name in ("output", "row"))
         points = stored["row_point"].transpose("row", "input").values
         if len(points) > MOST_ROWS or stored.sizes["draw"] > _MOST_DRAWS:
             raise ValueError(f"more than {MOST_ROWS} measured rows, or than {_MOST_DRAWS} draws")
         if not (set(output.tolist()) <= set(range(len(outputs))) and set(row.tolist()) <= set(range(len(points)))):
             raise ValueError("a measured value is of no output or no row")
-        rows = Measurements(points, row, output, found["measured_value"], np.where(error > 0, error, np.nan))
-        model.rows_, model.about_, model.effect_std_ = rows, found["constant_about"], found["error_of_effects"]
-        model.constants_ = dict(zip(stored["constant"].values.tolist(), found["constant_prior"].tolist(), strict=True))
+        rows = Measurements(points, row, output, arrays["measured_value"], np.where(error > 0, error, np.nan))
+        model.rows_, model.about_, model.effect_std_ = rows, arrays["constant_about"], arrays["error_of_effects"]
+        model.constants_ = dict(zip(stored["constant"].values.tolist(), arrays["constant_prior"].tolist(), strict=True))
         model.learnt_ = str(stored.attrs["learnt"])
         scaled = unit_coordinates(inputs, points).T
         draws = []
@@ -261,9 +263,9 @@ class CorrectedGP(Transformed):
             for number, q in enumerate(rows.outputs):
                 at = rows.of(q)
                 own[q] = Discrepancy(
-                    scaled[row[at]], found["draw_noise"][k, at], float(found["draw_amplitude"][k, number]),
-                    found["draw_length"][k, number], found["measured_residual"][at], found["measured_slope"][at],
+                    scaled[row[at]], arrays["draw_noise"][k, at], float(arrays["draw_amplitude"][k, number]),
+                    arrays["draw_length"][k, number], arrays["measured_residual"][at], arrays["measured_slope"][at],
                 )  # fmt: skip
-            draws.append(Draw(found["draw_mean"][k], found["draw_covariance"][k], own))
+            draws.append(Draw(arrays["draw_mean"][k], arrays["draw_covariance"][k], own))
         model.draws_ = tuple(draws)
         return model

@@ -290,7 +290,7 @@ REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "too large": (
         BALL | READ | {"patch_size": 1.0},
-        "patch_size: the patch reaches farther from the contact than is resolved, ",
+        r"patch_size: 1e\+04 thicknesses of the top layer; the patch reaches farther ",
     ),
     "a patch of none": (
         {"material": "BaTiO3", **BALL, "thickness": 1e-4, "base": "rigid", "patch_size": 1e-3},

@@ -18,7 +18,7 @@ from solver.surroundings.rings import rings
 from solver.surroundings.spread import spread
 from tests.solver.point.points import film
 from verification.cases import constants
-from verification.oracles.fem_film import Layer
+from verification.oracles.fem_film import ELECTRIC, Layer
 from verification.oracles.fem_point import PointContact
 
 BTO = solver.find("BaTiO3")
@@ -49,13 +49,20 @@ def answer(case: Mapping[str, Any]) -> dict[str, float]:
 def test_finite_elements_of_body_and_gap_agree(
     material: Material, thickness: float, radius: float, charge: float
 ) -> None:
-    """On a rigid base, order 8; on steel and half-spaces they agree as well, in half a minute."""
+    """On a rigid base, order 8, single nodes good to 4e-5; on steel and half-spaces, in half a minute, as well."""
     own = constants(material) | {"c12": float(material.c12)}
     other = PointContact([Layer(own, thickness)], None, 5e-3, radius, charge)
     given = {"material": material, "thickness": thickness, "base": "rigid", "total_charge": charge}
     found = answer(SPHERE | given | {"force": other.force})
     expected = [radius, other.depth, other.voltage]
     np.testing.assert_allclose([found[name] for name in ("contact_radius", "depth", "voltage")], expected, rtol=1e-6)
+    r, phi = other.beside(ELECTRIC)
+    some = np.flatnonzero((r > 1.02) & (r < 6))[::7]
+    inside = solver.solve_interior(
+        SPHERE | given | {"force": other.force}, r[some], [0.0], fields=["electric_potential"]
+    )
+    np.testing.assert_allclose(inside["electric_potential"][0], phi[some], rtol=0, atol=1e-4 * abs(other.voltage))
+    assert np.max(np.abs(phi[some] - other.voltage)) > 0.3 * abs(other.voltage)
 
 
 @pytest.mark.parametrize(("power", "tolerance"), [((1.0, 0.05), 1e-6), ((4.0, 1e9), 3e-8)])
@@ -118,7 +125,8 @@ def test_without_permittivity_it_is_the_contact_without_air(own: dict[str, Any])
     kept = [name for name in bare if name in air]
     assert set(air) - set(bare) == set(POINT_GAP_QUANTITIES)
     assert set(bare) - set(air) == {"electric_edge_intensity"}
-    np.testing.assert_allclose([air[name] for name in kept], [bare[name] for name in kept], rtol=2e-12)
+    # Newton's iteration ends where its next step would be 1e-11
+    np.testing.assert_allclose([air[name] for name in kept], [bare[name] for name in kept], rtol=3e-11)
 
 
 @pytest.mark.parametrize("own", [FILM, FILM | MIXED | {"force": 5.0}, HALF])

@@ -147,7 +147,7 @@ PVDF,sphere,0.01,1,0.1,rigid,{bad}
     [
         ("2,1e-3,2e-3", "collector: 2 is not one of the 1 electrodes of "),
         ("1,1e-3,9e-4", "patch_pitch: 0.0009 is not more than patch_size: a patch would touch its neighbour"),
-        ("1,5,6", "patch_size: the patch reaches farther from the contact than is resolved, "),
+        ("1,5,6", "patch_size: 5e+04 thicknesses of the top layer; the patch reaches farther"),
     ],
 )
 def test_electrodes_that_cannot_be_read_are_refused_in_one_line(

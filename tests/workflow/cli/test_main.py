@@ -371,4 +371,4 @@ def test_bad_grids_of_the_interior(
 def test_a_material_shows_its_limiting_speed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main.main(["material", "PZT-4"]) == 0
     speed = float(solver.limiting_speed(solver.find("PZT-4")))
-    assert f"limiting speed of a conducting punch: {speed:.6g} m/s" in capsys.readouterr().out
+    assert f"limiting speed of a conducting punch: {speed / 1e3:.6g} km/s" in capsys.readouterr().out

@@ -1,5 +1,6 @@
 """Material files with units, and the list of what is built in."""
 
+import re
 import tomllib
 from decimal import Decimal
 from pathlib import Path
@@ -8,7 +9,9 @@ import numpy as np
 import pytest
 
 import solver
+from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
+from solver.units import in_si
 from workflow.cli import main
 from workflow.run.provenance import ROOT
 from workflow.study.reading import InputError, read_material
@@ -16,12 +19,14 @@ from workflow.study.reading import InputError, read_material
 
 def test_material_lists_what_is_built_in(capsys: pytest.CaptureFixture[str]) -> None:
     assert main.main(["material"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    for (name, material), line in zip(solver.materials().items(), lines, strict=False):
-        assert line.startswith(name)
-        assert line.endswith(material.source)
-        assert (line[len(name) :].split()[0] == "*") == bool(material.note or material.alternatives)
-    assert lines[len(solver.materials())].startswith("* repaired, doubtful or disputed")
+    out = capsys.readouterr().out
+    assert max(map(len, out.splitlines())) <= 100
+    entries = [" ".join(one.split()) for one in re.split(r"\n(?! )", out)]
+    for (name, material), entry in zip(solver.materials().items(), entries, strict=False):
+        assert entry.startswith(name)
+        assert entry.endswith(" ".join(material.source.split()))
+        assert (entry[len(name) :].split()[0] == "*") == bool(material.note or material.alternatives)
+    assert entries[len(solver.materials())].startswith("* repaired, doubtful or disputed")
 
 
 def test_constants_with_units_are_those_of_the_library_to_the_last_bit(tmp_path: Path) -> None:
@@ -68,22 +73,49 @@ def test_limits_and_alternatives_with_units(tmp_path: Path, capsys: pytest.Captu
     assert material.alternatives[0].constants == {"c44": 25e9, "eps33": 12.7e-9}
     assert main.main(["material", str(path)]) == 0
     told = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
-    assert "c44 2.3e+10 Pa 2.3e+10 to 2.5e+10 by source" in told
-    assert "c11 1.26e+11 Pa" in told
-    assert "mine (alternative 1): c44 = 2.5e+10 Pa, eps33 = 1.27e-08 F m-1: another lot" in told
-    assert "coercive_field 800000 V m-1 another" in told
+    assert "c44 23 GPa 23 GPa to 25 GPa by source" in told
+    assert "c11 126 GPa" in told
+    assert "mine (alternative 1): c44 = 25 GPa, eps33 = 12.7 nF/m: another lot" in told
+    assert "coercive_field 800 kV/m another" in told
 
 
 def test_material_tells_what_the_library_knows(capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("PZT-4", "glass", "P(VDF-TrFE) 75:25"):
         material = solver.find(name)
         assert main.main(["material", name]) == 0
-        told = capsys.readouterr().out
+        out = capsys.readouterr().out
+        assert max(map(len, out.splitlines())) <= 100
+        told = " ".join(out.split())
         for source in (
             *(one.source for one in material.limits.values()),
             *(one.source for one in material.alternatives),
         ):
-            assert source in told
+            assert " ".join(source.split()) in told
+
+
+def test_the_compliance_of_a_material_has_the_solver_s_numbers(capsys: pytest.CaptureFixture[str]) -> None:
+    name = "BaTiO3-CoFe2O4 50:50"
+    assert main.main(["material", name]) == 0
+    out = capsys.readouterr().out
+    half = HalfPlane(solver.find(name))
+    rows = [
+        re.split(r" {2,}", line.strip()) for line in out[out.index("compliance N") :].splitlines() if line[0] == " "
+    ]
+    found = np.array([[in_si(plain(cell), units) for cell, units in zip(row, own, strict=True)]
+                      for row, own in zip(rows, UNITS_OF_N, strict=True)])  # fmt: skip
+    np.testing.assert_allclose(found, [*half.compliance, half.friction_coupling], rtol=5e-6)
+
+
+def plain(told: str) -> str:
+    """A printed value as a file may hold it."""
+    powers = re.sub("×10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)", lambda one: "e" + one[1].translate(LOWERED), told.replace("−", "-"))
+    return powers.replace("1/Pa", "Pa-1").replace("·", " ").translate(LOWERED)
+
+
+LOWERED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+#: Slopes over tractions: [1/Pa], [V/m / Pa], [A/m / Pa], ...
+UNITS_OF_N = [["Pa-1", "V/Pa/m", "A/Pa/m"], ["m2 C-1", "V m C-1", "A m C-1"], ["A m N-1", "A m C-1", "A m-1 T-1"],
+              ["Pa-1", "V m N-1", "A m N-1"]]  # fmt: skip
 
 
 @pytest.mark.parametrize(

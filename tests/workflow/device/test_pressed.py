@@ -13,8 +13,10 @@ from storage.netcdf import write_whole
 from workflow.device import pressed
 from workflow.device.circuit import permittivity
 from workflow.device.contact import Contact, film
+from workflow.report import beside as report
 from workflow.report import sentences, tables
 from workflow.report.figures import signal_in_time
+from workflow.study import beside
 from workflow.study.model import Study, load
 from workflow.study.pressing import Pressing
 from workflow.study.reading import InputError
@@ -63,7 +65,7 @@ def test_a_press_on_a_patch_is_its_charge_over_the_feedback(tmp_path: Path) -> N
     drawn = signal_in_time.figure(shown)
     assert [ax.get_ylabel().split()[0] for ax in drawn.axes] == ["force", "charge", "voltage", "output"]
     write_whole(shown, tmp_path / "signal.nc")
-    said = sentences.signal(tables.signal(tmp_path), "Charge")
+    said = sentences.signal(tables.signal(tmp_path), "the design 'Charge'")
     assert said.startswith("50 mN on the design 'Charge' shows ")
     assert "A constant force is held: nothing leaks. The noise floor is 1" in said
 
@@ -95,6 +97,62 @@ def test_plates_have_a_film_on_each_side_and_a_metal_between() -> None:
     covered = Stack([Layer(PVDF, 1e-5), Layer(glass, 2e-5)], electroded=True)
     in_turn = 1 / (1e-5 / permittivity(PVDF) + 2e-5 / permittivity(glass))
     assert Electrode(covered, 1).capacitance == pytest.approx(in_turn, rel=1e-12)
+
+
+BESIDE = STUDY.replace(
+    "signal: {design: touch, force: 50 mN, hold: 1 s}",
+    """signal:
+  case: {material: PZT-4, profile: sphere, radius: 5 mm, thickness: 0.1 mm, base: steel, surroundings: insulated}
+  device: {amplifier: {input_capacitance: 10 pF, feedback_capacitance: 20 pF, charge_noise: 1 fC}}
+  force: 50 mN
+""",
+)
+
+
+def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path: Path) -> None:
+    study = study_of(tmp_path, BESIDE)
+    assert isinstance(study.signal, Pressing)
+    own = beside.pressed(study)
+    shown = pressed.signal(own, study.signal, own.fixed).merge(pressed.held(own, study.signal))
+    ball = {"material": "PZT-4", "profile": "sphere", "radius": 5e-3, "thickness": 1e-4, "base": "steel"}
+    exact = solver.solve({**ball, "force": 0.05})
+    charge = 0.05 * float(exact["charge_sensitivity"])
+    assert float(shown["contact_charge"]) == pytest.approx(charge, rel=1e-9)
+    write_whole(shown, tmp_path / "signal.nc")
+    told = tables.signal(tmp_path)
+    assert told["output"] == pytest.approx(charge / 20e-12, rel=1e-5)  # open-loop gain 1e6
+    assert told["held"]["peak_pressure"] == pytest.approx(float(exact["peak_pressure"]), rel=1e-9)
+    card = report.card(study, told, told["held"])
+    assert card.title == "Ball, R = 5 mm, read by its amplifier"
+    assert card.build.replace("\N{NO-BREAK SPACE}", " ") == "PZT-4, 100 µm on steel; ball, R = 5 mm, insulated around"
+    share = float(exact["peak_pressure"]) / solver.find("PZT-4").limits["depoling_stress"].value
+    assert share > 1  # beyond what PZT-4 bears
+    assert not card.good
+    assert card.stops.startswith("Contact pressure of ")
+    half = report.card(study, told, {name: value / (2 * share) for name, value in told["held"].items()})
+    assert half.good
+    assert half.stops.startswith("Contact pressure is 50\N{NO-BREAK SPACE}% of the depoling stress of PZT-4, 83")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("radius: 5 mm,", "radus: 5 mm,", "signal.case.radus: 'radus' is not a factor; did you mean 'radius'"),
+        ("radius: 5 mm,", "", "signal: case: radius: missing"),
+        ("radius: 5 mm,", "radius: 5 mm, force: 0.1,", "signal: case: force: the press gives the force"),
+        (
+            "profile: sphere, radius: 5 mm, thickness: 0.1 mm, base: steel",
+            "radius: 5 mm",
+            "signal: case: a film, or a point",
+        ),
+        ("profile: sphere, radius: 5 mm,", "radius: 5 mm,", "signal: device: electrode_length: missing"),
+        ("signal:\n", "signal:\n  design: touch\n", "design: is given beside a case"),
+    ],
+)
+def test_a_contact_beside_that_cannot_be_is_refused(tmp_path: Path, old: str, new: str, words: str) -> None:
+    assert old in BESIDE
+    with pytest.raises(InputError, match=words):
+        study_of(tmp_path, BESIDE.replace(old, new))
 
 
 @pytest.mark.parametrize(

@@ -75,7 +75,7 @@ def test_page_card_and_files_name_the_datum(ran: Project) -> None:
     card = json.loads((folder / "datacard.json").read_text(encoding="utf-8"))
     assert card["datum"] == 1.0
     told = (folder / "datacard.md").read_text(encoding="utf-8")
-    assert "Datum: 1 m; on this arbitrary length of the potentials hang depth, voltage, " in told
+    assert "Datum: 1 m; on this arbitrary length of the potentials depend depth, voltage, " in told
     comment = read_whole(folder / "quantities.nc")["voltage"].attrs["comment"]
     assert comment.startswith("depends on the datum")
     assert comment.endswith("datum: 1 m, the default")

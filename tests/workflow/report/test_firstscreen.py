@@ -82,6 +82,18 @@ def test_every_punch_touches_its_contact(one: Device, words: str) -> None:
     assert ("polyline" in drawing) == one.conducts
 
 
+@pytest.mark.parametrize(("corner", "side"), [("leading", -1), ("trailing", 1)])
+def test_words_beside_a_half_cylinder_or_a_narrow_punch_cross_no_edge(corner: str, side: int) -> None:
+    drawn = device.draw(Device("half_cylinder", corner, 0.03, 1e-3, 1e-3, 1e4), "a half cylinder")
+    place, anchor = re.findall(r'<text x="([\d.]+)" y="[\d.]+" fill="[^"]+" text-anchor="(\w+)">R = ', drawn)[0]
+    edge = [float(one.partition(",")[0]) for one in re.findall(r'<polygon points="([^"]+)"', drawn)[0].split()]
+    assert anchor == ("end" if side < 0 else "start")
+    assert float(place) == pytest.approx((min(edge) if side < 0 else max(edge)) + 8 * side, abs=0.1)
+    narrow = device.draw(Device("sphere", "leading", 2e-8, 2e-9, 2e-9, 1e-7, thickness=2e-7, base="silicon"), "a tip")
+    outline = [float(one.partition(",")[0]) for one in re.findall(r'<polygon points="([^"]+)"', narrow)[1].split()]
+    assert float(re.findall(r'<text x="([\d.]+)" [^>]*"start">a = ', narrow)[0]) > max(outline)
+
+
 def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     study = load(ran.folder / "config/small.yaml")
     folder, target = ran.folder / "results/small/design", study.design["sensor"]

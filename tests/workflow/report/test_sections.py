@@ -17,7 +17,16 @@ def test_every_section_has_its_template_and_every_template_its_section() -> None
 
 def test_a_study_has_the_figures_of_its_sections_and_each_a_caption() -> None:
     quickstart = sections.figures(shipped("quickstart"))
-    assert quickstart == ["sensitivity", "main_effects", "fields", "errors", "decay", "residuals", "intervals"]
+    assert quickstart == [
+        "signal",
+        "sensitivity",
+        "main_effects",
+        "fields",
+        "errors",
+        "decay",
+        "residuals",
+        "intervals",
+    ]
     parametric = sections.figures(shipped("parametric"))
     assert parametric[0].startswith("effect_")
     for drawn in sections.drawn():

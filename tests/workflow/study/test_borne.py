@@ -56,7 +56,7 @@ def test_a_composite_bears_what_its_weaker_phase_does() -> None:
 @pytest.mark.parametrize(
     ("entries", "told"),
     [
-        ({"limit": "nominal_field <= breakdown_field"}, "breakdown_field: the library has none of BaTiO3 and CoFe2O4"),
+        ({"limit": "nominal_field <= breakdown_field"}, "breakdown_field: none is known of BaTiO3 and CoFe2O4"),
         (
             {"goal": "force * abs(charge_sensitivity)"},
             "device: electrode_length: missing; must be a number with a unit",

@@ -147,8 +147,8 @@ def count_exactly(design: Designs, term: Term) -> Counted:
     if term.deciding(whole[0]).sum() <= _MOST:
         return _count_exactly(design, many, term, whole)
     part = design.values(design.predicted, few, term)
-    found = _count_exactly(design, few, term, part)
-    return Counted(found.value + float(term.counted(whole)[0]) - float(term.counted(part)[0]), found.cases)
+    counted = _count_exactly(design, few, term, part)
+    return Counted(counted.value + float(term.counted(whole)[0]) - float(term.counted(part)[0]), counted.cases)
 
 
 def _count_exactly(design: Designs, chosen: Scenarios, term: Term, predicted: Array) -> Counted:
@@ -166,9 +166,9 @@ def _count_exactly(design: Designs, chosen: Scenarios, term: Term, predicted: Ar
         if not missing.any():
             return Counted(value, int(solved.sum()))
         batch = _batch(missing, solved, away, _BATCH_FILMS if design.question.study.kind.tabled else _BATCH)
-        found = _solve(design, chosen, batch, [term])[0][0]
-        error = max(error, float(np.abs(found - flat[batch]).max()))
-        flat[batch], solved[batch] = found, True
+        exact = _solve(design, chosen, batch, [term])[0][0]
+        error = max(error, float(np.abs(exact - flat[batch]).max()))
+        flat[batch], solved[batch] = exact, True
 
 
 def _batch(missing: Bools, solved: Bools, away: Array, least: int) -> Indices:
@@ -191,8 +191,8 @@ def thinned(designs: Designs, share: float) -> tuple[Designs, dict[Key, Indices]
     columns: dict[Key, Indices] = {}
     for drawn, chosen in designs.question.searched.items():
         terms = [term for term in chosen.terms.values() if names(designs.question, term)]
-        found = designs.question.values(designs.predicted, designs.variables, chosen, terms) if terms else []
-        marks = [term.deciding(values) for term, every in zip(terms, found, strict=True) for values in every]
+        guessed = designs.question.values(designs.predicted, designs.variables, chosen, terms) if terms else []
+        marks = [term.deciding(values) for term, every in zip(terms, guessed, strict=True) for values in every]
         if marks:
             columns[drawn] = np.flatnonzero(np.any(marks, 0))
     if not columns:
@@ -217,14 +217,14 @@ def corrected(designs: Designs, counts: Array, columns: Mapping[Key, Indices]) -
         terms = {place: term for place, term in chosen.terms.items() if names(designs.question, term)}
         guessed = designs.question.values(designs.predicted, designs.variables, chosen, list(terms.values()))
         solved = _solve(designs, chosen, indices, list(terms.values()))
-        for (place, term), values, found in zip(terms.items(), guessed, solved, strict=True):
+        for (place, term), values, exact in zip(terms.items(), guessed, solved, strict=True):
             flat = values.reshape(len(values), -1).copy()
-            flat[:, indices] = found
+            flat[:, indices] = exact
             out[:, place] = term.counted(flat.reshape(values.shape))
     return out
 
 
 def _solve(designs: Designs, chosen: Scenarios, columns: Indices, terms: list[Term]) -> list[Array]:
     """Exact values of some terms in some scenarios, (n, columns) each."""
-    found = designs.question.values(designs.exact, designs.variables, chosen.only(columns), terms)
-    return [values.reshape(len(values), -1) for values in found]
+    solved = designs.question.values(designs.exact, designs.variables, chosen.only(columns), terms)
+    return [values.reshape(len(values), -1) for values in solved]

@@ -88,11 +88,11 @@ class Question:
             for limit in target.limits
         ]
 
-    def _deviation(self, one: Objective | Limit) -> Deviation | None:
+    def _deviation(self, statement: Objective | Limit) -> Deviation | None:
         """Over what a statement's deviation is taken, with the weights of its means."""
-        if not one.deviation:
+        if not statement.deviation:
             return None
-        names = self.target.deviating(one)
+        names = self.target.deviating(statement)
         sets = [scenarios.weights(self.target, names, nodes) for nodes in (scenarios.SEARCHED, scenarios.JUDGED)]
         return Deviation(names, RelativeDeviation({len(share): share for share in sets}))
 
@@ -194,8 +194,8 @@ class Question:
         """
         counted: dict[int, Array] = {}
         for chosen in sets.values():
-            found = self.values(source, variables, chosen, list(chosen.terms.values())) if chosen.terms else []
-            for (place, term), values in zip(chosen.terms.items(), found, strict=True):
+            evaluated = self.values(source, variables, chosen, list(chosen.terms.values())) if chosen.terms else []
+            for (place, term), values in zip(chosen.terms.items(), evaluated, strict=True):
                 counted[place] = term.counted(values)
         return np.stack([counted[place] for place in range(len(self.terms))], -1)
 

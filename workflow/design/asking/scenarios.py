@@ -110,8 +110,8 @@ def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) ->
             continue
         gauss, share = np.polynomial.legendre.leggauss(_GAUSS)
         middle = (gauss + 1) / 2
-        one = target.uncertain.get(name)
-        points = low + (high - low) * middle if one is None else one.quantile(middle)
+        distribution = target.uncertain.get(name)
+        points = low + (high - low) * middle if distribution is None else distribution.quantile(middle)
         moments = chebyshev.chebvander(2 * (points - low) / (high - low) - 1, len(levels) - 1).T @ (share / 2)
         nodal = chebyshev.chebvander(2 * (levels - low) / (high - low) - 1, len(levels) - 1)
         parts.append(np.asarray(np.linalg.solve(nodal.T, moments), dtype=np.float64))

@@ -94,11 +94,11 @@ class Exact:
             solved = factorial.exact(self._study, axes, peaks=peaks, holes=np.inf)
         except AllRefusedError:
             return self._beyond.values(factors, names)
-        found = _values(solved, names)
+        quantities = _values(solved, names)
         if REFUSAL in solved:
             whole = self._beyond.values(factors, names)
-            found = {name: np.where(np.isnan(values), whole[name], values) for name, values in found.items()}
-        return found
+            quantities = {name: np.where(np.isnan(values), whole[name], values) for name, values in quantities.items()}
+        return quantities
 
     def refusal(self, factors: Factors) -> str:
         """Why the solver refuses some case; empty where it refuses none."""
@@ -116,8 +116,8 @@ class Exact:
         """
         axes = {name: _labelled(values) for name, values in factors.items()}
         parts = ("electric_field_x", "electric_field_y")
-        found = self._study.solved(solve_interior, {**self._study.fixed, **axes}, [0.0], _DEPTHS, fields=parts)
-        return float(np.hypot(*(found[part].values for part in parts)).max())
+        solved = self._study.solved(solve_interior, {**self._study.fixed, **axes}, [0.0], _DEPTHS, fields=parts)
+        return float(np.hypot(*(solved[part].values for part in parts)).max())
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
         """Not given: the question differentiates by difference quotients.

@@ -32,16 +32,13 @@ def fields(study: Study, case: Mapping[str, float]) -> xr.Dataset:
     xarray.Dataset
         ``field_<name>`` over ``position`` for the names of ``SURFACE`` that the case has, ``inside_<name>`` over ``y``,
         ``x`` for the in-plane and, where the material has c12, von Mises stress. Nothing of what the solver does not
-        give: with air beside the contact, and without c12 inside bodies under a point.
+        give: with air beside a point that slides, and without c12 inside bodies under a point.
     """
-    if not study.kind.fields:
+    if study.kind.air and study.slides:
         return xr.Dataset()
     factors = {**study.fixed, **case}
     surface = factorial.exact(study, dict(case), _POSITIONS.values(), peaks=())
     parts = {f"field_{name}": surface[name].reset_coords(drop=True) for name in SURFACE if name in surface}
-
-    if not study.kind.inside:
-        return xr.Dataset(parts)
 
     def below(names: list[str]) -> xr.Dataset:
         return study.solved(solve_interior, factors, _X, _Y, fields=names)

@@ -83,10 +83,10 @@ def verified(traced: Designs, share: float = 1.0) -> xr.Dataset:
     """
     question, (designs, columns) = traced.question, budget.thinned(traced, share)
     wanted, sets = question.objectives, question.searched
-    found, guessed = (designs.count(source, sets) for source in (budget.affordable(designs), designs.predicted))
-    found = budget.corrected(designs, found, columns)
+    exact, guessed = (designs.count(source, sets) for source in (budget.affordable(designs), designs.predicted))
+    exact = budget.corrected(designs, exact, columns)
     excess = np.stack(
-        [term.oriented(found[:, k]) for k, term in enumerate(question.terms) if term.limited] or [np.zeros(len(found))]
+        [term.oriented(exact[:, k]) for k, term in enumerate(question.terms) if term.limited] or [np.zeros(len(exact))]
     )
     kept = np.flatnonzero(excess.max(0) <= _KEPT)
     variables = designs.at(designs.x[kept]).variables | {
@@ -94,7 +94,7 @@ def verified(traced: Designs, share: float = 1.0) -> xr.Dataset:
     }
     return xr.Dataset(
         {
-            "front_exact": (("front", "objective"), found[kept, :wanted]),
+            "front_exact": (("front", "objective"), exact[kept, :wanted]),
             "front_predicted": (("front", "objective"), guessed[kept, :wanted]),
             "front_value": (("front", "factor"), np.stack(list(variables.values()), -1)),
         },
@@ -120,6 +120,6 @@ def merged(parts: Mapping[str, xr.Dataset], signs: Array) -> xr.Dataset:
     whole = xr.concat(
         [part.assign(front_choice=("front", [name] * part.sizes["front"])) for name, part in parts.items()], "front"
     )
-    found = whole["front_exact"].transpose("front", "objective").values
-    kept = np.flatnonzero(non_dominated(found * signs))
-    return whole.isel(front=kept[np.argsort(found[kept, 0])])
+    values = whole["front_exact"].transpose("front", "objective").values
+    kept = np.flatnonzero(non_dominated(values * signs))
+    return whole.isel(front=kept[np.argsort(values[kept, 0])])

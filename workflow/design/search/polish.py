@@ -87,25 +87,30 @@ def _excess(design: Designs, source: Source) -> _Excess:
     return _Excess(np.array(judged), assessment.excesses(design, source), cases)
 
 
-def _polish(found: Candidate) -> Candidate:
+def _polish(candidate: Candidate) -> Candidate:
     """The same on the exact solver, until the many scenarios of the verdict say what the few of the search say.
 
     What is too costly for the optimiser it takes from the surrogate, shifted to what the exact solver says. Where the
     surrogate has led to no design that keeps the limits though it knows one, the exact solver is searched itself.
     """
-    polished = _shifted(found)
-    if polished.best.feasible or not found.best.feasible or budget.asked(found.question) or not found.question.inputs:
+    polished = _shifted(candidate)
+    if (
+        polished.best.feasible
+        or not candidate.best.feasible
+        or budget.asked(candidate.question)
+        or not candidate.question.inputs
+    ):
         return polished
-    anew = _shifted(found.sought(found.asked.exact))
+    anew = _shifted(candidate.sought(candidate.asked.exact))
     return anew if anew.best.feasible else polished
 
 
-def _shifted(found: Candidate) -> Candidate:
+def _shifted(candidate: Candidate) -> Candidate:
     """The best of the designs that keep the limits, each polished with these shifted by what the last one missed."""
-    question, source = found.question, budget.affordable(found.asked)
+    question, source = candidate.question, budget.affordable(candidate.asked)
     usual = budget.safety(question, _SAFETY) * question.inequality
     rounds = _ROUNDS if question.inputs else 0
-    first = found.counted(source)
+    first = candidate.counted(source)
     now, last, safety, spent = first, None, np.zeros(len(question.inequality)), 0
     for k in range(rounds + 1):
         excess = _excess(now.design, source)
@@ -124,7 +129,7 @@ def _shifted(found: Candidate) -> Candidate:
         spent += cases
     best = replace(now.best, feasible=False) if last is None else last.best
     return replace(
-        found, best=best, cases=spent, polish=budget.words(question, spent, rounds > 0 and last is not first)
+        candidate, best=best, cases=spent, polish=budget.words(question, spent, rounds > 0 and last is not first)
     )
 
 
@@ -148,15 +153,15 @@ def _lost(last: Candidate, now: Candidate) -> bool:
     return now.best.objective < last.best.objective - _LOST * last.size(last.best.objective)
 
 
-def _cheapest(found: Candidate) -> Candidate:
+def _cheapest(candidate: Candidate) -> Candidate:
     """The least of every variable that does not matter to the goal, at which every limit keeps its room.
 
     What does not matter need not be bought: a stated rule. Every limit has ``ROOM`` then, or as much as it
     has anyway. Where cases are costly no variable was seen not to matter.
     """
-    question, design, x = found.question, found.design, found.best.x.copy()
-    if not found.best.feasible or question.objectives > 1 or budget.asked(question):
-        return found
+    question, design, x = candidate.question, candidate.design, candidate.best.x.copy()
+    if not candidate.best.feasible or question.objectives > 1 or budget.asked(question):
+        return candidate
     limited = np.array([place for place, term in enumerate(question.terms) if term.limited], dtype=np.intp)
 
     def excess(points: Array) -> Array:
@@ -178,7 +183,7 @@ def _cheapest(found: Candidate) -> Candidate:
             middle = (low + high) / 2
             low, high = (low, middle) if np.all(excess(_moved(x, column, middle)) <= room) else (middle, high)
         x[column] = high
-    return replace(found, best=replace(found.best, x=x))
+    return replace(candidate, best=replace(candidate.best, x=x))
 
 
 def _moved(x: Array, column: int, value: float) -> Array:

@@ -70,9 +70,9 @@ def answer(
     """
     several = len(target.objectives) > 1
     for share in (*_WIDER, np.inf):
-        found = _found(study, name, target, model, tell)
+        candidates = _found(study, name, target, model, tell)
         tell("polishing on the exact solver")
-        best = polish.first_feasible(sorted(found, key=lambda candidate: _rank(candidate.best), reverse=True))
+        best = polish.first_feasible(sorted(candidates, key=lambda candidate: _rank(candidate.best), reverse=True))
         if model.region_ is None or not (reason := _refusal(best)):
             break
         if not np.isfinite(share):
@@ -85,8 +85,8 @@ def answer(
     toleranced = target.tolerance and best.best.feasible and not several
     tell("the fields of the design")
     pictures = [landscape.landscape(best.design), contact_fields.fields(best.question.study, judged.case)]
-    if any(candidate.front is not None for candidate in found):
-        pictures.append(_front(found).reindex(factor=[variable.name for variable in judged.variables]))
+    if any(candidate.front is not None for candidate in candidates):
+        pictures.append(_front(candidates).reindex(factor=[variable.name for variable in judged.variables]))
     return replace(
         judged,
         target=name,
@@ -94,7 +94,7 @@ def answer(
         source=SOURCE_OF_FILMS if study.kind.tabled else SOURCE,
         tolerated=_costs(study, name, target, model, best, tell) if toleranced else None,
         categories=_categories(target, best),
-        choices=_choices(best, found, 1.0 if several else target.objectives[0].sign),
+        choices=_choices(best, candidates, 1.0 if several else target.objectives[0].sign),
         pictures=xr.merge(pictures, compat="no_conflicts", join="outer"),
     )
 
@@ -108,8 +108,8 @@ def doubted(study: Study, name: str, model: GaussianProcess) -> Place:
     name : str, the target's
     model : GaussianProcess, the surrogate
     """
-    found = _found(study, name, study.design[name], model, lambda words: None)
-    best = max(found, key=lambda candidate: _rank(candidate.best))
+    candidates = _found(study, name, study.design[name], model, lambda words: None)
+    best = max(candidates, key=lambda candidate: _rank(candidate.best))
     told = assessment.predict(best.design, best.question.searched)
     sizes = [
         term.scale if term.limited else best.size(value)
@@ -198,11 +198,11 @@ def _search(asked: list[Candidate], tell: Callable[[str], None]) -> list[Candida
         traced = [front.trace(candidate.asked, program.scan(candidate.question)) for candidate in asked]
     fronts = [own for own in traced if own is not None]
     scales = front.normalisation(fronts) if fronts else None
-    found = []
+    candidates = []
     for number, (question, own) in enumerate(zip(asked, traced, strict=True), 1):
         tell(f"searching, choice {number} of {len(asked)}" if len(asked) > 1 else "searching")
-        found.append(_climbed(replace(question, front=own, normalisation=scales)))
-    return found
+        candidates.append(_climbed(replace(question, front=own, normalisation=scales)))
+    return candidates
 
 
 def _climbed(candidate: Candidate) -> Candidate:
@@ -219,11 +219,11 @@ def _climbed(candidate: Candidate) -> Candidate:
     return first if decided else kept
 
 
-def _front(found: list[Candidate]) -> xr.Dataset:
+def _front(candidates: list[Candidate]) -> xr.Dataset:
     """The exact front of all choices."""
-    traced = [(candidate, candidate.asked.at(candidate.front.x)) for candidate in found if candidate.front]
+    traced = [(candidate, candidate.asked.at(candidate.front.x)) for candidate in candidates if candidate.front]
     parts = {candidate.words: front.verified(designs, 1 / len(traced)) for candidate, designs in traced}
-    return front.merged(parts, np.array([objective.sign for objective in found[0].question.target.objectives]))
+    return front.merged(parts, np.array([objective.sign for objective in candidates[0].question.target.objectives]))
 
 
 def _categories(target: Target, best: Candidate) -> tuple[Category, ...]:
@@ -235,9 +235,9 @@ def _categories(target: Target, best: Candidate) -> tuple[Category, ...]:
     )
 
 
-def _choices(best: Candidate, found: list[Candidate], sign: float) -> tuple[Choice, ...]:
+def _choices(best: Candidate, candidates: list[Candidate], sign: float) -> tuple[Choice, ...]:
     """The best of every choice on the surrogate, where there are several."""
-    several = found if len(found) > 1 else []
+    several = candidates if len(candidates) > 1 else []
     passed = [candidate.choice for candidate in best.passed]
     return tuple(
         Choice(

@@ -18,18 +18,18 @@ _ERROR = 0.01  # in building a variable that has no tolerance
 
 def tolerated(answer: Answer) -> str:
     """That the limits are kept within the tolerances, what these cost, and the optimum without them."""
-    given, found = [variable for variable in answer.variables if variable.tolerance], answer.tolerated
-    if not given or found is None:
+    given, cost = [variable for variable in answer.variables if variable.tolerance], answer.tolerated
+    if not given or cost is None:
         return ""
     bands = [f"{sizes.told(variable.name, variable.tolerance)} of {variable.title}" for variable in given]
     goal = answer.terms[0]
-    at = [f"{variable.title} {titles.value(variable.name, found.values[variable.name])}" for variable in given]
-    at += filter(None, [found.choice])
-    share = number(100 * abs(goal.exact - found.exact) / abs(found.exact), 2) if found.exact else "–"
+    at = [f"{variable.title} {titles.value(variable.name, cost.values[variable.name])}" for variable in given]
+    at += filter(None, [cost.choice])
+    share = number(100 * abs(goal.exact - cost.exact) / abs(cost.exact), 2) if cost.exact else "–"
     return (
         f"Within {listed(bands)} every limit is kept as it is asked for. "
         f"{capital('; '.join(tolerances(answer)))}. "
-        f"Nominal optimum: {goal.shown(found.exact)} at {listed(at)}, "
+        f"Nominal optimum: {goal.shown(cost.exact)} at {listed(at)}, "
         f"from which all tolerances together take {share} %."
     )
 
@@ -90,7 +90,7 @@ def first_to_break(answer: Answer) -> str:
     ]
     if not errors:
         return ""
-    margin, variable, first = min(errors, key=lambda one: one[0])
+    margin, variable, first = min(errors, key=lambda error: error[0])
     return f"1 % off in {variable.title}, {first.title} is the first to break: {_left(margin)}."
 
 

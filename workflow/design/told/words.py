@@ -68,21 +68,21 @@ class Verdict:
 
 def verdict(answer: Answer) -> Verdict:
     """The verdict on one design."""
-    found = replace(
+    spoken = replace(
         _unreachable(answer) if answer.broken else _reached(answer),
         sources=_sources(answer),
         tolerance=asides.tolerated(answer),
         device=asides.device(answer),
     )
     if answer.broken or not answer.beyond:
-        return found
-    return replace(found, kind=f"{BEYOND}; otherwise {found.kind}", beyond=f"{capital(answer.beyond)}.")
+        return spoken
+    return replace(spoken, kind=f"{BEYOND}; otherwise {spoken.kind}", beyond=f"{capital(answer.beyond)}.")
 
 
 def _sources(answer: Answer) -> str:
     """Where what the materials bear comes from, for every limit that names it."""
-    found = {term.bound: term.source for term in answer.terms}
-    return " ".join(f"{capital(bound)}: {source}{unverified(source)}." for bound, source in found.items() if bound)
+    sources = {term.bound: term.source for term in answer.terms}
+    return " ".join(f"{capital(bound)}: {source}{unverified(source)}." for bound, source in sources.items() if bound)
 
 
 def _idle(answer: Answer) -> str:

@@ -55,9 +55,9 @@ def exactly(design: Designs, terms: Sequence[Term]) -> tuple[Array, int]:
     values, cases = [], 0
     for term in terms:
         if budget.names(design.question, term):
-            found = budget.count_exactly(design, term)
-            values.append(found.value)
-            cases += found.cases
+            counted = budget.count_exactly(design, term)
+            values.append(counted.value)
+            cases += counted.cases
         else:
             values.append(float(term.counted(design.values(design.exact, design.question.judged[term.key], term))[0]))
     return np.array(values), cases
@@ -94,9 +94,9 @@ def predict(design: Designs, sets: Mapping[Key, Scenarios]) -> Prediction:
     errors: list[tuple[float, float]] = []
     for term in design.question.terms:
         chosen = sets[term.key]
-        found = design.values(design.predicted, chosen, term)
-        slopes = term.slopes(found[0])
-        values.append(float(term.counted(found)[0]))
+        rows = design.values(design.predicted, chosen, term)
+        slopes = term.slopes(rows[0])
+        values.append(float(term.counted(rows)[0]))
         scenarios.append(int(np.abs(slopes).argmax()))
         partials = _partials(design, chosen, term)
         weights = {name: slopes * partials[name] for name in _quantities(term)}

@@ -34,9 +34,9 @@ def over(design: Designs, corner: Mapping[str, Array]) -> tuple[Figure, ...]:
     if question.study.device is None:
         return ()
     meeting = question.target.objectives[0].meeting  # that of all choices, of which this may be one
-    found = {name: _figure(design, corner, grammar.parse(name, meeting)) for name in FIGURES_BY[meeting]}
+    figures = {name: _figure(design, corner, grammar.parse(name, meeting)) for name in FIGURES_BY[meeting]}
     return tuple(
-        Figure(name, float(values.min()), float(values.max())) for name, values in found.items() if values is not None
+        Figure(name, float(values.min()), float(values.max())) for name, values in figures.items() if values is not None
     )
 
 

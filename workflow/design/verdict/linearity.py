@@ -1,6 +1,7 @@
 """Where a design is beyond what its materials bear, by their own data: linear theory ends there at the latest."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,10 +11,36 @@ from workflow.language import titles
 from workflow.language.constants import BORNE, borne_by_base, plain
 from workflow.language.numbers import shown
 from workflow.language.statements import Limit
+from workflow.study.borne import Borne
 from workflow.study.model import Study
 
 _CERAMIC_FIELD = 3e5  # V/m: beyond it ferroelectric ceramics are not linear; for materials of which no field is known
 _FIELDS = ("coercive_field", "breakdown_field")
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A quantity in words, its largest value, and what bounds it, by its name and whose it is."""
+
+    name: str
+    words: str
+    size: float
+    borne: Borne
+
+    @property
+    def units(self) -> str:
+        """Of both."""
+        return BORNE[self.name].units
+
+    @property
+    def share(self) -> float:
+        """Of what is borne."""
+        return self.size / self.borne.value
+
+    @property
+    def bears(self) -> str:
+        """What is borne, in words."""
+        return f"{titles.title(self.name)} of {self.borne.of}, {shown(self.borne.value, self.units, 3)}"
 
 
 def bound(study: Study, limit: Limit) -> tuple[str, str]:
@@ -26,8 +53,8 @@ def bound(study: Study, limit: Limit) -> tuple[str, str]:
     """
     if not limit.borne:
         return "", ""
-    found = study.bears(limit.borne)
-    return f"{titles.title(limit.borne)} of {found.of}", found.source
+    evidence = study.bears(limit.borne)
+    return f"{titles.title(limit.borne)} of {evidence.of}", evidence.source
 
 
 def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None) -> list[tuple[str, str]]:
@@ -42,26 +69,45 @@ def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None
     below
         The largest field below the middle of the contact [V/m], of a body without a thickness whose inside is solved.
     """
-    lines: list[tuple[str, str]] = []
-    known = set()
-    for name in BORNE:
-        try:
-            found = study.bears(name)
-        except ValueError:
-            continue
-        known.add(name)
-        for quantity in _bounded(name):
-            words, size = _largest(quantity, corner, study.kind.ends, below)
-            if size > found.value:
-                units = BORNE[name].units
-                bears = f"the {titles.title(name)} of {found.of}, {shown(found.value, units, 3)}"
-                lines.append((f"{words} of {shown(size, units, 3)} exceeds {bears}", found.source))
+    bounds = _bounds(study, corner, below)
+    lines = [
+        (f"{own.words} of {shown(own.size, own.units, 3)} exceeds the {own.bears}", own.borne.source)
+        for own in bounds
+        if own.share > 1
+    ]
     words, size = _largest("nominal_field", corner, study.kind.ends, below)
-    if known.isdisjoint(_FIELDS) and size > _CERAMIC_FIELD:
+    if {own.name for own in bounds}.isdisjoint(_FIELDS) and size > _CERAMIC_FIELD:
         usual = f"{shown(_CERAMIC_FIELD, 'V m-1', 3)}, beyond which ferroelectric ceramics are not linear"
         unknown = "the library has no coercive or breakdown field of the material"
         lines.append((f"{words} of {shown(size, 'V m-1', 3)} exceeds {usual}", unknown))
     return lines
+
+
+def nearest(study: Study, corner: Mapping[str, Array]) -> Bound | None:
+    """What comes nearest to what its material bears, of a case that is `beyond` nothing; None where that is not known.
+
+    Parameters
+    ----------
+    study
+        With its categories held.
+    corner
+        Quantities of the case, exactly.
+    """
+    return max(_bounds(study, corner, None), key=lambda own: own.share, default=None)
+
+
+def _bounds(study: Study, corner: Mapping[str, Array], below: float | None) -> list[Bound]:
+    """Every quantity that something known bounds."""
+    bounds = []
+    for name in BORNE:
+        try:
+            borne = study.bears(name)
+        except ValueError:
+            continue
+        for quantity in _bounded(name):
+            words, size = _largest(quantity, corner, study.kind.ends, below)
+            bounds.append(Bound(name, words, size, borne))
+    return bounds
 
 
 def _bounded(name: str) -> list[str]:

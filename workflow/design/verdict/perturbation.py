@@ -49,8 +49,8 @@ def _varied(design: Designs, source: Source) -> dict[str, Array]:
     varied = {name: np.full(count, nominal) for name, (nominal,) in design.variables.items()}
     for k, (name, values) in enumerate(varied.items()):
         # the surrogate, where it stands in, knows no case beyond its box
-        one = FACTORS[name]
-        low, high = (one.low, one.high) if isinstance(source, Exact) else design.question.room(name)
+        factor = FACTORS[name]
+        low, high = (factor.low, factor.high) if isinstance(source, Exact) else design.question.room(name)
         values[1 + 4 * k : 5 + 4 * k] = np.clip(values[0] * _SHARES, low, high)
     return varied
 

@@ -32,15 +32,15 @@ def figure(validation: xr.Dataset, told: Sequence[str]) -> Figure:
     rows = -(-len(names) // _COLUMNS)
     made, axes = plt.subplots(rows, _COLUMNS, figsize=(11, 2.7 * rows), squeeze=False, sharey=True)
     for ax, name in zip(axes.flat, names, strict=False):
-        one = validation.sel({along: name})
-        sizes = one["coefficient"].transpose("mode", "output").values
+        slab = validation.sel({along: name})
+        sizes = slab["coefficient"].transpose("mode", "output").values
         sizes = np.maximum(sizes[~np.isnan(sizes).all(axis=1)], _FLOOR)
         ends = np.nanmin(sizes, axis=1), np.nanmax(sizes, axis=1)
         ax.fill_between(range(len(sizes)), *ends, color=BLUE, alpha=0.25, lw=0)
         ax.semilogy(sizes.max(axis=1), "o-", ms=2.5, color=BLUE, lw=1.6)
-        for output in one["output"].values[one["kinked"].values > 0]:
+        for output in slab["output"].values[slab["kinked"].values > 0]:
             ax.semilogy(
-                sizes[:, list(one["output"].values).index(output)], color=ORANGE, lw=1.6, label=f"kinked: {output}"
+                sizes[:, list(slab["output"].values).index(output)], color=ORANGE, lw=1.6, label=f"kinked: {output}"
             )
             ax.legend(loc="lower left")
         ax.axhline(validation.attrs["tolerance"], color=GREY, ls="--", lw=1)

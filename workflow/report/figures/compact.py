@@ -16,11 +16,13 @@ _PATH = re.compile(r'\sd="([^"]*)"')
 _PLACED = re.compile(r'\s(?:x|y|transform)="[^"]*"')
 _FINE = re.compile(r"-?\d+\.\d+")
 _STYLE = re.compile(r' style="([^"]*)"')
+_GROUP = re.compile(r"<g>|<g [^>]*>|</g>")
+_ID = re.compile(r'(\bid="|url\(#|href="#)([^")]+)')
 _STEP = re.compile(r"([A-Za-z])([^A-Za-z]*)")
 
 
 def compacted(text: str) -> str:
-    """The same picture: outlines in hundredths of a point, each style once, and nothing that draws nothing.
+    """The same picture: outlines in hundredths of a point, each style once, short ids, nothing that draws nothing.
 
     Parameters
     ----------
@@ -30,6 +32,7 @@ def compacted(text: str) -> str:
     text = _UNTURNED.sub("", _DROPPED_IDS.sub("<g", _IMAGE_IDS.sub("", _DROPPED.sub("", text))))
     while (fewer := _EMPTY.sub("", text)) != text:
         text = fewer
+    text = _shortened(_ungrouped(text))
     text = _PATH.sub(lambda match: f' d="{_outline(match[1])}"', _BETWEEN.sub("><", text))
     text = _PLACED.sub(lambda match: _FINE.sub(lambda one: _number(float(one[0])), match[0]), text)
     styles = Counter(_STYLE.findall(text))
@@ -39,6 +42,25 @@ def compacted(text: str) -> str:
     # what matplotlib says of every element
     head = f' stroke-linejoin="round" stroke-linecap="butt"><style>{rules}</style>'
     return text.strip().replace(">", head, 1) + "\n"
+
+
+def _ungrouped(text: str) -> str:
+    """Without the groups that say nothing of what is in them."""
+    bare: list[bool] = []
+
+    def kept(match: re.Match[str]) -> str:
+        if match[0] != "</g>":
+            bare.append(match[0] == "<g>")
+            return "" if bare[-1] else match[0]
+        return "" if bare.pop() else match[0]
+
+    return _GROUP.sub(kept, text)
+
+
+def _shortened(text: str) -> str:
+    """With the ids numbered as they come."""
+    known: dict[str, str] = {}
+    return _ID.sub(lambda match: match[1] + known.setdefault(match[2], f"i{len(known)}"), text)
 
 
 def _name(style: str) -> str:
@@ -58,8 +80,8 @@ def _outline(path: str) -> str:
     for letter, rest in _STEP.findall(path):
         places = [round(100 * float(place)) for place in rest.split()]
         if letter == "L" and parts:
-            numbers = [places[0] - here[0], places[1] - here[1]]
-            letter = "l"
+            across, down = places[0] - here[0], places[1] - here[1]
+            letter, numbers = ("h", [across]) if not down else ("v", [down]) if not across else ("l", [across, down])
         else:
             numbers = places
         parts.append(letter + _joined(numbers))

@@ -45,8 +45,8 @@ def figure(validation: xr.Dataset, told: Sequence[str]) -> Figure:
     return made
 
 
-def _deciles(ax: Axes, one: xr.Dataset, name: str) -> None:
-    coverage, decile = one["decile_coverage"].transpose("output", "decile").values, one["decile"].values
+def _deciles(ax: Axes, output: xr.Dataset, name: str) -> None:
+    coverage, decile = output["decile_coverage"].transpose("output", "decile").values, output["decile"].values
     ax.fill_between(decile, coverage.min(axis=0), coverage.max(axis=0), color=BLUE, alpha=0.25, lw=0)
     ax.plot(decile, coverage.min(axis=0), color=ORANGE, lw=1.5, label="least of all quantities")
     ax.axhline(NOMINAL, color=GREY, ls="--", lw=1)

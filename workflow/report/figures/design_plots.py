@@ -96,19 +96,19 @@ def _slices(answer: Answer) -> Figure:
     pad = 0.05 * (highest - lowest)
     ends = (lowest - pad, highest + pad)
     for ax, name in zip(axes.flat, names, strict=True):
-        one = slices.sel(slice=name)
-        width = factor_scale(name, one["slice_value"].values)[0]
-        x, excess = one["slice_value"].values / width, one["slice_excess"].values
-        low, high = one["slice_low"].values / size, one["slice_high"].values / size
+        line = slices.sel(slice=name)
+        width = factor_scale(name, line["slice_value"].values)[0]
+        x, excess = line["slice_value"].values / width, line["slice_excess"].values
+        low, high = line["slice_low"].values / size, line["slice_high"].values / size
         ax.fill_between(x, low, high, color=BLUE, alpha=0.18, lw=0, label="all scenarios")
-        ax.plot(x, one["slice_objective"].values / size, color=BLUE, lw=1.6, label="as it counts")
+        ax.plot(x, line["slice_objective"].values / size, color=BLUE, lw=1.6, label="as it counts")
         ax.fill_between(x, *ends, where=list(excess > 0), facecolor="none", edgecolor=GREY, hatch="////", lw=0,
                         label="breaks a limit")  # fmt: skip
         best = answer.variable(name).value / width
         ax.plot([best], [answer.terms[0].exact / size], "*", ms=13, mfc=ORANGE, mec=INK, mew=0.6,
                 label=f"{_star(answer)}, exact")  # fmt: skip
         ax.set_ylim(ends)
-        _factor_axis(ax, "x", name, one["slice_value"].values)
+        _factor_axis(ax, "x", name, line["slice_value"].values)
     axes[0, 0].set_ylabel(words)
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=2)
     return figure

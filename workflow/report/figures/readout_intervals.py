@@ -19,10 +19,10 @@ def figure(tried: xr.Dataset) -> Figure:
     names = [str(name) for name in tried["factor"].values]
     drawn, axes = plt.subplots(1, len(names), figsize=(4.8 * len(names), 3.8), squeeze=False)
     for ax, name in zip(axes.flat, names, strict=True):
-        one = tried.sel(factor=name).isel(case=slice(0, _SHOWN))
-        spread = one["true"].values
+        cases = tried.sel(factor=name).isel(case=slice(0, _SHOWN))
+        spread = cases["true"].values
         size, units = prefixed(float(np.abs(spread).max()), FACTORS[name].units)
-        true, low, high, mean = (one[key].values / size for key in ("true", "low", "high", "mean"))
+        true, low, high, mean = (cases[key].values / size for key in ("true", "low", "high", "mean"))
         ends = [float(true.min()), float(true.max())]
         ax.plot(ends, ends, color=GREY, lw=0.8)
         ax.vlines(true, low, high, color=BLUE, lw=0.9, alpha=0.7)

@@ -30,8 +30,8 @@ def residuals(validation: xr.Dataset, told: Sequence[str]) -> Figure:
     rows = -(-len(names) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(11, 2.1 * rows + 0.3), squeeze=False)
     for ax, name in zip(axes.flat, names, strict=False):
-        one = validation.sel(output=name)
-        exact, predicted = one["exact"].values, one["predicted"].values
+        output = validation.sel(output=name)
+        exact, predicted = output["exact"].values, output["predicted"].values
         some = slice(None, None, max(1, exact.size // _POINTS))
         quantity, _ = parted(name)
         size, units = numbers.prefixed(float(np.abs(exact).max()), ALL_QUANTITIES[quantity].units)

@@ -2,13 +2,14 @@
 "use strict";
 
 const PICTURE = { words: 46, width: 560, height: 250, surface: 128, whole: [14, 206], near: [236, 546], top: 26, low: 222 };
-const STEEP = { device: 84, wider: 2.6, deep: 62, tips: 10, line: 22, points: 97, bar: [4, 90] };
+const STEEP = { device: 84, wider: 2.6, deep: 62, tips: 10, line: 22, points: 97, letter: 8.5, bar: [4, 90] };
 const TINT = {
   ink: "var(--ink)", paper: "var(--card)", accent: "var(--accent)", soft: "var(--soft)", bad: "var(--bad)",
   body: "color-mix(in srgb, var(--accent) 10%, var(--card))", punch: "color-mix(in srgb, var(--ink) 12%, var(--card))",
 };
 
 const FLAT = ["flat", "disc"], POWERS = ["cone", "power"], ENDLESS = ["wedge", ...POWERS]; // of the last a part is drawn
+const CORNERED = ["wedge", "half_cylinder"]; // which lie on one side of their edge
 const SIZES = { flat: "w = ", disc: "w = ", wedge: "slope ", cone: "slope ", power: "C = " };
 
 // How far from the sharp edge, towards the other.
@@ -79,21 +80,36 @@ function scaleBar(scale) {
   return [stroke(start, y, end, y, TINT.ink, 3), words(end + 6, PICTURE.height - 10, said(length, "m", 3), TINT.soft, "start")];
 }
 
+// The size of the punch: in it, or beside the sharp edge of a half cylinder, in which there is no room.
+function sizeWords(device, size, middle, text) {
+  const y = PICTURE.surface - 50, side = device.corner === "leading" ? -1 : 1; // of the edge
+  if (!CORNERED.includes(device.profile)) return words(middle, y, text);
+  const edge = middle + (side * size.contact * size.whole) / 2;
+  if (device.profile === "wedge") return words((edge + PICTURE.whole[side < 0 ? 1 : 0]) / 2, y, text);
+  return words(edge + 8 * side, y, text, TINT.ink, side < 0 ? "end" : "start");
+}
+
+// The size of the contact: over it, or beside a punch that is narrower than the words.
+function extentWords(device, size, centre, text) {
+  const y = PICTURE.surface - 24, half = size.reach * size.near;
+  if (CORNERED.includes(device.profile) || 2 * half > STEEP.letter * text.length) return words(centre, y, text);
+  return words(centre + half + 8, y, text, TINT.ink, "start");
+}
+
 function stackWords(device, size) {
   const { surface, height, low, whole, near } = PICTURE, middle = (whole[0] + whole[1]) / 2, centre = (near[0] + near[1]) / 2;
-  const half = (size.contact * size.near) / 2, lone = ["wedge", "half_cylinder"].includes(device.profile);
+  const half = (size.contact * size.near) / 2;
   const name = SIZES[device.profile] || "R = ";
   const extent = device.point ? `a = ${said(device.trailing, "m", 3)}` : said(size.contact, "m", 3);
   const tip = ' marker-end="url(#stack-tip)"', { bad, soft, ink } = TINT;
   const parts = [
     stroke(middle, 4, middle, 38, bad, 1.6, tip), words(middle + 8, 16, said(device.load, device.units, 3), bad, "start"),
     ...(device.point ? [] : [stroke(whole[0] + 56, 28, whole[0] + 4, 28, bad, 1.6, tip), words(whole[0] + 4, 18, "slides", bad, "start")]),
-    words(middle + (lone ? (device.corner === "leading" ? 38 : -38) : 0), surface - 50,
-      name + (ENDLESS.includes(device.profile) ? digits(device.size, 3) : said(device.size, "m", 3))),
+    sizeWords(device, size, middle, name + (ENDLESS.includes(device.profile) ? digits(device.size, 3) : said(device.size, "m", 3))),
     words(whole[0], height - 10, "to scale", soft, "start"), ...scaleBar(size.whole),
     words(near[0], height - 10, `the contact, at ${digits(size.near / size.whole, 2)} times that scale`, soft, "start"),
     half > STEEP.tips ? `<path d="M${at(device.point ? centre : centre - half)} ${surface - 16} H${at(centre + half)}" ${tipped}/>` : "",
-    words(centre, surface - 24, extent),
+    extentWords(device, size, centre, extent),
   ];
   if (device.thickness === null) return [...parts, words(near[0] + 8, low - 10, device.point ? "half-space" : "half-plane", soft, "start")];
   const interface_ = surface + device.thickness * size.near, place = near[1] - 14;
