@@ -258,7 +258,7 @@ def measure(devices: int = 200, first: int = FIRST) -> dict[str, float]:
     devices : int, of every scenario
     first : int, seed of the first of them
     """
-    figures: dict[str, float] = {}
+    measured: dict[str, float] = {}
     for name, scenario in SCENARIOS.items():
         start = process_time()
         every = [judged(Device(scenario, first + seed)) for seed in range(devices)]
@@ -267,19 +267,21 @@ def measure(devices: int = 200, first: int = FIRST) -> dict[str, float]:
             "constants": lambda device: device.constants, "readings left out": lambda device: device.left_out,
         }  # fmt: skip
         for part, of in parts.items():
-            figures[f"{name}: {part}"] = float(np.mean([of(device).mean() for device in every]))
+            measured[f"{name}: {part}"] = float(np.mean([of(device).mean() for device in every]))
         whole = [np.concatenate([device.measured, device.unmeasured], 1).mean() for device in every]
-        figures[f"{name}: worst device"] = float(min(whole))
-        figures[f"{name}: worst device, ideal"] = float(min(device.ideal.mean() for device in every))
-        figures[f"{name}: devices below 0.85"] = float(np.mean(np.array(whole) < 0.85))
-        figures[f"{name}: devices below 0.85, ideal"] = float(np.mean([device.ideal.mean() < 0.85 for device in every]))
-        figures[f"{name}: wrong words"] = float(np.mean([bool(device.wrong) for device in every]))
+        measured[f"{name}: worst device"] = float(min(whole))
+        measured[f"{name}: worst device, ideal"] = float(min(device.ideal.mean() for device in every))
+        measured[f"{name}: devices below 0.85"] = float(np.mean(np.array(whole) < 0.85))
+        measured[f"{name}: devices below 0.85, ideal"] = float(
+            np.mean([device.ideal.mean() < 0.85 for device in every])
+        )
+        measured[f"{name}: wrong words"] = float(np.mean([bool(device.wrong) for device in every]))
         for word in sorted({word for device in every for word in device.wrong}):
-            figures[f"{name}: wrong: {word}"] = float(np.mean([word in device.wrong for device in every]))
-        figures[f"{name}: processor seconds a device"] = (process_time() - start) / devices
-        for key in [key for key in figures if key.startswith(f"{name}: ")]:
-            print(f"  {key}: {figures[key]:.3f}", flush=True)
-    return figures
+            measured[f"{name}: wrong: {word}"] = float(np.mean([word in device.wrong for device in every]))
+        measured[f"{name}: processor seconds a device"] = (process_time() - start) / devices
+        for key in [key for key in measured if key.startswith(f"{name}: ")]:
+            print(f"  {key}: {measured[key]:.3f}", flush=True)
+    return measured
 
 
 if __name__ == "__main__":

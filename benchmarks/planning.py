@@ -85,20 +85,20 @@ class Planned:
 
 def measure(devices: int = 200) -> dict[str, Array]:
     """Both ratios of every device (devices, 2), by rows, outputs that can be measured, and what is wanted."""
-    figures = {}
+    measured = {}
     for rows in (2, 10):
         for outputs in ([0, 1], [0, 1, 2, 3]):
             every = [Planned(FIRST + k, rows, np.array(outputs, np.intp)) for k in range(devices)]
             for name in WANTED:
                 ratios = np.array([device.ratios(name) for device in every])
-                figures[f"{rows} rows, {len(outputs)} outputs, {name}"] = ratios
+                measured[f"{rows} rows, {len(outputs)} outputs, {name}"] = ratios
                 low, middle, high = np.quantile(ratios[:, 0], [0.05, 0.5, 0.95])
                 print(
                     f"  {rows} rows, {len(outputs)} outputs, {name}: median {middle:.2f} ({low:.2f} to {high:.2f}), "
                     f"all places {np.median(ratios[:, 1]):.2f}",
                     flush=True,
                 )
-    return figures
+    return measured
 
 
 if __name__ == "__main__":

@@ -19,8 +19,8 @@ def numbers() -> dict[str, float]:
     data = np.array([0.01, 0.1, 1.0, 10.0])
     at = solver.solve({**CASE, "datum": data})
     free = ("charge_sensitivity", "stroke_per_volt", "contact_trailing", "peak_pressure", "trailing_tension")
-    kinds = ["conducting", "insulating"]
-    conducts = solver.solve({**CASE, "electric": kinds, "magnetic": kinds})
+    conduction = ["conducting", "insulating"]
+    conducts = solver.solve({**CASE, "electric": conduction, "magnetic": conduction})
     width, pressure = conducts["contact_trailing"] + conducts["contact_leading"], conducts["peak_pressure"]
     elastic = solver.solve({**CASE, "punch": ["rigid", "steel"]})
     under_steel = (elastic["contact_trailing"] + elastic["contact_leading"]).values

@@ -188,6 +188,14 @@ QUANTITIES: dict[str, Described] = {
     ),
 }
 
+#: Of each field, electric and magnetic: potential, sensitivity, charge per load that makes the potential zero, stroke,
+#: blocked load; on a film its store, too.
+RESPONSES = (
+    ("voltage", "voltage_sensitivity", "charge_sensitivity", "stroke_per_volt", "blocked_load_per_volt", "capacitance"),
+    ("magnetic_potential", "magnetic_sensitivity", "flux_sensitivity", "stroke_per_ampere", "blocked_load_per_ampere",
+     "permeance"),
+)  # fmt: skip
+
 #: Quantities of the body below depth 0.1 h, which are searched for and given when asked for.
 PEAKS: dict[str, Described] = {
     "peak_von_mises": Described("Pa", "largest von Mises stress below depth 0.1 h"),

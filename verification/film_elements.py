@@ -103,7 +103,9 @@ class Compared:
         names = ["depth", *(name for _, name, _ in self._potentials)]
         if self.solved.interface[1] == "insulated":
             names.remove("magnetic_potential")
-        return {k: np.array(getattr(self.contact, k)) for k in names}, {k: self.quantities[k] for k in names}
+        numbers = {name: number for number, name, _ in self._potentials}
+        found = {k: self.contact.potential(numbers[k]) if k in numbers else self.contact.depth for k in names}
+        return {k: np.array(value) for k, value in found.items()}, {k: self.quantities[k] for k in names}
 
     @property
     def edges(self) -> tuple[Answers, Answers]:

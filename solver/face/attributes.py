@@ -104,8 +104,8 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
     defaults: dict[str, float | str] = {
         name: factor.default for name, factor in FACTORS.items() if factor.default is not None and name not in arrays
     }
-    kinds = _kinds(arrays, "profile") or [CHOICES["profile"][0]]
-    takes = {name for kind in kinds if not isinstance(kind, Profile) for name in PROFILES[str(kind)].may}
+    profiles = _kinds(arrays, "profile") or [CHOICES["profile"][0]]
+    takes = {name for kind in profiles if not isinstance(kind, Profile) for name in PROFILES[str(kind)].may}
     if "slope" in takes and not {"slope", "moment"} & set(arrays):
         defaults["slope"] = 0.0
     spared = {"composite"} if {"material", BODY} & set(arrays) else set()

@@ -78,12 +78,12 @@ def _check_material(arrays: Mapping[str, xr.DataArray]) -> None:
         return
     if "composite" not in arrays and not fractions:
         raise FactorError("material: missing; give a material's name, or a composite's volume_fraction")
-    kinds = dict.fromkeys(arrays["composite"].values.flat) if "composite" in arrays else [CHOICES["composite"][0]]
-    taken = {COMPOSITES[kind]: kind for kind in kinds}
+    composites = dict.fromkeys(arrays["composite"].values.flat) if "composite" in arrays else [CHOICES["composite"][0]]
+    taken = {COMPOSITES[kind]: kind for kind in composites}
     for name in fractions:
         if name not in taken:
             owners = [kind for kind, fraction in COMPOSITES.items() if fraction == name]
-            raise FactorError(f"{name}: the composite {', '.join(kinds)} has none; {' or '.join(owners)} has it")
+            raise FactorError(f"{name}: the composite {', '.join(composites)} has none; {' or '.join(owners)} has it")
     for name, kind in taken.items():
         if name not in fractions:
             raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed} (composite {kind})")

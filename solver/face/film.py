@@ -21,7 +21,6 @@ from solver.film.quantities import curves, peaks, quantities
 from solver.film.similar import Films
 from solver.film.windows import Kind, critical
 from solver.halfplane.pressing import ContactError
-from solver.halfplane.profile import Profile
 from solver.material.constants import MaterialError
 from solver.names import FILM_PEAKS
 
@@ -181,13 +180,9 @@ class OnFilm:
             layers, base, friction, (bool(electric), bool(magnetic)), profile.smooth, degree,
             punch=(compliance, coupling), electroded=bool(covered),
         )  # fmt: skip
-        if (
-            covered or kind.stack().conductors[0]
-        ):  # a stack refuses what its base does not have before anything is computed
-            refuse_charge(self.cases)
-            kind = replace(
-                kind, conducts=(False, bool(magnetic))
-            )  # the electrode on top has the potential, not the punch
+        if covered or kind.stack().conductors[0]:  # the electrode on top has the potential, not the punch
+            refuse_charge(self.cases)  # a stack refuses what its base does not have before anything is computed
+            kind = replace(kind, conducts=(False, bool(magnetic)))
         if speed > 0 and not speed < (limit := self._critical(kind)):
             raise CaseError(f"speed: {speed:g} m/s is not below the first critical speed of the film, {limit:.6g} m/s")
         return replace(kind, speed=speed)
@@ -208,12 +203,7 @@ class OnFilm:
         def chosen(values: Any) -> Array:
             return self._chosen(values, group.places)
 
-        p, number = self.cases.profile, self.cases.number
-        profile = Profile(
-            tuple(chosen(c) for c in p.slope), p.smooth,
-            None if p.width is None else chosen(p.width),
-            None if p.moment is None else chosen(p.moment),
-        )  # fmt: skip
+        number, profile = self.cases.number, self.cases.profile.part(group.places, self.shape)
         own = punch_datum(self.cases)
         charges = np.stack([chosen(charge) for charge in np.moveaxis(self.cases.charges, -1, 0)], -1)
         return Films(

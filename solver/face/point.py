@@ -140,7 +140,7 @@ class OnPoints:
 
     # -- what is beside the contact has its part in ------------------------------------------------------------------
     def _peaks(self, pressed: Pressed, places: Indices, asked: Set[str]) -> dict[str, Array]:
-        return peaks(pressed, self._inside(places, pressed), asked)
+        return peaks(pressed, self._within(places, pressed), asked)
 
     def _fields(self, pressed: Pressed, places: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
         """Fields of ``LINEAR`` and potentials; (case, field, y, x)."""

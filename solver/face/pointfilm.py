@@ -1,6 +1,5 @@
 """Cases of point contacts on films, by the film and what the punch is: the tables that they share."""
 
-from collections.abc import Set
 from functools import cached_property
 
 import numpy as np
@@ -105,11 +104,6 @@ class OnPointFilm(OnPoints):
         self._refuse_electroded("fields")
         return Inside(_stack(pressed))
 
-    def peaks(self, asked: Set[str]) -> dict[str, Array]:
-        """Those of a half-space, and of the base; none where a film is graded."""
-        self._refuse_graded("peaks: are not given of a film that is graded")
-        return super().peaks(asked)
-
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
         """As on a half-space; stresses on a film that is graded are those inside it, at its surface.
 
@@ -125,10 +119,6 @@ class OnPointFilm(OnPoints):
                 values[name] = inside[own][..., 0, :]
             values = self.with_regular(values, positions) if regular else values
         return values
-
-    def _refuse_graded(self, why: str) -> None:
-        if any(_stack(pressed).top.graded for _, pressed in self._parts):
-            raise FactorError(why)
 
 
 def _stack(pressed: Pressed) -> Stack:

@@ -4,9 +4,8 @@ Arrays have the case axis first. Displacements are linear in the causes at a fix
 the edges, so that reciprocity, exact at a fixed contact, does not hold for them.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
 
 import numpy as np
 
@@ -18,7 +17,6 @@ from solver.film.press import extent
 from solver.film.table import Table
 from solver.halfplane.profile import Profile
 
-_STEPS = 20
 _NORMAL = np.diag([1.0, 0.0, 0.0])  # (y, y) among (y, phi, psi)
 
 
@@ -66,13 +64,13 @@ class FilmContact:
         if self.profile.moment is None or self._corners is None:
             return loading
         half = self._corners
-        level = np.array(loading.slope)
-        level[:, 0] = 0.0
-        causes = Loading(level, loading.loads, loading.smooth).at(half, np.zeros_like(half)).values
+        tilted = np.array(loading.slope)
+        tilted[:, 0] = 0.0
+        causes = Loading(tilted, loading.loads, loading.smooth).at(half, np.zeros_like(half)).values
         moments = np.tensordot(self.table.polynomials(np.log(half)), self.table.series[:, outputs.MOMENT], 1)
         asked = np.asarray(self.profile.moment) * self.scale[1] / half**2
-        level[:, 0] = (asked - dot(moments, causes)) / moments[:, 0]
-        return Loading(level, loading.loads, loading.smooth)
+        tilted[:, 0] = (asked - dot(moments, causes)) / moments[:, 0]
+        return Loading(tilted, loading.loads, loading.smooth)
 
     @property
     def _corners(self) -> Array | None:
@@ -191,16 +189,6 @@ class FilmContact:
     def _first_charge(self) -> int:
         return len(self.table.system.powers)
 
-    @property
-    def capacitance(self) -> Array:
-        """dT/dV [F/m] at the fixed contact, J fixed; (case,)."""
-        return 1 / self.at_fixed_contact[:, 1, 0]
-
-    @property
-    def permeance(self) -> Array:
-        """dJ/dPsi [Wb/(A m)] at the fixed contact, T fixed; (case,)."""
-        return 1 / self.at_fixed_contact[:, 2, 1]
-
     @cached_property
     def tangents(self) -> Array:
         """d (depth, voltage, magnetic potential) / d (P, T, J) with the moving edges, SI; (case, 3, 3)."""
@@ -270,11 +258,6 @@ class FilmContact:
         profile, charges = self.profile.part(some, size), self.charges[some]
         return FilmContact(self.table, profile, self.load[some], charges, chosen(self.datum), own)
 
-    # -- sensor and actuator -------------------------------------------------------------------------------------------
-    def with_charges(self, charges: Array) -> Self:
-        """The same punches and loads with other charges."""
-        return replace(self, charges=charges)
-
     def potential(self, field: int) -> Array:
         """Electric [V] (field 0) or magnetic [A] (field 1) potential of the punch."""
         return self.response[:, 1 + field]
@@ -283,35 +266,6 @@ class FilmContact:
     def depth(self) -> Array:
         """Approach of the punch, at its origin [m]."""
         return self.response[:, 0]
-
-    @cached_property
-    def _uncharged(self) -> "FilmContact":
-        return self.with_charges(np.zeros_like(self.charges)) if np.any(self.charges) else self
-
-    def sensitivity(self, field: int) -> Array:
-        """d potential / d load without charges [V m/N, A m/N]."""
-        return self._uncharged.tangents[:, 1 + field, 0]
-
-    def short_circuit(self, field: int) -> Array:
-        """Charge per load that makes the potential 0, the other charge 0 [C/N, Wb/N]."""
-        state = self._uncharged
-        for _ in range(_STEPS):
-            step = state.potential(field) / state.tangents[:, 1 + field, 1 + field]
-            charges = np.array(state.charges, dtype=np.float64)
-            charges[:, field] -= step
-            state = self.with_charges(charges)
-            if np.all(np.abs(step) <= 1e-9 * np.abs(charges[:, field])):  # the next is of its square
-                break
-        return state.charges[:, field] / self.load
-
-    def stroke(self, field: int) -> Array:
-        """d depth / d potential at fixed load and other charge [m/V, m/A]."""
-        return self.tangents[:, 0, 1 + field] / self.tangents[:, 1 + field, 1 + field]
-
-    def blocked_load(self, field: int) -> Array:
-        """d load / d potential at fixed depth and other charge [N/(m V), N/(m A)]."""
-        t, j = self.tangents, 1 + field
-        return 1 / (t[:, j, 0] - t[:, j, j] * t[:, 0, 0] / t[:, 0, j])
 
 
 def _sum(read: Array, causes: Array) -> Array:

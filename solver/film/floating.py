@@ -10,6 +10,7 @@ are:
 Strips that float have no charge: ``V_f = -C_ff^-1 C_fr`` per volt of the one that is read (films, section 11).
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -83,22 +84,17 @@ def stiffness(stack: Stack, number: int, k: Array) -> tuple[Array, float]:
 
 
 @dataclass(frozen=True, eq=False)
-class Strips:
-    """2 n + 1 strips side by side, in lengths over the thickness of the top layer.
+class Patches(ABC):
+    """Parts of one electrode side by side, in lengths over the thickness of the top layer.
 
     Attributes
     ----------
     stack, number
         The electrode that they are parts of.
     size, pitch
-        Width of the strips, and distance of their middles.
+        Width or diameter of the parts, and distance of their middles.
     floating
-        n: strips that float on each side of the one that is read.
-
-    Raises
-    ------
-    StackError
-        An electrode without gaps; a gap much wider than the layers beside it or than the strips.
+        n: parts that float on each side of the one that is read.
     """
 
     stack: Stack
@@ -108,15 +104,48 @@ class Strips:
     floating: int
 
     @property
-    def _gap(self) -> float:
-        return self.pitch - self.size
+    @abstractmethod
+    def matrix(self) -> Array:
+        """Charges per voltages [F m-1 or F, over the stack's units], symmetric and positive definite; (part, part)."""
+
+    @property
+    def read(self) -> int:
+        """The part in the middle."""
+        return len(self.matrix) // 2
 
     @property
     def _width(self) -> float:
-        """K - k K(infinity) decays like exp(-k width)."""
+        """K/k less its limit decays like exp(-k width)."""
         place = Electrode(self.stack, self.number).interfaces[0]
         beside = [i for i in (place, place + 1) if i < len(self.stack.layers)]
         return 2 * min(self.stack.layers[i].thickness * float(self.stack.media[i].slowest) for i in beside)
+
+    @cached_property
+    def voltages(self) -> Array:
+        """Of the parts where the middle one has one volt and the others float; (part,)."""
+        found = np.ones(len(self.matrix))
+        others = np.arange(found.size) != self.read
+        found[others] = -np.linalg.solve(self.matrix[np.ix_(others, others)], self.matrix[others, self.read])
+        return found
+
+    @property
+    def capacitance(self) -> float:
+        """Of the middle one to all that does not float [F m-1 or F], lengths over any."""
+        return float(self.matrix[self.read] @ self.voltages) / float(self.stack.scale[_PHI]) ** 2
+
+
+class Strips(Patches):
+    """2 n + 1 strips side by side.
+
+    Raises
+    ------
+    StackError
+        An electrode without gaps; a gap much wider than the layers beside it or than the strips.
+    """
+
+    @property
+    def _gap(self) -> float:
+        return self.pitch - self.size
 
     @cached_property
     def _terms(self) -> int:
@@ -180,20 +209,6 @@ class Strips:
         strips = 2 * self.floating + 1
         energy = self._energy[:strips, :strips] + self._energy[:strips, strips:] @ self._in_gaps
         return np.asarray(energy + energy.T) / 2
-
-    @cached_property
-    def voltages(self) -> Array:
-        """Of the strips where the middle one has one volt and the others float; (2n + 1,)."""
-        n = self.floating
-        others = np.arange(2 * n + 1) != n
-        volts = np.ones(2 * n + 1)
-        volts[others] = -np.linalg.solve(self.matrix[np.ix_(others, others)], self.matrix[others, n])
-        return volts
-
-    @property
-    def capacitance(self) -> float:
-        """Of the middle one to all that does not float [F m-1], lengths over any."""
-        return float(self.matrix[self.floating] @ self.voltages) / float(self.stack.scale[_PHI]) ** 2
 
     def wave(self, k: Array) -> Array:
         """Transform of the potential under which it reads, one volt on the middle strip; real, (k,)."""

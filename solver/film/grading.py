@@ -18,7 +18,7 @@ from numpy.polynomial.chebyshev import chebder, chebval, chebvander
 from scipy.special import gammainc
 
 from approximation.chebyshev import coefficients, gauss_points
-from approximation.panels import line
+from approximation.piecewise import Piecewise
 from solver.arrays import Array
 from solver.film.fourier import FLIP, Medium, falling
 from solver.film.reflection import body_below
@@ -207,20 +207,15 @@ class GradedResponse:
         return self._medium.tails
 
     @cached_property
-    def _series(self) -> Array:
-        """Chebyshev coefficients in every panel; (panel, coefficient, 4, 4)."""
-        k = line([_PANEL] * (self.ends.size - 1), self.ends.tolist())
-        values = self._medium.difference(k, body_below(self.stack, k))
-        return coefficients(values.reshape(-1, _PANEL, 4, 4), axis=1)
+    def _table(self) -> Piecewise:
+        """Delta on the panels; (k, 4, 4)."""
+        return Piecewise.of(lambda k: self._medium.difference(k, body_below(self.stack, k)), self.ends, _PANEL)
 
     def difference(self, k: Array) -> Array:
         """Delta at wavenumbers; beyond the panels by its tails; (k, 4, 4)."""
         out: Array = np.einsum("jk,jab->kab", k ** -np.arange(1.0, _TAILS + 1)[:, None], self.tails)
-        panel = np.searchsorted(self.ends, k) - 1
-        for p, series in enumerate(self._series):
-            inside = np.flatnonzero(panel == p)
-            local = (2 * k[inside] - self.ends[p] - self.ends[p + 1]) / (self.ends[p + 1] - self.ends[p])
-            out[inside] = np.tensordot(chebvander(local, _PANEL - 1), series, 1)
+        inside = k <= self.ends[-1]
+        out[inside] = self._table.at(k[inside])
         return out
 
     def decayed(self, k: Array, width: float, count: int = 3) -> Array:

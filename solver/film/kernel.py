@@ -10,13 +10,12 @@ where U' = K gives displacements. They are analytic in the strip |Im x| < b = 2 
 """
 
 from dataclasses import dataclass
-from functools import cache, lru_cache
-from itertools import pairwise
+from functools import cache, cached_property, lru_cache
 
 import numpy as np
 from scipy.special import erfc, exp1
 
-from approximation.chebyshev import coefficients, mapped_points, polynomials
+from approximation.piecewise import Piecewise
 from solver.arrays import Array, BoolArray
 from solver.film.electroded import difference, lowest, surface
 from solver.film.grading import GradedResponse, smooth_tails
@@ -36,14 +35,15 @@ POTENTIAL_SHEAR = SHEAR + 10
 
 _ODD = np.array([True] * 6 + [False] * 3 + [True] + [False] * 6 + [True] * 3)  # parity of K, then of U
 _DECAYED = 34.0  # exponent at the largest wavenumber: e^-34 is below rounding
-_GROWTH = 2.5  # of the panels in k
+_GROWTH, _GROWN = 2.5, 1.35  # of the panels in k, and in x
 _NODES = 16  # a panel in k, beside those that the phase needs
 _PHASE = 150.0  # the most of a panel: small rules are cheap to find
-_DEGREE = 16  # of the Chebyshev panels in x, the first half as long as the strip is wide: 8.3^-17 is below rounding
+#: Degree on every panel.
+DEGREE = 16  # of the Chebyshev panels in x, the first half as long as the strip is wide: 8.3^-17 is below rounding
 _ENDED = 40.0  # thicknesses from which Delta is ended
 _END, _SLOPE = 72.0, 12.0  # k times the distance where it ends, and the width of that: e^-36 of it is left
 _TAIL = 1e-11  # of the largest coefficient: what the last ones of a resolved kernel fall below
-_FINEST = 10  # halvings of the first panel under a graded layer, whose kernels are rough at 0
+FINEST = 10  # halvings of the first panel under a graded layer, whose kernels are rough at 0
 _GRADED_END = 2000.0  # largest wavenumber times the thickness of a graded layer
 _GRADED_TAIL = 1e-8
 _HALVINGS = 6  # of panels that do not resolve: roots with a large real part put singularities beside the first ones
@@ -63,10 +63,8 @@ class Kernel:
         The stack.
     width
         b = 2 h1 g [m]: distance of the nearest singularities from the real axis, and the datum L of U.
-    edges
-        Ends of the panels, from 0 to the reach [m]; (panel + 1,).
-    coefficients
-        Chebyshev coefficients of K (ten channels) and of U (nine); (panel, degree + 1, 19).
+    positive
+        K (ten channels) and U (nine) at distances from 0 to the reach [m]; (distance, 19).
     graded
         Response of a stack whose top layer is graded: the kernels are then without their rough parts
         (:mod:`solver.film.rough`), and U is left out.
@@ -74,19 +72,23 @@ class Kernel:
 
     stack: Stack
     width: float
-    edges: Array
-    coefficients: Array
+    positive: Piecewise
     graded: GradedResponse | None = None
+
+    @property
+    def ends(self) -> Array:
+        """Ends of the panels, from 0 to the reach [m]; (panel + 1,)."""
+        return self.positive.ends
 
     @property
     def reach(self) -> float:
         """Largest distance that the table knows [m]."""
-        return float(self.edges[-1])
+        return float(self.ends[-1])
 
     @property
     def smoothness(self) -> float:
         """Distance [m] from the real axis within which the kernels are analytic, as their panels tell."""
-        lengths = np.diff(self.edges)[:-1] / (0.35 * self.edges[:-2] + self.width / 2)
+        lengths = np.diff(self.ends)[:-1] / (0.35 * self.ends[:-2] + self.width / 2)
         return self.width * min(1.0, float(np.min(lengths, initial=1.0)))
 
     def at(self, x: Array, mixing: Array | None = None) -> Array:
@@ -109,28 +111,14 @@ class Kernel:
         StackError
             A distance beyond the reach of the table.
         """
-        flat = x.ravel()
-        distance = np.abs(flat)
-        if flat.size and np.max(distance) > self.reach * (1 + 1e-12):
-            raise StackError(f"kernel: distance {np.max(distance):g} m is beyond the resolved {self.reach:g} m")
-        asked = np.eye(_ODD.size) if mixing is None else mixing
-        count = len(self.coefficients)
-        panel = np.minimum(np.searchsorted(self.edges[1:-1], distance, side="right"), count - 1)
-        panel[flat < 0] += count
-        order = np.argsort(panel.astype(np.uint16), kind="stable")
-        bounds = np.searchsorted(panel[order], np.arange(2 * count + 1)).tolist()
-        middle, half = (self.edges[1:] + self.edges[:-1]) / 2, np.diff(self.edges) / 2
-        own = panel[order] % count
-        T = polynomials((distance[order] - middle[own]) / half[own], _DEGREE + 1).T
-        values = np.empty((flat.size, asked.shape[-1]))
-        for sign, parity in enumerate((np.ones(_ODD.size), np.where(_ODD, -1.0, 1.0))):
-            mixed = self.coefficients @ (parity[:, None] * asked)
-            for p, (start, stop) in enumerate(pairwise(bounds[sign * count : (sign + 1) * count + 1])):
-                if stop > start:
-                    values[start:stop] = T[start:stop] @ mixed[p]
-        out = np.empty_like(values)
-        out[order] = values
-        return out.reshape(*x.shape, asked.shape[-1])
+        farthest = float(np.max(np.abs(x), initial=0.0))
+        if farthest > self.reach * (1 + 1e-12):
+            raise StackError(f"kernel: distance {farthest:g} m is beyond the resolved {self.reach:g} m")
+        return self._both_sides.at(x, mixing)
+
+    @cached_property
+    def _both_sides(self) -> Piecewise:
+        return self.positive.mirrored(_ODD)
 
 
 @lru_cache(_KERNELS)
@@ -154,49 +142,63 @@ def kernel(stack: Stack, reach: float, *, by_distance: bool = False) -> Kernel:
         raise StackError(
             f"kernel: distance {reach:g} m is beyond the range that can be resolved, {_FARTHEST * width:g} m"
         )
-    edges = [0.0, *(width / 2 * 0.5 ** np.arange(_FINEST, 0, -1) if stack.top.graded else ()), width / 2]
-    while edges[-1] < reach:
-        edges.append(1.35 * edges[-1] + width / 2)
-    edges[-1] = max(reach, (edges[-2] + edges[-1]) / 2)
+    ends = growing(width, reach, halvings=FINEST if stack.top.graded else 0)
+    ends[-1] = max(reach, (ends[-2] + ends[-1]) / 2)
     graded = graded_response(stack) if stack.top.graded else None
-    ends, series = _resolved(stack, width, np.array(edges), graded, by_distance=by_distance)
-    return Kernel(stack, width, ends, series, graded)
+    octaves = octave(ends, width) if by_distance else None
+    return Kernel(stack, width, _resolved(stack, width, ends, graded, octaves), graded)
+
+
+def growing(width: float, reach: float, *, halvings: int = 0) -> Array:
+    """Ends of panels in the distance from 0 to the reach or beyond [m], which grow from half the width on; (end,).
+
+    Parameters
+    ----------
+    width
+        Of the strip in which what is tabled is analytic [m].
+    reach
+        Where the panels may end [m].
+    halvings
+        Of the first panel, for what is rough at 0.
+    """
+    ends = [0.0, *(width / 2 * 0.5 ** np.arange(halvings, -1, -1))]
+    while ends[-1] < reach:
+        ends.append(_GROWN * ends[-1] + width / 2)
+    return np.array(ends)
+
+
+def octave(ends: Array, width: float) -> Array:
+    """Distances of a panel over the width, as a power of two: transforms of one octave share their wavenumbers.
+
+    Parameters
+    ----------
+    ends : ndarray, shape (panel + 1,), of the panels [m]
+    width : float, m
+    """
+    return np.asarray(np.floor(np.log2(ends[1:] / width)))
 
 
 def _resolved(
-    stack: Stack, width: float, ends: Array, graded: GradedResponse | None, *, by_distance: bool
-) -> tuple[Array, Array]:
-    """Ends of panels, those whose series have not decayed halved until all have, and the series."""
+    stack: Stack, width: float, ends: Array, graded: GradedResponse | None, octaves: Array | None
+) -> Piecewise:
+    """The channels on panels, those whose series have not decayed halved until all have."""
     least = _TAIL if graded is None else _GRADED_TAIL
-    series = np.empty((ends.size - 1, _DEGREE + 1, 19))
-    octave = np.floor(np.log2(ends[1:] / width)) if by_distance else np.zeros(ends.size - 1)
-    for some in (octave == height for height in np.unique(octave)):
-        series[some] = _series(stack, width, ends[:-1][some], ends[1:][some], graded)
+
+    def values(x: Array) -> Array:
+        return _transforms(stack, width, x) if graded is None else _graded(graded, width, x)
+
+    found = Piecewise.of(values, ends, DEGREE + 1, octaves)
     for _ in range(_HALVINGS):
-        large = _undecayed(series, least)
+        large = _undecayed(found.series, least)
         if not np.any(large):
-            return ends, series
-        middles = (ends[:-1] + ends[1:]) / 2
-        starts, stops = np.repeat(ends[:-1], 1 + large), np.repeat(ends[1:], 1 + large)
-        first = np.flatnonzero(large) + np.arange(np.count_nonzero(large))  # of the halves, among the new panels
-        stops[first], starts[first + 1] = middles[large], middles[large]
-        halves = np.sort(np.concatenate([first, first + 1]))
-        series = np.repeat(series, 1 + large, axis=0)
-        series[halves] = _series(stack, width, starts[halves], stops[halves], graded)
-        ends = np.append(starts, stops[-1])
-    if np.any(_undecayed(series, least)):
+            return found
+        found = found.halved(values, large)
+    if np.any(_undecayed(found.series, least)):
         raise StackError(
             "kernel: its table does not resolve this stack: layers too different in thickness or stiffness "
             "(or a speed next to the critical one)"
         )
-    return ends, series
-
-
-def _series(stack: Stack, width: float, starts: Array, stops: Array, graded: GradedResponse | None) -> Array:
-    """Chebyshev coefficients of all channels on panels; (panel, degree + 1, 19)."""
-    x = np.concatenate([mapped_points(_DEGREE + 1, *pair) for pair in zip(starts, stops, strict=True)])
-    values = _transforms(stack, width, x) if graded is None else _graded(graded, width, x)
-    return coefficients(values.reshape(-1, _DEGREE + 1, 19), axis=1)
+    return found
 
 
 def _undecayed(series: Array, least: float) -> BoolArray:
@@ -253,25 +255,28 @@ def on_panels(ends: Array, reaches: Array) -> tuple[Array, Array]:
     return np.concatenate(nodes), np.concatenate(weights)
 
 
-def _ended_at(stack: Stack, width: float, x: Array) -> float | None:
+def _ended_at(stack: Stack, width: float, x: Array, long: float = _ENDED) -> float | None:
     """Wavenumber at which Delta may end at distances x that are all long [m]; none where it decays before."""
     least = float(np.min(x))
-    if least <= _ENDED * stack.thickness:
+    if least <= long * stack.thickness:
         return None
     end = (_END + 6 * _SLOPE) / least
     return end if end < _DECAYED / width else None
 
 
-def tapered(stack: Stack, width: float, x: Array) -> tuple[Array, Array, Array]:
-    """Nodes and weights in k, and a smooth end of Delta that long distances do not see; (k,) each.
+def tapered(stack: Stack, width: float, x: Array, long: float = _ENDED) -> tuple[Array, Array, Array]:
+    """Nodes and weights in k at distances, and a smooth end of Delta that long ones do not see; (k,) each.
 
     Parameters
     ----------
-    stack : Stack
-    width : float, of what decays like exp(-width k) [m]
-    x : ndarray, shape (x,), distances [m]
+    stack, width
+        What decays like exp(-width k) of which films.
+    x
+        Distances [m].
+    long
+        Thicknesses from which distances are long.
     """
-    end = _ended_at(stack, width, x)
+    end = _ended_at(stack, width, x, long)
     k, weights = wavenumbers(stack, float(np.max(x)), width if end is None else _DECAYED / end)
     taper = np.ones_like(k) if end is None else erfc((k * float(np.min(x)) - _END) / _SLOPE) / 2
     return k, weights, taper

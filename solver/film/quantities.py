@@ -16,6 +16,7 @@ from solver.film.similar import Films
 from solver.film.stack import StackError
 from solver.film.table import RangeError
 from solver.film.windows import Kind, peak_window
+from solver.names import RESPONSES
 
 _STEPS = 20
 _CLOSE = 1e-9  # of a charge: the next step is of its square
@@ -23,12 +24,6 @@ _CLOSE = 1e-9  # of a charge: the next step is of its square
 #: Cases, a table of their stresses, and their contacts in it.
 PeakTables = Iterator[tuple[Indices, PeakTable, FilmContact]]
 
-#: Of each field: potential, sensitivity, charge per load that makes it zero, stroke and blocked load.
-_RESPONSES = (
-    ("voltage", "voltage_sensitivity", "charge_sensitivity", "stroke_per_volt", "blocked_load_per_volt"),
-    ("magnetic_potential", "magnetic_sensitivity", "flux_sensitivity", "stroke_per_ampere", "blocked_load_per_ampere"),
-)
-_STORES = ("capacitance", "permeance")
 _INTERFACE = ("interface_shear", "interface_shear_position", "interface_tension", "interface_tension_position")
 
 
@@ -80,11 +75,24 @@ def _responses(films: Films, field: int) -> dict[str, Array]:
         films.thickness * films.gather(lambda c: c.potential(field)),
         uncharged.gather(lambda c: c.tangents[:, j, 0]),
         _short_circuit(uncharged, field),
-        t[:, 0, j] / t[:, j, j],
-        1 / (t[:, j, 0] - t[:, j, j] * t[:, 0, 0] / t[:, 0, j]),
+        *driven(t, j),
+        1 / films.gather(lambda c: c.at_fixed_contact[:, j, field]),
     )
-    fixed = films.gather(lambda c: c.at_fixed_contact[:, j, field])
-    return dict(zip(_RESPONSES[field], values, strict=True)) | {_STORES[field]: 1 / fixed}
+    return dict(zip(RESPONSES[field], values, strict=True))
+
+
+def driven(tangents: Array, j: int) -> tuple[Array, Array]:
+    """Depth per potential at a fixed load, and load per potential at a fixed depth; (...) each.
+
+    Parameters
+    ----------
+    tangents
+        d (depth, voltage, magnetic potential) / d (P, T, J), SI; (..., 3, 3).
+    j
+        1 of the voltage, 2 of the magnetic potential.
+    """
+    t = np.moveaxis(tangents, (-2, -1), (0, 1))
+    return t[0, j] / t[j, j], 1 / (t[j, 0] - t[j, j] * t[0, 0] / t[0, j])
 
 
 def _short_circuit(uncharged: Films, field: int) -> Array:

@@ -77,13 +77,13 @@ class Rough:
             (weights / np.sqrt(one * other))[:, None] * np.cos(angle * np.arange(self.basis.terms + 1)),
         )
         distance = np.where(beyond[:, None] > 0, beyond[:, None] - 1 + one, beyond[:, None] + 1 - other)
-        kinds = np.array([np.sign(distance), np.log(np.abs(distance)), np.ones_like(distance)])
+        functions = np.array([np.sign(distance), np.log(np.abs(distance)), np.ones_like(distance)])
         parts = []
         for values, rule in zip(own, terms, strict=True):
             whole = np.empty((9, X.size, rule.shape[1]))
             whole[:, inside] = values
             for kind, power in np.ndindex(3, 3):
-                whole[3 * kind + power, ~inside] = (kinds[kind] * distance**power) @ rule
+                whole[3 * kind + power, ~inside] = (functions[kind] * distance**power) @ rule
             parts.append(whole)
         return parts[0], parts[1]
 

@@ -90,16 +90,7 @@ class Films:
         """Contacts of some cases on films of unit thickness: lengths, loads and charges over the thickness."""
         h = self.thickness[places]
 
-        def chosen(values: Array) -> Array:
-            return np.asarray(np.broadcast_to(values, self.load.shape)[places])
-
-        profile = self.profile
-        unit = Profile(
-            tuple(chosen(c) * h**k for k, c in enumerate(profile.slope)),
-            profile.smooth,
-            None if profile.width is None else chosen(profile.width) / h,
-            None if profile.moment is None else chosen(profile.moment) / h**2,
-        )
+        unit = self.profile.part(places, self.load.shape).in_units_of(h)
         charges = self.charges[places] / h[:, None]
         own = None if self.punch_datum is None else self.punch_datum[places] / h
         return FilmContact(of, unit, self.load[places] / h, charges, self.datum[places] / h, own)

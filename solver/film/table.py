@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebder, chebvander
 from numpy.typing import NDArray
 
-from approximation.chebyshev import coefficients, gauss_points
+from approximation.chebyshev import coefficients
+from approximation.piecewise import Interval
 from solver.arrays import Array
 from solver.film import outputs
 from solver.film.assembly import Assembly
@@ -78,17 +78,14 @@ class Table:
     nodes: int
 
     @cached_property
+    def interval(self) -> Interval:
+        """Range of log h, with its Chebyshev points."""
+        return Interval(float(np.log(self.lower)), float(np.log(self.upper)), self.nodes)
+
+    @cached_property
     def half_lengths(self) -> Array:
         """Chebyshev points of log h [m], rising; (node,)."""
-        return np.exp(self._middle + self._half * gauss_points(self.nodes))
-
-    @property
-    def _middle(self) -> float:
-        return float(np.log(self.lower * self.upper) / 2)
-
-    @property
-    def _half(self) -> float:
-        return float(np.log(self.upper / self.lower) / 2)
+        return np.exp(self.interval.points)
 
     @cached_property
     def at_nodes(self) -> Array:
@@ -103,8 +100,7 @@ class Table:
     @cached_property
     def rates(self) -> Array:
         """Chebyshev coefficients of the derivatives in log h; (node, output, cause)."""
-        derived = chebder(self.series) / self._half
-        return np.concatenate([derived, np.zeros((1, *derived.shape[1:]))])
+        return self.interval.derived(self.series)
 
     @property
     def resolved(self) -> float:
@@ -115,8 +111,7 @@ class Table:
 
     def polynomials(self, log_half: Array) -> Array:
         """Chebyshev polynomials at log h; (case, node): times ``series`` they are the outputs."""
-        local = np.clip((log_half - self._middle) / self._half, -1.0, 1.0)
-        return np.asarray(chebvander(local, self.nodes - 1), dtype=np.float64)
+        return self.interval.polynomials(log_half)
 
     def narrowed(self, half_length: float, ratio: float = 1.2, nodes: int = 10) -> "Table":
         """A table of the same system about one half-length: as exact as the system itself.

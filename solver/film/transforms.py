@@ -85,9 +85,9 @@ class Transforms:
             yield own
             t = 2 * j + A + B
             above = 2 * (j + 1) * (j + A + B + 1) / ((t + 1) * (t + 2))
-            level = (A - B) / t - (B * B - A * A) / (t * (t + 2))
+            constant = (A - B) / t - (B * B - A * A) / (t * (t + 2))
             beneath = 2 * (j + A) * (j + B) / t * (1 - j / (t + 1))
-            factor = j * level - 1j * j * (j + A + B + 1) / q
+            factor = j * constant - 1j * j * (j + A + B + 1) / q
             own, before = (factor * own + beneath * before) / (j * above), own
 
     def _bessel(self, q: Array, count: int) -> Iterator[ComplexArray]:

@@ -1,12 +1,13 @@
 """Rigid punch profiles: a polynomial slope, and which edges of the contact are corners of the punch."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 
 
@@ -111,24 +112,32 @@ class Profile:
         """Whether the slope is one power of x, so that contacts under all loads are similar."""
         return self.width is None and not any(np.any(c) for c in self.slope[:-1])
 
-    def part(self, places: slice, size: tuple[int, ...]) -> Self:
-        """Some of the cases of a size (case,).
+    def part(self, places: slice | Indices, size: tuple[int, ...]) -> Self:
+        """Some of the cases of a size.
 
         Parameters
         ----------
         places
-            Which cases.
+            Which cases, of all in a row.
         size
-            Number of all cases; (case,).
+            Sizes of the cases' axes; (...).
 
         Examples
         --------
         >>> Profile.cylinder(np.array([0.05, 0.1, 0.2])).part(slice(1, 3), (3,)).slope[-1].size
         2
         """
+        return self._changed(lambda values, _: np.broadcast_to(values, size).ravel()[places])
 
-        def chosen(values: Array) -> Array:
-            return np.asarray(np.broadcast_to(values, size)[places])
+    def in_units_of(self, length: Array) -> Self:
+        """The profile with all lengths over one; (...)."""
+        return self._changed(lambda values, power: values * length**power)
 
-        width, moment = (None if v is None else chosen(v) for v in (self.width, self.moment))
-        return type(self)(tuple(chosen(c) for c in self.slope), self.smooth, width, moment)
+    def _changed(self, change: Callable[[Array, int], Array]) -> Self:
+        """With parameters that are made of these and of the powers of a length that undo their unit's."""
+        width, moment = (
+            None if own is None else np.asarray(change(own, power))
+            for own, power in ((self.width, -1), (self.moment, -2))
+        )
+        slope = tuple(np.asarray(change(own, power)) for power, own in enumerate(self.slope))
+        return type(self)(slope, self.smooth, width, moment)

@@ -3,6 +3,7 @@
 from solver.arrays import Array
 from solver.halfplane.contact import Contact
 from solver.halfplane.response import Response
+from solver.names import RESPONSES
 
 
 def quantities(contact: Contact, datum: Array, punch_datum: Array | None = None) -> dict[str, Array]:
@@ -37,16 +38,8 @@ def quantities(contact: Contact, datum: Array, punch_datum: Array | None = None)
             intensity = contact.edge_intensity(edge)
             out[f"electric_edge_intensity_{name}"] = intensity[..., 0]
             out[f"magnetic_edge_intensity_{name}"] = intensity[..., 1]
-    if contact.sliding.conducts[..., 0].all():
-        out["voltage"] = response.potential(0)
-        out["voltage_sensitivity"] = response.sensitivity(0)
-        out["charge_sensitivity"] = response.short_circuit(0)
-        out["stroke_per_volt"] = response.stroke(0)
-        out["blocked_load_per_volt"] = response.blocked_load(0)
-    if contact.sliding.conducts[..., 1].all():
-        out["magnetic_potential"] = response.potential(1)
-        out["magnetic_sensitivity"] = response.sensitivity(1)
-        out["flux_sensitivity"] = response.short_circuit(1)
-        out["stroke_per_ampere"] = response.stroke(1)
-        out["blocked_load_per_ampere"] = response.blocked_load(1)
+    answers = response.potential, response.sensitivity, response.short_circuit, response.stroke, response.blocked_load
+    for field, names in enumerate(RESPONSES):
+        if contact.sliding.conducts[..., field].all():
+            out |= {name: answer(field) for name, answer in zip(names, answers, strict=False)}
     return out

@@ -14,7 +14,14 @@ _MOST = 400_000  # values of all orders held at once
 
 
 def even_orders(z: Array, count: int, odd: int = 0) -> Array:
-    """j_2n(z), or j_(2n+1)(z) with ``odd`` = 1, of n = 0 .. count - 1 at z > 0; (count, ...)."""
+    """j_2n(z), or j_(2n+1)(z) with ``odd`` = 1, of n = 0 .. count - 1 at z > 0; (count, ...).
+
+    Parameters
+    ----------
+    z : ndarray, shape (...), > 0
+    count : int, number of orders
+    odd : int, 1 for odd orders
+    """
     flat = z.ravel()
     found: Array = np.empty((count, flat.size))
     step = max(_MOST // (2 * count), 1)

@@ -54,7 +54,14 @@ class Loading:
         return Loading(self.coefficient[places], self.force[places], self.given[places], self.held)
 
     def state(self, stiffness: Stiffness, shape: Shape, radius: Array) -> State:
-        """Contacts of these radii under the charges and potentials, whatever their force; of a disc with it."""
+        """Contacts of these radii under the charges and potentials, whatever their force; of a disc with it.
+
+        Parameters
+        ----------
+        stiffness : Stiffness, what the body answers at these radii
+        shape : Shape, the punch
+        radius : ndarray, shape (case,), a
+        """
         displacement = 1.0 if shape.flat else self.coefficient * radius**shape.exponent
         load = displacement * radius
         given = np.where(self.held, self.given / _column(displacement), -self.given / load[..., None])
@@ -141,7 +148,13 @@ class Film:
             yield np.flatnonzero(numbers == number), window(self.kind, number)
 
     def gathered(self, radius: Array, output: Callable[[Window, Array, Indices], Array]) -> Array:
-        """An output of the windows at log (a/h) of their cases; (case, ...)."""
+        """An output of the windows at log (a/h) of their cases; (case, ...).
+
+        Parameters
+        ----------
+        radius : ndarray, shape (case,), a [m]
+        output : callable, gives values of a window at log (a/h) and places of its cases, (case, ...)
+        """
         log_ratio = np.log(radius / self.thickness)
         parts = [(places, output(of, log_ratio[places], places)) for places, of in self.windows(radius)]
         whole = np.empty((radius.size, *parts[0][1].shape[1:]))
@@ -193,7 +206,7 @@ class Film:
             places = charged[numbers[charged] == number]
             for other in range(max(number - _AROUND, FIRST), min(number + _AROUND, LAST) + 1):
                 search = Search(window(self.kind, other), self.thickness[places], loading.part(places))
-                low, high = search.window.ends
+                low, high = search.window.interval.low, search.window.interval.high
                 at = np.log(radius[places] / self.thickness[places])
                 if np.any(search.beside != np.where(at <= low, -1, np.where(at > high, 1, 0))):
                     raise LengthsError(_SEVERAL)

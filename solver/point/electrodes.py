@@ -26,12 +26,12 @@ from solver.point.bessel import even_orders
 from solver.point.body import Film
 from solver.point.floating import Discs, discs
 from solver.point.galerkin import halfspace_terms
-from solver.point.inside import Tractions
 from solver.point.local import Covered
 from solver.point.pressed import Contact
 from solver.point.sliding import Rubbed
 from solver.point.surface import Below
 from solver.point.table import Window
+from solver.point.tractions import Tractions
 
 _PHASE = 8.0  # of a wave over a panel of densities
 _BLOCK = 1_000_000  # values of the Bessel functions held at once
@@ -41,6 +41,12 @@ _TINY = 1e-12  # side of a rectangle over the other, from which on it is none
 
 def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict[str, Array]:
     """Those of ``ELECTRODE_QUANTITIES`` and ``DISC_QUANTITIES`` of ``solver.names`` that are asked for, SI; (case,).
+
+    Parameters
+    ----------
+    contact : Contact, the contacts
+    film : Film, their body
+    reading : Reading, the patches that are read
 
     Raises
     ------
@@ -73,6 +79,10 @@ def corners(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
 
     A triangle with corners in (0, 0), (x, 0) and (x, y) has int F(x cosh u) / cosh u du / 2 pi of 0 to asinh(y/x),
     F the charge of a disc about (0, 0) by its radius.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (case,), the corner over the radius of the contact
     """
     away = np.maximum(np.abs(x), _TINY * y)
     for leg, other in ((away, y), (y, away)):
@@ -83,7 +93,13 @@ def corners(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
 
 
 def along(x: Array, y: Array, scale: float) -> Iterator[tuple[Array, Array]]:
-    """Radii and weights of an integral along the line from (x, 0) to (x, y), of what is smooth over a distance."""
+    """Radii and weights of an integral along the line from (x, 0) to (x, y), of what is smooth over a distance.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (case,), the far end of the line
+    scale : ndarray or float, the distance over which what is integrated is smooth
+    """
     size = np.hypot(x, scale)
     most = np.arcsinh(y / size)
     for node, weight in zip(_NODES, _WEIGHTS, strict=True):

@@ -18,12 +18,10 @@ from scipy.special import erfc, jv, spherical_jn
 
 from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray
-from solver.film.electrodes import Electrode
-from solver.film.floating import stiffness
+from solver.film.floating import Patches, stiffness
 from solver.film.kernel import wavenumbers
 from solver.film.stack import Stack, StackError
 
-_PHI = 2  # of (x, y, phi, psi)
 _MOST = 2  # discs that float on each side: 25 in all
 _NEAR, _SMALL, _LARGE = 0.25, 0.02, 30.0  # gap over disc; disc over what is beside it
 _ORDERS, _APART = 8, 6.0  # m at most, and what of it falls off with the distance of discs
@@ -35,29 +33,14 @@ _KEPT = 64
 
 
 @dataclass(frozen=True, eq=False)
-class Discs:
-    """(2 n + 1)^2 discs in a square, in lengths over the thickness of the top layer.
-
-    Attributes
-    ----------
-    stack, number
-        The electrode in whose place they are.
-    size, pitch
-        Diameter of the discs, and distance of their middles.
-    floating
-        n: discs that float on each side of the one that is read, along x and across it.
+class Discs(Patches):
+    """(2 n + 1)^2 discs in a square: n float on each side of the one that is read, along x and across it.
 
     Raises
     ------
     StackError
         An electrode on top or a metal; discs that are too close, too many, too small or too large to be resolved.
     """
-
-    stack: Stack
-    number: int
-    size: float
-    pitch: float
-    floating: int
 
     def __post_init__(self) -> None:
         if self.floating > _MOST:
@@ -78,11 +61,6 @@ class Discs:
         """Middles of the discs, that which is read at zero; (disc, 2)."""
         one = self.pitch * np.arange(-self.floating, self.floating + 1)
         return np.stack(np.meshgrid(one, one, indexing="ij"), -1).reshape(-1, 2)
-
-    @property
-    def read(self) -> int:
-        """The disc in the middle."""
-        return len(self.places) // 2
 
     @property
     def _orders(self) -> int:
@@ -121,13 +99,6 @@ class Discs:
         R, limit = self._compliance(k)
         j = _bessel(k * b, self._degree)
         return (j * (weights * (R - limit))) @ j.T + np.diag(limit * np.pi / 2 / b / (2 * np.arange(len(j)) + 1))
-
-    @property
-    def _width(self) -> float:
-        """K/k less its limit decays like exp(-k width)."""
-        place = Electrode(self.stack, self.number).interfaces[0]
-        beside = [i for i in (place, place + 1) if i < len(self.stack.layers)]
-        return 2 * min(self.stack.layers[i].thickness * float(self.stack.media[i].slowest) for i in beside)
 
     @cached_property
     def _energy(self) -> Array:
@@ -171,19 +142,6 @@ class Discs:
         found = self.charges[:: self.terms[0].size]
         return np.asarray(found + found.T) / 2
 
-    @cached_property
-    def voltages(self) -> Array:
-        """Of the discs where the middle one has one volt and the others float; (disc,)."""
-        others = np.arange(len(self.places)) != self.read
-        found = np.ones(len(self.places))
-        found[others] = -np.linalg.solve(self.matrix[np.ix_(others, others)], self.matrix[others, self.read])
-        return found
-
-    @property
-    def capacitance(self) -> float:
-        """Of the middle one to all that does not float [F], lengths over any."""
-        return float(self.matrix[self.read] @ self.voltages) / float(self.stack.scale[_PHI]) ** 2
-
     def wave(self, k: Array, distance: Array, *, slope: bool) -> Array:
         """What reads charges q0(k) that are even about a point, or its derivative by the distance; (case, k).
 
@@ -215,7 +173,15 @@ class Discs:
 
 @lru_cache(_KEPT)
 def discs(stack: Stack, number: int, size: float, pitch: float, floating: int) -> Discs:
-    """Kept: what they are found from does not depend on the contact."""
+    """Kept: what they are found from does not depend on the contact.
+
+    Parameters
+    ----------
+    stack : Stack, layers and base
+    number : int, of the electrode
+    size, pitch : float, diameter and distance of the discs over the unit of the stack
+    floating : int, how many float
+    """
     return Discs(stack, number, size, pitch, floating)
 
 

@@ -19,7 +19,14 @@ from solver.point.profile import Shape
 
 
 def halfspace_terms(compliance: Array, shape: Shape, count: int) -> Array:
-    """a c of the half-space of N (3, 3), of u0 in each channel and of g = (r/a)^exponent; (3, n, 4)."""
+    """a c of the half-space of N (3, 3), of u0 in each channel and of g = (r/a)^exponent; (3, n, 4).
+
+    Parameters
+    ----------
+    compliance : ndarray, shape (3, 3), N of the contact
+    shape : Shape, the punch
+    count : int, number of functions
+    """
     inverse = np.linalg.inv(compliance)
     found = np.zeros((3, count, 4))
     found[:, 0, :3] = 2 / np.pi * inverse
@@ -67,7 +74,13 @@ class Added:
         return added_forms(x, self.interactions.shape[-1])
 
     def between(self, series: Array, low: Array, high: Array) -> Callable[[Array], Array]:
-        """A traction less its strength over x at x within limits (case,), of coefficients (case, n)."""
+        """A traction less its strength over x at x within limits (case,), of coefficients (case, n).
+
+        Parameters
+        ----------
+        series : ndarray, shape (case, n), coefficients
+        low, high : ndarray, shape (case,), limits of x
+        """
         return lambda x: np.asarray(np.sum(series * self.forms(x), -1))
 
     @cached_property

@@ -5,13 +5,16 @@ tractions on top are those of the graded film.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
 from solver.arrays import Array
 from solver.film.grading import Graded, staircase
 from solver.film.stack import Stack
-from solver.point.inside import Inside, Tractions
+from solver.point.inside import Inside
+from solver.point.tractions import Tractions
 
 _SUBLAYERS = 24  # and half of them: of second order in their thickness
 
@@ -28,8 +31,23 @@ class GradedInside:
 
     stack: Stack
 
+    #: No half-space.
+    plain: ClassVar[bool] = False
+
+    @cached_property
+    def steps(self) -> Stack:
+        """The finer staircase."""
+        return staircase(self.stack, _SUBLAYERS)
+
     def fields(self, tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
-        """As :meth:`Inside.fields`; friction is none."""
+        """As :meth:`Inside.fields`; friction is none.
+
+        Parameters
+        ----------
+        tractions : Tractions, of all columns
+        X, Y : ndarray, shape (x,) and (y,), x/a and y/a <= 0
+        names : tuple of str, of the fields
+        """
         found = np.empty((tractions.ratio.size, len(names), Y.size, X.size))
         for ratio in np.unique(tractions.ratio):
             own = np.flatnonzero(tractions.ratio == ratio)

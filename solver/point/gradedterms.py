@@ -18,10 +18,10 @@ from numpy.polynomial.chebyshev import chebval
 from approximation.chebyshev import coefficients, mapped_points
 from solver.arrays import Array, BoolArray
 from solver.film.stack import Stack
-from solver.point.gradedspread import PAIRS, graded_spread
 from solver.point.halfspace import conducted
 from solver.point.pieces import Pieces
 from solver.point.profile import Shape
+from solver.point.spread import PAIRS, spread
 
 _BETWEEN = 12  # Chebyshev points between two samples of the pressure
 _KEPT = 256  # sets of places
@@ -81,7 +81,13 @@ class GradedTerms:
         return _forms(self._pieces, tuple(x.tolist()))
 
     def between(self, series: Array, low: Array, high: Array) -> Callable[[Array], Array]:
-        """A traction less its strength over x at x within limits (case,), of coefficients (case, n)."""
+        """A traction less its strength over x at x within limits (case,), of coefficients (case, n).
+
+        Parameters
+        ----------
+        series : ndarray, shape (case, n), coefficients
+        low, high : ndarray, shape (case,), limits of x
+        """
         x = np.stack([mapped_points(_BETWEEN, *pair) for pair in zip(low.tolist(), high.tolist(), strict=True)])
         values = np.stack([self.forms(own) @ row for own, row in zip(x, series, strict=True)], 1)
         polynomials = coefficients(values)
@@ -108,8 +114,8 @@ class GradedTerms:
 
     def _at(self, radius: float) -> Array:
         """At one radius; (3, n, 4)."""
-        spread, count = graded_spread(self.stack, 2 * float(np.max(self.radii))), self._pieces.count
-        kernels = spread.at(radius * self._pieces.distances)
+        count, reach = self._pieces.count, 2 * float(np.max(self.radii))
+        kernels = spread(self.stack, reach).at(radius * self._pieces.distances)
         layers = np.empty((3, 3, count + 1, count))
         whole = radius / 2 * self._pieces.integrated(kernels)
         for pair, (i, j) in enumerate(PAIRS):

@@ -52,7 +52,13 @@ def conducted(compliance: Array, conducts: BoolArray) -> Array:
 
 
 def halfspace(compliance: Array, shape: Shape) -> Stiffness:
-    """Contacts on a half-space of N (..., 3, 3), whatever their radius."""
+    """Contacts on a half-space of N (..., 3, 3), whatever their radius.
+
+    Parameters
+    ----------
+    compliance : ndarray, shape (..., 3, 3), N of the contact
+    shape : Shape, the punch
+    """
     inverse = np.linalg.inv(compliance)
     loads = 4 * np.concatenate([inverse, shape.mean * inverse[..., :1]], -1)
     edges = 2 / np.pi * np.concatenate([inverse, shape.rise * inverse[..., :1]], -1)

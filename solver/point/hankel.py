@@ -92,8 +92,6 @@ def waves(
 ) -> tuple[ComplexArray, ComplexArray]:
     """int exp(-k m z) J_n(kr) k cos(kb) dk and the same of sin(kb), n = 0 .. orders - 1; (n, rate, depth, b) each.
 
-    Without the k of the middle for ``potentials``.
-
     Parameters
     ----------
     rates
@@ -106,6 +104,8 @@ def waves(
         Nodes of r.
     orders
         Number of Bessel functions.
+    potentials
+        Whether the k of the middle is left out.
     """
     fall = (rates[:, None] * depth)[..., None]
     far = radius + at.b

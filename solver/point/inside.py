@@ -4,7 +4,6 @@ Near the surface the half-space's part is closed (:mod:`solver.point.hankel`); w
 everything deeper, decays and is integrated over the wavenumbers k with Bessel functions.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,16 +13,15 @@ from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.film.fourier import Medium
 from solver.film.grading import Graded
-from solver.film.kernel import strip, wavenumbers
-from solver.film.reflection import LayerWaves, sideways, waves
+from solver.film.kernel import strip
+from solver.film.reflection import sideways
 from solver.film.stack import Layer, Stack, StackError
-from solver.film.within import TURN, below, layer_waves, modal
 from solver.material.constants import Material
 from solver.point import hankel
-from solver.point.bessel import bessel_orders
-from solver.point.density import Density
 from solver.point.rows import ORDERS, parted, rows_of, shear_rows
-from solver.point.shear import Sheared, ShearWaves
+from solver.point.shear import Sheared
+from solver.point.tractions import Tractions
+from solver.point.waveblock import Block
 
 _NEAR = 0.05  # of a: the depth above which the half-space's part is closed
 _MOST_PHASE = 8000.0  # and everywhere, where the integrals over k would be longer
@@ -32,90 +30,6 @@ _ENTRIES = 1 << 22  # of a block of waves: bounded memory
 _ON = 1 + 1e-12  # a depth on an interface belongs to the layer above it
 _DEEP = 4.0  # of a: the layer that stands for a half-space
 _FARTHEST = 2000.0  # distance over the thickness of the top layer: bounded time
-
-#: psi of (sigma_yy, D_y, B_y), the part of cos(angle), at b, of some columns; (column, 3, b).
-Sines = Callable[[Array, Indices], Array]
-
-
-@dataclass(frozen=True, eq=False)
-class Tractions:
-    """Tractions of point contacts in the units of a body; columns of cases or causes.
-
-    Parameters
-    ----------
-    ratio
-        Contact radius over the unit of the body's lengths; (column,).
-    density
-        Of the part without friction.
-    friction
-        eta, along x; (column,).
-    sines
-        Of the part that friction adds in cos(angle), eta times it; None without friction.
-    """
-
-    ratio: Array
-    density: Density
-    friction: Array
-    sines: Sines | None = None
-
-    @property
-    def kinked(self) -> bool:
-        """Whether the densities are kinked at 0 or steep at 1."""
-        return self.density.kinked or self.sines is not None
-
-    def part(self, columns: Indices) -> "Tractions":
-        """Some of the columns."""
-        own = self.sines
-        sines = None if own is None else lambda b, some: own(b, columns[some])
-        return Tractions(self.ratio[columns], self.density.part(columns), self.friction[columns], sines)
-
-    def vectors(self, b: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """(sigma_xy, sigma_yy, D_y, B_y) as densities: of 1, all in cos kb; of cos(angle), the first in cos kb.
-
-        Returns (column, 4, b) each, of some columns; none of the second without friction.
-        """
-        own = self.density.part(columns).at(b)
-        plain = np.concatenate([np.zeros_like(own[:, :1]), own], 1)
-        if self.sines is None:
-            return plain, None
-        return plain, np.concatenate([-self.friction[columns, None, None] * own[:, :1], self.sines(b, columns)], 1)
-
-    def nodes(self, radius: float, near: float) -> hankel.Nodes:
-        """Nodes in b for a field point, its r/a and its depth over a."""
-        return hankel.nodes(radius, near, kinked=self.kinked)
-
-    def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """Tractions at the surface as waves of phases k a, of 1 and of cos(angle); (k, 4, column) each.
-
-        Parameters
-        ----------
-        phases
-            k a; (k,).
-        columns
-            Those of one radius.
-        """
-        at = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
-        first, second = self.vectors(at.b, columns)
-        cosines = np.cos(phases[:, None] * at.b) * at.weights
-        top = np.einsum("kb,cib->kic", cosines, first, optimize=True)
-        if second is None:
-            return top, None
-        sines = np.sin(phases[:, None] * at.b) * at.weights
-        along = np.einsum("kb,cib->kic", cosines, second[:, :1], optimize=True)
-        down = np.einsum("kb,cib->kic", sines, second[:, 1:], optimize=True)
-        return top, np.concatenate([along, down], 1)
-
-    def wavenumbers(self, stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
-        """Wavenumbers and weights of integrals over k of a stack.
-
-        Parameters
-        ----------
-        stack
-            Layers and base.
-        reach, width
-            What phases are longest over, and what waves decay over, in the unit of the body's lengths.
-        """
-        return wavenumbers(stack, reach, width)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +49,11 @@ class Inside:
     stack: Stack
     plain: bool = False
     graded: Graded | None = None
+
+    @property
+    def steps(self) -> Stack:
+        """Layers that are homogeneous: the stack."""
+        return self.stack
 
     def fields(self, tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
         """Fields of ``solver.halfplane.interior.LINEAR``, SI, NaN in a rigid base; (column, field, y, x).
@@ -182,7 +101,14 @@ class Inside:
         return out
 
     def of_layers(self, tractions: Tractions, X: Array, names: tuple[str, ...]) -> Array:
-        """What the layers add to fields on the surface at x/a; (column, field, x)."""
+        """What the layers add to fields on the surface at x/a; (column, field, x).
+
+        Parameters
+        ----------
+        tractions : Tractions, of all columns
+        X : ndarray, shape (x,), x/a
+        names : tuple of str, of the fields
+        """
         out = np.zeros((tractions.ratio.size, len(names), 1, X.size))
         points = X, np.zeros(1), np.zeros(1, dtype=np.intp), np.ones(1, dtype=bool)
         for ratio in np.unique(tractions.ratio):
@@ -198,12 +124,27 @@ class Inside:
         far = float(np.max(np.abs(X), initial=1.0)) + 1
         return np.asarray(depth * self._slowest < max(_NEAR, 34 * far / _MOST_PHASE))
 
-    @cached_property
-    def _slowest(self) -> float:
-        return min(float(self.stack.media[0].slowest), self._shear.rate if self._shear else 1.0)
+    def _decay(self, depth: float) -> float:
+        """Of waves on their way down to a depth, over k."""
+        thickness = np.array([layer.thickness for layer in self.stack.layers])
+        above = np.append(0.0, np.cumsum(thickness))[: self._rates.size]
+        crossed = np.clip(depth - above, 0.0, np.append(thickness, np.inf)[: self._rates.size])
+        return float(crossed @ self._rates)
 
     @cached_property
-    def _shear(self) -> Sheared | None:
+    def _rates(self) -> Array:
+        """Of the slowest waves of every layer, and of a base that yields."""
+        media = [*self.stack.media, *filter(None, [self.stack.base_medium])]
+        base = [] if isinstance(self.stack.base, str) else [self.stack.base]
+        shear = [_shear_rate(material) for material in [*(layer.material for layer in self.stack.layers), *base]]
+        return np.minimum([float(medium.slowest) for medium in media], shear)
+
+    @cached_property
+    def _slowest(self) -> float:
+        return float(self._rates[0])
+
+    @cached_property
+    def shear(self) -> Sheared | None:
         """The shear waves of the top; none without c12."""
         material = self.stack.top.material
         return None if np.isnan(material.c12) else Sheared.of(material)
@@ -223,9 +164,7 @@ class Inside:
                 rows = np.flatnonzero((bodies == number) & (near == reflected))
                 if not rows.size or (reflected and self.plain):
                     continue
-                width = strip(self.stack) / 2
-                if number == 0 and not reflected:
-                    width = self._slowest * float(np.min(depth[rows]))
+                width = strip(self.stack) / 2 if reflected else self._decay(float(np.min(depth[rows])))
                 reach = ratio * (1 + float(np.max(np.abs(X))))
                 if reach > _FARTHEST * max(width, strip(self.stack) / 2):
                     raise StackError(f"x: {np.max(np.abs(X)):g} is farther from the contact than is resolved")
@@ -233,13 +172,21 @@ class Inside:
                 step = max(_ENTRIES // (8 * rows.size * columns.size), 8)
                 for first in range(0, k.size, min(step, _STEP)):
                     here = slice(first, first + min(step, _STEP))
-                    of = _Block(self, tractions, columns, k[here], weights[here] * k[here] * ratio**2)
+                    of = Block(self, tractions, columns, k[here], weights[here] * k[here] * ratio**2)
                     out[np.ix_(columns, np.arange(len(names)), rows)] += of.summed(
                         X * ratio, depth[rows], number, names, reflected=reflected
                     )
 
     def rows(self, number: int, depth: Array, names: tuple[str, ...], *, sliding: bool) -> Array:
-        """:func:`rows_of` at depths within one body, the base the last, of the material there; (depth, n, field, 8)."""
+        """:func:`rows_of` at depths within one body, the base the last, of the material there; (depth, n, field, 8).
+
+        Parameters
+        ----------
+        number : int, of the layer; that of the base is the number of layers
+        depth : ndarray, shape (depth,), below the surface, in the unit of the body's lengths
+        names : tuple of str, of the fields
+        sliding : bool, of the part that goes with cos(angle)
+        """
         stack, layer = self.stack, self.graded
         if layer is None or number >= self._steps:
             medium = [*stack.media, stack.base_medium][number]
@@ -262,7 +209,7 @@ class Inside:
         rates, parts = medium.modes
         answers: ComplexArray = np.concatenate([medium.compliance, np.eye(4)]) @ parts  # (rate, 8, 4)
         sliding = tractions.sines is not None
-        shear = self._shear if sliding else None
+        shear = self.shear if sliding else None
         if shear is not None:
             rates = np.append(rates, shear.rate)
         count = len(answers)
@@ -290,6 +237,11 @@ class Inside:
         return out
 
 
+def _shear_rate(material: Material) -> float:
+    """Of shear waves along crests; 1 without c12."""
+    return 1.0 if np.isnan(material.c12) else Sheared.of(material).rate
+
+
 def _from_below(depth: Array) -> tuple[Array, Array]:
     """Depths at which to sum, and what takes values there to those at all depths; (sum,) and (depth, sum)."""
     shallow = depth < hankel.LEAST
@@ -311,87 +263,6 @@ def _applied(rows: Array, answers: ComplexArray, integrals: ComplexArray, densit
         return np.asarray(np.einsum("nrfi,nrzci->cfz", coefficients, moments, optimize=True).real)
     coefficients = np.einsum("znfs,rsi->znrfi", rows, answers)
     return np.asarray(np.einsum("znrfi,nrzci->cfz", coefficients, moments, optimize=True).real)
-
-
-@dataclass(frozen=True, eq=False)
-class _Block:
-    """Waves of some wavenumbers, with their shares of the integrals.
-
-    Attributes
-    ----------
-    inside, tractions
-        Of which body, of all columns.
-    columns
-        Those of one radius.
-    k, shares
-        Over the unit of the body's lengths; (k,).
-    """
-
-    inside: Inside
-    tractions: Tractions
-    columns: Indices
-    k: Array
-    shares: Array
-
-    @cached_property
-    def _tops(self) -> tuple[Array, Array | None]:
-        """Tractions at the surface, of 1 and of cos(angle), but for the sums over b; (k, 4, column) each."""
-        return self.tractions.transforms(self.k * float(self.tractions.ratio[self.columns[0]]), self.columns)
-
-    def summed(self, x: Array, depth: Array, number: int, names: tuple[str, ...], *, reflected: bool) -> Array:
-        """Fields at depths within one body, the base the last; (column, field, depth, x)."""
-        stack = self.inside.stack
-        out = np.zeros((len(self.columns), len(names), depth.size, x.size))
-        orders = bessel_orders(self.k, x, 3 if self._tops[1] is None else ORDERS) * self.shares[:, None]
-        parts = [(part, orders / self.k[:, None] if potentials else orders) for part, potentials in parted(names)]
-        for sliding, top in enumerate(self._tops):
-            if top is None:
-                continue
-            states = self._states(top, depth, number, reflected=reflected)
-            rows = self.inside.rows(number, depth, names, sliding=bool(sliding))
-            for part, weighted in parts:
-                for n, J in enumerate(weighted):
-                    _add(out, part, rows[:, n, part], states, J)
-            if sliding and self.inside._shear is not None:
-                waved = ShearWaves(stack, self.k).at(number, depth, reflected=reflected)
-                pulled = np.einsum("skz,kc->kzsc", waved, -top[:, 0]) / stack.scale[0]
-                material = stack.layers[number].material if number < len(stack.layers) else stack.base
-                assert isinstance(material, Material)
-                for n, J in enumerate(orders):
-                    _add(out, np.arange(len(names)), shear_rows(Sheared.of(material), names)[None, n], pulled, J)
-        return out
-
-    def _states(self, top: Array, depth: Array, number: int, *, reflected: bool) -> Array:
-        """The real form [k u; t] at depths; (k, depth, 8, column)."""
-        stack, k, t = self.inside.stack, self.k, top[None].astype(np.complex128)
-        start = 0.0
-        for place, layer in enumerate(self._layers):
-            amplitude = layer.amplitude @ t
-            if place == number:
-                found = layer_waves(layer, k, (depth - start)[None], amplitude, np.eye(8), reflected=reflected)
-                return _real(found)
-            start += layer.thickness
-            t = below(layer, k, amplitude, stack.grounded[place])
-        assert stack.base_medium is not None
-        return _real(modal(stack.base_medium, k, (depth - start)[None], t, np.eye(8)))
-
-    @cached_property
-    def _layers(self) -> list[LayerWaves]:
-        return waves(self.inside.stack, self.k)
-
-
-def _real(turned: ComplexArray) -> Array:
-    return np.asarray((turned[0] * np.conj(TURN)[:, None]).real)
-
-
-def _add(out: Array, fields: Indices, rows: Array, states: Array, J: Array) -> None:
-    """Add rows (depth, field, s) of states (k, depth, s, column) times a Bessel function (k, x) to some fields."""
-    there = np.flatnonzero(rows.any((0, 2)))
-    if there.size:
-        same = rows.strides[0] == 0 or len(rows) == 1  # of one material
-        form, own = ("fs,kzsc->cfzk", rows[0, there]) if same else ("zfs,kzsc->cfzk", rows[:, there])
-        taken = np.einsum(form, own, states, optimize=True)
-        out[:, fields[there]] += taken @ J
 
 
 def whole(material: Material) -> Inside:

@@ -16,9 +16,11 @@ from solver.curves import PRINCIPAL, SHEAR, VON_MISES
 from solver.film.net import DEPTH, Net, Nets, of_whole
 from solver.film.table import RangeError
 from solver.names import FILM_PEAKS, PEAKS
-from solver.point.inside import Inside, Tractions
+from solver.point.gradedinside import GradedInside
+from solver.point.inside import Inside
 from solver.point.pressed import Pressed
 from solver.point.sliding import Rubbed
+from solver.point.tractions import Tractions
 
 _STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
 _CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width
@@ -46,15 +48,29 @@ class _Searched:
     stresses: Array
 
     @classmethod
-    def on(cls, inside: Inside, net: Net, tractions: Tractions, names: tuple[str, ...]) -> "_Searched":
-        """Of tractions of one radius."""
+    def on(cls, inside: Inside | GradedInside, net: Net, tractions: Tractions, names: tuple[str, ...]) -> "_Searched":
+        """Of tractions of one radius.
+
+        Parameters
+        ----------
+        inside : Inside or GradedInside, the body
+        net : Net, where
+        tractions : Tractions, of one radius
+        names : tuple of str, of the stresses
+        """
         ratio = float(tractions.ratio[0])
         sizes = np.array([ratio])
         X, Y = net.positions(sizes, net.line)[0], -net.depths(sizes)[0]
         return cls(net, ratio, inside.fields(tractions, X, Y, names))
 
     def top(self, measure: Measure, first: int = 0) -> Top:
-        """Where a measure of the stresses from the first on is largest."""
+        """Where a measure of the stresses from the first on is largest.
+
+        Parameters
+        ----------
+        measure : Measure, of the stresses
+        first : int, place of the first of them
+        """
         return highest(self.stresses[:, first:], self.net.across, measure, _CLOSE)
 
     def place(self, top: Top) -> Array:
@@ -72,7 +88,7 @@ class _Searched:
         return self.top(VON_MISES).value, np.maximum(self.top(PRINCIPAL).value, 0.0)
 
 
-def peaks(pressed: Pressed, inside: Inside, asked: Set[str]) -> dict[str, Array]:
+def peaks(pressed: Pressed, inside: Inside | GradedInside, asked: Set[str]) -> dict[str, Array]:
     """Quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and the cases have; (case,) each.
 
     Parameters
@@ -92,8 +108,16 @@ def peaks(pressed: Pressed, inside: Inside, asked: Set[str]) -> dict[str, Array]
     return peaks_of(inside, Rubbed(pressed.charged).tractions, pressed.charged.radius, asked)
 
 
-def peaks_of(inside: Inside, tractions: Tractions, radius: Array, asked: Set[str]) -> dict[str, Array]:
-    """The same of tractions and the contact radii [m] of their columns; (column,) each."""
+def peaks_of(inside: Inside | GradedInside, tractions: Tractions, radius: Array, asked: Set[str]) -> dict[str, Array]:
+    """The same of tractions; (column,) each.
+
+    Parameters
+    ----------
+    inside : Inside or GradedInside
+    tractions : Tractions, of the columns
+    radius : ndarray, shape (column,), of the contacts [m]
+    asked : set of str, names of the quantities
+    """
     found: dict[str, Array] = {}
     for places in _by_radius(tractions.ratio):
         own = tractions.part(places)
@@ -109,7 +133,7 @@ def _by_radius(ratio: Array) -> list[Indices]:
     return [same[start : start + _TOGETHER] for same in alike for start in range(0, same.size, _TOGETHER)]
 
 
-def _of_halfspace(inside: Inside, tractions: Tractions, radius: Array) -> dict[str, Array]:
+def _of_halfspace(inside: Inside | GradedInside, tractions: Tractions, radius: Array) -> dict[str, Array]:
     searched = _Searched.on(inside, of_whole(inside.stack, 1.0, _BOTTOM, _FAR), tractions, _STRESSES)
     highest_stress = searched.top(VON_MISES)
     return {
@@ -119,9 +143,9 @@ def _of_halfspace(inside: Inside, tractions: Tractions, radius: Array) -> dict[s
     }
 
 
-def _of_film(inside: Inside, tractions: Tractions, asked: Set[str]) -> dict[str, Array]:
+def _of_film(inside: Inside | GradedInside, tractions: Tractions, asked: Set[str]) -> dict[str, Array]:
     stack, ratio = inside.stack, float(tractions.ratio[0])
-    nets, found = Nets(stack, ratio, ratio), dict[str, Array]()
+    nets, found = Nets(inside.steps, ratio, ratio), dict[str, Array]()
     if asked & set(_INTERFACE):
         searched = _Searched.on(inside, nets.interface, tractions, ("stress_xy", "stress_yy"))
         shear, pull = searched.top(SHEAR), searched.top(ITSELF, 1)

@@ -73,6 +73,11 @@ class Pressed:
     def contact(self, charges: Array | None = None, held: tuple[bool, bool] = (False, False)) -> "Contact":
         """The contacts under charges, or potentials where held; without any by default.
 
+        Parameters
+        ----------
+        charges : ndarray, shape (case, 2), T [C] and J [Wb], or V and Psi where held; None: zero
+        held : tuple of bool, whether (V, Psi) are held
+
         Raises
         ------
         ContactError

@@ -71,7 +71,13 @@ def halfspace_peak(shape: Shape) -> float:
 
 
 def added_forms(x: Array, count: int) -> Array:
-    """(P_2n(x) - P_2n(0)) / (abs(P_2n(0)) x) at x > 0; (..., n)."""
+    """(P_2n(x) - P_2n(0)) / (abs(P_2n(0)) x) at x > 0; (..., n).
+
+    Parameters
+    ----------
+    x : ndarray, shape (...), sqrt(1 - r^2/a^2) > 0
+    count : int, number of functions
+    """
     values = np.polynomial.legendre.legvander(x, 2 * count - 2)[..., ::2]
     middle = np.polynomial.legendre.legvander(np.zeros(1), 2 * count - 2)[0, ::2]
     return np.asarray((values - middle) / (np.abs(middle) * x[..., None]))
@@ -81,6 +87,11 @@ def added_means(x: Array, count: int) -> Array:
     """int_0^r of ``added_forms`` times s ds over r^2 at r = sqrt(1 - x^2) <= 1; (..., n).
 
     As int_x^1 P_m(v) dv = (1 - x^2) P_m'(x) / (m (m + 1)).
+
+    Parameters
+    ----------
+    x : ndarray, shape (...), sqrt(1 - r^2/a^2)
+    count : int, number of functions
     """
     m = 2 * np.arange(count)
     whole = np.eye(2 * count - 1)[::2] / np.maximum(m * (m + 1), 1)[:, None]
@@ -91,7 +102,13 @@ def added_means(x: Array, count: int) -> Array:
 
 
 def climbed(values: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """The largest of values that rise and then fall between low and high, by the golden section; (case,)."""
+    """The largest of values that rise and then fall between low and high, by the golden section; (case,).
+
+    Parameters
+    ----------
+    values : callable, of places (case,), to be largest
+    low, high : ndarray, shape (case,), limits
+    """
     inner, outer = high - _RATIO * (high - low), low + _RATIO * (high - low)
     at_inner, at_outer = values(inner), values(outer)
     for _ in range(_STEPS):

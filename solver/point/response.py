@@ -21,7 +21,7 @@ class Response:
     coupling
         k of the contact; (..., 3).
     shape
-        The punch, not flat.
+        The punch.
     """
 
     compliance: Array
@@ -41,12 +41,21 @@ class Response:
         return np.asarray(along), np.asarray(unit * inverse[..., 0])
 
     def shift(self, turned: Array) -> Array:
-        """c over a times the densities' unit that makes the edge smooth, of H[phi_sigma] there; (...)."""
+        """c over a times the densities' unit that makes the edge smooth, of H[phi_sigma] there; (...); a disc stays."""
+        if self.shape.flat:
+            return np.zeros_like(turned)
         along, moved = self.answers
         return np.asarray(along[..., 0] * turned / moved[..., 0])
 
     def closed(self, turned: Array, b: Array, shift: Array) -> Array:
-        """psi of H[phi_sigma] (..., b) and shifts (...); (..., 3, b)."""
+        """psi of H[phi_sigma] (..., b) and shifts (...); (..., 3, b).
+
+        Parameters
+        ----------
+        turned : ndarray, shape (..., b), H[phi_sigma]
+        b : ndarray, shape (b,)
+        shift : ndarray, shape (...), c over a times the densities' unit
+        """
         along, moved = self.answers
         return np.asarray(
             shift[..., None, None] * moved[..., None] * b ** (self.shape.exponent - 1)
@@ -73,11 +82,23 @@ def contact_coupling(coupling: Array, scale: Array, punch: Array | float, conduc
 
 
 def legendre(b: Array, count: int) -> Array:
-    """P_n(2 b - 1); (b, n)."""
+    """P_n(2 b - 1); (b, n).
+
+    Parameters
+    ----------
+    b : ndarray, shape (b,), 0 to 1
+    count : int, number of polynomials
+    """
     return np.asarray(np.polynomial.legendre.legvander(2 * b - 1, count - 1))
 
 
 def legendre_rates(b: Array, count: int) -> Array:
-    """d P_n(2 b - 1) / db; (b, n)."""
+    """d P_n(2 b - 1) / db; (b, n).
+
+    Parameters
+    ----------
+    b : ndarray, shape (b,), 0 to 1
+    count : int, number of polynomials
+    """
     derived = np.polynomial.legendre.legder(np.eye(count), axis=0) if count > 1 else np.zeros((1, count))
     return np.asarray(2 * np.polynomial.legendre.legvander(2 * b - 1, len(derived) - 1) @ derived)

@@ -77,7 +77,13 @@ def rows_of(medium: Medium, scale: Array, names: tuple[str, ...], *, sliding: bo
 
 
 def shear_rows(body: Sheared, names: tuple[str, ...]) -> Array:
-    """What they take of (k u, tau) of the shear waves of tau = 1 per traction along x; (order, field, 2), SI."""
+    """What they take of (k u, tau) of the shear waves of tau = 1 per traction along x; (order, field, 2), SI.
+
+    Parameters
+    ----------
+    body : Sheared, the material there
+    names : tuple of str, of the fields
+    """
     out = np.zeros((ORDERS, len(names), 2))
     of_stretch = {"stress_xx": -body.along / 2, "stress_zz": body.along / 2, "strain_xx": -0.25}
     of_shear = {"stress_xy": 0.5, "strain_xy": 0.25 / body.across}

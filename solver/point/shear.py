@@ -43,7 +43,13 @@ class Sheared:
         return float(1 / np.sqrt(self.along * self.across))
 
     def wave(self, exponent: Array, *, upward: bool = False) -> Array:
-        """(k u, tau) of a wave of k u = 1 at its start, at g k times the distance from it; (2, ...)."""
+        """(k u, tau) of a wave of k u = 1 at its start, at g k times the distance from it; (2, ...).
+
+        Parameters
+        ----------
+        exponent : ndarray, shape (...), g k times the distance from the start
+        upward : bool, whether it rises
+        """
         size = np.exp(-exponent)
         return np.stack([size, (-size if upward else size) / self.compliance])
 
@@ -87,6 +93,12 @@ class ShearWaves:
         """(k u, tau) at depths below the surface within a layer, or the base as the last; (2, k, depth).
 
         ``reflected``: without what the layer's own half-space would carry.
+
+        Parameters
+        ----------
+        number : int, of the layer; that of the base is the number of layers
+        depth : ndarray, shape (depth,), below the surface, in the unit of the stack's lengths
+        reflected : bool, see above
         """
         k, top, start = self.k, np.ones(self.k.size), 0.0
         for place, (body, layer) in enumerate(zip(self._bodies, self.stack.layers, strict=True)):

@@ -17,9 +17,10 @@ from solver.film.electroded import difference, surface
 from solver.film.kernel import strip, wavenumbers
 from solver.point import hankel
 from solver.point.density import Density
-from solver.point.inside import Inside, Tractions
+from solver.point.inside import Inside
 from solver.point.response import Response, contact_coupling, legendre
 from solver.point.table import PointKind, Window, window
+from solver.point.tractions import Tractions
 
 _FIRST, _MORE = 24, 12.0  # nodes of a small contact, and what a wide one adds
 _KEPT = 128
@@ -85,13 +86,15 @@ class SlidingWindow:
             yield self._causes(number, stiffness.edges[number]), solved[:, 0], solved[:, 1:].reshape(3, 3, -1)
 
     def _causes(self, number: int, edges: Array) -> Density:
-        """Densities of V, Psi and the profile, each with the depth that makes its edge smooth."""
+        """Densities of V, Psi and the profile, each with the depth that makes its edge smooth; below a disc of u0."""
         kind = self.window.kind
         causes = np.zeros((3, 4))
-        causes[:, 1:] = np.eye(3)
-        causes[:, 0] = -edges[0, 1:] / edges[0, 0]
+        causes[:, kind.shape.driving] = np.eye(3)
+        if not kind.shape.flat:
+            causes[:, 0] = -edges[0, 1:] / edges[0, 0]
         strengths = causes @ edges.T
-        strengths[:, 0] = 0.0
+        if not kind.shape.flat:
+            strengths[:, 0] = 0.0
         form = causes[:, 3:] * (-2 / np.pi * np.linalg.inv(kind.compliance)[:, 0])
         series = np.einsum("ind,cd->cin", self.window.added[number], causes)
         return Density(kind.shape, strengths, form, series)
@@ -164,7 +167,15 @@ class Layers:
     along: Array
 
     def solved(self, response: Response, causes: Density, radius: float, count: int) -> Array:
-        """c/a and Legendre coefficients of psi without the half-space's, per eta; (cause, 1 + 3 count)."""
+        """c/a and Legendre coefficients of psi without the half-space's, per eta; (cause, 1 + 3 count).
+
+        Parameters
+        ----------
+        response : Response, of the half-space of the top
+        causes : Density, without friction
+        radius : float, a in the unit of the stack's lengths
+        count : int, number of nodes
+        """
         phases = self.k * radius
         x, w = np.polynomial.legendre.leggauss(count)
         b, weights = (1 + x) / 2, w / 2
@@ -187,6 +198,9 @@ class Layers:
         right = -np.einsum("ick,k,kn->inc", carried, shares, sines, optimize=True)
         values = np.linalg.solve(whole, right.reshape(3 * count, -1)).reshape(3, count, -1)
         series = (2 * np.arange(count) + 1)[:, None] * (legendre(b, count).T * weights) @ values  # (3, n, cause)
+        if response.shape.flat:  # it stays where it is
+            still = np.moveaxis(series[..., :-1], -1, 0).reshape(len(turned), -1)
+            return np.concatenate([np.zeros((len(turned), 1)), still], 1)
         edges = np.sum(series[0], 0)  # P_n(1) = 1
         edges[:-1] += response.closed(causes.turned(_EDGE)[:, 0], _EDGE, np.zeros(len(turned)))[:, 0, 0]
         shift = -edges[:-1] / (edges[-1] + response.closed(np.zeros((1, 1)), _EDGE, np.ones(1))[0, 0, 0])
@@ -196,5 +210,12 @@ class Layers:
 
 @lru_cache(_KEPT)
 def sliding_window(kind: PointKind, number: int, punch: float) -> SlidingWindow:
-    """Made once."""
+    """Made once.
+
+    Parameters
+    ----------
+    kind : PointKind, film and punch
+    number : int, of the window
+    punch : float, k_p of the punch [1/Pa]
+    """
     return SlidingWindow(window(kind, number), punch)

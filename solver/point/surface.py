@@ -181,7 +181,13 @@ class Below:
     series: Array
 
     def at(self, some: Indices, r: Array) -> Array:
-        """(sigma_yy, D_y, B_y) over C a^(e-1) of some of the cases at r/a <= 1 (case, place); (case, 3, place)."""
+        """(sigma_yy, D_y, B_y) over C a^(e-1) of some of the cases at r/a <= 1 (case, place); (case, 3, place).
+
+        Parameters
+        ----------
+        some : ndarray of int, places among the cases
+        r : ndarray, shape (case, place), r/a <= 1
+        """
         shape, state, cases = self.contact.pressed.body.shape, self.contact.state, self.cases[some]
         x = np.sqrt(np.maximum((1 - r) * (1 + r), 1e-32))
         compliance = np.broadcast_to(state.stiffness.compliance, (self.contact.radius.size, 3, 3))[cases]

@@ -12,9 +12,10 @@ from approximation.chebyshev import coefficients
 from solver.arrays import Array
 from solver.point.body import Film
 from solver.point.density import Density
-from solver.point.inside import Inside, Tractions
+from solver.point.inside import Inside
 from solver.point.pressed import Contact
 from solver.point.table import PointKind, Window, window
+from solver.point.tractions import Tractions
 
 _STRESSES = ("stress_xx", "stress_zz")
 _KEPT = 16  # of a hundred places 0.1 MB each

@@ -12,7 +12,8 @@ from typing import Protocol
 
 import numpy as np
 
-from approximation.chebyshev import coefficients, mapped_points
+from approximation.chebyshev import coefficients
+from approximation.piecewise import Interval
 from solver.arrays import Array
 from solver.film.electroded import surface
 from solver.film.table import LEAST, MOST
@@ -27,10 +28,12 @@ from solver.point.profile import Shape
 
 _A_DECADE = 2  # windows, those of the plane
 _OVERLAP = 1.05  # of a window with its neighbours
-_NODES = 20  # radii of a window: 1e-13 between them
+_NODES = 20  # radii of a window up to a/h = 10: 1e-13 between them
+_WIDE, _DIGITS = 2, 28.0  # first window beyond, and the exponent of what is left between its radii: 1e-12
 _RUNGS = 9
 _KEPT, _KERNELS = 512, 24
 _FIRST, _SMOOTH, _KINKED = 12, 9.0, 14.0  # number of functions: of a small contact, and what a wide one adds
+_SMOOTH_WIDE = 7.0  # the same beyond a/h = 10: loads to 1e-12, edge strengths to 2e-10
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,7 @@ class PointKind:
     @property
     def compliance(self) -> Array:
         """N of the contact in the units of the stack; (3, 3)."""
-        return contact_compliance(surface(self.film.stack())[1:, 1:], self)
+        return _contact_compliance(surface(self.film.stack())[1:, 1:], self)
 
     def stiffness(self, added: Array) -> Stiffness:
         """Of the half-space and of what the layers add to loads, edges and their rates (..., 3, 3, 4)."""
@@ -73,7 +76,7 @@ class PointKind:
         )  # fmt: skip
 
 
-def contact_compliance(compliance: Array, kind: PointKind) -> Array:
+def _contact_compliance(compliance: Array, kind: PointKind) -> Array:
     """N of the body with that of the punch, without what the punch does not conduct; (3, 3)."""
     both = np.array(compliance)
     both[0, 0] += kind.punch / kind.scale[1] ** 2
@@ -99,7 +102,13 @@ class Terms(Protocol):
         """Shares of them in a traction less its strength over x = sqrt(1 - r^2/a^2) > 0; (x, n)."""
 
     def between(self, series: Array, low: Array, high: Array) -> Callable[[Array], Array]:
-        """A traction less its strength over x at x within limits (case,), of coefficients (case, n)."""
+        """A traction less its strength over x at x within limits (case,), of coefficients (case, n).
+
+        Parameters
+        ----------
+        series : ndarray, shape (case, n), coefficients
+        low, high : ndarray, shape (case,), limits of x
+        """
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,15 +126,15 @@ class Window:
     kind: PointKind
     number: int
 
-    @property
-    def ends(self) -> tuple[float, float]:
-        """log a at both ends."""
-        return ends(self.number)
-
     @cached_property
+    def interval(self) -> Interval:
+        """Range of log a, with its Chebyshev points."""
+        return interval(self.number)
+
+    @property
     def nodes(self) -> Array:
         """log a of the radii that are solved, rising; (node,)."""
-        return mapped_points(_NODES, *self.ends)
+        return self.interval.points
 
     @cached_property
     def terms(self) -> Terms:
@@ -155,7 +164,7 @@ class Window:
     @cached_property
     def _read(self) -> Array:
         """Those of loads, edge strengths and the derivatives of these in log a; (node, 36)."""
-        return np.concatenate([self._series[:, :24], self._derived(self._series[:, 12:24])], -1)
+        return np.concatenate([self._series[:, :24], self.interval.derived(self._series[:, 12:24])], -1)
 
     @property
     def resolved(self) -> float:
@@ -172,10 +181,16 @@ class Window:
     @property
     def rungs(self) -> Array:
         """log a between which forces are bracketed, the ends among them; (rung,)."""
-        return np.linspace(*self.ends, _RUNGS)
+        return np.linspace(self.interval.low, self.interval.high, _RUNGS)
 
     def forces(self, log_radius: Array, held: tuple[bool, bool]) -> tuple[Array, Array]:
-        """P over C a^(e+1) and d log P / d log a of contacts without charges, or with potentials held at zero."""
+        """P over C a^(e+1) and d log P / d log a of contacts without charges, or with potentials held at zero.
+
+        Parameters
+        ----------
+        log_radius : ndarray, shape (case,), log (a/h)
+        held : tuple of bool, whether (V, Psi) are held at zero
+        """
         series, rates = self._forces[held]
         polynomials = self.polynomials(log_radius)
         return np.exp(polynomials @ series), polynomials @ rates + self.kind.shape.exponent + 1
@@ -188,42 +203,60 @@ class Window:
             held = electric, magnetic
             state = State(stiffness, self.kind.shape, np.zeros((self.nodes.size, 2)), held)
             series = coefficients(np.log(state.loads[..., 0]))
-            found[held] = series, self._derived(series)
+            found[held] = series, self.interval.derived(series)
         return found
 
-    def _derived(self, series: Array) -> Array:
-        """Chebyshev coefficients of the derivative in log a."""
-        low, high = self.ends
-        derived = np.polynomial.chebyshev.chebder(series) * 2 / (high - low)
-        return np.concatenate([derived, np.zeros((1, *derived.shape[1:]))])
-
     def pressures(self, log_radius: Array, causes: Array) -> Array:
-        """What the layers add to the pressure at ``SAMPLES``; (case, sample)."""
+        """What the layers add to the pressure at ``SAMPLES``; (case, sample).
+
+        Parameters
+        ----------
+        log_radius : ndarray, shape (case,), log (a/h)
+        causes : ndarray, shape (case, 4), u0 and g
+        """
         read = (self.polynomials(log_radius) @ self._series[:, 24:]).reshape(-1, SAMPLES.size, 4)
         return np.asarray(np.einsum("csd,cd->cs", read, causes))
 
     def tractions(self, log_radius: Array, causes: Array) -> Array:
-        """Coefficients that the layers add to the tractions, times a; (case, 3, n)."""
+        """Coefficients that the layers add to the tractions, times a; (case, 3, n).
+
+        Parameters
+        ----------
+        log_radius : ndarray, shape (case,), log (a/h)
+        causes : ndarray, shape (case, 4), u0 and g
+        """
         read = np.tensordot(self.polynomials(log_radius), coefficients(self.added), 1)
         return np.asarray(np.einsum("cind,cd->cin", read, causes))
 
     def polynomials(self, log_radius: Array) -> Array:
         """Chebyshev polynomials at log a; (case, node)."""
-        low, high = self.ends
-        local = np.clip((2 * log_radius - low - high) / (high - low), -1.0, 1.0)
-        return np.asarray(np.polynomial.chebyshev.chebvander(local, _NODES - 1), dtype=np.float64)
+        return self.interval.polynomials(log_radius)
 
 
-def ends(number: int) -> tuple[float, float]:
-    """log a at both ends of a window."""
+def interval(number: int, count: int | None = None) -> Interval:
+    """Range of log a of a window, with so many Chebyshev points.
+
+    Parameters
+    ----------
+    number : int, of the window
+    count : int, number of points; None: as many as what is analytic within pi/2 of the real axis takes
+    """
     step, beyond = np.log(10) / _A_DECADE, np.log(_OVERLAP)
-    low, high = np.clip([number * step - beyond, (number + 1) * step + beyond], np.log(LEAST), np.log(MOST))
-    return float(low), float(high)
+    low, high = np.clip([number * step - beyond, (number + 1) * step + beyond], np.log(LEAST), np.log(MOST)).tolist()
+    if count is None:
+        count = _NODES if number < _WIDE else 1 + int(_DIGITS / np.arcsinh(np.pi / (high - low)))
+    return Interval(low, high, count)
 
 
 @lru_cache(_KEPT)
 def window(kind: PointKind, number: int) -> Window:
-    """The window of a kind, made once."""
+    """The window of a kind, made once.
+
+    Parameters
+    ----------
+    kind : PointKind, film and punch
+    number : int, of the window
+    """
     return Window(kind, number)
 
 
@@ -241,9 +274,10 @@ def kernel(film: Kind, number: int, smooth: bool) -> Array:
         Whether the profile is smooth at its apex: a kink takes more functions.
     """
     stack = film.stack()
-    radii = np.exp(mapped_points(_NODES, *ends(number)))
+    radii = np.exp(interval(number).points)
     reach = float(np.max(radii)) / min(float(stack.media[0].slowest), 1.0)
-    count = _FIRST + int((_SMOOTH if smooth else _KINKED) * np.sqrt(reach))
+    share = (_SMOOTH_WIDE if number >= _WIDE else _SMOOTH) if smooth else _KINKED
+    count = _FIRST + int(share * np.sqrt(reach))
     return interactions(stack, radii, count)
 
 

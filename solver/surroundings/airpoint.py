@@ -11,8 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
+from solver.surroundings.refusal import GapError, require_open
 from solver.surroundings.ringtable import Read, RingsByRadius
-from solver.surroundings.state import GapError
 
 _STEPS = 40
 _CLOSE = 1e-11
@@ -261,19 +261,8 @@ class PointState:
         return bool(np.all(self.gap > 0))
 
     def require_gap(self) -> None:
-        """Refuse a gap that closes.
-
-        Raises
-        ------
-        GapError
-            With the place.
-        """
-        if not self.open:
-            worst = self.of.rings.grid.distance[int(np.argmin(self.gap / self.of.profile))]
-            raise GapError(
-                f"surroundings: the punch touches the surface beside the contact, at r/a = {worst:.3g}: the gap is "
-                "negative there"
-            )
+        """Refuse a gap that closes, as :func:`solver.surroundings.refusal.require_open`."""
+        require_open(self.gap, self.of.profile, self.of.rings.grid.distance, "r/a")
 
     # -- outputs, in the units of the body -----------------------------------------------------------------------------
     @property

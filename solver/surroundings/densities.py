@@ -19,7 +19,7 @@ from solver.film.reflection import low
 from solver.surroundings.grid import CLOSE, Grid
 from solver.surroundings.rules import RULE, spans
 
-_SAMPLED = 64  # kept: 1 MB each, the half-lengths of some windows
+_SAMPLED = 128  # kept: 1 MB each, the half-lengths of all windows of a stack, which its frictions share
 _DIGITS = 30.0  # exponent of what is left between Chebyshev points: below rounding
 
 #: Pieces of panels: target, panel, start and end of each.
@@ -80,9 +80,7 @@ class Densities:
         grid = self.grid
         some = np.flatnonzero(rough.any(1))
         found = []
-        for piece, infinite in zip(
-            self._pieces(h, X[some], self.kernel.edges, rough[some]), (False, True), strict=True
-        ):
+        for piece, infinite in zip(self._pieces(h, X[some], self.kernel.ends, rough[some]), (False, True), strict=True):
             row, panel, start, stop = piece
             u, weights = spans(start, stop)
             theta = -np.log(u) if infinite else u
@@ -147,7 +145,14 @@ def enough(strip: float, length: float) -> int:
 
 
 def far(wide: Kernel, x: Array, mix: Array) -> Array:
-    """Sums of channels at distances x [m], by the logarithm beyond the reach."""
+    """Sums of channels at distances x [m], by the logarithm beyond the reach.
+
+    Parameters
+    ----------
+    wide : Kernel, as far as its reach
+    x : ndarray, shape (...), m
+    mix : ndarray, shape (19, c), from channels to sums
+    """
     values = wide.at(np.clip(x, -wide.reach, wide.reach), mix)
     beyond = np.abs(x) > wide.reach
     if np.any(beyond):
@@ -166,6 +171,14 @@ def sampled(
 
     Sums of :func:`mixing` at points about the contact, (point, 7 field, n), and displacements alone at the nodes beyond
     on the right and on the left, (2 node, 3 field, n).
+
+    Parameters
+    ----------
+    wide : Kernel, as far as charges lie
+    grid : Grid, panels of a side
+    fields : tuple of int, 0 electric and 1 magnetic
+    h : float, half-length, m
+    points : tuple of float, X about the contact
     """
     densities = Densities(grid, wide, partial(far, wide))
     mix = np.stack([mixing(0.0, np.eye(3)[1 + f]) for f in fields], 1)

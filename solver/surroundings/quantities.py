@@ -8,25 +8,20 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.contact import FilmContact
+from solver.film.quantities import driven
 from solver.film.similar import Films
 from solver.film.windows import Kind, window
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
+from solver.names import RESPONSES
 from solver.surroundings.coupled import AirContact
 from solver.surroundings.largest import gap_field, peak_density, peak_pressure
 from solver.surroundings.operators import EDGE, grid_of
-from solver.surroundings.refusal import require_gap
+from solver.surroundings.refusal import lacking, require
 from solver.surroundings.state import State
 from solver.surroundings.table import AirTable, farthest
 
 _NODES = 12  # half-lengths of a window: 1e-7 between them
 _TABLES = 16  # kept: 10 MB each at most
-
-#: Of each field: potential, sensitivity, charge per load that makes it zero, stroke, blocked load, store.
-_RESPONSES = (
-    ("voltage", "voltage_sensitivity", "charge_sensitivity", "stroke_per_volt", "blocked_load_per_volt", "capacitance"),
-    ("magnetic_potential", "magnetic_sensitivity", "flux_sensitivity", "stroke_per_ampere", "blocked_load_per_ampere",
-     "permeance"),
-)  # fmt: skip
 
 
 @lru_cache(_TABLES)
@@ -54,7 +49,7 @@ def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
     SurroundingsError
         A punch or a film that the theory of air does not cover.
     """
-    require_gap(films.kind)
+    require(lacking(films.kind))
     films.require_one_length()
     uncharged = films.with_charges(np.zeros_like(films.charges)) if np.any(films.charges) else films
     count = films.load.size
@@ -73,8 +68,13 @@ def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
 
 
 def states(films: Films, permittivity: Array) -> Iterator[tuple[int, State]]:
-    """Every case with its solution; arguments and refusals of :func:`quantities`."""
-    require_gap(films.kind)
+    """Every case with its solution; arguments and refusals of :func:`quantities`.
+
+    Parameters
+    ----------
+    films, permittivity : as of :func:`quantities`
+    """
+    require(lacking(films.kind))
     films.require_one_length()
     for place, (number, contact) in _contacts(films):
         air = np.array([VACUUM_PERMITTIVITY * permittivity[place], VACUUM_PERMEABILITY])
@@ -111,7 +111,7 @@ def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[s
     idle = bare.state
     for field, conducts in enumerate(films.kind.conducts):
         if conducts:
-            out |= dict(zip(_RESPONSES[field], _responses(h, field, state, idle, bare), strict=True))
+            out |= dict(zip(RESPONSES[field], _responses(h, field, state, idle, bare), strict=True))
     if films.kind.conducts[0]:
         out["nominal_field"] = abs(out["voltage"]) / (h * films.kind.above_ground)
         out["capacitance_at_load"] = 1 / float(state.tangents[1, 1])
@@ -123,12 +123,10 @@ def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[s
 def _responses(h: float, field: int, state: State, idle: State, bare: AirContact) -> tuple[float, ...]:
     j, scale = 1 + field, state.of.contact.scale
     short = replace(bare, held=(field == 0, field == 1), idle=idle).state
-    t = state.tangents
     return (
         h * float(state.response[j] * scale[j + 1]),
         float(idle.tangents[j, 0]),
         float(short.loads[j] / short.loads[0] * scale[1] / scale[j + 1]),
-        float(t[0, j] / t[j, j]),
-        float(1 / (t[j, 0] - t[j, j] * t[0, 0] / t[0, j])),
+        *map(float, driven(state.tangents, j)),
         1 / float(state.at_fixed_contact[j, field]),
     )

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from solver.arrays import BoolArray
+from solver.arrays import Array, BoolArray
 from solver.film.windows import Kind
+from solver.halfplane.pressing import ContactError
 from solver.material.constants import MaterialError
 from solver.point.body import Film, HalfSpace
 from solver.point.profile import Shape
@@ -22,6 +23,10 @@ class SurroundingsError(MaterialError):
     """A punch or a body beside which air has no meaning here."""
 
 
+class GapError(ContactError):
+    """A punch that touches the surface beside the contact, or a gap that nothing converges for."""
+
+
 def lacking(kind: Kind) -> str | None:
     """Why a kind of contact cannot have air beside it; none if it can."""
     if not any(kind.conducts):
@@ -36,7 +41,13 @@ def lacking(kind: Kind) -> str | None:
 
 
 def lacking_at_point(body: HalfSpace | Film, conducts: BoolArray) -> str | None:
-    """The same of point contacts; conducts (case, 2)."""
+    """The same of point contacts; conducts (case, 2).
+
+    Parameters
+    ----------
+    body : HalfSpace or Film, with the punch's shape
+    conducts : ndarray of bool, shape (case, 2), electric and magnetic
+    """
     shape: Shape = body.shape
     if not np.all(np.any(conducts, -1)):
         return _IDLE
@@ -49,28 +60,40 @@ def lacking_at_point(body: HalfSpace | Film, conducts: BoolArray) -> str | None:
     return None
 
 
-def require_gap(kind: Kind) -> None:
-    """Refuse a kind of contact that cannot have air beside it.
+def require(why: str | None) -> None:
+    """Refuse a contact that cannot have air beside it, by what `lacking` and `lacking_at_point` say.
 
     Raises
     ------
     SurroundingsError
         Saying why.
     """
-    _require(lacking(kind))
-
-
-def require_gap_of_point(body: HalfSpace | Film, conducts: BoolArray) -> None:
-    """The same of point contacts.
-
-    Raises
-    ------
-    SurroundingsError
-        Saying why.
-    """
-    _require(lacking_at_point(body, conducts))
-
-
-def _require(why: str | None) -> None:
     if why is not None:
         raise SurroundingsError(f"surroundings: 'air' is not allowed: {why}")
+
+
+def require_open(gap: Array, alone: Array, places: Array, coordinate: str, held: str = "") -> None:
+    """Refuse a gap that closes.
+
+    Parameters
+    ----------
+    gap, alone
+        Gap, and that of the profile alone; (place,).
+    places
+        Where; (place,).
+    coordinate
+        What they are.
+    held
+        Potentials that are held at zero.
+
+    Raises
+    ------
+    GapError
+        With the place.
+    """
+    if not np.all(gap > 0):
+        raise GapError(
+            f"surroundings: the punch touches the surface beside the contact, at {coordinate} = "
+            f"{places[int(np.argmin(gap / alone))]:.3g}{f', where its {held} is 0' if held else ''}: "
+            "the gap is negative there"
+        )

@@ -6,7 +6,7 @@ half-space is then the same at every radius. Below the contact chi is given, so 
 of the second kind; beside it gap and potentials are what chi leaves from its value at the edge.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Self
 
@@ -17,9 +17,9 @@ from solver.arrays import Array, BoolArray
 from solver.film.kernel import CHANNEL
 from solver.point.pressure import SAMPLES, added_forms, finite, halfspace_form
 from solver.point.profile import Shape
-from solver.surroundings.grid import gauss
+from solver.point.spread import Spread
 from solver.surroundings.rings import Rings
-from solver.surroundings.spread import Spread
+from solver.surroundings.rules import gauss
 
 _FIRST, _MORE = 14, 6.0  # of S below a narrow contact, and what wide ones add
 _POWER = 3  # of the nodes where the profile is a power of s that is not even
@@ -230,7 +230,7 @@ class RingOperators:
     def _added(self) -> Spread:
         """Of these pairs."""
         assert self.layers is not None
-        return replace(self.layers, series=self.layers.series[..., self._pairs[0]])
+        return self.layers.of(self._pairs[0])
 
     def _paired(self, kernels: Array) -> Array:
         """Kernels of the channels, from those of their pairs; (channel, channel, target, node)."""
@@ -306,7 +306,13 @@ class _Below:
 
     @classmethod
     def of(cls, reach: float, *, even: bool = True) -> "_Below":
-        """As many as layers that vary over 1/reach of the radius ask for: for even functions of s, or for powers."""
+        """As many as layers that vary over 1/reach of the radius ask for: for even functions of s, or for powers.
+
+        Parameters
+        ----------
+        reach : float, contact radius over the distance that layers vary over
+        even : bool, functions of s that are even in place of powers
+        """
         count = _FIRST + int(_MORE * (np.sqrt(reach) + reach))
         x, w = np.polynomial.legendre.leggauss(2 * count)
         if even:

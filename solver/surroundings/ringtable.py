@@ -6,7 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
-from approximation.chebyshev import coefficients, mapped_points
+from approximation.chebyshev import coefficients
+from approximation.piecewise import Interval
 from solver.arrays import Array
 from solver.point.profile import Shape
 from solver.surroundings.ringoperators import RingOperators, Rows
@@ -81,7 +82,13 @@ class RingsByRadius(Places, Protocol):
         """Whether it was made for this radius."""
 
     def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
-        """The rows up to one, and their derivatives in log a; (row, column) each."""
+        """The rows up to one, and their derivatives in log a; (row, column) each.
+
+        Parameters
+        ----------
+        log_radius : float, log a in the unit of the body's lengths
+        stop : int, the first row that is left out
+        """
 
     def read_inside(self, log_radius: float) -> Array:
         """The rows below the contact; (row, column)."""
@@ -95,15 +102,12 @@ class RingTable(Read):
     ----------
     operators
         Operators at any radius.
-    ends
-        log a at both ends.
-    count
-        Number of radii.
+    interval
+        Range of log a, and its radii.
     """
 
     operators: Tabled
-    ends: tuple[float, float]
-    count: int = NODES
+    interval: Interval
 
     @property
     def exact(self) -> RingOperators:
@@ -113,13 +117,13 @@ class RingTable(Read):
     @cached_property
     def values(self) -> tuple[Array, Array]:
         """Outputs at the radii, flat: those up to the pressures, and those below the contact; (node, ...)."""
-        found = np.stack([self.operators.at(float(np.exp(at))) for at in mapped_points(self.count, *self.ends)])
+        found = np.stack([self.operators.at(float(np.exp(at))) for at in self.interval.points])
         split = self.rows.pressure.start
-        return found[:, :split].reshape(self.count, -1), found[:, split:].reshape(self.count, -1)
+        return found[:, :split].reshape(len(found), -1), found[:, split:].reshape(len(found), -1)
 
     def holds(self, log_radius: float) -> bool:
         """Whether a radius lies between the ends."""
-        return self.ends[0] <= log_radius <= self.ends[1]
+        return self.interval.low <= log_radius <= self.interval.high
 
     def at(self, radius: float) -> Array:
         """Outputs of every cause and density; (row, column)."""
@@ -127,7 +131,13 @@ class RingTable(Read):
         return np.concatenate([local @ part for part in self.values]).reshape(self.rows.count, -1)
 
     def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
-        """The rows up to the pressures, and their derivatives in log a; (row, column) each."""
+        """The rows up to the pressures, and their derivatives in log a; (row, column) each.
+
+        Parameters
+        ----------
+        log_radius : float, log a in the unit of the body's lengths
+        stop : int, the first row that is left out
+        """
         if log_radius not in self._last:
             self._last.clear()
             self._last[log_radius] = (self._polynomials(log_radius) @ self.values[0]).reshape(2, stop, -1)
@@ -146,18 +156,13 @@ class RingTable(Read):
 
     def _polynomials(self, log_radius: float) -> Array:
         """From values at the radii to those at log a and to derivatives; (2, node)."""
-        low, high = self.ends
-        series, rates = self._series
-        at = np.array([(2 * log_radius - low - high) / (high - low)])
-        local = np.polynomial.chebyshev.chebvander(at, self.count - 1)
-        return np.asarray(np.concatenate([local @ series, local @ rates]))
+        local = self.interval.polynomials(np.array([log_radius]), clipped=False)
+        return np.asarray(local @ self._series)[:, 0]
 
     @cached_property
-    def _series(self) -> tuple[Array, Array]:
-        series, (low, high) = coefficients(np.eye(self.count)), self.ends
-        rates = np.zeros_like(series)
-        rates[:-1] = np.polynomial.chebyshev.chebder(series) * 2 / (high - low)
-        return series, rates
+    def _series(self) -> Array:
+        series = coefficients(np.eye(self.interval.count))
+        return np.stack([series, self.interval.derived(series)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,7 +191,13 @@ class RingsOnHalfSpace(Read):
         return True
 
     def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
-        """The rows up to one, and zeros."""
+        """The rows up to one, and zeros.
+
+        Parameters
+        ----------
+        log_radius : float, log a in the unit of the body's lengths
+        stop : int, the first row that is left out
+        """
         return self._values[:stop], np.zeros((stop, self._values.shape[1]))
 
     def read_inside(self, log_radius: float) -> Array:

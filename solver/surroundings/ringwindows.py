@@ -10,14 +10,15 @@ from typing import Self
 
 import numpy as np
 
+from approximation.piecewise import Interval
 from solver.arrays import Array
 from solver.film.kernel import strip
 from solver.film.windows import number_of
-from solver.point.table import PointKind, ends
+from solver.point.spread import spread
+from solver.point.table import PointKind, interval
 from solver.surroundings.ringoperators import RingOperators
 from solver.surroundings.rings import rings
-from solver.surroundings.ringtable import FEW, RingTable
-from solver.surroundings.spread import spread
+from solver.surroundings.ringtable import FEW, NODES, RingTable
 
 _TABLES, _PARTS = 12, 48  # kept: 20 and 9 MB each at most
 _STEP, _BEYOND = 0.11, 0.015  # of log a: a part, and what it has in common with the next one; air moves less
@@ -26,14 +27,14 @@ _MOST = 2  # parts of half a decade that are made by themselves: the next one ha
 
 @lru_cache(_TABLES)
 def _half_decade(kind: PointKind, number: int) -> RingTable:
-    return RingTable(_operators(kind), ends(number))
+    return RingTable(_operators(kind), interval(number, NODES))
 
 
 @lru_cache(_PARTS)
 def _part(kind: PointKind, place: int, number: int | None) -> RingTable:
     """The part of a place in log a, from the table of half a decade or else by itself."""
-    own = place * _STEP - _BEYOND, (place + 1) * _STEP + _BEYOND
-    return RingTable(_operators(kind) if number is None else _half_decade(kind, number), own, FEW)
+    own = Interval(place * _STEP - _BEYOND, (place + 1) * _STEP + _BEYOND, FEW)
+    return RingTable(_operators(kind) if number is None else _half_decade(kind, number), own)
 
 
 @lru_cache(_PARTS)
@@ -68,7 +69,13 @@ class RingWindows:
 
     @classmethod
     def of(cls, kind: PointKind, ratios: Array) -> Self:
-        """For radii over the thickness that a call is about."""
+        """For radii over the thickness that a call is about.
+
+        Parameters
+        ----------
+        kind : PointKind, the film and the punch
+        ratios : ndarray, shape (...), contact radii over the thickness
+        """
         asked: dict[int, set[int]] = {}
         for ratio in np.unique(ratios).tolist():
             asked.setdefault(_number(ratio), set()).add(_place(ratio))

@@ -7,18 +7,14 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.contact import mean_power
-from solver.halfplane.pressing import ContactError
 from solver.surroundings.operators import BALANCE, DISPLACEMENT, LOAD
 from solver.surroundings.posed import Posed
+from solver.surroundings.refusal import require_open
 from solver.surroundings.scaled import Factored, solved
 from solver.surroundings.table import SOLVING, Near
 
 _FIELDS = ("voltage", "magnetic potential")
 _EXTENT = 2  # unknowns before the charges: log h, c/h
-
-
-class GapError(ContactError):
-    """A punch that touches the surface beside the contact, or a gap that nothing converges for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,22 +213,11 @@ class State:
         return bool(np.all(self.gap > 0))
 
     def require_gap(self) -> None:
-        """Refuse a gap that closes.
-
-        Raises
-        ------
-        GapError
-            With the place.
-        """
-        if not self.open:
-            of = self.of.table.operators
-            X = np.concatenate([of.grid.distance, -of.grid.distance])[: of.beside]
-            worst = int(np.argmin(self.gap / self._reference))
-            held = " and ".join(name for name, is_held in zip(_FIELDS, self.of.held, strict=True) if is_held)
-            raise GapError(
-                f"surroundings: the punch touches the surface beside the contact, at (x - c)/h = {X[worst]:.3g}"
-                f"{f', where its {held} is 0' if held else ''}: the gap is negative there"
-            )
+        """Refuse a gap that closes, as :func:`solver.surroundings.refusal.require_open`."""
+        of = self.of.table.operators
+        X = np.concatenate([of.grid.distance, -of.grid.distance])[: of.beside]
+        held = " and ".join(name for name, is_held in zip(_FIELDS, self.of.held, strict=True) if is_held)
+        require_open(self.gap, self._reference, X, "(x - c)/h", held)
 
     # -- outputs -------------------------------------------------------------------------------------------------------
     @cached_property

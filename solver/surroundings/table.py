@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebder
 
 from approximation.chebyshev import coefficients
 from solver.arrays import Array, BoolArray
@@ -62,7 +61,13 @@ class AirTable:
         return Near(log_half, terms)
 
     def outputs(self, log_half: float, columns: Array) -> Array:
-        """All rows at log h, of the sum of causes and densities times ``columns``; (row,)."""
+        """All rows at log h, of the sum of causes and densities times ``columns``; (row,).
+
+        Parameters
+        ----------
+        log_half : float, log h in thicknesses of the top layer
+        columns : ndarray, shape (column,), sizes of causes and densities
+        """
         weights, found = self._weights(log_half, 1)[0], np.empty(self.operators.rows)
         for part, rows in zip(self._parts, (self._solving, ~self._solving), strict=True):
             found[rows] = weights @ (part @ columns)
@@ -77,8 +82,7 @@ class AirTable:
         """Chebyshev coefficients of the Taylor coefficients in log h, of values at the half-lengths; (_TERMS, ...)."""
         found = [coefficients(np.eye(self.table.nodes))]
         for power in range(1, _TERMS):
-            derived = chebder(found[-1]) * 2 / np.log(self.table.upper / self.table.lower) / power
-            found.append(np.concatenate([derived, np.zeros((1, self.table.nodes))]))
+            found.append(self.table.interval.derived(found[-1]) / power)
         return np.stack(found)
 
 
@@ -129,14 +133,26 @@ class Near:
         return abs(log_half - self.centre) <= _NEXT
 
     def matrix(self, log_half: float, rows: slice = slice(None)) -> Array:
-        """Some rows, or all; (row, column)."""
+        """Some rows, or all; (row, column).
+
+        Parameters
+        ----------
+        log_half : float, log h in thicknesses of the top layer
+        rows : slice, of the rows
+        """
         terms = self._terms(log_half)
         powers = (log_half - self.centre) ** np.arange(len(terms))
         part = terms[:, rows]
         return part[0] if log_half == self.centre else np.asarray(np.tensordot(powers, part, 1))
 
     def products(self, log_half: float, columns: Array) -> tuple[Array, Array]:
-        """Rows times columns, and their derivatives in log h; (row,) each."""
+        """Rows times columns, and their derivatives in log h; (row,) each.
+
+        Parameters
+        ----------
+        log_half : float, log h in thicknesses of the top layer
+        columns : ndarray, shape (column,), sizes of causes and densities
+        """
         series, change = self._terms(log_half) @ columns, log_half - self.centre
         k = np.arange(len(series))
         return change**k @ series, (k[1:] * change ** k[:-1]) @ series[1:]

@@ -213,14 +213,7 @@ class GridGP(GaussianProcess):
 
         Parameters
         ----------
-        stored : Dataset, the state
-        inputs : tuple of Input
-        outputs : dict, `units` and `long_name` of every output
-
-        Raises
-        ------
-        ValueError
-            What is inconsistent, by its name.
+        stored, inputs, outputs : as of `Core.restore`, with its errors
         """
         attrs, d = stored.attrs, len(inputs)
         if attrs["kernel"] not in KERNELS:

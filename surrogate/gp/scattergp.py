@@ -169,14 +169,7 @@ class ScatterGP(GaussianProcess):
 
         Parameters
         ----------
-        stored : Dataset, the state
-        inputs : tuple of Input
-        outputs : dict, `units` and `long_name` of every output
-
-        Raises
-        ------
-        ValueError
-            What is inconsistent, by its name.
+        stored, inputs, outputs : as of `Core.restore`, with its errors
         """
         attrs = stored.attrs
         if attrs["kernel"] not in KERNELS:

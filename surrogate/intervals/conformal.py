@@ -249,11 +249,11 @@ def calibrate(
     further = None if outer is None else unguarded(len(outer), len(errors), pooled=True)
     for p in known:
         scores = _cross_fitted(A, logarithms[p], whole[:, p], groups)
-        level = float(np.quantile(scores[even], NOMINAL))
-        fill(guard, int(p), scores, level, t, groups, even)
+        allowed = float(np.quantile(scores[even], NOMINAL))
+        fill(guard, int(p), scores, allowed, t, groups, even)
         if further is not None and outer is not None:
             beyond = scores - guard.only([int(p)]).at(t)[:, 0]
-            fill(further, int(p), beyond, level, outer, groups, even)
+            fill(further, int(p), beyond, allowed, outer, groups, even)
         logarithms[p] = scores
     logarithms -= guard.at(t).T
     if further is not None and outer is not None:

@@ -216,8 +216,8 @@ class _Local:
 
     def climb(self, start: Array) -> Array:
         """The best worst case under the limits."""
-        level = float(self.problem.value(start[None])[0].min()) / self.scale
-        return self._search(start, level, rise=True, floor=None)
+        value = float(self.problem.value(start[None])[0].min()) / self.scale
+        return self._search(start, value, rise=True, floor=None)
 
     def widen_margins(self, best: Optimum) -> Array:
         """The largest margins that the best objective leaves."""

@@ -212,14 +212,7 @@ class BoundedGP(Transformed):
 
         Parameters
         ----------
-        stored : Dataset, the state
-        inputs : tuple of Input
-        outputs : dict, `units` and `long_name` of every output
-
-        Raises
-        ------
-        ValueError
-            What is inconsistent, by its name.
+        stored, inputs, outputs : as of `Core.restore`, with its errors
         """
         given, ends = (stored[name].transpose("output", "end").values for name in ("bounded", "bound"))
         if given.shape != (len(outputs), 2) or ends.shape != given.shape:

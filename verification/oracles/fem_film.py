@@ -17,9 +17,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import root_scalar
 from scipy.sparse import csr_array, eye_array
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 from scipy.special import eval_chebyt, eval_jacobi, gamma
 
 from verification.oracles.fem import FIELDS, STIFFNESS, UNITS
@@ -29,8 +28,8 @@ from verification.oracles.surface_response import Array, reduced, surface_respon
 
 ELECTRIC, MAGNETIC = 2, 3  # numbers of the potentials in u = (u_x, u_y, phi, psi)
 DATUM = 1e5  # distance of the datum on a half-plane, about, in half-lengths
-_FORCES = STIFFNESS / UNITS  # N/m, N/m, C/m, Wb/m of a scaled nodal load
-_COARSE = 6  # order at which a half-length is sought first
+#: N/m, N/m, C/m, Wb/m of a scaled nodal load.
+FORCES = STIFFNESS / UNITS
 _SEARCHED = np.linspace(-5, 5, 401)  # places of an interface that are searched for its extremes
 
 
@@ -85,78 +84,87 @@ class FilmContact:
         return Body(mesh, materials if self.base is None else [*materials, self.base], self.order)
 
     @cached_property
-    def _below(self) -> Index:
-        """Nodes of the contact."""
-        x, y = self.body.places.T
-        return np.flatnonzero((y == 0) & (np.abs(x) <= 1))
+    def below(self) -> Index:
+        """Nodes of the contact, by rising x."""
+        return contact(self.body)
 
-    def _held(self) -> NDArray[np.bool_]:
-        """Which of (u_x, u_y, phi, psi) of the nodes are given."""
-        x, y = self.body.places.T
-        held = np.zeros((len(x), 4), dtype=bool)
-        held[np.isclose(np.abs(x), x.max())] = True
-        held[np.isclose(y, y.min()), : 4 if self.base else 2] = True
-        for field in (1, *self.punch.conducted):
-            held[self._below, field] = True
-        depths = np.cumsum([layer.thickness for layer in self.layers]) / self.half_length
-        for depth, layer in zip(depths, self.layers, strict=True):
-            for field in layer.grounded:
-                held[np.isclose(y, -depth), field] = True
-        return held
+    def held(self) -> NDArray[np.bool_]:
+        """Which of (u_x, u_y, phi, psi) of the body's nodes are given."""
+        below = np.zeros((len(self.body.places), 4), dtype=bool)
+        below[self.below[:, None], [1, *self.punch.conducted]] = True
+        return below | clamped(self.body, self.layers, self.half_length, rigid=self.base is None)
+
+    def given(self, size: int) -> Array:
+        """Scaled u of the states u_y = 1, X, X^2 and, of every conducted potential, 1 under the punch; (size, states).
+
+        Zero elsewhere, so far.
+        """
+        u = np.zeros((size, 3 + len(self.punch.conducted)))
+        u[4 * self.below + 1, :3] = self.places[:, None] ** np.arange(3)
+        for state, field in enumerate(self.punch.conducted, start=3):
+            u[4 * self.below + field, state] = 1.0
+        return u
 
     @cached_property
     def _states(self) -> tuple[Array, Array]:
         """Scaled u (nodes, 4, states) and nodal loads of the contact (nodes there, 4, states)."""
-        x, below, conducted = self.body.places[:, 0], self._below, self.punch.conducted
-        given = np.zeros((len(x), 4, 3 + len(conducted)))
-        given[below, 1, :3] = x[below, None] ** np.arange(3)
-        for state, field in enumerate(conducted, start=3):
-            given[below, field, state] = 1.0
-        u, free, matrix = given.reshape(-1, given.shape[2]), ~self._held().ravel(), self.body.matrix()
+        below, free, matrix = self.below, ~self.held().ravel(), self.body.matrix()
+        u = self.given(len(free))
         along = csr_array((np.full(len(below), -self.punch.friction), (4 * below, 4 * below + 1)), shape=matrix.shape)
         rows = ((eye_array(len(free)) + along) @ matrix)[free]  # the free rows of a held force: Coulomb's law
-        factors = splu(
-            rows[:, free].tocsc(),
-            permc_spec="MMD_AT_PLUS_A",
-            options={"SymmetricMode": True},
-            diag_pivot_thresh=0.001,
-        )
-        u[free] = -factors.solve(rows @ u)
-        return u.reshape(given.shape), np.asarray(matrix @ u).reshape(given.shape)[below]
+        u[free] = -factorised(rows[:, free]).solve(rows @ u)
+        nodal = len(self.body.places), 4, u.shape[1]
+        return u.reshape(nodal), np.asarray(matrix @ u).reshape(nodal)[below]
 
     @cached_property
-    def _weights(self) -> Array:
+    def weights(self) -> Array:
         """Of the states: u_y = w0 + w1 X + w2 X^2, phi = w3, psi = w4 under the punch; scaled."""
-        loads, conducted = self._states[1], self.punch.conducted
+        loads = self._states[1]
+        return self.weighed(loads[:, 1], loads.sum(axis=0))
+
+    def weighed(self, forces: Array, totals: Array) -> Array:
+        """Weights that leave no singular pressure.
+
+        Parameters
+        ----------
+        forces : ndarray, shape (nodes of the contact, states), nodal
+        totals : ndarray, shape (4, states)
+        """
+        conducted = self.punch.conducted
         charges = {ELECTRIC: self.punch.charge, MAGNETIC: self.punch.magnetic_charge}
-        rows = np.array([*self._singular(loads[:, 1]), *(-loads[:, field].sum(axis=0) for field in conducted)])
+        rows = np.array([*self._singular(forces), *(-totals[list(conducted)])])
         curved = self.half_length**2 / (2 * self.punch.radius)
-        right = np.array([0.0, 0.0, *(charges[field] / _FORCES[field] for field in conducted)]) - rows[:, 2] * curved
+        right = np.array([0.0, 0.0, *(charges[field] / FORCES[field] for field in conducted)]) - rows[:, 2] * curved
         return np.insert(np.linalg.solve(np.delete(rows, 2, axis=1), right), 2, curved)
 
     def _singular(self, forces: Array) -> Array:
         """Strength of the singular pressure at X = -1 and 1, from nodal forces (nodes, states); shape (2, states)."""
+        (A, B), n = self.exponents, np.arange(2 * self.order)[:, None]
+        norm = gamma(n + A + 1) * gamma(n + B + 1) / gamma(n + 1) ** 2 / np.where(n, 2, 1)  # as A + B = -1
+        series = eval_jacobi(n, A, B, self.places) @ forces / norm
+        return np.stack([eval_jacobi(n[:, 0], A, B, end) @ series for end in (-1.0, 1.0)])
+
+    @property
+    def exponents(self) -> tuple[float, float]:
+        """Exponents at X = 1 and -1 of a pressure that is singular where a conductor, or an insulator, ends."""
         conducted = tuple(field - 1 for field in self.punch.conducted)
         alpha = reduced(surface_response(self.layers[0].material), self.punch.friction, conducted)[1]
-        A, B, n = alpha - 1, -alpha, np.arange(2 * self.order)[:, None]
-        norm = gamma(n + A + 1) * gamma(n + B + 1) / gamma(n + 1) ** 2 / np.where(n, 2, 1)  # as A + B = -1
-        series = eval_jacobi(n, A, B, self.body.places[self._below, 0]) @ forces / norm
-        return np.stack([eval_jacobi(n[:, 0], A, B, end) @ series for end in (-1.0, 1.0)])
+        return alpha - 1, -alpha
 
     @cached_property
     def u(self) -> Array:
         """(u_x, u_y, phi, psi) of the nodes, SI units; shape (nodes, 4)."""
-        return np.asarray(self._states[0] @ self._weights * UNITS)
+        return np.asarray(self._states[0] @ self.weights * UNITS)
 
     @cached_property
     def loads(self) -> Array:
         """Nodal loads (x, y, electric, magnetic) [N/m, N/m, C/m, Wb/m] of the contact, in the order of ``places``."""
-        return np.asarray(self._states[1] @ self._weights * _FORCES)
+        return np.asarray(self._states[1] @ self.weights * FORCES)
 
     @property
     def places(self) -> Array:
         """X of the nodes of the contact."""
-        places: Array = self.body.places[self._below, 0]
+        places: Array = self.body.places[self.below, 0]
         return places
 
     @property
@@ -167,25 +175,16 @@ class FilmContact:
     @property
     def centre(self) -> float:
         """(a - b)/2 [m]."""
-        return float(self._weights[1] * self.punch.radius / self.half_length)
+        return float(self.weights[1] * self.punch.radius / self.half_length)
 
     @property
     def depth(self) -> float:
         """Of the punch [m]; on a half-plane seen, as potentials are, from the surface at ``datum`` on both sides."""
-        return float(self.centre**2 / (2 * self.punch.radius) - self._weights[0] + self._away[1])
+        return float(self.centre**2 / (2 * self.punch.radius) - self.weights[0] + self._away[1])
 
-    @property
-    def voltage(self) -> float:
-        """V [V]; of a punch that conducts."""
-        return self._potential(ELECTRIC)
-
-    @property
-    def magnetic_potential(self) -> float:
-        """Psi [A]; of a punch that conducts."""
-        return self._potential(MAGNETIC)
-
-    def _potential(self, one: int) -> float:
-        return float(self._weights[3 + self.punch.conducted.index(one)] * UNITS[one] - self._away[one])
+    def potential(self, one: int) -> float:
+        """V [V] (``ELECTRIC``) or Psi [A] (``MAGNETIC``) of a punch that conducts, as depth."""
+        return float(self.weights[3 + self.punch.conducted.index(one)] * UNITS[one] - self._away[one])
 
     @property
     def _away(self) -> Array:
@@ -235,28 +234,40 @@ class FilmContact:
         return {"shear": _largest(np.abs(stresses["stress_xy"])), "tension": _largest(stresses["stress_yy"])}
 
 
-def under_load(
-    layers: Sequence[Layer], base: Mapping[str, float] | None, punch: Punch, load: float, order: int = 10
-) -> FilmContact:
-    """The contact that carries a load: secants, first between elements of low order.
+def contact(body: Body) -> Index:
+    """Nodes of the contact, by rising x."""
+    x, y = body.places.T
+    found = np.flatnonzero((y == 0) & (np.abs(x) <= 1))
+    return found[np.argsort(x[found])]
+
+
+def clamped(body: Body, layers: Sequence[Layer], length: float, *, rigid: bool) -> NDArray[np.bool_]:
+    """Which of the four unknowns of the nodes are zero: far away, on the base, at grounded interfaces; (nodes, 4).
 
     Parameters
     ----------
-    layers, base, punch, order : as of `FilmContact`
-    load : float, N/m
+    body
+        Layers and base, meshed in units of a length [m].
+    layers
+        From the top down.
+    length
+        That length.
+    rigid
+        Whether the base is.
     """
+    x, y = body.places.T
+    held = np.zeros((len(x), 4), dtype=bool)
+    held[np.isclose(np.abs(x), x.max())] = True
+    held[np.isclose(y, y.min()), : 2 if rigid else 4] = True
+    for depth, layer in zip(np.cumsum([layer.thickness for layer in layers]) / length, layers, strict=True):
+        held[np.ix_(np.isclose(y, -depth), layer.grounded)] = True
+    return held
 
-    def miss(log_half: float, order: int) -> float:
-        contacts.append(FilmContact(layers, base, punch, np.exp(log_half), order))
-        return float(np.log(contacts[-1].load / load))
 
-    contacts: list[FilmContact] = []
-    lam = reduced(surface_response(layers[0].material), 0.0)[0]
-    start, step = np.log(lam * punch.radius * load) / 2, 0.1
-    for stage in sorted({min(order, _COARSE), order}):
-        start = root_scalar(miss, (stage,), "secant", x0=start, x1=start + step, xtol=1e-9).root
-        step = 1e-4
-    return contacts[-1]
+def factorised(matrix: "csr_array[np.float64]") -> "SuperLU[np.float64]":
+    """LU factors of a stiffness whose structure is symmetric."""
+    options = {"SymmetricMode": True}
+    return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.001, options=options)
 
 
 def _largest(values: Array) -> float:

@@ -12,21 +12,17 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, eye_array
+from scipy.sparse import csr_array, eye_array
 from scipy.special import gamma
 
 from verification.oracles.fem import STIFFNESS, UNITS
-from verification.oracles.fem_film import ELECTRIC, Layer
+from verification.oracles.fem_film import ELECTRIC, FORCES, Layer, clamped, contact
 from verification.oracles.film_mesh import FAR, assemble, growing
-from verification.oracles.gap_response import VACUUM, Dry, lagrange, lobatto, sides
-from verification.oracles.spectral import Body, Index, Quadrilaterals
+from verification.oracles.gap_response import LEAST, SMALL, STEPS, VACUUM, Dry, Gap
+from verification.oracles.spectral import Body, Index, Quadrilaterals, bilinear, lagrange
 from verification.oracles.surface_response import Array, surface_response
 
-_FORCES = STIFFNESS / UNITS
-_STEPS = 60
 _CLOSE = 1e-8  # change of the punch's place and potentials from one step to the next, each over itself
-_SMALL = 1e-6
-_LEAST = 1e-9  # gap over the length of an element below which the potential is as good as the punch's
 _GROWTH, _SIZE = 2.5, 0.25  # of elements: far away, and beside the edge
 
 
@@ -44,11 +40,9 @@ class Revolved(Body):
         points, weights = np.polynomial.legendre.leggauss(self.order + 2)
         at = np.stack(np.meshgrid(points, points, indexing="ij"), axis=-1).reshape(-1, 2)
         (by_r, by_y), jacobian = self._gradients(element, at)
-        line = lobatto(self.order)
-        values = (lagrange(line, at[:, 0])[:, :, None] * lagrange(line, at[:, 1])[:, None, :]).reshape(len(at), -1)
-        signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-        corners = (1 + signs[:, 0] * at[:, :1]) * (1 + signs[:, 1] * at[:, 1:]) / 4
-        r = self.mesh.origin[element][0] + corners @ self.mesh.corners[element][:, 0]
+        first, second = (lagrange(self.line, at[:, axis])[0] for axis in (0, 1))
+        values = (first[:, :, None] * second[:, None, :]).reshape(len(at), -1)
+        r = self.mesh.origin[element][0] + bilinear(at) @ self.mesh.corners[element][:, 0]
         weight = (np.outer(weights, weights).ravel() * jacobian * r)[:, None]
         parts, moduli = (by_r, by_y, values / r[:, None]), _moduli(self.materials[self.mesh.layer[element]])
         n = values.shape[1]
@@ -159,77 +153,39 @@ class PointContact:
 
     @cached_property
     def _below(self) -> Index:
-        r, y = self.body.places.T
-        nodes = np.flatnonzero((y == 0) & (r <= 1))
-        return nodes[np.argsort(r[nodes])]
+        return contact(self.body)
 
     @cached_property
-    def _edges(self) -> Index:
-        return sides(self.body)
-
-    @cached_property
-    def _rule(self) -> tuple[Array, Array, Array]:
-        """Shapes at Gauss's points of a side (point, node), and r and weights r dr of all points (side, point)."""
-        points, weights = np.polynomial.legendre.leggauss(self.order + 8)
-        ends = self.body.places[self._edges][:, [0, -1], 0]
-        half = (ends[:, 1] - ends[:, 0])[:, None] / 2
-        r = ends.mean(axis=1)[:, None] + half * points
-        return lagrange(lobatto(self.order), points), r, half * weights * r
+    def _beside(self) -> Gap:
+        """The surface beside the contact."""
+        return Gap(self.body, self.order + 8)
 
     @cached_property
     def _dry(self) -> Dry:
-        places, below = self.body.places, self._below
-        r, y = places.T
-        held = np.zeros((len(r), 4), dtype=bool)
+        below, r = self._below, self.body.places[:, 0]
+        held = clamped(self.body, self.layers, self.radius, rigid=self.base is None)
         held[:, 3] = True
         held[r == 0, 0] = True
-        held[np.isclose(r, r.max())] = True
-        held[np.isclose(y, y.min()), : 4 if self.base else 2] = True
-        for depth, layer in zip(
-            np.cumsum([layer.thickness for layer in self.layers]) / self.radius, self.layers, strict=True
-        ):
-            for potential in layer.grounded:
-                held[np.isclose(y, -depth), potential] = True
         held[below, 1:3] = True
         u = np.zeros((4 * len(r), 3))
         u[4 * below + 1, :2] = r[below, None] ** [0, self._profile[0]]
         u[4 * below + ELECTRIC, 2] = 1.0
-        beside = np.setdiff1d(self._edges, below)
+        nodes = self._beside.nodes
+        beside = np.setdiff1d(nodes, below)
         touched = (4 * below[:, None] + np.arange(4)).ravel()
         one = csr_array(eye_array(u.shape[0]))
         return Dry.of(self.body.matrix(), one, one, ~held.ravel(), u, 4 * beside + ELECTRIC, touched,
-                      4 * np.unique(self._edges) + 1)  # fmt: skip
+                      4 * np.unique(nodes) + 1)  # fmt: skip
 
-    def _spring(self, gap: Array) -> "csr_array[np.float64]":
-        """Scaled int eps/g N N r dr over nodes, from gaps over a (side, point)."""
-        shapes, r, weights = self._rule
-        lengths = np.sum(weights / r, axis=1, keepdims=True)
-        thinned = weights / (1 + (r * self.radius / self.sphere) ** 2) / np.maximum(gap, _LEAST * lengths)
-        strength = self.permittivity * VACUUM[ELECTRIC] * UNITS[ELECTRIC] ** 2 / STIFFNESS
-        blocks = strength * np.einsum("sp,pi,pj->sij", thinned, shapes, shapes)
-        nodes, count = self._edges, len(self.body.places)
-        rows, columns = np.broadcast_arrays(nodes[:, :, None], nodes[:, None, :])
-        return csr_array(coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count)))
-
-    def _states(self, gap: Array) -> tuple[Array, Array]:
+    def _charged(self, gap: Array) -> tuple[Array, Array]:
         """Scaled u and nodal loads of the states u_y = 1, r^e and phi = 1 under the punch; (node, 4, state) each."""
-        dry, spring = self._dry, self._spring(gap)
-        nodes = dry.airy // 4
-        held = dry.given[ELECTRIC::4].copy()
-        held[nodes] = 0.0
-        given = np.asarray(spring @ held)[nodes]
-        given[:, 2] -= np.asarray(spring.sum(axis=1))[nodes]
-        inner = spring[nodes][:, nodes].toarray()
-        potentials = np.linalg.solve(
-            np.eye(len(inner)) - dry.flexibility @ inner, dry.given_there + dry.flexibility @ given
-        )
-        charged = inner @ potentials + given
-        u = dry.given.copy()
-        u[dry.airy] = potentials
-        u[dry.raised] += dry.lift @ charged
-        loads = np.zeros_like(u)
-        loads[dry.airy] = charged
-        loads[dry.touched] = dry.given_loads + dry.pressed @ charged
+        r, weights = self._beside.rule
+        wide = np.maximum(gap, LEAST * np.sum(weights, axis=1, keepdims=True))
+        strength = self.permittivity * VACUUM[ELECTRIC] * weights * r / (1 + (r * self.radius / self.sphere) ** 2)
+        pushed = np.zeros_like(self._dry.given)
+        spring = self._beside.spring(ELECTRIC, strength / wide, len(pushed))
+        pushed[:, 2] = spring.sum(axis=1)
+        u, loads = self._dry.charged(spring, pushed)
         return u.reshape(-1, 4, 3), loads.reshape(-1, 4, 3)
 
     def _strength(self, forces: Array) -> Array:
@@ -255,33 +211,32 @@ class PointContact:
         inner = _tests(s[:, None] * np.sin(angle), order) * np.sin(angle)[:, None]
         share = weights * 4 * t**3 * s**exponent
         tested = np.einsum("s,sam,a->m", share, inner, np.pi / 2 * weights)
-        return np.asarray(2 / np.pi * np.linalg.inv(N)[0, 0] * exponent * rise * tested / _FORCES[1])
+        return np.asarray(2 / np.pi * np.linalg.inv(N)[0, 0] * exponent * rise * tested / FORCES[1])
 
     @cached_property
     def _solved(self) -> tuple[Array, Array, Array, Array]:
         """Scaled u, nodal loads, weights of the states, gaps over a (side, point)."""
-        shapes, r, _ = self._rule
+        r = self._beside.rule[0]
         exponent, curved = self._profile
         gap = (r**2 - 1) ** 1.5 * r ** (exponent - 3) * curved / self.radius
         gap = gap if self.permittivity else np.full_like(gap, np.inf)
         last = np.zeros(3)
-        for _ in range(_STEPS):
-            states, loads = self._states(gap)
+        for _ in range(STEPS):
+            states, loads = self._charged(gap)
             rows = np.array([self._strength(loads[self._below, 1]), -loads[:, ELECTRIC].sum(axis=0)])
             right = np.array([0.0, self.charge / self._per_load(ELECTRIC)]) - rows[:, 1] * curved
             found = np.linalg.solve(rows[:, [0, 2]], right)
             weights = np.array([found[0], curved, found[1]])
             u, size = states @ weights, np.abs(weights)
-            change = np.max(np.abs(weights - last) / np.maximum(size, _SMALL * size.max()))
+            change = np.max(np.abs(weights - last) / np.maximum(size, SMALL * size.max()))
             if not self.permittivity or change < _CLOSE:
                 return u, loads @ weights, weights, gap
-            raised = u[self._edges, 1] @ shapes.T
-            gap, last = (weights[0] + curved * r**exponent - raised) / self.radius, weights
-        raise ArithmeticError(f"the punch's place and potential still change by {change:.1e} after {_STEPS} steps")
+            gap, last = (weights[0] + curved * r**exponent - self._beside.at(u[:, 1])) / self.radius, weights
+        raise ArithmeticError(f"the punch's place and potential still change by {change:.1e} after {STEPS} steps")
 
     def _per_load(self, field: int) -> float:
         """SI per scaled nodal load, over the whole circle."""
-        return float(2 * np.pi * _FORCES[field] * self.radius)
+        return float(2 * np.pi * FORCES[field] * self.radius)
 
     # -- what is asked of it -------------------------------------------------------------------------------------------
     @property
@@ -301,5 +256,5 @@ class PointContact:
 
     def beside(self, which: int) -> tuple[Array, Array]:
         """r/a of nodes beside the contact, and phi [V] (``ELECTRIC``); (node,) each."""
-        nodes = np.setdiff1d(self._edges, self._below)
+        nodes = np.setdiff1d(self._beside.nodes, self._below)
         return self.body.places[nodes, 0], self._solved[0].reshape(-1, 4)[nodes, which] * UNITS[which]

@@ -1,16 +1,20 @@
 """Air beside a contact, on finite elements: what bodies answer without it and to charges; the surface's nodes."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.linalg import splu
+from scipy.sparse import coo_array, csr_array
 
-from verification.oracles.fem_film import ELECTRIC, MAGNETIC
-from verification.oracles.spectral import Body, Index
+from verification.oracles.fem import STIFFNESS, UNITS
+from verification.oracles.fem_film import ELECTRIC, MAGNETIC, factorised
+from verification.oracles.spectral import Body, Index, lagrange
 from verification.oracles.surface_response import Array
 
+STEPS = 60  # of gaps and potentials in turn, at most
+SMALL = 1e-6  # over the largest of the weights of the states: counts as nothing
+LEAST = 1e-9  # gap over the length of an element below which the potential is as good as the punch's
 VACUUM = {ELECTRIC: 8.8541878128e-12, MAGNETIC: 4e-7 * np.pi}
 
 
@@ -56,8 +60,7 @@ class Dry:
         airy, touched, raised : ndarray of int, as of the class
         """
         matrix = (rows @ stiffness @ columns)[free]
-        factors = splu(matrix[:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.001,
-                       options={"SymmetricMode": True})  # fmt: skip
+        factors = factorised(matrix[:, free])
         u[free] = -factors.solve(np.asarray(matrix @ u))
         given = np.asarray(columns @ u)
         place = np.cumsum(free) - 1
@@ -73,12 +76,85 @@ class Dry:
             pressed[:, some] = np.asarray(contact @ moved)
         return cls(given, airy, touched, raised, given[airy], contact @ given, flexibility, lift, pressed)
 
+    def charged(self, air: "csr_array[np.float64]", pushed: Array) -> tuple[Array, Array]:
+        """Scaled u, right on the surface only, and nodal loads where air is a spring on potentials; (unknown, state).
 
-def contact(body: Body) -> Index:
-    """Nodes of the contact, by rising x."""
-    x, y = body.places.T
-    nodes = np.flatnonzero((y == 0) & (np.abs(x) <= 1))
-    return nodes[np.argsort(x[nodes])]
+        Parameters
+        ----------
+        air
+            Charges per potentials; (unknown, unknown).
+        pushed
+            Charges that the punch makes in each of the states; (unknown, state).
+        """
+        held = self.given.copy()
+        held[self.airy] = 0.0  # the ends of the contact are left
+        given = (air @ held - pushed)[self.airy]
+        inner = air[self.airy][:, self.airy].toarray()
+        matrix = np.eye(len(inner)) - self.flexibility @ inner
+        potentials = np.linalg.solve(matrix, self.given_there + self.flexibility @ given)
+        charges = inner @ potentials + given
+        u, loads = self.given.copy(), np.zeros_like(self.given)
+        u[self.airy] = potentials
+        u[self.raised] += self.lift @ charges
+        loads[self.airy] = charges
+        loads[self.touched] = self.given_loads + self.pressed @ charges
+        return u, loads
+
+
+@dataclass(frozen=True, eq=False)
+class Gap:
+    """The surface beside the contact, by elements' sides and Gauss's points on them.
+
+    Attributes
+    ----------
+    body : Body
+        Whose surface it is.
+    points : int
+        Number of points of a side.
+    """
+
+    body: Body
+    points: int
+
+    @cached_property
+    def nodes(self) -> Index:
+        """By rising x; (side, order + 1)."""
+        return sides(self.body)
+
+    @cached_property
+    def shapes(self) -> Array:
+        """Of the nodes at the points; (point, node)."""
+        return lagrange(self.body.line, np.polynomial.legendre.leggauss(self.points)[0])[0]
+
+    @cached_property
+    def rule(self) -> tuple[Array, Array]:
+        """x and weights; (side, point)."""
+        points, weights = np.polynomial.legendre.leggauss(self.points)
+        ends = self.body.places[self.nodes][:, [0, -1], 0]
+        half = (ends[:, 1] - ends[:, 0])[:, None] / 2
+        return ends.mean(axis=1)[:, None] + half * points, half * weights
+
+    def at(self, values: Array) -> Array:
+        """Values of nodes at the points; (side, point)."""
+        return np.asarray(values[self.nodes] @ self.shapes.T)
+
+    def spring(self, potential: int, strength: Array, size: int) -> "csr_array[np.float64]":
+        """Scaled charges per potential, int strength N N over unknowns; (size, size).
+
+        Parameters
+        ----------
+        potential
+            Its number.
+        strength
+            With the weights; (side, point).
+        size
+            Number of unknowns.
+        """
+        scale = UNITS[potential] ** 2 / STIFFNESS
+        blocks = scale * np.einsum("sp,pi,pj->sij", strength, self.shapes, self.shapes)
+        dofs = 4 * self.nodes + potential
+        rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
+        return csr_array(coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size)))
 
 
 def sides(body: Body) -> Index:
@@ -109,28 +185,10 @@ def along(body: Body, values: Array, x: Array) -> Array:
     """
     every = sides(body)
     ends = body.places[every][:, [0, -1], 0]
-    line, found = lobatto(body.order), np.empty_like(x)
+    found = np.empty_like(x)
     for nodes, (low, high) in zip(every, ends, strict=True):
         here = (x >= low) & (x <= high)
-        found[here] = lagrange(line, (2 * x[here] - low - high) / (high - low)) @ values[nodes]
+        found[here] = lagrange(body.line, (2 * x[here] - low - high) / (high - low))[0] @ values[nodes]
     outside = np.abs(x) > ends.max()
     found[outside] = 0.0
     return found
-
-
-def lobatto(order: int) -> Array:
-    """Gauss-Lobatto-Legendre points."""
-    inner = np.real(np.polynomial.Legendre.basis(order).deriv().roots())
-    return np.concatenate([[-1.0], inner, [1.0]])
-
-
-def lagrange(line: Array, x: Array) -> Array:
-    """Values of the Lagrange polynomials on a line; (n, count).
-
-    Parameters
-    ----------
-    line : ndarray, shape (count,), their points, within [-1, 1]
-    x : ndarray, shape (n,), places
-    """
-    legendre = np.linalg.inv(np.polynomial.legendre.legvander(line, len(line) - 1))
-    return np.asarray(np.polynomial.legendre.legvander(x, len(line) - 1) @ legendre)

@@ -135,13 +135,13 @@ class SlidingSphere:
         """
         x, y = self.places
         profile = (x**2 + y**2) / (2 * self.radius)
-        level = np.stack([(profile - self.depth) / self._units[0], np.zeros_like(x)])
+        wanted = np.stack([(profile - self.depth) / self._units[0], np.zeros_like(x)])
         inside = profile < self.depth / 2
         seen = {inside.tobytes()}
         t = np.zeros((2, self.cells, self.cells))
         for _ in range(_ACTIVE):
-            t = self._under(inside, level, t)
-            gap = level[0] - self._moved(t)[0]
+            t = self._under(inside, wanted, t)
+            gap = wanted[0] - self._moved(t)[0]
             now = np.where(inside, t[0] < 0, gap < 0)
             if now.tobytes() in seen:  # the same, or one of those in which cells of the rim touch by turns
                 area = self._size**2

@@ -61,7 +61,7 @@ class Body:
     order: int
 
     @cached_property
-    def _line(self) -> Array:
+    def line(self) -> Array:
         """Gauss-Lobatto-Legendre points."""
         inner = np.polynomial.Legendre.basis(self.order).deriv().roots()
         return np.concatenate([[-1.0], np.real(inner), [1.0]])
@@ -89,10 +89,10 @@ class Body:
     def places(self) -> Array:
         """Coordinates of the nodes of the borders, shape (nodes, 2)."""
         border = self._places[0]
-        grid = np.stack(np.meshgrid(self._line, self._line, indexing="ij"), axis=-1).reshape(-1, 2)[border]
-        at = np.empty((self.nodes.max() + 1, 2))
-        at[self.nodes] = self.mesh.origin[:, None] + np.einsum("na,eai->eni", _bilinear(grid), self.mesh.corners)
-        return at
+        grid = np.stack(np.meshgrid(self.line, self.line, indexing="ij"), axis=-1).reshape(-1, 2)[border]
+        found = np.empty((self.nodes.max() + 1, 2))
+        found[self.nodes] = self.mesh.origin[:, None] + np.einsum("na,eai->eni", bilinear(grid), self.mesh.corners)
+        return found
 
     @cached_property
     def _shapes(self) -> tuple[Index, Index]:
@@ -105,7 +105,7 @@ class Body:
 
     def _gradients(self, element: int, at: Array) -> tuple[Array, Array]:
         """Derivatives of the shapes by x and y at places (n, 2) of the reference square, and the Jacobian."""
-        values, slopes = zip(*(_lagrange(self._line, at[:, i]) for i in (0, 1)), strict=True)
+        values, slopes = zip(*(lagrange(self.line, at[:, i]) for i in (0, 1)), strict=True)
         by_first = (slopes[0][:, :, None] * values[1][:, None, :]).reshape(len(at), -1)
         by_second = (values[0][:, :, None] * slopes[1][:, None, :]).reshape(len(at), -1)
         corners = self.mesh.corners[element]
@@ -189,7 +189,7 @@ class Body:
         for element in np.flatnonzero(around):
             at, corners = np.zeros((1, 2)), mesh.corners[element]
             for _ in range(_STEPS):
-                miss = _bilinear(at)[0] @ corners + mesh.origin[element] - point
+                miss = bilinear(at)[0] @ corners + mesh.origin[element] - point
                 by = np.stack([slopes[0] @ corners for slopes in _bilinear_slopes(at)], axis=1)
                 step = np.linalg.solve(by, miss)
                 at = at - step
@@ -205,7 +205,7 @@ def _dofs(nodes: Index) -> Index:
     return (4 * nodes[..., None] + np.arange(4)).reshape(*nodes.shape[:-1], -1)
 
 
-def _bilinear(at: Array) -> Array:
+def bilinear(at: Array) -> Array:
     """Weights of the corners at places (n, 2)."""
     return np.asarray((1 + _SIGNS[:, 0] * at[:, :1]) * (1 + _SIGNS[:, 1] * at[:, 1:]) / 4)
 
@@ -217,11 +217,16 @@ def _bilinear_slopes(at: Array) -> tuple[Array, Array]:
     )
 
 
-def _lagrange(line: Array, x: Array) -> tuple[Array, Array]:
-    """Values and slopes of the Lagrange polynomials on ``line`` at x; both (len(x), len(line))."""
+def lagrange(line: Array, x: Array) -> tuple[Array, Array]:
+    """Values and slopes of the Lagrange polynomials on a line; (n, count) each.
+
+    Parameters
+    ----------
+    line : ndarray, shape (count,), their points, within [-1, 1]
+    x : ndarray, shape (n,), places
+    """
     n = len(line)
     legendre = np.linalg.inv(np.polynomial.legendre.legvander(line, n - 1))
-    by = np.polynomial.legendre.legder(np.eye(n))
-    return np.polynomial.legendre.legvander(x, n - 1) @ legendre, np.polynomial.legendre.legvander(
-        x, n - 2
-    ) @ by @ legendre
+    slopes = np.polynomial.legendre.legder(np.eye(n)) @ legendre
+    values = np.polynomial.legendre.legvander(x, n - 1)
+    return np.asarray(values @ legendre), np.asarray(values[:, :-1] @ slopes)

@@ -55,12 +55,12 @@ def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measureme
             model.require_answers(X[row : row + 1])
         except OutOfBoxError as error:
             raise InputError(f"{table.at(row)}: {error}") from None
-    kinds = _kinds(table, study)
+    named = _kinds(table, study)
     rows, outputs, values, errors = [], [], [], []
     for name in quantities:
         for row in np.flatnonzero(_measured(table, name)).tolist():
             rows.append(row)
-            outputs.append(model.outputs_.index(output(name, kinds[row])))
+            outputs.append(model.outputs_.index(output(name, named[row])))
             values.append(float(table.columns[name][row]))
             errors.append(float(table.columns[f"{name}{ERROR}"][row]) if f"{name}{ERROR}" in table.columns else np.nan)
     return Measurements(

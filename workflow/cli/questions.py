@@ -190,9 +190,9 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
     try:
         for name, given in at.items():
             check_values(study, "--at", name, [given])
-        kinds = {name: str(at.pop(name)) for name in study.categories}
+        named = {name: str(at.pop(name)) for name in study.categories}
         held = {name: float(value) for name, value in at.items()}
-        asked = [_learned(study, name, kinds) for name, _ in pairs]
+        asked = [_learned(study, name, named) for name, _ in pairs]
         inversion = Inversion(model.only(asked) if study.kind.tabled else model, infer, asked, held)
     except ValueError as error:
         raise InputError(f"invert: {error}") from None

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from zlib import crc32
 
 import numpy as np
 import xarray as xr
@@ -13,6 +14,7 @@ from storage.netcdf import read_whole, write_whole
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.data.points import EVEN
 from workflow.dataset import factorial, holes
+from workflow.dataset.kept import Kept
 from workflow.run.joblog import log
 from workflow.study import partition
 from workflow.study.model import Study
@@ -55,20 +57,29 @@ def near(study: Study, places: Sequence[Place], number: int) -> dict[str, xr.Dat
     places : sequence of Place
     number : int, that of the round, from 0
     """
-    random = np.random.default_rng([study.validation.seed, _SEED, number])
     count, together = _count(study, number), TOGETHER if study.tabled else 1
-    doubts = np.array([place.doubt for place in places])
-    shares = doubts / doubts.sum() if doubts.any() else np.full(len(places), 1 / len(places))
     drawn: dict[str, list[Array]] = {name: [] for name in study.factors}
-    for which in random.choice(len(places), -(-count // together), p=shares):
-        case = random.integers(next(iter(places[which].factors.values())).size)
-        for axis in factorial.inputs(study):
-            t = axis.to_unit(places[which].factors[axis.name][[case]])
-            away = random.uniform(-AROUND, AROUND, 1 if axis.name in study.tabled else together)
-            # what would lie beyond the box is drawn inside of its end instead
-            shifted = np.where(np.abs(t + away) > 1, t - away, t + away)
-            drawn[axis.name].append(np.broadcast_to(axis.from_unit(np.clip(shifted, -1, 1)), together))
+    for place, times in zip(places, _shared(-(-count // together), places), strict=True):
+        # a stream of its own: what another wants changes how many are drawn, not which
+        random = np.random.default_rng([study.validation.seed, _SEED, number, crc32(place.name.encode())])
+        for _ in range(times):
+            case = random.integers(next(iter(place.factors.values())).size)
+            for axis in factorial.inputs(study):
+                t = axis.to_unit(place.factors[axis.name][[case]])
+                away = random.uniform(-AROUND, AROUND, 1 if axis.name in study.tabled else together)
+                # what would lie beyond the box is drawn inside of its end instead
+                shifted = np.where(np.abs(t + away) > 1, t - away, t + away)
+                drawn[axis.name].append(np.broadcast_to(axis.from_unit(np.clip(shifted, -1, 1)), together))
     return {name: xr.DataArray(np.concatenate(parts)[:count], dims="case") for name, parts in drawn.items()}
+
+
+def _shared(count: int, places: Sequence[Place]) -> list[int]:
+    """So many shared out by doubt: whole numbers, of largest remainder."""
+    doubts = np.array([place.doubt for place in places])
+    shares = count * (doubts / doubts.sum() if doubts.any() else np.full(len(places), 1 / len(places)))
+    whole = np.floor(shares).astype(np.intp)
+    whole[np.argsort(whole - shares, kind="stable")[: count - whole.sum()]] += 1
+    return [int(own) for own in whole]
 
 
 def _count(study: Study, number: int) -> int:
@@ -114,7 +125,7 @@ def slabs(study: Study, path: str | Path) -> int:
     return min(partition.count(study), -(-read_whole(Path(path)).sizes.get("case", 0) // TOGETHER))
 
 
-def write_slab(study: Study, path_of_cases: Path, index: int, path: Path) -> None:
+def write_slab(study: Study, path_of_cases: Path, index: int, path: Path, kept: Kept | None = None) -> None:
     """Solve a part of a round's cases exactly, and write them; those that the solver refuses are masked.
 
     Parameters
@@ -122,12 +133,13 @@ def write_slab(study: Study, path_of_cases: Path, index: int, path: Path) -> Non
     study : Study
     path_of_cases, path : Path, the file of the round's cases, and the one to write
     index : int, number of the part, from 0
+    kept : Kept, what was solved before; None: nothing
     """
     cases = read_whole(path_of_cases)
     places = np.arange(cases.sizes["case"]) // TOGETHER
     part = np.isin(places, np.array_split(np.unique(places), slabs(study, path_of_cases))[index])
     points = {name: xr.DataArray(cases[name].values[part], dims="case") for name in study.factors}
-    solved = factorial.exact(study, points, holes=np.inf)
+    solved = factorial.exact(study, points, holes=np.inf, kept=kept)
     write_whole(solved.assign_coords({EVEN: ("case", np.zeros(solved.sizes["case"], np.int8))}), path)
 
 

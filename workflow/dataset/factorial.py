@@ -1,6 +1,7 @@
 """The factorial of a study: its axes, its exact cases, and random cases in the same box."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from solver.names import ALL_QUANTITIES
 from surrogate import Grouping, Input, chebyshev_levels
 from surrogate.data.points import EVEN
 from workflow.dataset import refused, similar
+from workflow.dataset.kept import Kept
 from workflow.language.factors import FACTORS
 from workflow.study import categories, representatives
 from workflow.study.model import Study
@@ -105,13 +107,16 @@ def learned(study: Study, data: xr.Dataset) -> xr.Dataset:
 
 
 def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
-    """Levels of every axis of a study without open ones."""
+    """Levels of every axis of a study without open ones: of an axis with kinks, so many between each two."""
     return {
-        name: chebyshev_levels(axis.low, axis.high, axis.levels or 0, axis.scale) for name, axis in study.axes.items()
+        name: np.concatenate(
+            [chebyshev_levels(low, high, axis.levels or 0, axis.scale) for low, high in pairwise(axis.ends)]
+        )
+        for name, axis in study.axes.items()
     }
 
 
-def cases(study: Study, name: str) -> xr.Dataset:
+def cases(study: Study, name: str, kept: Kept | None = None) -> xr.Dataset:
     """Random exact cases of one of `SAMPLES`, over dimension ``case`` and the categories.
 
     Those for calibration have the curves that the surrogate learns, where it can correct them. Those that the solver
@@ -121,14 +126,15 @@ def cases(study: Study, name: str) -> xr.Dataset:
     ----------
     study : Study
     name : str, that of the sample
+    kept : Kept, what was solved before; None: nothing
     """
     number, key = SAMPLES[name]
     drawn = points(study, getattr(study.validation, key), (study.validation.seed, number))
     if name != "calibration" or not study.groups or study.regions:
-        return exact(study, drawn, curves=name == "calibration" and not study.groups, holes=np.inf)
+        return exact(study, drawn, curves=name == "calibration" and not study.groups, holes=np.inf, kept=kept)
     with_ends, even = towards_ends(study, drawn, (study.validation.seed, number, 1))
     told = {"long_name": "1 where a case is spread evenly over the box, 0 where it is drawn towards its ends"}
-    return exact(study, with_ends, holes=np.inf).assign_coords({EVEN: ("case", even, told)})
+    return exact(study, with_ends, holes=np.inf, kept=kept).assign_coords({EVEN: ("case", even, told)})
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
@@ -214,6 +220,7 @@ def exact(
     regular: bool = False,
     curves: bool = False,
     holes: float | None = None,
+    kept: Kept | None = None,
 ) -> xr.Dataset:
     """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
@@ -229,6 +236,7 @@ def exact(
     regular : bool, whether the regular parts of the surface fields are wanted
     curves : bool, whether the curves that the surrogate learns are wanted
     holes : float, the most cases that may be refused, which are then masked (`workflow.study.refusals`); None: none
+    kept : Kept, what was solved before; None: nothing
 
     Raises
     ------
@@ -246,20 +254,24 @@ def exact(
     rest |= {name: kinds for name, kinds in study.categories.items() if name not in axes}
     factors = {**study.fixed, **own, **rest}
 
+    searched = study.searched if peaks is None else peaks
+
     def whole(cases: Mapping[str, Any]) -> xr.Dataset:
-        searched = study.searched if peaks is None else peaks
         solved = study.solved(solve, cases, positions, peaks=searched, regular=regular)
         if not (curves and study.regions):
             return solved
         along = study.solved(solve_curves, cases, study.regions)
         return solved.merge(along, compat="override", join="exact", combine_attrs="override")
 
+    options = {"peaks": sorted(searched), "regular": regular, "regions": study.regions if curves else []}
+    options |= {"positions": None if positions is None else list(map(float, positions))}
+    asked = whole if kept is None else kept.around(study, whole, options)
     try:
-        solved = whole(factors) if holes is None else answered(whole, factors, holes)
+        solved = asked(factors) if holes is None else answered(asked, factors, holes)
     except AllRefusedError:
         raise
     except FactorError as error:
-        raise refused.named(study, whole, factors, error) from None
+        raise refused.named(study, asked, factors, error) from None
     if over:
         along = {name: _axis(study, name, axes[name]) for name in over}
         solved = solved.assign_coords(along).transpose(*dict.fromkeys(one.dims[0] for one in along.values()), ...)

@@ -45,8 +45,8 @@ def grouping(
         {name: Scaling(scale(study, of)) for name, of in weights.items()}
         if weights is not None
         else {
-            output(name, kinds): Scaling(scale(study, name), _coefficient(study, name, kinds))
-            for kinds in study.combinations
+            output(name, combination): Scaling(scale(study, name), _coefficient(study, name, combination))
+            for combination in study.combinations
             for name in study.outputs
         }
     )
@@ -81,7 +81,10 @@ def with_logarithms(grouping: Grouping, study: Study, learned: xr.Dataset) -> Gr
     """
     asked = study.surrogate.log
     names = [
-        output(name, kinds) for kinds in study.combinations for name in study.outputs if asked is None or name in asked
+        output(name, combination)
+        for combination in study.combinations
+        for name in study.outputs
+        if asked is None or name in asked
     ]
     signs = {name: _sign(learned[name].values) for name in names}
     for name, sign in signs.items():

@@ -41,24 +41,30 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
     curves: list[Curves] = []
     largest: dict[str, Largest] = {}
     attrs: dict[str, dict[str, str]] = {}
-    for kinds in study.combinations:
+    for combination in study.combinations:
         for name in study.regions:
             region = REGIONS[name]
-            fields = tuple(output(f"{name}_{field}", kinds) for field in region.fields)
-            sizes = tuple(output(size, kinds) if size else "" for size in region.sizes)
+            fields = tuple(output(f"{name}_{field}", combination) for field in region.fields)
+            sizes = tuple(output(size, combination) if size else "" for size in region.sizes)
             curves.append(Curves(fields, sizes, region.panels, f"{name}_point"))
             for quantity, peak in FOLLOWS.items():
                 if peak.region == name and quantity in study.outputs:
                     place = region.fields.index(peak.place) if peak.place else -1
-                    learnt = output(quantity, kinds)
+                    learnt = output(quantity, combination)
                     largest[learnt] = Largest(len(curves) - 1, peak.measure, place)
                     described = ALL_QUANTITIES[quantity]
-                    words = f"{described.long_name}, {categories.named(kinds)}" if kinds else described.long_name
+                    words = (
+                        f"{described.long_name}, {categories.named(combination)}"
+                        if combination
+                        else described.long_name
+                    )
                     attrs[learnt] = {"units": described.units, "long_name": words}
     inputs, kernel = factorial.inputs(study), study.surrogate.kernel
     scalings = dict(by.scalings) if by else {}
-    for kinds in study.combinations if by else ():
-        scalings |= {output(size, kinds): Scaling(similar.scale(study, size), logarithm=1) for size in _sizes(study)}
+    for combination in study.combinations if by else ():
+        scalings |= {
+            output(size, combination): Scaling(similar.scale(study, size), logarithm=1) for size in _sizes(study)
+        }
 
     def smooth(names: Sequence[str]) -> GaussianProcess:
         if by is None:

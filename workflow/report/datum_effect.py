@@ -28,8 +28,8 @@ def changes(study: Study) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     if study.kind.datum == "absolute":
         return rows
-    for kinds in study.combinations if study.kind.datum == "by_base" else study.combinations[:1]:
-        own = study.narrowed(kinds)
+    for combination in study.combinations if study.kind.datum == "by_base" else study.combinations[:1]:
+        own = study.narrowed(combination)
         hangs = hanging(own)
         for name, values in _solved(own, inner(study)).items():
             if name not in hangs:
@@ -37,7 +37,7 @@ def changes(study: Study) -> list[dict[str, Any]]:
             steps = np.diff(values)
             straight = abs(steps[1] - steps[0]) <= _STRAIGHT * np.abs(values).max()
             slope = float(steps.mean()) if straight else np.nan
-            said = output(name, kinds) if study.kind.datum == "by_base" else name
+            said = output(name, combination) if study.kind.datum == "by_base" else name
             rows.append({"name": said, "values": values.tolist(), "slope": slope, "units": ALL_QUANTITIES[name].units})
     return rows
 

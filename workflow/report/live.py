@@ -83,7 +83,7 @@ def fields(study: Study, model: GaussianProcess | None) -> dict[str, Any]:
     """
     known = model is not None and not study.categories and "pressure_exponent" in study.outputs
     stored = exported(model) if known and model is not None else None
-    pressure = any(closed_pressure(study, kinds) for kinds in study.combinations)
+    pressure = any(closed_pressure(study, combination) for combination in study.combinations)
     names = ["contact_pressure"] if pressure else []
     if stored:
         names = [str(output["name"]) for output in stored["outputs"]]

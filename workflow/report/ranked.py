@@ -65,11 +65,16 @@ def spans(rows: Sequence[Mapping[str, Any]]) -> list[Chart]:
     charts = []
     for quantity in dict.fromkeys(name for row in rows for name in row["spans"]):
         bars = [
-            Bar(row["name"], f"{titles.title(row['name'])}", low, high,
-                " to ".join(titles.value(quantity, end, 3) for end in (low, high)))
+            Bar(row["name"], titles.title(row["name"]), low, high, _span(quantity, low, high))
             for row in rows
             if quantity in row["spans"]
             for low, high in [row["spans"][quantity]]
-        ]  # fmt: skip
+        ]
         charts.append(Chart.of(quantity, titles.title(quantity), bars))
     return charts
+
+
+def _span(quantity: str, low: float, high: float) -> str:
+    """From where to where a quantity goes; that it does not, where both say the same."""
+    ends = dict.fromkeys(titles.value(quantity, end, 3) for end in (low, high))
+    return " to ".join(ends) if len(ends) > 1 else f"{next(iter(ends))}: no change"

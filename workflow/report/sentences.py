@@ -84,10 +84,10 @@ def sensitivity(charts: Sequence[Chart]) -> str:
     for chart in charts:
         quantity, kind = parted(chart.name)
         shares.setdefault(chart.bars[0].name, {}).setdefault(quantity, {})[kind] = chart.bars[0].high
-    kinds = Counter(parted(chart.name)[0] for chart in charts)
+    counts = Counter(parted(chart.name)[0] for chart in charts)
     parts = []
     for factor, depending in shares.items():
-        names = [_depending(name, own, whole=len(own) == kinds[name]) for name, own in depending.items()]
+        names = [_depending(name, own, whole=len(own) == counts[name]) for name, own in depending.items()]
         said = [f"{name} ({_size(own.values())})" for name, own in zip(names, depending.values(), strict=True)]
         parts.append(f"{listed(said)} depend{'s' if len(said) == 1 else ''} most on {titles.title(factor)}")
     return f"{capital('; '.join(parts))}: shares of the variance over the box, interactions included."
@@ -170,7 +170,7 @@ def effects(study: Study) -> str:
     assert study.effects is not None
     spans = []
     for name, values in study.effects.vary.items():
-        said = [value if isinstance(value, str) else titles.value(name, value) for value in values]
+        said = [value.replace("_", " ") if isinstance(value, str) else titles.value(name, value) for value in values]
         named = isinstance(values[0], str)
         spans.append(f"{titles.title(name)} {', '.join(said) if named else f'{said[0]} to {said[-1]}'}")
     return f"Varied one at a time: {'; '.join(spans)}."

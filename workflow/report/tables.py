@@ -195,7 +195,9 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
     for factor, values in study.effects.vary.items():
         data = read_whole(folder / "fields" / f"effect_{factor}.nc")
         named = isinstance(values[0], str)
-        said = [value if isinstance(value, str) else titles.value(factor, value, 3) for value in values]
+        said = [
+            value.replace("_", " ") if isinstance(value, str) else titles.value(factor, value, 3) for value in values
+        ]
         told = CHANGED[study.kind.contact]
         known = [name for name in told if name in data and factor in data[name].dims]  # not every punch has all
         own = {name: data[name].isel({factor: slice(len(values))}) for name in known}

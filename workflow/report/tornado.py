@@ -7,8 +7,8 @@ from markupsafe import escape
 
 from workflow.report.svg import ACCENT, INK, PAPER, SOFT
 
-_WIDE, _ROW, _HEAD, _LEFT, _RIGHT = 460, 22, 30, 168, 84  # pixels: of all, of a bar, of a title, beside the bars
-_THICK = 14
+_BARS, _ROW, _HEAD, _LEFT, _RIGHT = 208, 22, 30, 168, 84  # pixels: of all bars, of one, of a title, beside the bars
+_THICK, _LETTER = 14, 7
 
 
 @dataclass(frozen=True)
@@ -71,10 +71,12 @@ class Chart:
 def draw(charts: Sequence[Chart]) -> str:
     """All charts below each other, as SVG."""
     heights = [_HEAD + _ROW * len(chart.bars) + 12 for chart in charts]
+    room = max((_LETTER * len(bar.told) + 12 for chart in charts for bar in chart.bars), default=0)
+    wide = _LEFT + _BARS + max(room, _RIGHT)
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDE} {sum(heights)}" font-size="13" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {sum(heights)}" font-size="13" '
         f'font-family="DejaVu Sans, sans-serif">',
-        f'<rect width="{_WIDE}" height="{sum(heights)}" fill="{PAPER}"/>',
+        f'<rect width="{wide}" height="{sum(heights)}" fill="{PAPER}"/>',
     ]
     for k, chart in enumerate(charts):
         parts += _chart(chart, sum(heights[:k]))
@@ -83,10 +85,10 @@ def draw(charts: Sequence[Chart]) -> str:
 
 def _chart(chart: Chart, top: int) -> list[str]:
     low, high = min(bar.low for bar in chart.bars), max(bar.high for bar in chart.bars)
-    span = (high - low) or 1.0
+    span, crossed = (high - low) or 1.0, low < 0 <= high
 
     def place(value: float) -> float:
-        return _LEFT + (_WIDE - _LEFT - _RIGHT) * (value - low) / span
+        return _LEFT + _BARS * (value - low) / span
 
     parts = [f'<text x="12" y="{top + 19}" fill="{INK}" font-weight="600">{escape(chart.title)}</text>']
     for k, bar in enumerate(chart.bars):
@@ -98,8 +100,9 @@ def _chart(chart: Chart, top: int) -> list[str]:
         if bar.inner is not None:
             wide = place(bar.inner) - start
             parts.append(f'<rect x="{start:.1f}" y="{y}" width="{wide:.1f}" height="{_THICK}" fill="{ACCENT}"/>')
-        parts.append(f'<text x="{end + 5:.1f}" y="{y + 12}" fill="{SOFT}" font-size="11">{escape(bar.told)}</text>')
-    if low < 0 <= high:
+        clear = max(end, place(0)) if crossed else end  # of the line at zero
+        parts.append(f'<text x="{clear + 5:.1f}" y="{y + 12}" fill="{SOFT}" font-size="11">{escape(bar.told)}</text>')
+    if crossed:
         bottom = top + _HEAD + _ROW * len(chart.bars)
         parts.append(f'<path d="M{place(0):.1f} {top + _HEAD - 4} V{bottom}" stroke="{INK}" fill="none"/>')
     return parts

@@ -59,7 +59,7 @@ def content(
     if stored is None:
         return None
     values = [answer.case for answer in designs]
-    kinds = [study.combinations.index(answer.kinds) for answer in designs]
+    places = [study.combinations.index(answer.kinds) for answer in designs]
     start = values[0] if values else {}
     return {
         "surrogate": stored if _combines(study, designs) else {key: stored[key] for key in stored if key != "together"},
@@ -76,11 +76,11 @@ def content(
         "fixed": _held(study),
         "cases": [
             {"values": case, "kind": kind, **_target(study.narrowed(study.combinations[kind]), name, target, design)}
-            for (name, target), design, case, kind in zip(study.design.items(), designs, values, kinds, strict=True)
+            for (name, target), design, case, kind in zip(study.design.items(), designs, values, places, strict=True)
         ],
         "stack": live.drawable(study),
         **live.fields(study, fields),
-        "kind": kinds[0] if kinds else 0,
+        "kind": places[0] if places else 0,
         "start": [
             float(np.clip(own.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, own in model.box.items()
         ],

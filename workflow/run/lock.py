@@ -90,6 +90,17 @@ def begun(name: str, results: str | Path = RESULTS) -> Any:
     return _read(Path(results) / name / _LOCK).get("study")
 
 
+def results(name: str, output: Path) -> Path:
+    """The folder of all results, by a file of a study in it: below the prefix of a module that uses the Snakefile.
+
+    Parameters
+    ----------
+    name : str, the study's
+    output : Path, the file
+    """
+    return next(folder.parent for folder in output.parents if (folder.parent.name, folder.name) == (RESULTS.name, name))
+
+
 def sources(output: Path) -> dict[str, str]:
     """Digests of the sources with which the run began that makes this file; none where there is no run."""
     locks = (folder / _LOCK for folder in output.absolute().parents)

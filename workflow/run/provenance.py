@@ -4,7 +4,7 @@ import ast
 import hashlib
 import json
 import platform
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import version
@@ -64,7 +64,9 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
 
 
-def write(path: Path, study: str, study_digest: str, seed: int, results: list[Path]) -> None:
+def write(
+    path: Path, study: str, study_digest: str, seed: int, results: list[Path], solved: Mapping[str, int] | None = None
+) -> None:
     """Write ``provenance.json``: versions, hashes of sources, study and results, the seed and the machine.
 
     Parameters
@@ -73,6 +75,7 @@ def write(path: Path, study: str, study_digest: str, seed: int, results: list[Pa
     study, study_digest : str, the path of the study's file, relative to the results' folder, and its SHA-256
     seed : int, the study's
     results : list of Path, the files of the run
+    solved : mapping, how many cases were asked of the solver, and how many were taken from earlier runs; None: unknown
     """
     content = {
         "study": study,
@@ -82,6 +85,7 @@ def write(path: Path, study: str, study_digest: str, seed: int, results: list[Pa
         "versions": versions(),
         "platform": platform.platform(),
         "results_sha256": {file.name: sha256(file).hex() for file in results},
+        **({"solved": dict(solved)} if solved and solved["cases"] else {}),
     }
     write_text(path, json.dumps(content, indent=2) + "\n")
 

@@ -3,9 +3,13 @@
 from pathlib import Path
 
 from workflow.dataset import batches
-from workflow.run import joblog
+from workflow.dataset.kept import Kept
+from workflow.run import joblog, lock
 from workflow.study import planned
 
 snakemake = joblog.start(globals())
 config = planned.study(snakemake)
-batches.write_slab(config, Path(snakemake.input[0]), int(snakemake.wildcards.slab), Path(snakemake.output[0]))
+output = Path(snakemake.output[0])
+kept = Kept(lock.results(snakemake.wildcards.study, output), output)
+batches.write_slab(config, Path(snakemake.input[0]), int(snakemake.wildcards.slab), output, kept)
+kept.tell()

@@ -4,10 +4,13 @@ from pathlib import Path
 
 from storage.netcdf import write_whole
 from workflow.dataset import factorial
-from workflow.run import joblog
+from workflow.dataset.kept import Kept
+from workflow.run import joblog, lock
 from workflow.study import planned
 
 snakemake = joblog.start(globals())
 config = planned.study(snakemake)
 output = Path(snakemake.output[0])
-write_whole(factorial.cases(config, output.stem), output)
+kept = Kept(lock.results(snakemake.wildcards.study, output), output)
+write_whole(factorial.cases(config, output.stem, kept), output)
+kept.tell()

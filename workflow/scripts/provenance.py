@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from workflow.dataset import kept
 from workflow.run import joblog, lock, provenance
 from workflow.study import location
 
@@ -9,7 +10,8 @@ snakemake = joblog.start(globals())
 results = [Path(result) for result in snakemake.input]
 name, output = snakemake.wildcards.study, Path(snakemake.output.provenance)
 study = location.from_results(name, output.parent)
-provenance.write(output, study, snakemake.params.study, snakemake.params.seed, results)
+solved = kept.taken(output.parents[1], name)
+provenance.write(output, study, snakemake.params.study, snakemake.params.seed, results, solved)
 begun = lock.begun(name, output.parents[1])  # an edit during the run is not in the crate
 text = begun["text"] if begun else location.location(name).read_text(encoding="utf-8")
 provenance.write_crate(output.parent, name, snakemake.params.title, text, [*results, output], snakemake.params.last)

@@ -3,9 +3,13 @@
 from pathlib import Path
 
 from workflow.dataset import levels, slabs
-from workflow.run import joblog
+from workflow.dataset.kept import Kept
+from workflow.run import joblog, lock
 from workflow.study import planned
 
 snakemake = joblog.start(globals())
 config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
-slabs.write_slab(config, int(snakemake.wildcards.slab), Path(snakemake.output[0]))
+output = Path(snakemake.output[0])
+kept = Kept(lock.results(snakemake.wildcards.study, output), output)
+slabs.write_slab(config, int(snakemake.wildcards.slab), output, kept)
+kept.tell()

@@ -70,10 +70,10 @@ def apart(data: xr.Dataset, categories: Mapping[str, Sequence[str]], quantities:
     quantities : iterable of str, those to take
     """
     parts: dict[str, xr.DataArray] = {}
-    for kinds in combinations(categories):
+    for combination in combinations(categories):
         for name in quantities:
-            array = data[name].sel(kinds).drop_vars(list(kinds))
-            if kinds:
-                array = array.assign_attrs(long_name=f"{array.attrs['long_name']}, {named(kinds)}")
-            parts[output(name, kinds)] = array
+            array = data[name].sel(combination).drop_vars(list(combination))
+            if combination:
+                array = array.assign_attrs(long_name=f"{array.attrs['long_name']}, {named(combination)}")
+            parts[output(name, combination)] = array
     return xr.Dataset(parts, attrs=data.attrs)

@@ -153,8 +153,13 @@ class Contents(Keys):
     @property
     def cases(self) -> int:
         """Number of cases of the factorial; 0 while some of its levels are open."""
-        levels = prod(axis.levels or 0 for axis in self.axes.values()) if self.factors else 0
+        levels = prod(axis.count for axis in self.axes.values()) if self.factors else 0
         return levels * len(self.combinations)
+
+    @property
+    def kinks(self) -> dict[str, list[float]]:
+        """Where quantities have kinks, by factor; none of a factor that has none."""
+        return {name: list(axis.kinks) for name, axis in self.factors.items() if axis.kinks}
 
     @property
     def block(self) -> int:
@@ -215,13 +220,15 @@ class Contents(Keys):
     @property
     def learned(self) -> list[str]:
         """What the surrogate calls them: those of every combination of categories."""
-        return [output(name, kinds) for kinds in self.combinations for name in self.outputs]
+        return [output(name, combination) for combination in self.combinations for name in self.outputs]
 
     @property
     def of_interest(self) -> list[str]:
         """What the designs ask for of it, or else all."""
         asked = [name for target in self.design.values() for name in target.names() if name in self.outputs]
-        return [output(name, kinds) for name in dict.fromkeys(asked) for kinds in self.combinations] or self.learned
+        return [
+            output(name, combination) for name in dict.fromkeys(asked) for combination in self.combinations
+        ] or self.learned
 
     @property
     def aims(self) -> list[str]:
@@ -229,7 +236,7 @@ class Contents(Keys):
         goals = [goal.expression for target in self.design.values() for goal in target.objectives]
         asked = dict.fromkeys(name for goal in goals for name in goal.names())
         outputs = [name for name in asked if name in self.outputs] or self.outputs[:2]
-        return [output(name, kinds) for name in outputs for kinds in self.combinations]
+        return [output(name, combination) for name in outputs for combination in self.combinations]
 
     @property
     def titles(self) -> dict[str, str]:
@@ -317,9 +324,9 @@ class Contents(Keys):
             for name, names in self.categories.items()
         }
         return [
-            self.narrowed(kinds)
-            for kinds in self.combinations
-            if all(kind in allowed[name] for name, kind in kinds.items())
+            self.narrowed(combination)
+            for combination in self.combinations
+            if all(kind in allowed[name] for name, kind in combination.items())
         ]
 
     def digest(self, *sections: str) -> str:

@@ -75,7 +75,7 @@ def quantities(study: Contents) -> frozenset[str]:
 def outputs(study: Contents) -> list[str]:
     """The same as the surrogate calls them, of every combination of the categories."""
     own = told(study)
-    return [output(name, kinds) for kinds in study.combinations for name in own]
+    return [output(name, combination) for combination in study.combinations for name in own]
 
 
 def kept(data: xr.Dataset, own: Collection[str]) -> xr.Dataset:

@@ -38,7 +38,7 @@ def study(job: "Snakemake") -> Study:
         The study has been changed since the job was planned, and the run that planned it has left no copy.
     """
     name, (sections, _, digest) = job.wildcards.study, job.params.study.partition(": ")
-    found = begun(name, _results(name, Path(job.output[0])))
+    found = begun(name, lock.results(name, Path(job.output[0])))
     if found is None or found.digest(*sections.split()) != digest:
         found = partition.with_slabs(studies.named(name))
     if found.digest(*sections.split()) == digest:
@@ -56,10 +56,3 @@ def begun(name: str, results: str | Path) -> Study | None:
     """
     frozen = lock.begun(name, results)
     return None if frozen is None else studies.thawed(frozen)
-
-
-def _results(name: str, output: Path) -> Path:
-    """The folder of all results, by a job's output in it: below the prefix of a module that uses the Snakefile."""
-    return next(
-        parent.parent for parent in output.parents if (parent.parent.name, parent.name) == (lock.RESULTS.name, name)
-    )

@@ -1,6 +1,7 @@
 """The stored cases of a study with groups: for each place in its axes the one case that stands for all similar ones."""
 
 from collections.abc import Mapping
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -64,6 +65,20 @@ def ends(study: Contents) -> dict[str, Any]:
         study,
         {
             name: xr.DataArray([axis.low, axis.high], dims="end" if name in study.tabled else name)
+            for name, axis in study.axes.items()
+        },
+    )
+
+
+def corners(study: Contents) -> dict[str, Any]:
+    """Factors of a case in each corner of a study's axes, those that need tables low in every other one, else high."""
+    apart = [name for name in study.axes if name not in study.tabled]
+    high = np.array(list(product((False, True), repeat=len(apart))))
+    ends = dict(zip(apart, high.T, strict=True)) | dict.fromkeys(study.tabled, high.sum(1) % 2 == 1)
+    return factors(
+        study,
+        {
+            name: xr.DataArray(np.where(ends[name], axis.high, axis.low), dims="case")
             for name, axis in study.axes.items()
         },
     )

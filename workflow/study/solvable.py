@@ -144,15 +144,19 @@ def lacked(study: Contents) -> frozenset[str]:
     """Names of the quantities that some cases lack, once the solver has answered at the corners of the box.
 
     Every combination of what needs tables costs a tenth of a second or more: these factors are all at their low
-    ends, or all at their high ones.
+    ends, or all at their high ones. With air beside the contact a corner needs tables of its own: of a study with
+    groups only stored cases are solved, between which the box lies, one a corner.
     """
     if not study.factors:
         return frozenset()
-    ends: dict[str, Any] = {name: [axis.low, axis.high] for name, axis in study.factors.items()}
-    ends |= {name: xr.DataArray(ends[name], dims="end") for name in study.tabled}
-    solved = _answered(study, {**study.fixed, **study.categories, **ends})
-    if study.groups:
-        _solve_stored(study)
+    if study.groups and study.kind.air:
+        solved = _solve_stored(study, representatives.corners(study))
+    else:
+        ends: dict[str, Any] = {name: [axis.low, axis.high] for name, axis in study.factors.items()}
+        ends |= {name: xr.DataArray(ends[name], dims="end") for name in study.tabled}
+        solved = _answered(study, {**study.fixed, **study.categories, **ends})
+        if study.groups:
+            _solve_stored(study, representatives.ends(study))
     if REFUSAL in solved:
         _check_share(study)
     peaks = set(study.kind.peaks)
@@ -163,10 +167,10 @@ def lacked(study: Contents) -> frozenset[str]:
     return frozenset(set(ALL_QUANTITIES) - set(solved.data_vars) - peaks)
 
 
-def _solve_stored(study: Contents) -> None:
-    """Whether the solver answers the stored cases of a study with groups, which may leave the box of its factors."""
+def _solve_stored(study: Contents, cases: Mapping[str, Any]) -> xr.Dataset:
+    """The answers at some stored cases of a study with groups, which may leave the box of its factors."""
     try:
-        _answered(study, {**study.fixed, **study.categories, **representatives.ends(study)})
+        return _answered(study, {**study.fixed, **study.categories, **cases})
     except ValueError as error:
         raise ValueError(f"groups: in a corner of their ranges: {error}") from None
 
@@ -245,6 +249,8 @@ def check_size(study: Contents) -> None:
         raise ValueError(
             f"surrogate: fields: {cases} cases x {study.surrogate.fields} angles are more than {MOST_LEARNED}"
         )
+    for name in study.kinks:
+        _check_kinks(study, f"factors: {name}: kinks")
     if study.surrogate.budget and study.dataset.peaks:
         raise ValueError("surrogate: budget: a data set with largest stresses asks for no cases; must be null")
     level, held_out = study.surrogate.level, study.validation.calibration
@@ -253,6 +259,18 @@ def check_size(study: Contents) -> None:
             f"surrogate: level: {level:g} is more than {1 - 2 / (held_out + 1):.4g}, all that {held_out} cases of "
             "validation: calibration tell"
         )
+
+
+def _check_kinks(study: Contents, where: str) -> None:
+    """Whether the axes of a study may be split."""
+    if study.groups:
+        raise ValueError(f"{where}: of a study with groups the factors are no axes; must be absent")
+    if study.open:
+        raise ValueError(f"{where}: levels are missing; every factor needs them")
+    if study.surrogate.method != "factorial" or study.surrogate.kernel != "chebyshev" or study.surrogate.fields:
+        raise ValueError(f"{where}: surrogate: method: factorial, kernel: chebyshev and fields: 0 are needed")
+    if study.dataset.peaks:
+        raise ValueError(f"{where}: dataset: peaks: must be false")
 
 
 def _check_crossed(study: Contents) -> None:

@@ -313,14 +313,7 @@ class CurveGP(Transformed):
 
         Parameters
         ----------
-        stored : Dataset, the state
-        inputs : tuple of Input
-        outputs : dict, `units` and `long_name` of every output
-
-        Raises
-        ------
-        ValueError
-            What is inconsistent, by its name.
+        stored, inputs, outputs : as of `Core.restore`, with its errors
         """
         curves, bases, largest = followed(stored, list(outputs))
         known = bool(stored.attrs["logarithms"]), float(stored.attrs["error"])

@@ -233,14 +233,7 @@ class CorrectedGP(Transformed):
 
         Parameters
         ----------
-        stored : Dataset, the state
-        inputs : tuple of Input
-        outputs : dict, `units` and `long_name` of every output
-
-        Raises
-        ------
-        ValueError
-            What is inconsistent, by its name.
+        stored, inputs, outputs : as of `Core.restore`, with its errors
         """
         model = cls.__new__(cls)
         model._describe(inputs, tuple(outputs), outputs)

@@ -15,7 +15,7 @@ from solver.halfplane.punch import Punch
 from solver.halfplane.response import Response
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
-from tests.solver.film.films import FIBROUS, ON_STEEL, cases
+from tests.solver.film.films import FIBROUS, ON_STEEL, cases, require_closed_form
 from tests.solver.film.test_contact import PROFILES
 
 STEEL = Punch.isotropic(210e9, 0.3)
@@ -34,16 +34,7 @@ def test_film_of_its_own_base_is_the_closed_form(name: str, conducts: tuple[bool
     of = table(stack, 0.4, conducts, smooth=profile.smooth, degree=degree, least=0.3, most=4.0, nodes=8, punch=STEEL)
     half = float(np.ravel(exact.half_width)[0])
     found = FilmContact(of.narrowed(half), profile, cases(1e5), charges[None], datum, own)
-    pairs = [(found.trailing, exact.trailing), (found.leading, exact.leading), (found.depth, response.depth)]
-    for field in np.flatnonzero(conducts):
-        for method in ("potential", "sensitivity", "short_circuit", "stroke", "blocked_load"):
-            pairs.append((getattr(found, method)(field), getattr(response, method)(field)))
-    for edge, smooth in zip((1.0, -1.0), profile.smooth, strict=True):
-        if smooth:
-            pairs.append((found.edge_intensity(edge)[0], exact.edge_intensity(edge).ravel()))
-            pairs.append((found.edge_stress(edge), exact.edge_stress(edge)))
-    for one, other in pairs:
-        np.testing.assert_allclose(np.ravel(one), np.ravel(other), rtol=1e-11)
+    require_closed_form(found, exact, response)
 
 
 def test_silicone_on_a_stiff_film_is_the_silicone_of_hertz() -> None:

@@ -26,8 +26,8 @@ def of(material: solver.Material, base: str, ratio: float) -> Kernel:
 def test_no_built_in_material_is_refused(name: str, base: str) -> None:
     for ratio in (1e-3, 1.0, 30.0):
         table = of(solver.find(name), base, ratio)
-        size = np.max(np.abs(table.coefficients[..., :10]))
-        assert np.max(np.abs(table.coefficients[:, -2:])) < 1e-11 * size
+        size = np.max(np.abs(table.positive.series[..., :10]))
+        assert np.max(np.abs(table.positive.series[:, -2:])) < 1e-11 * size
 
 
 @pytest.mark.parametrize("fraction", [0.44, 0.5])
@@ -46,7 +46,7 @@ def test_what_the_panels_do_not_resolve_is_refused(monkeypatch: pytest.MonkeyPat
 def test_values_are_the_integrals() -> None:
     """Adaptive quadrature of the whole integrals; 1e-10 of the largest: its own tolerance is 1e-12."""
     table, x = of(solver.find(STEEP[0]), "steel", 1.0), 0.9
-    size = np.max(np.abs(table.coefficients[..., :10]))
+    size = np.max(np.abs(table.positive.series[..., :10]))
 
     def density(k: float) -> Array:
         difference = waves(table.stack, np.array([k]))[0].difference[0]

@@ -19,15 +19,14 @@ from solver.film.powerlaw import constants_of
 from solver.film.stack import Layer, Stack
 from solver.film.windows import Coat
 from solver.point.galerkin import Added
-from solver.point.gradedspread import graded_spread
 from solver.point.gradedterms import GradedTerms
 from solver.point.halfspace import halfspace
 from solver.point.interactions import interactions
 from solver.point.pieces import Pieces
 from solver.point.profile import Shape
 from solver.point.quantities import quantities
+from solver.point.spread import spread
 from solver.point.surface import surface_fields
-from solver.surroundings.spread import spread
 from tests.solver.film.test_grading import linear, uncoupled
 from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, Conducts, of_coats, on_film
 
@@ -190,7 +189,7 @@ def test_local_tails_are_cosine_transforms() -> None:
 
 def test_spread_of_a_constant_profile_is_that_of_a_layer() -> None:
     x = np.array([1e-3, 0.1, 0.9, 4.0, 19.0])
-    exact, found = spread(PLAIN.stack()).at(x), graded_spread(CONSTANT.stack(), 20.0).at(x)
+    exact, found = spread(PLAIN.stack()).at(x), spread(CONSTANT.stack(), 20.0).at(x)
     np.testing.assert_allclose(found, exact, atol=1e-11 * np.max(np.abs(exact)))
 
 
@@ -242,9 +241,22 @@ def test_what_is_not_solved_below_points_is_told_in_one_line(own: dict[str, Any]
     assert "\n" not in str(refusal.value)
 
 
-def test_largest_stresses_inside_are_refused() -> None:
-    with pytest.raises(solver.FactorError, match="peaks: are not given of a film that is graded"):
-        solver.solve(GRADED, peaks=True)
+def test_largest_stresses_are_those_of_the_fields_inside() -> None:
+    """On the interface and below it; graded by nothing, those of a layer."""
+    found = solver.solve(GRADED, peaks=["interface_shear", "interface_shear_position", "base_peak_von_mises"])
+    depth = float(GRADED["thickness"] / found["contact_radius"])
+    names, place = ["stress_xy", "von_mises"], float(found["interface_shear_position"])
+    around = place + np.array([-0.05, 0.0, 0.05])
+    shear = np.abs(solver.solve_interior(GRADED, around, [-depth], fields=names[:1])["stress_xy"].values.squeeze())
+    assert shear[1] == pytest.approx(float(found["interface_shear"]), rel=1e-6)
+    assert shear[1] > max(shear[0], shear[2])
+    below = solver.solve_interior(GRADED, np.linspace(-1.5, 1.5, 13), [-1.0001 * depth], fields=names[1:])
+    assert 0.97 < float(below["von_mises"].max() / found["base_peak_von_mises"]) < 1
+    nothing = solver.solve(GRADED | {"base_volume_fraction": 0.2000001}, peaks=["base_peak_von_mises"])
+    layer = solver.solve(
+        {name: value for name, value in GRADED.items() if name != "base_volume_fraction"}, peaks=["base_peak_von_mises"]
+    )
+    assert float(nothing["base_peak_von_mises"]) == pytest.approx(float(layer["base_peak_von_mises"]), rel=1e-6)
 
 
 FALLING = solver.Graded(lambda depth: solver.fibrous(BTO, CFO, 0.8 - 0.6 * depth), 1e-4)

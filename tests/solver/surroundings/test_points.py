@@ -12,10 +12,10 @@ from solver.film.windows import number_of
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
 from solver.names import POINT_GAP_QUANTITIES
 from solver.point.profile import Shape
+from solver.point.spread import spread
 from solver.point.table import PointKind, window
 from solver.surroundings.ringoperators import RingOperators
 from solver.surroundings.rings import rings
-from solver.surroundings.spread import spread
 from tests.solver.point.points import film
 from verification.cases import constants
 from verification.oracles.fem_film import ELECTRIC, Layer

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.textpath import TextPath
 
 from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
@@ -267,5 +268,10 @@ def test_the_strongest_factor_is_that_of_the_widest_span_of_the_table() -> None:
     assert re.findall(r'data-factor="(\w+)"', drawn) == ["friction", "base", "friction"]
     widths = [float(one) for one in re.findall(r'class="bar".*? width="([\d.]+)"', drawn)]
     assert widths[1] / widths[0] == pytest.approx(0.999 / 130, abs=0.01)
+    (room,) = re.findall(r'viewBox="0 0 (\d+) ', drawn)
+    words = re.findall(r'<text x="([\d.]+)" y="\d+" fill="[^"]+" font-size="11">([^<]+)<', drawn)
+    assert max(float(x) + TextPath((0, 0), one, size=11).get_extents().x1 for x, one in words) < float(room)
+    (zero,) = re.findall(r'<path d="M([\d.]+) ', drawn)
+    assert all(float(x) > float(zero) for x, _ in words[2:])
     told = sentences.strongest(charts)
     assert told.startswith("Tension behind the contact changes most with friction (20 MPa to 150 MPa)")

@@ -50,8 +50,8 @@ def costs(best: Candidate, without: Candidate, asked: Asked) -> Tolerated:
         gain[name] = _share(_reached(best, asked(target.model_copy(update={"tolerance": tighter}))), whole)
     values = {name: float(column[0]) for name, column in design.variables.items()} | without.question.held
     exact, _ = assessment.exactly(design, design.question.terms[:1])
-    kinds = ", ".join(kind for kind in without.choice.values() if isinstance(kind, str))
-    return Tolerated(cost, gain, values, float(exact[0]), kinds)
+    named = ", ".join(kind for kind in without.choice.values() if isinstance(kind, str))
+    return Tolerated(cost, gain, values, float(exact[0]), named)
 
 
 def _tightened(target: Target, name: str) -> str:

@@ -14,8 +14,8 @@ from workflow.language.constants import CONSTANTS, FIGURES_BY
 from workflow.language.expressions import Expression
 from workflow.language.factors import FACTORS
 
-_LOADS = 33  # of one search, which is refined
-_REFINED = 3
+_LOADS = 9  # of one search, which is refined: few, since one costs 50 ms in air
+_REFINED = 5
 #: How far a load is raised in search of the first limit.
 MOST_LOAD = 10.0
 

@@ -91,7 +91,9 @@ def _moved(study: Study, constant: Constant, z: float) -> Study:
 
 def _values(design: Designs, study: Study, terms: Sequence[Term], cases: Sequence[Mapping[str, float]]) -> Array:
     """Each term in its own case, with the constants of a study; (terms,)."""
-    factors = {name: np.array([[case[name]] for case in cases]) for name in (cases[0] if cases else {})}
+    distinct = [case for place, case in enumerate(cases) if case not in cases[:place]]  # one often decides several
+    factors = {name: np.array([[case[name]] for case in distinct]) for name in (distinct[0] if distinct else {})}
     known = design.question.known(Exact(study), factors, [term.expression for term in terms])
-    values = [np.broadcast_to(term.expression.evaluate(known), (len(terms), 1)) for term in terms]
-    return np.array([rows[place, 0] for place, rows in enumerate(values)])
+    places = [distinct.index(case) for case in cases]
+    values = [np.broadcast_to(term.expression.evaluate(known), (len(distinct), 1)) for term in terms]
+    return np.array([rows[place, 0] for place, rows in zip(places, values, strict=True)])

@@ -6,11 +6,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import FigureBase
+from matplotlib.ticker import MaxNLocator
 
 from workflow.report.figures.style import field_label, ticked
 from workflow.report.svg import INK
 
-_LEVELS = 15
+_ROUND = MaxNLocator(18, steps=[1, 2, 2.5, 5, 10])  # levels
 
 
 def below(
@@ -31,7 +32,8 @@ def below(
     signed = low < -0.02 * high
     bound = float(max(abs(low), abs(high)))
     size, label = field_label(fields[0], bound, where)
-    levels = (bound / size or 1.0) * np.linspace(-1.0 if signed else 0.0, 1.0, _LEVELS)
+    most = bound / size or 1.0
+    levels = _ROUND.tick_values(-most if signed else 0.0, most)
     for ax, field in zip(axes, fields, strict=True):
         x, y, values = field["x"].values, field["y"].values, field.transpose("y", "x").values / size
         filled = ax.contourf(x, y, values, levels, cmap="RdBu_r" if signed else "viridis", extend="both")

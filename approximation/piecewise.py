@@ -1,0 +1,158 @@
+"""Functions tabled at Chebyshev points: polynomials on an interval, and on panels side by side."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebder
+
+from approximation.arrays import Array, Flags
+from approximation.chebyshev import coefficients, mapped_points, polynomials
+from approximation.panels import line
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An interval and its Chebyshev points.
+
+    Attributes
+    ----------
+    low, high : float
+        Its ends.
+    count : int
+        Number of points.
+
+    Examples
+    --------
+    >>> half = Interval(0.0, 2.0, 3)
+    >>> squares = coefficients(half.points**2)
+    >>> half.polynomials(np.array([1.5])) @ squares, half.polynomials(np.array([1.5])) @ half.derived(squares)
+    (array([2.25]), array([3.]))
+    """
+
+    low: float
+    high: float
+    count: int
+
+    @cached_property
+    def points(self) -> Array:
+        """Its Chebyshev points, rising; (count,)."""
+        return mapped_points(self.count, self.low, self.high)
+
+    def polynomials(self, places: Array, *, clipped: bool = True) -> Array:
+        """Return Chebyshev polynomials at places: (place, count).
+
+        Parameters
+        ----------
+        places : ndarray, shape (place,)
+        clipped : bool, whether those beyond the ends are put there
+        """
+        local = (2 * places - self.low - self.high) / (self.high - self.low)
+        return polynomials(np.clip(local, -1.0, 1.0) if clipped else local, self.count).T
+
+    def derived(self, series: Array) -> Array:
+        """Return the Chebyshev coefficients of the derivative, as many as of the function; (count, ...)."""
+        slopes = chebder(series) * 2 / (self.high - self.low)
+        return np.concatenate([slopes, np.zeros((1, *slopes.shape[1:]))])
+
+
+@dataclass(frozen=True, eq=False)
+class Piecewise:
+    """A function that is a polynomial on each of some panels.
+
+    Attributes
+    ----------
+    ends : ndarray, shape (panel + 1,)
+        Ends of the panels, rising.
+    series : ndarray, shape (panel, count, ...)
+        Chebyshev coefficients on every panel.
+
+    Examples
+    --------
+    >>> waves = Piecewise.of(np.sin, np.array([0.0, 1.0, 4.0]), 12)
+    >>> bool(abs(waves.at(np.array([0.5, 3.0])) - np.sin([0.5, 3.0])).max() < 1e-9)
+    True
+    """
+
+    ends: Array
+    series: Array
+
+    @classmethod
+    def of(cls, values: Callable[[Array], Array], ends: Array, count: int, groups: Array | None = None) -> "Piecewise":
+        """Table a function.
+
+        Parameters
+        ----------
+        values : callable
+            From places, (place,), to values there, (place, ...).
+        ends : ndarray, shape (panel + 1,)
+            Ends of the panels, rising.
+        count : int
+            Number of points on every panel.
+        groups : ndarray, shape (panel,)
+            Panels of one group are asked for at once, those of another apart; by default all at once.
+        """
+        parts: list[Array] = []
+        marks = np.zeros(ends.size - 1) if groups is None else groups
+        for first, last in pairwise([0, *(1 + np.flatnonzero(np.diff(marks))).tolist(), marks.size]):
+            found = values(line([count] * (last - first), ends[first : last + 1].tolist()))
+            parts.append(coefficients(found.reshape(last - first, count, *found.shape[1:]), axis=1))
+        return cls(ends, np.concatenate(parts))
+
+    def at(self, places: Array, mixing: Array | None = None) -> Array:
+        """Return values at places, which lie within the panels; (..., outputs).
+
+        Parameters
+        ----------
+        places : ndarray, shape (...)
+            Where.
+        mixing : ndarray, shape (output, mixed)
+            Sums of the outputs that are given in place of them.
+        """
+        flat, count = places.ravel(), self.series.shape[1]
+        series = self.series.reshape(len(self.series), count, -1) if mixing is None else self.series @ mixing
+        panel = np.searchsorted(self.ends[1:-1], flat, side="right")
+        order = np.argsort(panel.astype(np.uint16), kind="stable")
+        own = panel[order]
+        bounds = np.searchsorted(own, np.arange(len(series) + 1)).tolist()
+        middle, half = (self.ends[1:] + self.ends[:-1]) / 2, np.diff(self.ends) / 2
+        T = polynomials((flat[order] - middle[own]) / half[own], count).T
+        found, out = np.empty((flat.size, series.shape[2])), np.empty((flat.size, series.shape[2]))
+        for coefficients_here, (start, stop) in zip(series, pairwise(bounds), strict=True):
+            if stop > start:
+                found[start:stop] = T[start:stop] @ coefficients_here
+        out[order] = found
+        return out.reshape(*places.shape, *(self.series.shape[2:] if mixing is None else mixing.shape[1:]))
+
+    def halved(self, values: Callable[[Array], Array], which: Flags) -> "Piecewise":
+        """Return the function with some panels cut in halves, which are tabled anew.
+
+        Parameters
+        ----------
+        values : callable
+            As of `of`.
+        which : ndarray of bool, shape (panel,)
+            Those that are cut.
+        """
+        middles = (self.ends[:-1] + self.ends[1:]) / 2
+        ends = np.sort(np.concatenate([self.ends, middles[which]]))
+        series, count = np.repeat(self.series, 1 + which, axis=0), self.series.shape[1]
+        first = np.flatnonzero(which) + np.arange(np.count_nonzero(which))  # of the halves, among the new panels
+        halves = np.sort(np.concatenate([first, first + 1]))
+        points = np.concatenate([mapped_points(count, *ends[p : p + 2].tolist()) for p in halves])
+        series[halves] = coefficients(values(points).reshape(len(halves), *series.shape[1:]), axis=1)
+        return Piecewise(ends, series)
+
+    def mirrored(self, odd: Flags) -> "Piecewise":
+        """Return the function on both sides of its first end, 0.
+
+        Parameters
+        ----------
+        odd : ndarray of bool, shape (output,)
+            Whether an output changes its sign with the place.
+        """
+        signs = (-1.0) ** np.arange(self.series.shape[1])[:, None] * np.where(odd, -1.0, 1.0)
+        ends = np.concatenate([-self.ends[:0:-1], self.ends])
+        return Piecewise(ends, np.concatenate([signs * self.series[::-1], self.series]))

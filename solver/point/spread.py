@@ -1,0 +1,101 @@
+"""What the layers of a stack add along the surface under points, over a distance (points, 4 and 6).
+
+    Lambda(x) = int_0^inf Delta(k) cos(kx) dk,
+    chi(s) = N S(s) + (1/pi) int_0^inf [Lambda(s - s') + Lambda(s + s')] S(s') ds',
+
+of the six pairs of (y, phi, psi), Delta = Y_top - Y0. Far away only the beginning of Delta matters: a smooth end is
+put to it, of a width that the distance does not see. Under a graded layer Lambda = sum_j Y_j rho_j(x) + T(x): rho_j are
+closed and hold what is singular at x = 0, T stands in the table.
+"""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from approximation.arrays import Indices
+from approximation.piecewise import Piecewise
+from solver.arrays import Array
+from solver.film.grading import GradedResponse, local_tails
+from solver.film.kernel import DEGREE, ENTRIES, FINEST, graded_response, graded_strip, growing, octave, strip, tapered
+from solver.film.reflection import waves
+from solver.film.stack import Stack
+
+#: The pairs, over (x, y, phi, psi).
+PAIRS = ENTRIES[:6]
+
+_FAR = 1e4  # strips from which what is left falls like 1/x^2
+_MOST = 4_000_000  # values of one block of a transform
+_TAILS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Lambda over the distance.
+
+    Attributes
+    ----------
+    table
+        Lambda, or T under a graded layer, of the pairs; (distance, 6).
+    width
+        b of rho_j, see :func:`solver.film.grading.local_tails`.
+    tails
+        Y_j of the pairs under a graded layer; (4, 6).
+    """
+
+    table: Piecewise
+    width: float
+    tails: Array | None = None
+
+    def at(self, x: Array) -> Array:
+        """Lambda at distances x >= 0; (..., pair)."""
+        reach = self.table.ends[-1]
+        found = self.table.at(np.minimum(x, reach))
+        beyond = x > reach
+        found[beyond] *= (reach / x[beyond, None]) ** 2
+        if self.tails is not None:
+            found += (local_tails(x.ravel(), self.width).T @ self.tails).reshape(found.shape)
+        return found
+
+    def of(self, pairs: Indices) -> "Spread":
+        """Of some of the pairs."""
+        table = replace(self.table, series=self.table.series[..., pairs])
+        return replace(self, table=table, tails=None if self.tails is None else self.tails[:, pairs])
+
+
+@lru_cache(32)
+def spread(stack: Stack, reach: float | None = None) -> Spread:
+    """Lambda of a stack.
+
+    Parameters
+    ----------
+    stack
+        Layers and base.
+    reach
+        How far a graded layer's is asked for [m]; others' is known everywhere.
+
+    Raises
+    ------
+    StackError
+        A profile that is not smooth.
+    """
+    width, graded = strip(stack), graded_response(stack) if stack.top.graded else None
+    ends = growing(width, reach or _FAR * width, halvings=FINEST if graded else 0)
+    table = Piecewise.of(lambda x: _transformed(stack, graded, x), ends, DEGREE + 1, octave(ends, width))
+    return Spread(table, width, np.stack([graded.tails[:, i, j] for i, j in PAIRS], -1) if graded else None)
+
+
+def _transformed(stack: Stack, graded: GradedResponse | None, x: Array) -> Array:
+    """Lambda, or T under a graded layer, at distances that are not far apart; (x, 6)."""
+    width = strip(stack)
+    if graded is None:
+        k, weights, taper = tapered(stack, width, x)
+        difference = waves(stack, k)[0].difference
+    else:
+        k, weights, taper = tapered(stack, graded_strip(stack), x, long=1.0)
+        difference = graded.decayed(k, width, _TAILS)
+    rows = np.stack([weights * taper * difference[:, i, j] for i, j in PAIRS], -1)
+    found, step = np.empty((x.size, len(PAIRS))), max(_MOST // k.size, 1)
+    for start in range(0, x.size, step):
+        found[start : start + step] = np.cos(x[start : start + step, None] * k) @ rows
+    return found

@@ -1,0 +1,130 @@
+"""Waves of some wavenumbers inside a body under point contacts, summed with Bessel functions (points, 7)."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from approximation.arrays import Indices
+from solver.arrays import Array, ComplexArray
+from solver.film.reflection import LayerWaves, waves
+from solver.film.stack import Stack
+from solver.film.within import TURN, below, layer_waves, modal
+from solver.material.constants import Material
+from solver.point.bessel import bessel_orders
+from solver.point.rows import ORDERS, parted, shear_rows
+from solver.point.shear import Sheared, ShearWaves
+from solver.point.tractions import Tractions
+
+
+class Layered(Protocol):
+    """What waves run in."""
+
+    @property
+    def stack(self) -> Stack:
+        """Layers and base."""
+
+    @property
+    def shear(self) -> Sheared | None:
+        """The shear waves of the top; none without c12."""
+
+    def rows(self, number: int, depth: Array, names: tuple[str, ...], *, sliding: bool) -> Array:
+        """What fields take of the waves at depths within one body.
+
+        Parameters
+        ----------
+        number : int, of the body
+        depth : ndarray, shape (depth,), over the unit of the body's lengths
+        names : tuple of str, the fields
+        sliding : bool, whether the waves are those of friction
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Waves of some wavenumbers, with their shares of the integrals.
+
+    Attributes
+    ----------
+    inside, tractions
+        Of which body, of all columns.
+    columns
+        Those of one radius.
+    k, shares
+        Over the unit of the body's lengths; (k,).
+    """
+
+    inside: Layered
+    tractions: Tractions
+    columns: Indices
+    k: Array
+    shares: Array
+
+    @cached_property
+    def _tops(self) -> tuple[Array, Array | None]:
+        """Tractions at the surface, of 1 and of cos(angle), but for the sums over b; (k, 4, column) each."""
+        return self.tractions.transforms(self.k * float(self.tractions.ratio[self.columns[0]]), self.columns)
+
+    def summed(self, x: Array, depth: Array, number: int, names: tuple[str, ...], *, reflected: bool) -> Array:
+        """Fields at depths within one body, the base the last; (column, field, depth, x).
+
+        Parameters
+        ----------
+        x, depth : ndarray, shape (x,) and (depth,), in the unit of the body's lengths
+        number : int, of the layer; that of the base is the number of layers
+        names : tuple of str, of the fields
+        reflected : bool, without what the layer's own half-space would carry
+        """
+        stack = self.inside.stack
+        out = np.zeros((len(self.columns), len(names), depth.size, x.size))
+        orders = bessel_orders(self.k, x, 3 if self._tops[1] is None else ORDERS) * self.shares[:, None]
+        parts = [(part, orders / self.k[:, None] if potentials else orders) for part, potentials in parted(names)]
+        for sliding, top in enumerate(self._tops):
+            if top is None:
+                continue
+            states = self._states(top, depth, number, reflected=reflected)
+            rows = self.inside.rows(number, depth, names, sliding=bool(sliding))
+            for part, weighted in parts:
+                for n, J in enumerate(weighted):
+                    _add(out, part, rows[:, n, part], states, J)
+            if sliding and self.inside.shear is not None:
+                waved = ShearWaves(stack, self.k).at(number, depth, reflected=reflected)
+                pulled = np.einsum("skz,kc->kzsc", waved, -top[:, 0]) / stack.scale[0]
+                material = stack.layers[number].material if number < len(stack.layers) else stack.base
+                assert isinstance(material, Material)
+                for n, J in enumerate(orders):
+                    _add(out, np.arange(len(names)), shear_rows(Sheared.of(material), names)[None, n], pulled, J)
+        return out
+
+    def _states(self, top: Array, depth: Array, number: int, *, reflected: bool) -> Array:
+        """The real form [k u; t] at depths; (k, depth, 8, column)."""
+        stack, k, t = self.inside.stack, self.k, top[None].astype(np.complex128)
+        start = 0.0
+        for place, layer in enumerate(self._layers):
+            amplitude = layer.amplitude @ t
+            if place == number:
+                found = layer_waves(layer, k, (depth - start)[None], amplitude, np.eye(8), reflected=reflected)
+                return _real(found)
+            start += layer.thickness
+            t = below(layer, k, amplitude, stack.grounded[place])
+        assert stack.base_medium is not None
+        return _real(modal(stack.base_medium, k, (depth - start)[None], t, np.eye(8)))
+
+    @cached_property
+    def _layers(self) -> list[LayerWaves]:
+        return waves(self.inside.stack, self.k)
+
+
+def _real(turned: ComplexArray) -> Array:
+    return np.asarray((turned[0] * np.conj(TURN)[:, None]).real)
+
+
+def _add(out: Array, fields: Indices, rows: Array, states: Array, J: Array) -> None:
+    """Add rows (depth, field, s) of states (k, depth, s, column) times a Bessel function (k, x) to some fields."""
+    there = np.flatnonzero(rows.any((0, 2)))
+    if there.size:
+        same = rows.strides[0] == 0 or len(rows) == 1  # of one material
+        form, own = ("fs,kzsc->cfzk", rows[0, there]) if same else ("zfs,kzsc->cfzk", rows[:, there])
+        taken = np.einsum(form, own, states, optimize=True)
+        out[:, fields[there]] += taken @ J
