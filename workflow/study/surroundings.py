@@ -2,6 +2,7 @@
 
 from solver.body import airless, kind_of
 from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, PROFILES
+from workflow.study.atrest import asked
 from workflow.study.contents import Contents
 from workflow.study.solvable import check_fields, check_groups
 
@@ -48,14 +49,13 @@ def _asks_for_more(study: Contents) -> str:
     """Which of what a study asks for contacts in air do not have; empty of none."""
     has = kind_of({*study.factors, *study.fixed, *([BODY] if study.body else [])}, _names(study, "profile")[0], AIR)
     try:
-        wanted = [name for target in study.design.values() for name in target.names()]
+        wanted = asked(study)
         if "positions" in study.dataset.model_fields_set or study.dataset.peaks:
             return "dataset: positions or peaks ask for fields, which take 50 ms a case in air, or seconds"
         check_fields(study)
         check_groups(study)
     except ValueError as error:
         return str(error)
-    wanted += [*study.surrogate.outputs, *(name for readout in study.readout.values() for name in readout.measured)]
     wanted += [_READ[name] for name in study.surrogate.outputs if name in _READ]
     for name in wanted:
         if name in {*ALL_QUANTITIES, *ALL_PEAKS} - {*has.quantities, *(() if study.slides else has.peaks)}:

@@ -62,6 +62,26 @@ def test_cases_have_the_quantities_of_points_and_no_datum(study: Study) -> None:
     assert list(study.axes) == ["force_radius_per_thickness3"]
 
 
+RESTS = """\
+title: A ball at rest
+fixed: {material: PZT-4, profile: sphere}
+factors:
+  radius: {low: 5 mm, high: 50 mm, levels: 3}
+  force: {low: 1 N, high: 5 N, levels: 3}
+design:
+  gentle: {minimise: GOAL, over: [radius], at: {force: 2 N}}
+"""
+
+
+@pytest.mark.parametrize(("goal", "friction"), [("trailing_tension", 0.0), ("peak_pressure", None)])
+def test_what_friction_adds_is_asked_of_points_that_rest(tmp_path: Path, goal: str, friction: float | None) -> None:
+    """Without naming a friction, which is then 0; where nothing of it is asked for, none is named."""
+    study = load(written(tmp_path, RESTS.replace("GOAL", goal)))
+    assert study.fixed.get("friction") == friction
+    assert goal in study.quantities
+    assert remade(study).fixed == study.fixed
+
+
 def test_figures_of_a_device_are_whole_and_the_force_is_a_factor(study: Study) -> None:
     quiet = study.design["quiet"]
     assert quiet.names() == [
@@ -103,7 +123,7 @@ def test_every_case_follows_from_the_group(study: Study) -> None:
         ),
         ("groups:", "surrogate: {fields: 8}\ngroups:", "surrogate: fields: point contacts have none; must be 0"),
         ("force * radius / thickness^3", "force / thickness^2", "groups: radius x"),
-        ("peak_pressure <=", "trailing_tension <= 1 MPa, peak_pressure <=", "'trailing_tension' is not one of"),
+        ("peak_pressure <=", "leading_compression <= 1 MPa, peak_pressure <=", "'leading_compression' is not one of"),
         ("abs(signal_charge) <= 100 pC", "blocked_force <= 1 N", "device: drive_voltage: missing"),
         ("punch: steel,", "punch: steel, datum: 1.0,", "datum: the profile sphere has none"),
         (
