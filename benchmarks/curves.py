@@ -5,8 +5,7 @@ holds every load of a composition and a friction; its search is the exact answer
 """
 
 import sys
-from collections.abc import Callable, Sequence
-from time import process_time
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 import solver
+from benchmarks.timing import least, timed
 from solver.curves import FOLLOWS, REGIONS, described
 from solver.film.contact import FilmContact
 from solver.film.curves import region_curves
@@ -169,12 +169,8 @@ def compared(base: str, region: str, counts: Sequence[int], cases: xr.Dataset, e
     cases : Dataset, fresh cases
     error : float, of the curves' basis, as a share of their size
     """
-    start = process_time()
-    data = grid(base, region, counts)
-    solved_in = process_time() - start
-    start = process_time()
-    curves = model(base, region, error).fit(data)
-    fitted_in = process_time() - start
+    data, solved_in = timed(lambda: grid(base, region, counts))
+    curves, fitted_in = timed(lambda: model(base, region, error).fit(data))
     names = list(_OUTPUTS[region])
     plain = GridGP(inputs=inputs(base), outputs=names).fit(data[names])
     X = np.stack([cases[input_.name].values for input_ in inputs(base)], axis=1)
@@ -184,10 +180,10 @@ def compared(base: str, region: str, counts: Sequence[int], cases: xr.Dataset, e
         "cases": int(np.prod(counts)),
         "tables": counts[0] * counts[1],
         "rank": len(curves.bases_[0].vectors),
-        "data set [s]": solved_in,
-        "fit [s]": fitted_in,
-        "a query in blocks [us]": 1e6 * _seconds(lambda: curves.predict_array(X)) / len(X),
-        "a query alone [us]": 1e6 * _seconds(lambda: curves.predict_array(X[:1]), 20),
+        "data set [s]": solved_in.processor,
+        "fit [s]": fitted_in.processor,
+        "a query in blocks [us]": 1e6 * least(lambda: curves.predict_array(X)).processor / len(X),
+        "a query alone [us]": 1e6 * least(lambda: curves.predict_array(X[:1]), 20).processor,
     }
     for kind, answers in (("curves", curves.predict_array(X)), ("maximum", plain.predict_array(X))):
         away = np.abs(answers - exact)
@@ -198,16 +194,6 @@ def compared(base: str, region: str, counts: Sequence[int], cases: xr.Dataset, e
                 "relative": float((away[:, k] / np.abs(exact[:, k])).max()),
             }
     return out
-
-
-def _seconds(action: Callable[[], object], repeats: int = 3) -> float:
-    action()
-    times = []
-    for _ in range(repeats):
-        start = process_time()
-        action()
-        times.append(process_time() - start)
-    return min(times)
 
 
 def measure() -> dict[str, Any]:

@@ -10,13 +10,12 @@ import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
-from time import perf_counter
 
 import netCDF4
 import numpy as np
 
 from benchmarks.history import printed
+from benchmarks.timing import timed
 from storage.netcdf import PACKED, read_whole
 from workflow.dataset import factorial
 from workflow.dataset import slabs as dataset
@@ -47,7 +46,7 @@ def measure(levels: int = 25, repeats: int = 3) -> dict[str, float]:
             "raw": lambda: _write(raw, ours, unpacked),
             "floor": lambda: _floor(study),
         }
-        times = [{name: _seconds(way) for name, way in ways.items()} for _ in range(repeats)]
+        times = [{name: timed(way)[1] for name, way in ways.items()} for _ in range(repeats)]
         best, used = ({name: min(some[name][k] for some in times) for name in ways} for k in (0, 1))
         size = sum(array.nbytes for array in unpacked.values())
     return {
@@ -133,17 +132,6 @@ def _floor(study: Study) -> None:
     np.power(np.abs((1 - X) / (1 + X)), exponent[..., None])
     widths = np.multiply.outer(exponent, np.multiply.outer(axes["radius"], axes["load"]))
     np.log(widths)
-
-
-def _seconds(action: Callable[[], object]) -> tuple[float, float]:
-    """Seconds, and seconds of processor time, of this process and of those that it started and waited for."""
-    start, used = perf_counter(), _processor()
-    action()
-    return perf_counter() - start, _processor() - used
-
-
-def _processor() -> float:
-    return sum(part.ru_utime + part.ru_stime for part in map(getrusage, (RUSAGE_SELF, RUSAGE_CHILDREN)))
 
 
 if __name__ == "__main__":

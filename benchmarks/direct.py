@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from graphlib import TopologicalSorter
 from multiprocessing import get_context
 from pathlib import Path
-from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
-from time import perf_counter
 from typing import Any
+
+from benchmarks.timing import timed
 
 
 @dataclass(frozen=True)
@@ -88,10 +88,6 @@ def run(jobs: dict[int, Job], waits: dict[int, set[int]], cores: int) -> None:
                 order.done(running.pop(done))
 
 
-def _processor() -> float:
-    return sum(used.ru_utime + used.ru_stime for used in map(getrusage, (RUSAGE_SELF, RUSAGE_CHILDREN)))
-
-
 def main(target: str, cores: int) -> None:
     """Plan, run, and print what it took.
 
@@ -101,10 +97,8 @@ def main(target: str, cores: int) -> None:
     cores : int
     """
     jobs, waits = planned(target, cores)
-    start, used = perf_counter(), _processor()
-    run(jobs, waits, cores)
-    cost = {"seconds": perf_counter() - start, "processor": _processor() - used, "jobs": len(jobs)}
-    print(json.dumps(cost))
+    _, cost = timed(lambda: run(jobs, waits, cores))
+    print(json.dumps({**cost._asdict(), "jobs": len(jobs)}))
 
 
 if __name__ == "__main__":

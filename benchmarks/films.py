@@ -3,11 +3,10 @@
 ``python -m benchmarks films``; times are processor time. The box is that of `config/film.yaml`, seven factors.
 """
 
-from time import process_time
-
 import numpy as np
 import xarray as xr
 
+from benchmarks.timing import timed
 from workflow.dataset import factorial
 from workflow.learning import training
 from workflow.run.provenance import ROOT
@@ -62,13 +61,9 @@ def of(study: Study, fresh: int, held: int, queries: int) -> dict[str, float]:
     study : Study
     fresh, held, queries : int, fresh cases, cases of the calibration, and queries that are timed
     """
-    start = process_time()
-    data = factorial.exact(study, factorial.axes(study))
-    solved = process_time()
-    model = training.fit(study, data)
-    fitted = process_time()
-    truth = factorial.sample(study, fresh, (1, 0))
-    exact = process_time() - fitted
+    data, solved = timed(lambda: factorial.exact(study, factorial.axes(study)))
+    model, fitted = timed(lambda: training.fit(study, data))
+    truth, exact = timed(lambda: factorial.sample(study, fresh, (1, 0)))
     points = {name: truth[name] for name in study.factors}
     true = factorial.learned(study, truth)
 
@@ -80,14 +75,12 @@ def of(study: Study, fresh: int, held: int, queries: int) -> dict[str, float]:
     model.calibrate(factorial.learned(study, factorial.sample(study, held, (1, 2))))
     some = model.only(model.outputs_[:OUTPUTS])
     X = np.stack([np.resize(xr.DataArray(column).values, queries) for column in points.values()], axis=1)
-    start_queries = process_time()
-    some.interval_array(X)
-    asked = process_time() - start_queries
+    asked = timed(lambda: some.interval_array(X))[1]
     return {
-        "data set [s]": solved - start,
-        "fit [s]": fitted - solved,
+        "data set [s]": solved.processor,
+        "fit [s]": fitted.processor,
         "error, plain mean": plain,
         "error, corrected": error(),
-        f"a million queries of {OUTPUTS} outputs with intervals [s]": asked * QUERIES / queries,
-        "a million exact cases, fifty at a place [s]": exact * QUERIES / fresh,
+        f"a million queries of {OUTPUTS} outputs with intervals [s]": asked.processor * QUERIES / queries,
+        "a million exact cases, fifty at a place [s]": exact.processor * QUERIES / fresh,
     }

@@ -36,14 +36,8 @@ def chebyshev(levels: Sequence[Array], values: Array) -> Predict:
     return predict
 
 
-def cubic_spline(levels: Sequence[Array], values: Array) -> Predict:
-    """The tensor product of cubic splines, not-a-knot; of lower degree along a factor with fewer than four levels.
-
-    Parameters
-    ----------
-    levels : sequence of ndarray, shape (n_f,), of every factor in [-1, 1]
-    values : ndarray, shape (n_1, ..., n_d, p), the outputs
-    """
+def _cubic_spline(levels: Sequence[Array], values: Array) -> Predict:
+    """The tensor product of cubic splines, not-a-knot; of lower degree along a factor with fewer than four levels."""
     knots, degrees, kept = [], [min(3, len(own) - 1) for own in levels], values
     for axis, (own, degree) in enumerate(zip(levels, degrees, strict=True)):
         spline = make_interp_spline(own, kept, degree, axis=axis)
@@ -133,6 +127,6 @@ def _contracted(tensor: Array, rows: Sequence[Array]) -> Array:
 
 GRID_RIVALS: dict[str, GridFit] = {
     "tensor Chebyshev interpolation": chebyshev,
-    "cubic grid spline (scipy NdBSpline)": cubic_spline,
+    "cubic grid spline (scipy NdBSpline)": _cubic_spline,
     "Kronecker RBF GP (numpy)": kronecker,
 }

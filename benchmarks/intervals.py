@@ -13,7 +13,6 @@ would show there that hold every case with the same probability, mean of some dr
 import sys
 from dataclasses import dataclass
 from importlib.util import find_spec
-from time import perf_counter, process_time
 
 import numpy as np
 import xarray as xr
@@ -21,6 +20,7 @@ from sklearn.base import BaseEstimator, RegressorMixin
 
 from approximation.arrays import Array, Flags
 from benchmarks.history import printed
+from benchmarks.timing import least, timed
 from surrogate import GaussianProcess
 from surrogate.data.inputs import unit_coordinates
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal, Tabulated
@@ -92,20 +92,18 @@ def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict
     """
     X, true = _cases(model, fresh)
     raw = Method(*_predicted(model, X), Normal())
-    seconds = -_seconds(model, X)
+    seconds = -least(lambda: model.interval_array(X), 7).processor
     at, known = _cases(model, held)
     mean, std = _predicted(model, at)
     methods = {"raw": raw, "standardised": _standardised(raw, (known - mean) / std)}
     measured = {}
     if find_spec("mapie"):
-        measured["standardised, largest difference to MAPIE's own ends over their distance"] = beside_mapie(
+        measured["standardised, largest difference to MAPIE's own ends over their distance"] = _beside_mapie(
             methods["standardised"], known - mean, std
         )
-    start = perf_counter()
-    model.calibrate(held)
-    measured |= {"calibrated, seconds of the calibration": perf_counter() - start}
+    measured |= {"calibrated, seconds of the calibration": timed(lambda: model.calibrate(held))[1].seconds}
     methods["calibrated"] = Method(*_predicted(model, X), model.distribution)
-    seconds += _seconds(model, X)
+    seconds += least(lambda: model.interval_array(X), 7).processor
     t, spread = unit_coordinates(model.inputs_, X), np.ptp(true, axis=1)
     over = np.where(spread > 0, spread, 1.0)
     before = crps(true, raw.mean, raw.std).mean(axis=1)
@@ -123,27 +121,21 @@ def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict
         measured |= {
             f"{name}, +- one std, least": one_std.min(),
             f"{name}, +- one std, largest": one_std.max(),
-            **{f"{name}, {part}": share for part, share in worst_parts(t, inside).items()},
+            **{f"{name}, {part}": share for part, share in _worst_parts(t, inside).items()},
             f"{name}, PIT off by": float(distance(pit(true, method.mean, method.std, method.distribution)).max()),
             f"{name}, CRPS over raw, median": float(np.median(score / before)),
             f"{name}, largest error over range": error.max(),
             f"{name}, largest error over range, median": float(np.median(error)),
         }
     random = np.random.default_rng(0)
-    ideal = [worst_parts(t, random.uniform(size=true.shape) < NOMINAL) for _ in range(DRAWS)]
+    ideal = [_worst_parts(t, random.uniform(size=true.shape) < NOMINAL) for _ in range(DRAWS)]
     measured |= {f"ideal, {part}": float(np.mean([one[part] for one in ideal])) for part in ideal[0]}
-    measured["calibrated, more microseconds a query"] = 1e6 * seconds
+    measured["calibrated, more microseconds a query"] = 1e6 * seconds / len(X)
     return {key: float(value) for key, value in measured.items()}
 
 
-def worst_parts(t: Array, inside: Flags) -> dict[str, float]:
-    """Least coverage of any output in deciles of an input, corners of two and slabs.
-
-    Parameters
-    ----------
-    t : ndarray, shape (d, n), scaled coordinates of the cases
-    inside : ndarray of bool, shape (p, n), whether the interval holds the truth
-    """
+def _worst_parts(t: Array, inside: Flags) -> dict[str, float]:
+    """Least coverage of any output in deciles of an input, corners of two and slabs."""
     return {
         "worst decile": min(float(inside[:, part].mean(axis=1).min()) for x in t for part in _deciles(x)),
         "worst corner": float(np.nanmin(worst_corner(t, inside))),
@@ -190,14 +182,8 @@ class _Column(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # untyped
         return X[:, self.column]
 
 
-def beside_mapie(method: Method, errors: Array, std: Array) -> float:
-    """Largest difference of standardised intervals to those that MAPIE makes of the same cases, over their width.
-
-    Parameters
-    ----------
-    method : Method, the standardised one
-    errors, std : ndarray, shape (p, n), errors and raw standard deviations of the calibration cases
-    """
+def _beside_mapie(method: Method, errors: Array, std: Array) -> float:
+    """Largest difference of standardised intervals to those that MAPIE makes of the same cases, over their width."""
     from mapie.conformity_scores import ResidualNormalisedScore
     from mapie.regression import SplitConformalRegressor
 
@@ -248,16 +234,6 @@ def _predicted(model: GaussianProcess, X: Array) -> tuple[Array, Array]:
 
 def _deciles(column: Array) -> list[np.ndarray[tuple[int, ...], np.dtype[np.intp]]]:
     return np.array_split(np.argsort(column, kind="stable"), DECILES)
-
-
-def _seconds(model: GaussianProcess, X: Array) -> float:
-    """Processor seconds of a query of all outputs with their 95 % intervals, the least of some runs."""
-    times = []
-    for _ in range(7):
-        start = process_time()
-        model.interval_array(X)
-        times.append(process_time() - start)
-    return min(times) / len(X)
 
 
 if __name__ == "__main__":

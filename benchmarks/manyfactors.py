@@ -6,7 +6,6 @@ crossed factors is a table, at which all levels of the others are solved. Errors
 
 import sys
 from pathlib import Path
-from time import process_time
 
 import numpy as np
 import xarray as xr
@@ -14,6 +13,8 @@ import xarray as xr
 from benchmarks.history import printed
 from benchmarks.rivals import Array
 from benchmarks.sparse import sparse_grid
+from benchmarks.timing import timed
+from surrogate import GaussianProcess
 from surrogate.data.inputs import Input
 from workflow.dataset import batches, factorial
 from workflow.learning import training
@@ -38,36 +39,36 @@ def measure(tolerance: float = 1e-3, path: str | Path = ROOT / "config" / "two_l
     box = {input_.name: input_ for input_ in factorial.inputs(study)}
     random = np.random.default_rng(1)
     fresh = random.uniform(-1, 1, (_FRESH, len(study.crossed)))
-    start = process_time()
-    truth = blocks(study, solved(study, box, fresh))
-    a_place = (process_time() - start) / _FRESH
+    truth, exact = timed(lambda: blocks(study, solved(study, box, fresh)))
     low, spread = truth.min(axis=(0, 1)), np.ptp(truth, axis=(0, 1))
 
-    start = process_time()
-    parts: list[xr.Dataset] = []
-    while "place" in (places := training.places(study, parts)).sizes:
-        parts.append(solved(study, box, scaled(study, box, places)))
-    data = batches.joined(parts)
-    model = training.fit(study, data)
-    ours = process_time() - start
+    def learned() -> tuple[xr.Dataset, GaussianProcess]:
+        parts: list[xr.Dataset] = []
+        while "place" in (places := training.places(study, parts)).sizes:
+            parts.append(solved(study, box, scaled(study, box, places)))
+        data = batches.joined(parts)
+        return data, training.fit(study, data)
+
+    (data, model), ours = timed(learned)
     asked = {name: xr.DataArray(box[name].from_unit(fresh[:, k]), dims="place") for k, name in enumerate(study.crossed)}
     whole = {name: some for name, some in factorial.levels(study).items() if name not in study.crossed}
     predicted = blocks(study, model.predict({**asked, **whole}, return_std=False))
     count = data.sizes["place"]
 
-    start = process_time()
-    grid = sparse_grid(lambda t: (blocks(study, solved(study, box, t)) - low) / spread, fresh.shape[1], count)
-    rival = process_time() - start
+    def scaled_blocks(t: Array) -> Array:
+        return np.asarray((blocks(study, solved(study, box, t)) - low) / spread)
+
+    grid, rival = timed(lambda: sparse_grid(scaled_blocks, fresh.shape[1], count))
     measured = {
         "tolerance": tolerance,
         "places": float(count),
         "cases": float(count * study.block),
-        "seconds_a_place": a_place,
+        "seconds_a_place": exact.processor / _FRESH,
     }
-    for name, seconds, got in (("cross", ours, predicted), ("sparse_grid", rival, grid(fresh) * spread + low)):
+    for name, cost, got in (("cross", ours, predicted), ("sparse_grid", rival, grid(fresh) * spread + low)):
         error = (np.abs(got - truth) / spread).max(axis=(0, 1))
         measured |= {
-            f"{name}_seconds": seconds,
+            f"{name}_seconds": cost.processor,
             f"{name}_largest_error": float(error.max()),
             f"{name}_median_error": float(np.median(error)),
             f"{name}_voltage_error": float(error[study.outputs.index("voltage")]),

@@ -17,13 +17,12 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from resource import RUSAGE_CHILDREN, getrusage
-from time import perf_counter
 
 from benchmarks.history import printed
+from benchmarks.timing import timed
 from workflow.run.provenance import ROOT
 
-PARTS = ("solver", "surrogate", "workflow", "benchmarks", "config")
+PARTS = ("approximation", "storage", "solver", "surrogate", "workflow", "benchmarks", "config")
 # what holds measured times
 NOT_COMPARED = {
     "timing.json", "datacard.json", "datacard.md", "croissant.json", "provenance.json", "ro-crate-metadata.json",
@@ -66,11 +65,9 @@ def _run(folder: Path, study: str, cores: int) -> dict[str, float]:
     """The way of the command line; its results are put aside."""
     shutil.rmtree(folder / "other", ignore_errors=True)
     program = Path(sys.executable).with_name("meecontact")
-    start, used = perf_counter(), _processor()
-    _done([str(program), "run", study, "--cores", str(cores)], folder)
-    times = {"seconds_run": perf_counter() - start, "processor_seconds_run": _processor() - used}
+    _, cost = timed(lambda: _done([str(program), "run", study, "--cores", str(cores)], folder))
     _clear(folder, study)
-    return times
+    return {"seconds_run": cost.seconds, "processor_seconds_run": cost.processor}
 
 
 def _direct(folder: Path, study: str, cores: int) -> dict[str, float]:
@@ -106,11 +103,6 @@ def _done(command: list[str], folder: Path) -> str:
     if done.returncode:
         raise RuntimeError(f"{' '.join(command)}: {done.stderr[-2000:]}")
     return done.stdout
-
-
-def _processor() -> float:
-    used = getrusage(RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 if __name__ == "__main__":

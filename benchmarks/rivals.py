@@ -43,26 +43,14 @@ def scikit_learn(t: Array, y: Array) -> Predict:
     return predict
 
 
-def perceptron(t: Array, y: Array) -> Predict:
-    """Neural network of scikit-learn, two layers of 64, all outputs at once; it has no standard deviation.
-
-    Parameters
-    ----------
-    t : ndarray, shape (n, d), scaled coordinates of the cases
-    y : ndarray, shape (n, p), the outputs
-    """
+def _perceptron(t: Array, y: Array) -> Predict:
+    """Neural network of scikit-learn, two layers of 64, all outputs at once; it has no standard deviation."""
     model = MLPRegressor(hidden_layer_sizes=(64, 64), solver="lbfgs", max_iter=1000, tol=1e-7, random_state=0).fit(t, y)
     return lambda at, with_std: (np.asarray(model.predict(at)), None)
 
 
-def rbf_interpolator(t: Array, y: Array) -> Predict:
-    """Scipy's interpolator, quintic, all cases at once; it has no standard deviation.
-
-    Parameters
-    ----------
-    t : ndarray, shape (n, d), scaled coordinates of the cases
-    y : ndarray, shape (n, p), the outputs
-    """
+def _rbf_interpolator(t: Array, y: Array) -> Predict:
+    """Scipy's interpolator, quintic, all cases at once; it has no standard deviation."""
     model = RBFInterpolator(t, y, kernel="quintic")
     return lambda at, with_std: (np.asarray(model(at)), None)
 
@@ -154,8 +142,8 @@ class Rival:
 
 RIVALS = [
     Rival("scikit-learn GP (RBF)", "sklearn", True, scikit_learn, (256, 1024)),
-    Rival("scikit-learn MLP", "sklearn", False, perceptron, (1024, 4096)),
-    Rival("scipy RBFInterpolator", "scipy", False, rbf_interpolator, (256, 1024, 4096)),
+    Rival("scikit-learn MLP", "sklearn", False, _perceptron, (1024, 4096)),
+    Rival("scipy RBFInterpolator", "scipy", False, _rbf_interpolator, (256, 1024, 4096)),
     Rival("SMT Kriging", "smt", True, smt, (64, 128)),
     Rival("GPyTorch exact GP", "gpytorch", True, gpytorch, (256, 512)),
 ]

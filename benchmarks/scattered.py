@@ -14,8 +14,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.util import find_spec
 from resource import RUSAGE_SELF, getrusage
-from time import perf_counter, process_time
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -24,6 +22,7 @@ from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 
 from benchmarks.history import printed
 from benchmarks.rivals import Array
+from benchmarks.timing import timed
 from surrogate import Input, ScatterGP
 
 #: Cases of a fit, and fresh ones.
@@ -100,14 +99,8 @@ def scikit_learn(t: Array, y: Array) -> Predict:
     return lambda at: model.predict(at, return_std=True)
 
 
-def libkriging(t: Array, y: Array) -> Predict:
-    """Nested kriging (D. Rulliere et al., Stat. Comput. 28 (2018) 849), groups of 250 cases, without noise.
-
-    Parameters
-    ----------
-    t : ndarray, shape (n, d), scaled coordinates of the cases
-    y : ndarray, shape (n,), the output
-    """
+def _libkriging(t: Array, y: Array) -> Predict:
+    """Nested kriging (D. Rulliere et al., Stat. Comput. 28 (2018) 849), groups of 250 cases, without noise."""
     import pylibkriging
 
     model = pylibkriging.NestedKriging(y, np.asfortranarray(t), "matern5_2", max(2, len(t) // 250))
@@ -143,7 +136,7 @@ def smt(t: Array, y: Array) -> Predict:
 METHODS = [
     Method("ScatterGP", "surrogate", CASES[-1], ours),
     Method("scikit-learn GP (RBF, noise)", "sklearn", 1000, scikit_learn),
-    Method("libKriging nested kriging", "pylibkriging", 10_000, libkriging),
+    Method("libKriging nested kriging", "pylibkriging", 10_000, _libkriging),
     Method("SMT Kriging", "smt", 1000, smt),
 ]
 
@@ -172,24 +165,17 @@ def _row(method: Method, name: str, count: int) -> dict[str, float]:
     y, new = (values + share * over * random.normal(size=len(values)) for values in (function(t), truth))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a bound met: the rivals' own affair
-        predict, seconds, used = _timed(lambda: method.fit(t, y))
-        (mean, std), answered, _ = _timed(lambda: predict(fresh))
+        predict, cost = timed(lambda: method.fit(t, y))
+        (mean, std), answered = timed(lambda: predict(fresh))
     return {
-        "fit, seconds": seconds,
-        "fit, seconds of processor time": used,
+        "fit, seconds": cost.seconds,
+        "fit, seconds of processor time": cost.processor,
         "process so far, megabytes at its peak": getrusage(RUSAGE_SELF).ru_maxrss / 1e3,
-        "a query, microseconds": 1e6 * answered / FRESH,
+        "a query, microseconds": 1e6 * answered.seconds / FRESH,
         "largest error over range": float(np.abs(mean - truth).max()) / over,
         "root-mean-square error over range": float(np.sqrt(np.mean((mean - truth) ** 2))) / over,
         "coverage": float(np.mean(np.abs(mean - new) <= DEVIATIONS * std)),
     }
-
-
-def _timed(action: Callable[[], Any]) -> tuple[Any, float, float]:
-    """What an action gives, its seconds, and those of processor time."""
-    start, used = perf_counter(), process_time()
-    answer = action()
-    return answer, perf_counter() - start, process_time() - used
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from benchmarks.rivals import Array
 _CANDIDATES = np.linspace(-1, 1, 2001)
 
 
-def leja(count: int) -> Array:
+def _leja(count: int) -> Array:
     """The first Leja points of [-1, 1], the middle first; (count,)."""
     points = [0.0]
     while len(points) < count:
@@ -55,7 +55,7 @@ def sparse_grid(
     callable
         Blocks at further points.
     """
-    leja_points = leja(levels)
+    leja_points = _leja(levels)
     indices, surpluses, accepted = [(0,) * dimensions], [solve(np.zeros((1, dimensions)))[0]], set[int]()
 
     def at(t: Array) -> Array:

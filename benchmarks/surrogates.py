@@ -7,7 +7,6 @@ is one, whose cases count as cases. Every time is the least of three after one t
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from scipy.stats import norm, qmc
 from approximation.chebyshev import gauss_points
 from benchmarks.gridrivals import GRID_RIVALS
 from benchmarks.rivals import Array, Predict, installed
+from benchmarks.timing import least, timed
 from surrogate import GaussianProcess, GridGP, Input
 from surrogate.data.inputs import unit_coordinates
 from surrogate.use.validation import crps, validate
@@ -249,11 +249,5 @@ def _by_output(values: Array) -> dict[str, float]:
 
 def _best(action: Callable[[], Any]) -> tuple[Any, float]:
     """What an action gives, and the least of three times after one that warms up; of that one where it takes long."""
-    answer, first = _timed(action)
-    return (answer, first) if first > LONG else (answer, min(_timed(action)[1] for _ in range(3)))
-
-
-def _timed(action: Callable[[], Any]) -> tuple[Any, float]:
-    start = perf_counter()
-    answer = action()
-    return answer, perf_counter() - start
+    answer, cost = timed(action)
+    return answer, cost.seconds if cost.seconds > LONG else least(action).seconds

@@ -19,7 +19,7 @@ _ALONE = """<style>
 </style><script>setTimeout(() => document.body.replaceChildren(document.querySelector("{0}")), 3000);</script>"""
 
 
-def shoot() -> None:
+def _shoot() -> None:
     """Write the pictures into this folder."""
     page = REPORT.read_text(encoding="utf-8")
     with TemporaryDirectory() as folder:
@@ -39,4 +39,4 @@ def shoot() -> None:
 
 
 if __name__ == "__main__":
-    shoot()
+    _shoot()

@@ -3,7 +3,8 @@
 import solver
 
 film = {"composite": "fibrous", "thickness": 0.2e-3, "base": "rigid", "radius": 0.05, "load": 1e5}
-for surface, base in ((0.2, 0.8), (0.5, 0.5)):
-    answer = solver.solve(film | {"volume_fraction": surface, "base_volume_fraction": base})
+graded, even = {"volume_fraction": 0.2, "base_volume_fraction": 0.8}, {"volume_fraction": 0.5}
+for told, fraction in (("20% to 80%", graded), ("50%", even)):
+    answer = solver.solve(film | fraction)
     pressure, charge = float(answer["peak_pressure"]) / 1e6, float(answer["charge_sensitivity"]) * 1e12
-    print(f"{surface:.0%} to {base:.0%}: largest pressure {pressure:.1f} MPa, {charge:.2f} pC/N")
+    print(f"{told}: largest pressure {pressure:.1f} MPa, {charge:.2f} pC/N")

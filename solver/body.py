@@ -39,6 +39,10 @@ from solver.names import (
 Datum = Literal["relative", "absolute", "by_base"]
 
 
+#: Profiles beside which a narrow gap opens: that ends with the punch, and that ends where a factor says.
+_ENDED, _ENDLESS, _END = ("cylinder", "sphere"), ("cone", "power"), "gap_radius"
+
+
 @dataclass(frozen=True)
 class Kind:
     """A kind of body, and how a punch touches it.
@@ -204,6 +208,35 @@ def kind_of(
     contact = PROFILES[profile].contact if isinstance(profile, str) and profile in PROFILES else "line"
     layered = BODY in factors or "thickness" in factors
     return KINDS[contact, layered, surroundings == AIR]
+
+
+def airless(case: Mapping[str, object]) -> str:
+    """Why no air can be beside the contact of a case, as far as its factors tell; empty where it can.
+
+    Parameters
+    ----------
+    case
+        Its factors by name, without those that have their default.
+
+    Examples
+    --------
+    >>> airless({"profile": "cylinder"}), airless({"profile": "flat"})
+    ('', 'no narrow gap with an end lies beside its punch (flat)')
+    """
+
+    def of(name: str) -> object:
+        return case.get(name, CHOICES[name][0])
+
+    if of("electric") == of("magnetic") == "insulating":
+        return "its punch conducts no field, so that no charge lies beside it"
+    if of("electrode") != CHOICES["electrode"][0]:
+        return "the electrode on its film lies below the punch"
+    profile = of("profile")
+    if profile not in _ENDED and not (profile in _ENDLESS and _END in case):
+        return f"no narrow gap with an end lies beside its punch ({profile})"
+    if {"grading_exponent", "base_volume_fraction"} & case.keys():
+        return "its film is graded"
+    return ""
 
 
 class Body(Protocol):

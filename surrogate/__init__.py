@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from surrogate.transforms.groups import Grouping
     from surrogate.transforms.inputs import Group
     from surrogate.transforms.outputs import Scaling
+    from surrogate.transforms.splitgp import SplitGP
     from surrogate.use.estimator import FactorialRegressor
 
 __all__ = [
@@ -36,6 +37,7 @@ __all__ = [
     "OutOfBoxError",
     "Scaling",
     "ScatterGP",
+    "SplitGP",
     "chebyshev_levels",
     "load",
     "save",
@@ -54,6 +56,7 @@ _MODELS = {
     "Grouping": "transforms.groups",
     "Scaling": "transforms.outputs",
     "ScatterGP": "gp.scattergp",
+    "SplitGP": "transforms.splitgp",
     "load": "face.persistence",
     "save": "face.persistence",
 }

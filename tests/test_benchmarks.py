@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from time import sleep
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +12,7 @@ import benchmarks.__main__ as runner
 from approximation.chebyshev import gauss_points
 from benchmarks import direct, gridrivals, intervals, overhead, page, planning, rivals, scattered, sparse, surrogates
 from benchmarks.rivals import Array
+from benchmarks.timing import least, timed
 from surrogate import GridGP
 from surrogate.gp import finiterank
 from tests.surrogate import functions
@@ -223,3 +225,12 @@ def test_planned_measurements_beat_those_at_random(monkeypatch: pytest.MonkeyPat
         ratio, most = device.ratios(name)
         assert 1 < ratio < most
     assert device.ratios("answer known least")[0] > 1.5
+
+
+def test_costs_are_those_of_the_action_and_the_least_of_some_runs() -> None:
+    waits = iter([0.06, 0.02, 0.06])
+    answer, cost = timed(lambda: sum(range(1000)))
+    assert answer == 499500
+    assert cost.seconds > 0
+    assert least(lambda: sleep(next(waits))).seconds >= 0.02
+    assert next(waits, None) is None

@@ -3,12 +3,11 @@
 import json
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from tests.workflow import nursery
 from workflow.run.provenance import ROOT
 
 ROOMS = ("approximation", "solver", "storage", "surrogate", "workflow")
@@ -187,9 +186,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[object]]:
             file = copy / name
             for begins, added in additions.items():
                 file.write_text(put(file.read_text("utf-8") if file.is_file() else "", begins, added), "utf-8")
-    done = subprocess.run(
-        [sys.executable, "-c", ASKED], cwd=copy, env={"PYTHONPATH": str(copy)}, capture_output=True, text=True
-    )
+    done = nursery.run(["python", "-c", ASKED], copy, copy)
     assert not done.returncode, done.stderr
     answer: dict[str, list[object]] = json.loads(done.stdout)
     return answer

@@ -42,23 +42,23 @@ def run(sizes: Sizes) -> Findings:
     measures: dict[str, tuple[str, float, Callable[[Case], float]]] = {
         "Equilibrium": (
             "resultants of stress, D and B on closed boxes inside, over those of their sides", 1e-11,
-            partial(closed_boxes, seed=sizes.seed),
+            partial(_closed_boxes, seed=sizes.seed),
         ),
         "Potentials": (
             "work of E and of H around closed boxes inside, over that along their sides", 1e-11,
-            partial(circulation, seed=sizes.seed),
+            partial(_circulation, seed=sizes.seed),
         ),
         "Totals": ("resultants of stress, D and B on a box about the contact, and Q, P, T, J", 1e-10, totals),
         "Constitutive law": ("fluxes, and those of strains, E and H by equations (1a)-(1c)", 1e-12, constitutive),
-        "Surface": ("interior fields at y = 0, and the surface solution", 1e-11, at_surface),
-        "Far field": ("r times the fields at 1e7 half-widths, and at 1e8", 1e-5, far_field),
+        "Surface": ("interior fields at y = 0, and the surface solution", 1e-11, _at_surface),
+        "Far field": ("r times the fields at 1e7 half-widths, and at 1e8", 1e-5, _far_field),
     }  # fmt: skip
     checks: list[Check] = [
         check(f"{what}: {name}", compared, tolerance, measure, case)
         for what, (compared, tolerance, measure) in measures.items()
         for name, case in CASES.items()
     ]
-    checks.append(check("Far field: cylinder on steel", "stresses at 1e6 half-widths, and Flamant's", 1e-5, flamant))
+    checks.append(check("Far field: cylinder on steel", "stresses at 1e6 half-widths, and Flamant's", 1e-5, _flamant))
     return Findings(
         "Balance inside the half-plane",
         "Interior fields against equations (1) to (3), the loads, the surface solution and the far field.",
@@ -66,14 +66,8 @@ def run(sizes: Sizes) -> Findings:
     )
 
 
-def closed_boxes(case: Case, seed: int) -> float:
-    """Largest resultant over closed boxes in the body, over the sum of the sizes of its sides' resultants.
-
-    Parameters
-    ----------
-    case : Case
-    seed : int, of the random boxes
-    """
+def _closed_boxes(case: Case, seed: int) -> float:
+    """Largest resultant over closed boxes in the body, over the sum of the sizes of its sides' resultants."""
     worst = 0.0
     for box in _boxes(seed):
         for along_x, along_y in FLOWS:
@@ -83,14 +77,8 @@ def closed_boxes(case: Case, seed: int) -> float:
     return worst
 
 
-def circulation(case: Case, seed: int) -> float:
-    """Largest work around closed boxes in the body, over the sum of the sizes of its sides'.
-
-    Parameters
-    ----------
-    case : Case
-    seed : int, of the random boxes
-    """
+def _circulation(case: Case, seed: int) -> float:
+    """Largest work around closed boxes in the body, over the sum of the sizes of its sides'."""
     worst = 0.0
     for box in _boxes(seed):
         for along_x, along_y in POTENTIAL_FIELDS:
@@ -150,7 +138,7 @@ def constitutive(case: Case) -> float:
     return max(_off(inside[name], flux) for name, flux in zip(FIELDS, fluxes, strict=True))
 
 
-def at_surface(case: Case) -> float:
+def _at_surface(case: Case) -> float:
     """Largest error of a field on the surface over its largest value."""
     surface = solver.solve(case, X)
     names = [name for name in SURFACE_FIELDS if name not in ("contact_pressure", "shear_traction")]
@@ -159,14 +147,14 @@ def at_surface(case: Case) -> float:
     return max(traction, *(_off(inside[name], surface[name]) for name in names))
 
 
-def far_field(case: Case) -> float:
+def _far_field(case: Case) -> float:
     """Largest change of r times a field, over its largest value, from 1e7 to 1e8 half-widths."""
     names = [name for pair in FLOWS for name in pair]
     near, far = (solver.solve_interior(case, r * X, r * Y[:-1], fields=names) * r for r in (1e7, 1e8))
     return max(_off(near[name], far[name]) for name in names if np.any(far[name]))
 
 
-def flamant() -> float:
+def _flamant() -> float:
     """Largest error over the largest stress of the force (-Q, -P) on a half-plane: sigma_rr = -2 F.e_r/(pi r)."""
     load, friction, r = 1e5, 0.3, 1e6
     material = solver.Material.isotropic(200e9, 0.3)

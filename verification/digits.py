@@ -36,13 +36,13 @@ def run(sizes: Sizes) -> Findings:
     cases = {_told(case): case for case in (_random(random) for _ in range(sizes.cases))}
     compared = "all quantities and surface fields, each over its own size"
     checks: list[Check] = [
-        check(f"{kind}: {name}", compared, TOLERANCE, surface_error, case, places)
+        check(f"{kind}: {name}", compared, TOLERANCE, _surface_error, case, places)
         for kind, group, places in (("Random", cases, X), ("Extreme", _extremes(), X_TO_THE_EDGES))
         for name, case in group.items()
     ]
     checks += [
         check(f"Interior: {name}", "all fields inside, each over its largest", TOLERANCE,
-              interior_error, case)
+              _interior_error, case)
         for name, case in _extremes().items()
     ]  # fmt: skip
     return Findings(
@@ -81,14 +81,8 @@ def _told(case: dict[str, Any]) -> str:
     return f"{case['material']}, {numbers}, {case['electric']}/{case['magnetic']}"
 
 
-def surface_error(case: dict[str, Any], places: tuple[float, ...]) -> float:
-    """Largest relative error of a quantity or of a surface field at a place.
-
-    Parameters
-    ----------
-    case : dict, SI, as of `solver.solve`
-    places : tuple of float, over the contact's half-width
-    """
+def _surface_error(case: dict[str, Any], places: tuple[float, ...]) -> float:
+    """Largest relative error of a quantity or of a surface field at a place."""
     solved = solver.solve(case, places)
     factors = {name: value for name, value in case.items() if name != "material"}
     exact = precise.solve(constants(solver.find(case["material"])), positions=places, **factors)
@@ -97,7 +91,7 @@ def surface_error(case: dict[str, Any], places: tuple[float, ...]) -> float:
     return max(quantities, *(off_each(solved[name], np.array(v, float)) for name, v in exact.fields.items()))
 
 
-def interior_error(case: dict[str, Any]) -> float:
+def _interior_error(case: dict[str, Any]) -> float:
     """Largest error of a field inside, over its largest value."""
     material = solver.find(case["material"])
     points = [(x, y) for y in Y_INSIDE for x in X_INSIDE]

@@ -47,11 +47,11 @@ def run(_: Sizes) -> Findings:
         *(check(f"Thick film on a {name}", "half-length less the closed form's, and the theory's, at 10 and 100 "
                 "half-lengths", 0.03, thick, *of) for name, of in THICK.items()),
         check("Thin film, insulating punch", "P R h1/h^3, h1/h to 0, and 2/3 of the uniaxial modulus", 5e-4, uniaxial),
-        check("Thin film, conducting punch", "charge per load, h1/h to 0, and e33/c33", 1e-3, thin_charge),
+        check("Thin film, conducting punch", "charge per load, h1/h to 0, and e33/c33", 1e-3, _thin_charge),
         check("Thin incompressible film", "P R h1^3/h^5, h1/h to 0, and 2/15 of the shear modulus (Johnson 1985)", 1e-2,
               incompressible),
         check("Totals", "P, T, J and the integrals of p, D_y, B_y", 1e-12, totals),
-        check("Betti", "flat punch: d depth/dT and -dV/dP, d depth/dJ and -dPsi/dP, dV/dJ and dPsi/dT", 1e-12, betti),
+        check("Betti", "flat punch: d depth/dT and -dV/dP, d depth/dJ and -dPsi/dP, dV/dJ and dPsi/dT", 1e-12, _betti),
     ]  # fmt: skip
     resolution, curves = resolved()
     return Findings(
@@ -99,7 +99,7 @@ def uniaxial() -> float:
     return off(_limit(ratios, found["load"].values * 0.05 / THIN**2 / ratios**3), expected)
 
 
-def thin_charge() -> float:
+def _thin_charge() -> float:
     """Error of the charge per load of a thin film of BaTiO3 on a rigid base at zero volts."""
     material = solver.find("BaTiO3")
     ratios, found = _thin({"material": material}, [2 / 3 * float(material.c33) * ratio**3 for ratio in (7.5, 15, 30)])
@@ -147,7 +147,7 @@ def totals() -> float:
     return off_each([half * float(weight @ values) for values in whole], loads)
 
 
-def betti() -> float:
+def _betti() -> float:
     """Largest relative difference of both sides of Betti's law between states of a flat punch on a film."""
     case = {"profile": "flat", "width": 4e-4, "volume_fraction": 0.5, "thickness": 2e-4, "base": "steel"}
     loads = {"load": [1e5, 2e5], "charge": [0.0, 1e-5], "magnetic_charge": [0.0, 1e-2]}

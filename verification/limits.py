@@ -27,7 +27,7 @@ def run(_: Sizes) -> Findings:
         "What the closed form becomes where the answer is in a textbook, and what must not change it.",
         [
             check("Hertz", "ends, peak and pressure of a cylinder on steel", 1e-13, hertz),
-            check("Hertz, inside", "stresses on the axis below the contact (Johnson 1985, 4.2)", 1e-12, hertz_inside),
+            check("Hertz, inside", "stresses on the axis below the contact (Johnson 1985, 4.2)", 1e-12, _hertz_inside),
             check("Isotropic sliding", "exponent, ends, pressure of Guler and Erdogan (2007)", 1e-12, sliding),
             check("Sadowsky", "pressure of a flat punch without friction", 1e-13, flat, 0.0),
             check("Flat punch, sliding", "p = P sin(pi alpha)/pi (a-x)^(alpha-1) (x+b)^-alpha", 1e-12, flat, 0.7),
@@ -54,7 +54,7 @@ def _hertz() -> tuple[float, float]:
     return half, 2 * PUNCH["load"] / (np.pi * half)
 
 
-def hertz_inside() -> float:
+def _hertz_inside() -> float:
     """Largest error of sigma_xx and sigma_yy on the axis over the peak pressure."""
     depth = np.array([0.01, 0.3, 0.786, 2.0, 10.0])
     out = solver.solve_interior({"material": solver.Material.isotropic(*STEEL), **PUNCH}, [0.0], -depth)

@@ -35,16 +35,16 @@ def run(sizes: Sizes) -> Findings:
     orders = range(4, max(7, 3 + sizes.elements // 6), 2)
     checks = [
         check("Hertz, sphere", "radius, depth, largest pressure and pressure", 1e-13, hertz),
-        check("Sneddon, cone and disc", "radius and depth; depth and pressure", 1e-13, sneddon),
-        check("Huber, inside", "stresses on the axis below a sphere (Johnson 1985, 3.4)", 1e-11, huber),
+        check("Sneddon, cone and disc", "radius and depth; depth and pressure", 1e-13, _sneddon),
+        check("Huber, inside", "stresses on the axis below a sphere (Johnson 1985, 3.4)", 1e-11, _huber),
         check("Hamilton, sliding sphere", "tension behind the trailing edge (1983)", 1e-12, hamilton),
         *(check(f"50 digits: {punch['profile']}", "quantities of a charged half-space", 1e-12, precise, punch, *power)
           for punch, *power in _PROFILES),
         check("Film of its base's own material, points", "every quantity of a half-space", 1e-11, own_base),
-        check("Hayes, Keer, Herrmann and Mockros", "stiffness of a disc on a bonded layer", 4e-6, hayes),
+        check("Hayes, Keer, Herrmann and Mockros", "stiffness of a disc on a bonded layer", 4e-6, _hayes),
         check("Thin films below balls", "P R h/a^4 to (pi/4) c33, T/P to e33/c33, extrapolated", 5e-3, thin),
         check("Charge per force of half-spaces", "-r_1 for every profile and force, and stroke per volt", 1e-12, alike),
-        check("Reciprocity, discs on films", "charge per force and stroke per volt", 1e-12, fixed_edge),
+        check("Reciprocity, discs on films", "charge per force and stroke per volt", 1e-12, _fixed_edge),
         check("Tangents, film", "stroke per volt and stiffness against differences of solutions", 1e-7, tangents),
     ]  # fmt: skip
     curves = []
@@ -75,7 +75,7 @@ def hertz() -> float:
     return max(numbers, off(solved["contact_pressure"], p0 * np.sqrt(1 - r**2)))
 
 
-def sneddon() -> float:
+def _sneddon() -> float:
     """Largest relative error."""
     cone, disc = solver.solve(_BARE | _CONE), solver.solve(_BARE | _DISC, [0.0, 0.7])
     force, a = _BARE["force"], _DISC["width"] / 2
@@ -86,7 +86,7 @@ def sneddon() -> float:
     return max(off_each(numbers, exact), off(disc["contact_pressure"], pressure))
 
 
-def huber() -> float:
+def _huber() -> float:
     """Largest error over the largest pressure."""
     z = np.array([0.04, 0.3, 0.48, 1.0, 6.0])
     inside = solver.solve_interior(_BARE | _BALL, [0.0], -z, fields=_TENSE)
@@ -134,7 +134,7 @@ def own_base() -> float:
     return worst
 
 
-def hayes() -> float:
+def _hayes() -> float:
     """Largest relative error."""
     layer = _BARE | {"thickness": 1e-3, "base": "rigid", "force": 1.0} | _DISC
     shear = _MODULUS / (2 * (1 + _POISSON))
@@ -175,7 +175,7 @@ def alike() -> float:
     return off_each(values, np.full(len(values), float(values[0])))
 
 
-def fixed_edge() -> float:
+def _fixed_edge() -> float:
     """Relative difference of charge per force and stroke per volt of a disc on films of both bases."""
     disc = {key: value for key, value in _FILM.items() if key not in _BALL} | _DISC
     solutions = [solver.solve(disc | {"base": base}) for base in _BASES]

@@ -37,6 +37,8 @@ def _has(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
 
 def kinds_of(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
     """The kind of body of every case, by name: without thickness or stack, of no layers."""
+    if not arrays.keys() & {BODY, "thickness", "profile", "surroundings"}:
+        return xr.DataArray(KINDS["line", False, False].name)
     layered = xr.DataArray(True) if BODY in arrays else _has(arrays, "thickness")
     pointed, air = _among(arrays, "profile", _POINTED), _among(arrays, "surroundings", [AIR])
     layered, pointed, air = xr.broadcast(layered, pointed, air)
@@ -61,6 +63,8 @@ def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
     FactorError
         Naming the factor, its value and what is allowed.
     """
+    if not arrays.keys() & {BODY, *OF_A_FILM}:
+        return
     present = {name: _has(arrays, name) for name in OF_A_FILM}
     film = present["thickness"]
     if BODY in arrays:
@@ -96,6 +100,8 @@ def check_elasticity(arrays: Mapping[str, xr.DataArray], body: str) -> None:
         Naming the factor, its value and what is allowed.
     """
     modulus, poisson = f"{body}_modulus", f"{body}_poisson"
+    if not arrays.keys() & {modulus, poisson}:
+        return
     there = {name: _has(arrays, name) for name in (body, modulus, poisson)}
     for name in (modulus, poisson):
         refuse(arrays, name, there[name] & there[body], f"beside a {body}; give either")
@@ -112,6 +118,8 @@ def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
     FactorError
         Naming the factor, its value and what is allowed.
     """
+    if not arrays.keys() & {"surroundings", *OF_A_GAP}:
+        return
     air = _among(arrays, "surroundings", [AIR])
     for name in OF_A_GAP:
         if name in arrays:

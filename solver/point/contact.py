@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.arrays import Array, BoolArray
+from solver.arrays import Array
 from solver.point.halfspace import Stiffness
 from solver.point.profile import Shape
 
@@ -120,14 +120,3 @@ class State:
         row = own[..., 0, :] if self.shape.flat else self.stiffness.edges[..., 0, :3]
         follows = row[..., None, 1:] / row[..., :1, None]
         return np.asarray(own[..., 1:, 1:] - own[..., 1:, :1] * follows)
-
-
-def conducting(field: int, conducts: BoolArray) -> bool:
-    """Whether a punch conducts a field in every case.
-
-    Parameters
-    ----------
-    field : int, 0 electric, 1 magnetic
-    conducts : ndarray of bool, shape (..., 2)
-    """
-    return bool(np.all(conducts[..., field]))

@@ -75,12 +75,19 @@ class Density:
         return np.asarray(own - derived @ np.polynomial.legendre.legvander(b, derived.shape[-1] - 1).T)
 
     def turned(self, b: Array) -> Array:
-        """(1/pi) PV int_-1^1 phi(s) / (b - s) ds without the part of the strengths, bounded; (column, 3, b).
+        """(1/pi) PV int_-1^1 phi(s) / (b - s) ds; (column, 3, b).
 
-        What friction makes of a density: its Hilbert transform.
+        What friction makes of a density: its Hilbert transform. That of the strengths, which has a logarithm at the
+        edge, is there below a disc alone: the pressure of other punches has none.
         """
         steep = np.arctanh(np.minimum(b, 1 - 1e-16))
+        if self.shape.flat:
+            return np.asarray((2 / np.pi) * (self.strengths[..., None] * steep + self._turned_series(b, steep)))
         found = self._rise * self.form[..., None] * (2 / np.pi) * self._turned_form(b, steep)
+        return np.asarray(found + (2 / np.pi) * self._turned_series(b, steep))
+
+    def _turned_series(self, b: Array, steep: Array) -> Array:
+        """pi/2 of what the layers add; (column, 3, b)."""
         count = self._count
         if count:
             degree = 2 * count - 2
@@ -90,8 +97,8 @@ class Density:
             for n in range(1, degree):
                 D[n + 1] = ((2 * n + 1) * b * D[n] - n * D[n - 1]) / (n + 1)
             legendre = (P.T[0 : degree + 1 : 2] - 1) * steep + D[0 : degree + 1 : 2]
-            found = found + (2 / np.pi) * self._signed @ legendre
-        return np.asarray(found)
+            return np.asarray(self._signed @ legendre)
+        return np.zeros((1, 1, b.size))
 
     def _turned_form(self, b: Array, steep: Array) -> Array:
         """b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds; (b,)."""

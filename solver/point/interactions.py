@@ -39,16 +39,24 @@ def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
     """
     if stack.top.graded:
         raise StackError("layers: interactions of Legendre functions need layers that are not graded")
-    k, weights = wavenumbers(stack, 2 * float(np.max(radii)), strip(stack))
-    added = weights * np.moveaxis(difference(stack, k)[:, 1:, 1:], 0, -1)
-    found: Array = np.empty((radii.size, 3, 3, count, count))
-    step = max(_BLOCK // (count * k.size), 1)
-    for start in range(0, radii.size, step):
-        some = radii[start : start + step]
-        orders = np.moveaxis(even_orders(some[:, None] * k, count, odd), 0, 1)  # (radius, n, k)
-        for i, j in zip(*np.triu_indices(3), strict=True):
-            entry = (orders * added[i, j]) @ np.swapaxes(orders, -1, -2)
-            found[start : start + step, i, j] = found[start : start + step, j, i] = entry
-    if not odd and (spread := sideways(stack)):
-        found[:, 2, 2, 0, 0] -= np.sum(weights * spread / k * np.exp(-k * stack.thickness / 2))
+    found: Array = np.zeros((radii.size, 3, 3, count, count))
+    octave = np.floor(np.log2(radii / np.max(radii)))
+    for height in np.unique(octave):  # a narrow contact needs fewer wavenumbers
+        alike = np.flatnonzero(octave == height)
+        k, weights = wavenumbers(stack, 2 * float(np.max(radii[alike])), strip(stack))
+        added = weights * np.moveaxis(difference(stack, k)[:, 1:, 1:], 0, -1)
+        step = max(_BLOCK // (count * k.size), 1)
+        for start in range(0, alike.size, step):
+            some = alike[start : start + step]
+            orders = np.moveaxis(even_orders(radii[some, None] * k, count, odd), 0, 1)  # (radius, n, k)
+            for i, j in _coupled(added):
+                found[some, i, j] = (orders * added[i, j]) @ np.swapaxes(orders, -1, -2)
+                found[some, j, i] = found[some, i, j]
+        if not odd and (spread := sideways(stack)):
+            found[alike, 2, 2, 0, 0] -= np.sum(weights * spread / k * np.exp(-k * stack.thickness / 2))
     return np.asarray(found * radii[:, None, None, None, None])
+
+
+def _coupled(added: Array) -> list[tuple[int, int]]:
+    """Pairs of channels that a stack couples."""
+    return [(i, j) for i in range(3) for j in range(i, 3) if np.any(added[i, j])]

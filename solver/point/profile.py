@@ -32,6 +32,11 @@ class Shape:
         return self.exponent == DISC
 
     @property
+    def driving(self) -> slice:
+        """Causes (u0, g) that friction acts on: not the depth of a smooth edge, not a disc's profile."""
+        return slice(0, 3) if self.flat else slice(1, 4)
+
+    @property
     def rise(self) -> float:
         """d / (coefficient a^exponent): how deep a half-space is pressed, sqrt(pi) G(e/2 + 1) / G(e/2 + 1/2)."""
         return float((self.exponent + 1) * self.mean)

@@ -21,7 +21,7 @@ class Response:
     coupling
         k of the contact; (..., 3).
     shape
-        The punch, not flat.
+        The punch.
     """
 
     compliance: Array
@@ -41,7 +41,9 @@ class Response:
         return np.asarray(along), np.asarray(unit * inverse[..., 0])
 
     def shift(self, turned: Array) -> Array:
-        """c over a times the densities' unit that makes the edge smooth, of H[phi_sigma] there; (...)."""
+        """c over a times the densities' unit that makes the edge smooth, of H[phi_sigma] there; (...); a disc stays."""
+        if self.shape.flat:
+            return np.zeros_like(turned)
         along, moved = self.answers
         return np.asarray(along[..., 0] * turned / moved[..., 0])
 

@@ -18,7 +18,6 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.halfplane.precision import PrecisionWarning
-from solver.halfplane.pressing import ContactError
 from solver.point import hankel
 from solver.point.body import Film
 from solver.point.density import Density
@@ -70,21 +69,10 @@ class Rubbed:
 
     @property
     def tractions(self) -> Tractions:
-        """What presses and rubs.
-
-        Raises
-        ------
-        ContactError
-            A disc that slides: friction makes its edge steeper than a square root.
-        """
+        """What presses and rubs."""
         friction = self.contact.pressed.friction
         if friction is None or not np.any(friction.coefficient):
             return Tractions(self.ratio, self.density, np.zeros_like(self.ratio))
-        if self.contact.pressed.body.shape.flat:
-            raise ContactError(
-                f"friction: {np.max(friction.coefficient):g} of a disc, whose fields and peaks have a logarithm at the "
-                "edge and are not given; ask for quantities alone, or 0"
-            )
         return Tractions(self.ratio, self.density, friction.coefficient, self.sines)
 
     @property
@@ -111,7 +99,7 @@ class Rubbed:
         for places, of in body.windows(contact.radius):
             log_ratio = np.log(contact.radius[places] / body.thickness[places])
             read = sliding_window(of.kind, of.number, self._friction.punch).read(log_ratio)
-            parts.append((places, np.einsum("cdf,cd->cf", read, contact.state.causes[places, 1:])))
+            parts.append((places, np.einsum("cdf,cd->cf", read, contact.state.causes[places, body.shape.driving])))
         longest = max(found.shape[1] for _, found in parts)
         whole = np.zeros((contact.radius.size, longest))
         for places, found in parts:

@@ -116,16 +116,8 @@ def _added(shape: Shape, even: int, count: int) -> tuple[Array, Array]:
     return 2 / np.pi * ray.summed(second_kind_rates(b, even)), ray.summed(legendre_rates(b, count).T)
 
 
-def turned_pressures(response: Response, density: Density, shift: Array, series: Array) -> Array:
-    """p1 per eta at the places of the ray; (column, place).
-
-    Parameters
-    ----------
-    response, density
-        Of the half-space of the top, and without friction.
-    shift, series
-        c over a times the densities' unit, and what layers add to psi_sigma as P_n(2 b - 1); (column,), (column, n).
-    """
+def _turned_pressures(response: Response, density: Density, shift: Array, series: Array) -> Array:
+    """p1 per eta at the places of the ray; (column, place)."""
     along, unit = response.answers
     moved, form = _own(density.shape)
     even, more = _added(density.shape, density.signed.shape[-1], series.shape[-1])
@@ -140,7 +132,7 @@ def _of_halfspace(shape: Shape) -> Array:
     density = Density(shape, 0 * one, -one, np.zeros((1, 3, 0)))
     response = Response(np.eye(3), np.eye(3)[0], shape)
     shift = response.shift(density.turned(np.ones(1))[:, 0, 0])
-    return np.asarray(turned_pressures(response, density, shift, np.zeros((1, 1)))[0])
+    return np.asarray(_turned_pressures(response, density, shift, np.zeros((1, 1)))[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +151,7 @@ class TurnedWindow:
     def _series(self) -> Array:
         """Chebyshev coefficients of p1 per (V, Psi, g) and eta; (node, 3, place)."""
         found = [
-            turned_pressures(self.window.response, causes, shift, series[:, 0])
+            _turned_pressures(self.window.response, causes, shift, series[:, 0])
             for causes, shift, series in self.window.solutions
         ]
         return coefficients(np.array(found))

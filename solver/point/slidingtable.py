@@ -86,13 +86,15 @@ class SlidingWindow:
             yield self._causes(number, stiffness.edges[number]), solved[:, 0], solved[:, 1:].reshape(3, 3, -1)
 
     def _causes(self, number: int, edges: Array) -> Density:
-        """Densities of V, Psi and the profile, each with the depth that makes its edge smooth."""
+        """Densities of V, Psi and the profile, each with the depth that makes its edge smooth; below a disc of u0."""
         kind = self.window.kind
         causes = np.zeros((3, 4))
-        causes[:, 1:] = np.eye(3)
-        causes[:, 0] = -edges[0, 1:] / edges[0, 0]
+        causes[:, kind.shape.driving] = np.eye(3)
+        if not kind.shape.flat:
+            causes[:, 0] = -edges[0, 1:] / edges[0, 0]
         strengths = causes @ edges.T
-        strengths[:, 0] = 0.0
+        if not kind.shape.flat:
+            strengths[:, 0] = 0.0
         form = causes[:, 3:] * (-2 / np.pi * np.linalg.inv(kind.compliance)[:, 0])
         series = np.einsum("ind,cd->cin", self.window.added[number], causes)
         return Density(kind.shape, strengths, form, series)
@@ -196,6 +198,9 @@ class Layers:
         right = -np.einsum("ick,k,kn->inc", carried, shares, sines, optimize=True)
         values = np.linalg.solve(whole, right.reshape(3 * count, -1)).reshape(3, count, -1)
         series = (2 * np.arange(count) + 1)[:, None] * (legendre(b, count).T * weights) @ values  # (3, n, cause)
+        if response.shape.flat:  # it stays where it is
+            still = np.moveaxis(series[..., :-1], -1, 0).reshape(len(turned), -1)
+            return np.concatenate([np.zeros((len(turned), 1)), still], 1)
         edges = np.sum(series[0], 0)  # P_n(1) = 1
         edges[:-1] += response.closed(causes.turned(_EDGE)[:, 0], _EDGE, np.zeros(len(turned)))[:, 0, 0]
         shift = -edges[:-1] / (edges[-1] + response.closed(np.zeros((1, 1)), _EDGE, np.ones(1))[0, 0, 0])

@@ -28,10 +28,12 @@ from solver.point.profile import Shape
 
 _A_DECADE = 2  # windows, those of the plane
 _OVERLAP = 1.05  # of a window with its neighbours
-_NODES = 20  # radii of a window: 1e-13 between them
+_NODES = 20  # radii of a window up to a/h = 10: 1e-13 between them
+_WIDE, _DIGITS = 2, 28.0  # first window beyond, and the exponent of what is left between its radii: 1e-12
 _RUNGS = 9
 _KEPT, _KERNELS = 512, 24
 _FIRST, _SMOOTH, _KINKED = 12, 9.0, 14.0  # number of functions: of a small contact, and what a wide one adds
+_SMOOTH_WIDE = 7.0  # the same beyond a/h = 10: loads to 1e-12, edge strengths to 2e-10
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,7 @@ class PointKind:
     @property
     def compliance(self) -> Array:
         """N of the contact in the units of the stack; (3, 3)."""
-        return contact_compliance(surface(self.film.stack())[1:, 1:], self)
+        return _contact_compliance(surface(self.film.stack())[1:, 1:], self)
 
     def stiffness(self, added: Array) -> Stiffness:
         """Of the half-space and of what the layers add to loads, edges and their rates (..., 3, 3, 4)."""
@@ -74,14 +76,8 @@ class PointKind:
         )  # fmt: skip
 
 
-def contact_compliance(compliance: Array, kind: PointKind) -> Array:
-    """N of the body with that of the punch, without what the punch does not conduct; (3, 3).
-
-    Parameters
-    ----------
-    compliance : ndarray, shape (3, 3), N of the body
-    kind : PointKind, with the punch
-    """
+def _contact_compliance(compliance: Array, kind: PointKind) -> Array:
+    """N of the body with that of the punch, without what the punch does not conduct; (3, 3)."""
     both = np.array(compliance)
     both[0, 0] += kind.punch / kind.scale[1] ** 2
     return conducted(both, np.array(kind.conducts))
@@ -237,17 +233,19 @@ class Window:
         return self.interval.polynomials(log_radius)
 
 
-def interval(number: int, count: int = _NODES) -> Interval:
-    """Range of log a of a window.
+def interval(number: int, count: int | None = None) -> Interval:
+    """Range of log a of a window, with so many Chebyshev points.
 
     Parameters
     ----------
-    number : int, that of the window
-    count : int, Chebyshev points
+    number : int, of the window
+    count : int, number of points; None: as many as what is analytic within pi/2 of the real axis takes
     """
     step, beyond = np.log(10) / _A_DECADE, np.log(_OVERLAP)
-    low, high = np.clip([number * step - beyond, (number + 1) * step + beyond], np.log(LEAST), np.log(MOST))
-    return Interval(float(low), float(high), count)
+    low, high = np.clip([number * step - beyond, (number + 1) * step + beyond], np.log(LEAST), np.log(MOST)).tolist()
+    if count is None:
+        count = _NODES if number < _WIDE else 1 + int(_DIGITS / np.arcsinh(np.pi / (high - low)))
+    return Interval(low, high, count)
 
 
 @lru_cache(_KEPT)
@@ -278,7 +276,8 @@ def kernel(film: Kind, number: int, smooth: bool) -> Array:
     stack = film.stack()
     radii = np.exp(interval(number).points)
     reach = float(np.max(radii)) / min(float(stack.media[0].slowest), 1.0)
-    count = _FIRST + int((_SMOOTH if smooth else _KINKED) * np.sqrt(reach))
+    share = (_SMOOTH_WIDE if number >= _WIDE else _SMOOTH) if smooth else _KINKED
+    count = _FIRST + int(share * np.sqrt(reach))
     return interactions(stack, radii, count)
 
 

@@ -66,7 +66,13 @@ class Charges:
         return np.asarray(self._middles[:, None] + self._halves[:, None] * _NODES)
 
     def densities(self, interval: int, u: Array) -> Array:
-        """Densities at points u of an interval; (side, 2, point)."""
+        """Densities at points u of an interval; (side, 2, point).
+
+        Parameters
+        ----------
+        interval : int, of :attr:`ends`
+        u : ndarray, shape (point,), within it
+        """
         panel, last = min(interval, self.grid.panels - 1), self.grid.panels - 1
         part = self.unknowns[..., self.grid.slice(panel)]
         if panel < last:
@@ -123,7 +129,13 @@ class Charges:
 
     # -- off the surface -----------------------------------------------------------------------------------------------
     def transforms(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
-        """H of all of them at points z above the surface or on it, or F; (2, point)."""
+        """H of all of them at points z above the surface or on it, or F; (2, point).
+
+        Parameters
+        ----------
+        z : ndarray, shape (point,), complex, X + iY
+        integrated : bool, F in place of H
+        """
         out: ComplexArray = np.empty((2, z.size), np.complex128)
         step = max(_BLOCK // self._u.size, 1)
         for start in range(0, z.size, step):

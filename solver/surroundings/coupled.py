@@ -20,6 +20,7 @@ _STALLED = 1e-7  # steps below it that no longer shrink are rounding
 _MOST = 0.3  # of log h and c/h in a step
 _LEAST = 2e-3  # of the way that potentials are taken at a time
 _SLOW = 0.1  # of a step that the next one is below, or its equations are those of another state
+_ROUNDED = 1e-9  # steps below it are slow by rounding: new equations would make them no faster
 _EXTENT = 2  # unknowns before the charges: log h, c/h
 
 
@@ -83,7 +84,7 @@ class AirContact(Posed):
         last = np.inf
         for _ in range(_STEPS):
             step = (chord or state.chord).step(state)
-            if chord and not np.max(np.abs(step) / state.sizes) < _SLOW * last:
+            if chord and last > _ROUNDED and not np.max(np.abs(step) / state.sizes) < _SLOW * last:
                 chord = None
                 step = state.chord.step(state)
             chord = chord or state.chord

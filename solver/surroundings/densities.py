@@ -145,7 +145,14 @@ def enough(strip: float, length: float) -> int:
 
 
 def far(wide: Kernel, x: Array, mix: Array) -> Array:
-    """Sums of channels at distances x [m], by the logarithm beyond the reach."""
+    """Sums of channels at distances x [m], by the logarithm beyond the reach.
+
+    Parameters
+    ----------
+    wide : Kernel, as far as its reach
+    x : ndarray, shape (...), m
+    mix : ndarray, shape (19, c), from channels to sums
+    """
     values = wide.at(np.clip(x, -wide.reach, wide.reach), mix)
     beyond = np.abs(x) > wide.reach
     if np.any(beyond):
@@ -164,6 +171,14 @@ def sampled(
 
     Sums of :func:`mixing` at points about the contact, (point, 7 field, n), and displacements alone at the nodes beyond
     on the right and on the left, (2 node, 3 field, n).
+
+    Parameters
+    ----------
+    wide : Kernel, as far as charges lie
+    grid : Grid, panels of a side
+    fields : tuple of int, 0 electric and 1 magnetic
+    h : float, half-length, m
+    points : tuple of float, X about the contact
     """
     densities = Densities(grid, wide, partial(far, wide))
     mix = np.stack([mixing(0.0, np.eye(3)[1 + f]) for f in fields], 1)

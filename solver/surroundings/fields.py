@@ -55,6 +55,12 @@ def fields(films: Films, permittivity: Array, positions: Array) -> dict[str, Arr
 def inside(films: Films, permittivity: Array, x: Array, y: Array, names: tuple[str, ...]) -> Array:
     """Fields of ``solver.fields.EVERY_INTERIOR`` at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x).
 
+    Parameters
+    ----------
+    films, permittivity : as of :func:`fields`
+    x, y : ndarray, shapes (x,) and (y,), in half-lengths; y <= 0
+    names : tuple of str, of the fields
+
     Raises
     ------
     StackError
@@ -73,17 +79,35 @@ def inside(films: Films, permittivity: Array, x: Array, y: Array, names: tuple[s
 
 
 def peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, Array]:
-    """Quantities of ``solver.names.FILM_PEAKS`` that are asked for and the cases have, as without air; (case,) each."""
+    """Quantities of ``solver.names.FILM_PEAKS`` that are asked for and the cases have, as without air; (case,) each.
+
+    Parameters
+    ----------
+    films, permittivity : as of :func:`fields`
+    asked : set of str, names of quantities
+    """
     return peaks_of(films, asked, _tables(films, permittivity))
 
 
 def curves(films: Films, permittivity: Array, regions: Sequence[str]) -> dict[str, Array]:
-    """Sizes of the contacts, and the curves of regions that the cases have, as without air; (case, ...) each."""
+    """Sizes of the contacts, and the curves of regions that the cases have, as without air; (case, ...) each.
+
+    Parameters
+    ----------
+    films, permittivity : as of :func:`fields`
+    regions : sequence of str, of ``solver.curves.REGIONS``
+    """
     return curves_of(films, regions, _tables(films, permittivity))
 
 
 def body_peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, Array]:
-    """Quantities of ``solver.names.PEAKS`` that are asked for, of half-planes as films of themselves; (case,) each."""
+    """Quantities of ``solver.names.PEAKS`` that are asked for, of half-planes as films of themselves; (case,) each.
+
+    Parameters
+    ----------
+    films, permittivity : as of :func:`fields`
+    asked : set of str, names of quantities
+    """
     out = {name: np.empty(films.load.size) for name in PEAKS if name in asked}
     for place, state in states(films, permittivity) if out else ():
         h = np.array([state.half])
@@ -101,7 +125,12 @@ def body_peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, 
 
 
 def body_curves(films: Films, permittivity: Array) -> dict[str, Array]:
-    """Sizes of the contacts and the curves of the region ``body`` of half-planes as films; (case, ...) each."""
+    """Sizes of the contacts and the curves of the region ``body`` of half-planes as films; (case, ...) each.
+
+    Parameters
+    ----------
+    films, permittivity : as of :func:`fields`
+    """
     X, depth = region_lines()
     found: dict[str, list[Array]] = {}
     for place, state in states(films, permittivity):
@@ -165,5 +194,12 @@ class AirPeaks(PeakTable):
         return Interior(self.tractions).fields(net.positions(h, net.line), -net.depths(h), names)[..., 0]
 
     def read(self, contact: FilmContact, series: Array, some: slice = slice(None)) -> Array:
-        """The stresses of the one case."""
+        """The stresses of the one case.
+
+        Parameters
+        ----------
+        contact : FilmContact, the case
+        series : ndarray, shape (1, stress, depth, x), Pa
+        some : slice, of no meaning to one case
+        """
         return series

@@ -12,14 +12,14 @@ on the same side and across, the contact's potential changes by -M/pi times thet
 """
 
 from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from approximation.chebyshev import gauss_points, interpolation
 from solver.arrays import Array, BoolArray
-from solver.surroundings.rules import GRADED, Rules, spans
+from solver.surroundings.rules import GRADED, Rules, gauss, spans
 
 #: Powers with a logarithm far away: by u_y alone above a ground, and where the potentials grow like log X themselves.
 LEVEL, GROWING = (2,), (0, 1, 2)
@@ -51,7 +51,13 @@ class Grid:
 
     @classmethod
     def up_to(cls, distance: float, logarithms: tuple[int, ...] = LEVEL) -> "Grid":
-        """Panels whose last finite one ends at X = distance or beyond; one for all that are not much apart."""
+        """Panels whose last finite one ends at X = distance or beyond; one for all that are not much apart.
+
+        Parameters
+        ----------
+        distance : float, X
+        logarithms : tuple of int, see :class:`Grid`
+        """
         last = np.arccosh(max(distance, 2.0))
         count = max(int(np.ceil((last - _EDGE[-1]) / _WIDTH)), 1)
         return _grid(count, logarithms)
@@ -122,7 +128,13 @@ class Grid:
         return np.asarray(self._far_terms(u) @ self._at_infinity)
 
     def interpolation(self, panel: int, u: Array) -> Array:
-        """From values at a panel's nodes to those at points u of it; (point, node)."""
+        """From values at a panel's nodes to those at points u of it; (point, node).
+
+        Parameters
+        ----------
+        panel : int
+        u : ndarray, shape (point,)
+        """
         if panel == self.panels - 1:
             return self._far_interpolation(u)
         low, high = self.limits(panel)
@@ -133,7 +145,13 @@ class Grid:
         return np.asarray(share / share.sum(1)[:, None])
 
     def interpolations(self, panels: NDArray[np.intp], u: Array) -> Array:
-        """The same for points u (piece, point) of panels (piece,) at once; (piece, point, node)."""
+        """The same for points u (piece, point) of panels (piece,) at once; (piece, point, node).
+
+        Parameters
+        ----------
+        panels : ndarray of int, shape (piece,)
+        u : ndarray, shape (piece, point)
+        """
         low, high = np.array([self.limits(p) for p in range(self.panels)])[panels].T[..., None]
         distance = ((2 * u - low - high) / (high - low))[..., None] - self._local
         share = self._barycentric / np.where(distance == 0, 1e-200, distance)  # at a node it alone counts
@@ -143,15 +161,31 @@ class Grid:
         return np.asarray(share)
 
     def theta_of(self, panel: int, u: Array) -> Array:
-        """theta at points of a panel."""
+        """theta at points of a panel.
+
+        Parameters
+        ----------
+        panel, u : as of :meth:`interpolation`
+        """
         return u if panel < self.panels - 1 else -np.log(u)
 
     def charge(self, panel: int, u: Array) -> Array:
-        """Density times dX/du over the unknown at points of a panel."""
+        """Density times dX/du over the unknown at points of a panel.
+
+        Parameters
+        ----------
+        panel, u : as of :meth:`interpolation`
+        """
         return np.sinh(u) if panel < self.panels - 1 else (1 - u**2) / 2
 
     def rule(self, panel: int, at: float | None = None) -> tuple[Array, Array]:
-        """Points u and weights for a panel, graded towards u = at where something is singular."""
+        """Points u and weights for a panel, graded towards u = at where something is singular.
+
+        Parameters
+        ----------
+        panel : int
+        at : float, u of the singular place; None: none but that at infinity
+        """
         low, high = self.limits(panel)
         ends = [low, high]
         if panel == self.panels - 1:
@@ -203,7 +237,13 @@ class Grid:
         return points, np.concatenate(found, 1)
 
     def rough_at(self, X: Array, strip: float) -> BoolArray:
-        """Where a rule is not good for what has singularities at X +- i strip; (point, interval)."""
+        """Where a rule is not good for what has singularities at X +- i strip; (point, interval).
+
+        Parameters
+        ----------
+        X : ndarray, shape (point,)
+        strip : float, half the width of the strip in which a kernel is analytic, in half-lengths
+        """
         theta = np.arccosh(X + 1j * strip)[:, None]
         infinite = self.rules.panel == self.panels - 1
         return self.rules.rough(np.where(infinite, np.exp(-theta), theta))
@@ -319,18 +359,6 @@ class Grid:
         found: Array = np.zeros(self.count)
         found[self.slice(0)] = self.interpolation(0, np.zeros(1))[0]
         return found
-
-
-def gauss(ends: Array, count: int) -> tuple[Array, Array]:
-    """Gauss's rule on each interval between ends: nodes and weights."""
-    x, w = _legendre(count)
-    half = np.diff(ends) / 2
-    return (ends[:-1, None] + half[:, None] * (1 + x)).ravel(), (half[:, None] * w).ravel()
-
-
-@cache
-def _legendre(count: int) -> tuple[Array, Array]:
-    return np.polynomial.legendre.leggauss(count)
 
 
 @lru_cache(32)

@@ -21,7 +21,8 @@ from solver.film.reflection import low
 from solver.film.system import SAMPLES, System
 from solver.film.table import batches
 from solver.surroundings.densities import enough, far, sampled
-from solver.surroundings.grid import CLOSE, GROWING, LEVEL, Grid, gauss
+from solver.surroundings.grid import CLOSE, GROWING, LEVEL, Grid
+from solver.surroundings.rules import gauss
 
 _REACH = 8e4  # widths of the strip at which kernels are cut: beyond, they are their logarithm
 _SIGNS = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0])  # of mirror images: gradients of (y, phi, psi) are odd
@@ -345,7 +346,14 @@ def operators(system: System, shortest: float, longest: float, farthest: float =
 
 
 def grid_of(system: System, shortest: float, longest: float, farthest: float = 0.0) -> Grid:
-    """Panels beside contacts; as for :func:`operators`."""
+    """Panels beside contacts; as for :func:`operators`.
+
+    Parameters
+    ----------
+    system : System, contacts of one stack
+    shortest, longest : float, half-lengths, m
+    farthest : float, X as far as which charges are not yet those of the open gap
+    """
     stack = system.kernel.stack
     distance = max(30.0, 40 * stack.thickness / shortest, min(300.0, 2e3 * system.kernel.width / longest), farthest)
     growing = bool(np.any(np.diagonal(low(stack))[2:]))

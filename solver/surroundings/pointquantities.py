@@ -56,7 +56,12 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array) -> dict[str, A
 
 
 def solved(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple["Case", PointState, RingOperators]]:
-    """Every case with its solution and the operators that it was found with; arguments and refusals as above."""
+    """Every case with its solution and the operators that it was found with; arguments and refusals as above.
+
+    Parameters
+    ----------
+    pressed, permittivity, end : as of :func:`quantities`
+    """
     for case, contacts in _cases(pressed, permittivity, end):
         state = case.charged(contacts)
         yield case, state, case.operators(state.radius).exact
@@ -93,7 +98,15 @@ class Case:
         return self.state(start.pressed.charges[self.place], False, float(start.radius[self.place]))
 
     def state(self, charges: Array, held: bool, start: float, near: PointState | None = None) -> PointState:
-        """With charges [C, Wb], or with all potentials at zero, from a radius [m] or from another state on."""
+        """With charges [C, Wb], or with all potentials at zero, from a radius [m] or from another state on.
+
+        Parameters
+        ----------
+        charges : ndarray, shape (2,), C and Wb
+        held : bool, all potentials are zero in place of the charges
+        start : float, contact radius to begin with, m
+        near : PointState, a contact next to this one; None: none is known
+        """
         given = np.zeros(len(self.fields)) if held else charges[list(self.fields)] / self.own
         at, begin = (start / self.length, None) if near is None else (near.radius, near.unknowns)
         posed = AirPoint(self.operators(at), self._coefficient, self._force, given, (held,) * len(self.fields),
@@ -109,7 +122,13 @@ class Case:
         return state
 
     def operators(self, ratio: float, *, wide: bool = False) -> RingsByRadius:
-        """What the body answers about a radius, and more widely."""
+        """What the body answers about a radius, and more widely.
+
+        Parameters
+        ----------
+        ratio : float, contact radius over the unit of the body's lengths
+        wide : bool, for radii of half a decade
+        """
         body = self._pressed.body
         if self._windows is not None:
             return self._windows.wide(ratio) if wide else self._windows.narrow(ratio)

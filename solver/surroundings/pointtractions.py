@@ -43,7 +43,13 @@ class AirPointTractions(Tractions):
         return self
 
     def nodes(self, radius: float, near: float) -> hankel.Nodes:
-        """As without air, and beside the contact as far as charges lie."""
+        """As without air, and beside the contact as far as charges lie.
+
+        Parameters
+        ----------
+        radius : float, r/a
+        near : float, depth over a
+        """
         return hankel.nodes(radius, near, kinked=self.kinked, beyond=self._ends)
 
     @cached_property
@@ -51,7 +57,13 @@ class AirPointTractions(Tractions):
         return [float(end) for end in np.cosh(self.beside.ends[1:])]
 
     def vectors(self, b: Array, columns: Indices) -> tuple[Array, None]:
-        """As without air, and at b > 1; (1, 4, b)."""
+        """As without air, and at b > 1; (1, 4, b).
+
+        Parameters
+        ----------
+        b : ndarray, shape (b,), over a
+        columns : ndarray of int, the one
+        """
         within = b <= 1
         found = np.zeros((1, 4, b.size))
         found[:, 1:, within] = self.density.at(b[within])
@@ -59,7 +71,13 @@ class AirPointTractions(Tractions):
         return found, None
 
     def transforms(self, phases: Array, columns: Indices) -> tuple[Array, None]:
-        """As without air, with the spectra of the rings; (k, 4, 1)."""
+        """As without air, with the spectra of the rings; (k, 4, 1).
+
+        Parameters
+        ----------
+        phases : ndarray, shape (k,), k a
+        columns : ndarray of int, the one
+        """
         at = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
         found = np.zeros((phases.size, 4, 1))
         found[:, 1:, 0] = np.cos(phases[:, None] * at.b) @ (self.density.at(at.b)[0] * at.weights).T
@@ -67,7 +85,13 @@ class AirPointTractions(Tractions):
         return found, None
 
     def wavenumbers(self, stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
-        """As without air; charges far away count for long waves alone."""
+        """As without air; charges far away count for long waves alone.
+
+        Parameters
+        ----------
+        stack : Stack, layers and base
+        reach, width : float, what phases are longest over and what waves decay over, in the unit of the body's lengths
+        """
         ratio = float(self.ratio[0])
         ends = from_smaller(panels(stack, width), ratio * self._ends[-1])
         spectrum = self._spectrum(float(ends[-1]) * ratio)

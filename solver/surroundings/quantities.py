@@ -68,7 +68,12 @@ def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
 
 
 def states(films: Films, permittivity: Array) -> Iterator[tuple[int, State]]:
-    """Every case with its solution; arguments and refusals of :func:`quantities`."""
+    """Every case with its solution; arguments and refusals of :func:`quantities`.
+
+    Parameters
+    ----------
+    films, permittivity : as of :func:`quantities`
+    """
     require(lacking(films.kind))
     films.require_one_length()
     for place, (number, contact) in _contacts(films):

@@ -41,7 +41,13 @@ def lacking(kind: Kind) -> str | None:
 
 
 def lacking_at_point(body: HalfSpace | Film, conducts: BoolArray) -> str | None:
-    """The same of point contacts; conducts (case, 2)."""
+    """The same of point contacts; conducts (case, 2).
+
+    Parameters
+    ----------
+    body : HalfSpace or Film, with the punch's shape
+    conducts : ndarray of bool, shape (case, 2), electric and magnetic
+    """
     shape: Shape = body.shape
     if not np.all(np.any(conducts, -1)):
         return _IDLE

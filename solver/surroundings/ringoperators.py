@@ -18,8 +18,8 @@ from solver.film.kernel import CHANNEL
 from solver.point.pressure import SAMPLES, added_forms, finite, halfspace_form
 from solver.point.profile import Shape
 from solver.point.spread import Spread
-from solver.surroundings.grid import gauss
 from solver.surroundings.rings import Rings
+from solver.surroundings.rules import gauss
 
 _FIRST, _MORE = 14, 6.0  # of S below a narrow contact, and what wide ones add
 _POWER = 3  # of the nodes where the profile is a power of s that is not even
@@ -306,7 +306,13 @@ class _Below:
 
     @classmethod
     def of(cls, reach: float, *, even: bool = True) -> "_Below":
-        """As many as layers that vary over 1/reach of the radius ask for: for even functions of s, or for powers."""
+        """As many as layers that vary over 1/reach of the radius ask for: for even functions of s, or for powers.
+
+        Parameters
+        ----------
+        reach : float, contact radius over the distance that layers vary over
+        even : bool, functions of s that are even in place of powers
+        """
         count = _FIRST + int(_MORE * (np.sqrt(reach) + reach))
         x, w = np.polynomial.legendre.leggauss(2 * count)
         if even:

@@ -16,7 +16,8 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.surroundings.grid import Grid, gauss
+from solver.surroundings.grid import Grid
+from solver.surroundings.rules import gauss
 
 _FINE = 24  # of the rules in tau, theta' = theta +- tau^2, which has no root at the target
 

@@ -82,7 +82,13 @@ class RingsByRadius(Places, Protocol):
         """Whether it was made for this radius."""
 
     def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
-        """The rows up to one, and their derivatives in log a; (row, column) each."""
+        """The rows up to one, and their derivatives in log a; (row, column) each.
+
+        Parameters
+        ----------
+        log_radius : float, log a in the unit of the body's lengths
+        stop : int, the first row that is left out
+        """
 
     def read_inside(self, log_radius: float) -> Array:
         """The rows below the contact; (row, column)."""
@@ -125,7 +131,13 @@ class RingTable(Read):
         return np.concatenate([local @ part for part in self.values]).reshape(self.rows.count, -1)
 
     def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
-        """The rows up to the pressures, and their derivatives in log a; (row, column) each."""
+        """The rows up to the pressures, and their derivatives in log a; (row, column) each.
+
+        Parameters
+        ----------
+        log_radius : float, log a in the unit of the body's lengths
+        stop : int, the first row that is left out
+        """
         if log_radius not in self._last:
             self._last.clear()
             self._last[log_radius] = (self._polynomials(log_radius) @ self.values[0]).reshape(2, stop, -1)
@@ -179,7 +191,13 @@ class RingsOnHalfSpace(Read):
         return True
 
     def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
-        """The rows up to one, and zeros."""
+        """The rows up to one, and zeros.
+
+        Parameters
+        ----------
+        log_radius : float, log a in the unit of the body's lengths
+        stop : int, the first row that is left out
+        """
         return self._values[:stop], np.zeros((stop, self._values.shape[1]))
 
     def read_inside(self, log_radius: float) -> Array:

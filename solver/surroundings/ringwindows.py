@@ -69,7 +69,13 @@ class RingWindows:
 
     @classmethod
     def of(cls, kind: PointKind, ratios: Array) -> Self:
-        """For radii over the thickness that a call is about."""
+        """For radii over the thickness that a call is about.
+
+        Parameters
+        ----------
+        kind : PointKind, the film and the punch
+        ratios : ndarray, shape (...), contact radii over the thickness
+        """
         asked: dict[int, set[int]] = {}
         for ratio in np.unique(ratios).tolist():
             asked.setdefault(_number(ratio), set()).add(_place(ratio))

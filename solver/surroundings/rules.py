@@ -6,6 +6,7 @@ singularities at the distance of the strip from a target.
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +20,32 @@ _ELLIPSE = 4.0  # rho^-16 is left, beside densities of degree 6: 2e-10
 
 
 def spans(start: Array, stop: Array) -> tuple[Array, Array]:
-    """Nodes and weights on each interval; (interval, node) each."""
+    """Nodes and weights on each interval; (interval, node) each.
+
+    Parameters
+    ----------
+    start, stop : ndarray, shape (interval,), ends of the intervals
+    """
     length = (stop - start)[:, None]
     return start[:, None] + length * _SHARE, length * _WEIGHTS
+
+
+def gauss(ends: Array, count: int) -> tuple[Array, Array]:
+    """Gauss's rule on each interval between ends: nodes and weights.
+
+    Parameters
+    ----------
+    ends : ndarray, shape (interval + 1,)
+    count : int, nodes of an interval
+    """
+    x, w = _legendre(count)
+    half = np.diff(ends) / 2
+    return (ends[:-1, None] + half[:, None] * (1 + x)).ravel(), (half[:, None] * w).ravel()
+
+
+@cache
+def _legendre(count: int) -> tuple[Array, Array]:
+    return np.polynomial.legendre.leggauss(count)
 
 
 @dataclass(frozen=True, eq=False)

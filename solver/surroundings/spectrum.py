@@ -13,7 +13,7 @@ from scipy.special import erf
 
 from solver.arrays import Array, ComplexArray
 from solver.surroundings.charges import Charges
-from solver.surroundings.grid import gauss
+from solver.surroundings.rules import gauss
 
 _STEP, _SLOPE = 0.9, 0.2  # of windows in log(abs(X) - 1), and the width of their ends
 _TAIL = 4.8 * _SLOPE  # beyond which 1e-11 of a window is left
@@ -78,7 +78,13 @@ class Window:
         return found
 
     def add(self, out: ComplexArray, q: Array) -> None:
-        """Add its spectrum (2, wavenumber) at q."""
+        """Add its spectrum (2, wavenumber) at q.
+
+        Parameters
+        ----------
+        out : ndarray, shape (2, wavenumber), complex, what is added to
+        q : ndarray, shape (wavenumber,), wavenumbers times the half-length
+        """
         for least, most, X, (right, left) in self._bands:
             here = np.flatnonzero((q > least) & (q <= most))
             if here.size:

@@ -9,7 +9,13 @@ from solver.surroundings.tractions import Solved
 
 
 def surface_fields(state: State, positions: Array) -> FilmFields:
-    """Fields of one case at positions X = (x - c)/h, finite and never exactly +-1; (1, position) each."""
+    """Fields of one case at positions X = (x - c)/h, finite and never exactly +-1; (1, position) each.
+
+    Parameters
+    ----------
+    state : State, the solution
+    positions : ndarray, shape (position,), X
+    """
     solved, X = Solved(state, positions), positions
     system, beyond = solved.system, np.abs(positions) > 1
     c, whole = system.coefficients, local_fields(solved.assembly)[0] @ solved.unknowns

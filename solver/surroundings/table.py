@@ -61,7 +61,13 @@ class AirTable:
         return Near(log_half, terms)
 
     def outputs(self, log_half: float, columns: Array) -> Array:
-        """All rows at log h, of the sum of causes and densities times ``columns``; (row,)."""
+        """All rows at log h, of the sum of causes and densities times ``columns``; (row,).
+
+        Parameters
+        ----------
+        log_half : float, log h in thicknesses of the top layer
+        columns : ndarray, shape (column,), sizes of causes and densities
+        """
         weights, found = self._weights(log_half, 1)[0], np.empty(self.operators.rows)
         for part, rows in zip(self._parts, (self._solving, ~self._solving), strict=True):
             found[rows] = weights @ (part @ columns)
@@ -127,14 +133,26 @@ class Near:
         return abs(log_half - self.centre) <= _NEXT
 
     def matrix(self, log_half: float, rows: slice = slice(None)) -> Array:
-        """Some rows, or all; (row, column)."""
+        """Some rows, or all; (row, column).
+
+        Parameters
+        ----------
+        log_half : float, log h in thicknesses of the top layer
+        rows : slice, of the rows
+        """
         terms = self._terms(log_half)
         powers = (log_half - self.centre) ** np.arange(len(terms))
         part = terms[:, rows]
         return part[0] if log_half == self.centre else np.asarray(np.tensordot(powers, part, 1))
 
     def products(self, log_half: float, columns: Array) -> tuple[Array, Array]:
-        """Rows times columns, and their derivatives in log h; (row,) each."""
+        """Rows times columns, and their derivatives in log h; (row,) each.
+
+        Parameters
+        ----------
+        log_half : float, log h in thicknesses of the top layer
+        columns : ndarray, shape (column,), sizes of causes and densities
+        """
         series, change = self._terms(log_half) @ columns, log_half - self.centre
         k = np.arange(len(series))
         return change**k @ series, (k[1:] * change ** k[:-1]) @ series[1:]

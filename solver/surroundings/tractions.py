@@ -64,7 +64,14 @@ class AirTractions(Tractions):
         return self
 
     def wavenumbers(self, body: Stack, reach: float, width: float) -> tuple[Array, Array]:
-        """As of a contact; charges far away count for long waves alone."""
+        """As of a contact; charges far away count for long waves alone.
+
+        Parameters
+        ----------
+        body : Stack, layers and base
+        reach : float, largest distance of a phase, m
+        width : float, of no meaning: panels serve all fields
+        """
         reach = max(reach, self.widest)
         here = reach - self.longest
         far = [here + self._half * self._spectrum.reach(start * self._half) for start in self._ends[:-1]]
@@ -84,7 +91,13 @@ class AirTractions(Tractions):
         return {}
 
     def on_plane(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
-        """Hilbert transforms at points z (1, point) above the surface, as of a contact; (4, 1, point, 1)."""
+        """Hilbert transforms at points z (1, point) above the surface, as of a contact; (4, 1, point, 1).
+
+        Parameters
+        ----------
+        z : ndarray, shape (1, point), complex, X + iY
+        integrated : bool, F in place of H
+        """
         found = super().on_plane(z, integrated=integrated)
         found[2:, 0, :, 0] += self.beside.transforms(z[0], integrated=integrated)
         return found

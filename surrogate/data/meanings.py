@@ -70,6 +70,8 @@ MEANINGS = {
     "added_coefficient": "what the added logarithm of a product is multiplied by, over the unit in output_units",
     "added_power": "power of every input in the product whose logarithm is added",
     "logarithm": "sign of an output whose logarithm is learnt, 0 where it is learnt itself",
+    "kink": "where outputs have a kink, over the unit of its input in input_units",
+    "kink_input": "the input that has the kink",
     "bounded": "1 where an output has a lower or an upper bound, in this order",
     "bound": "the bound, over its unit in output_units",
     "reference": "inputs at which these products are one, over their units in input_units",

@@ -68,49 +68,13 @@ class LevelChoice:
     decay: xr.Dataset
 
 
-def choose_levels(
-    pilot: xr.Dataset,
-    inputs: Sequence[Input],
-    tolerance: float,
-    budget: int,
-    outputs: Sequence[str] | None = None,
-    given: Mapping[str, int] = MappingProxyType({}),
-) -> LevelChoice:
-    """Choose the smallest factorial that is predicted to reach a tolerance.
-
-    Parameters
-    ----------
-    pilot : Dataset
-        Complete factorial on Chebyshev-Gauss levels of `inputs`. An input needs 3 levels to be found affine and at
-        least 8 to be told from a kink; 9 or more for all others is a good pilot. `pilot.explore` makes its own.
-    inputs : sequence of Input
-        The box.
-    tolerance : float
-        Largest error over the range of every output, > 0.
-    budget : int
-        Most cases.
-    outputs : sequence of str, optional
-        Outputs that must reach the tolerance, by default all.
-    given : mapping
-        Level counts that are not for choice, by input name.
-
-    Raises
-    ------
-    UnreachableError
-        The tolerance needs more cases than the budget, or is below the noise of the pilot, or given counts are too few;
-        the message says which counts would reach it, or what the budget reaches.
-    ValueError
-        A bad pilot, tolerance or budget, or no output that decays.
-    """
-    return choose(decays(pilot, inputs, outputs), tolerance, budget, given)
-
-
 def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | None = None) -> Decays:
     """Judge the decay of every output along every input.
 
     Parameters
     ----------
-    data : Dataset, a complete factorial on Chebyshev-Gauss levels
+    data : Dataset, a complete factorial on Chebyshev-Gauss levels. An input needs 3 levels to be found affine and at
+        least 8 to be told from a kink; 9 or more for all others is a good pilot. `pilot.explore` makes its own
     inputs : sequence of Input, its factors
     outputs : sequence of str, the variables to judge; None: all
     """
@@ -130,12 +94,22 @@ def _kinks(judged: Decays) -> dict[str, tuple[str, ...]]:
 def choose(
     found: Decays, tolerance: float, budget: int, given: Mapping[str, int] = MappingProxyType({})
 ) -> LevelChoice:
-    """Choose level counts from decays; errors as for `choose_levels`.
+    """Choose the smallest factorial that is predicted to reach a tolerance.
 
     Parameters
     ----------
-    found : dict, as `decays` gives it
-    tolerance, budget, given : as of `choose_levels`
+    found : dict, as `decays` gives it for the outputs that must reach the tolerance
+    tolerance : float, largest error over the range of every output, > 0
+    budget : int, most cases
+    given : mapping, level counts that are not for choice, by input name
+
+    Raises
+    ------
+    UnreachableError
+        The tolerance needs more cases than the budget, or is below the noise of the pilot, or given counts are too few;
+        the message says which counts would reach it, or what the budget reaches.
+    ValueError
+        A bad tolerance or budget, or no output that decays.
     """
     if not tolerance > 0 or budget < 1:
         raise ValueError(f"tolerance {tolerance} and budget {budget} must be positive")

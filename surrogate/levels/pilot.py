@@ -58,12 +58,12 @@ def explore(
     solve : callable
         Takes levels by input name and gives the factorial of all outputs.
     inputs, tolerance, budget, outputs, given
-        As for `levels.choose_levels`.
+        As for `counts.choose`.
 
     Raises
     ------
     UnreachableError, ValueError
-        As `levels.choose_levels`.
+        As `counts.choose`.
     """
     judged: dict[str, dict[str, Decay]] = {}
     fineness = dict.fromkeys((input_.name for input_ in inputs), 0)

@@ -13,20 +13,25 @@ from typing import Literal
 import psutil
 
 from tests.patience import PATIENCE
+from tests.workflow import nursery, warm
 from tests.workflow.conftest import Project
 
 Victim = Literal["job", "snakemake"]
+Run = nursery.Running | subprocess.Popen[bytes]
 
 
-def start(project: Project, study: str, *files: str) -> subprocess.Popen[bytes]:
+def start(project: Project, study: str, *files: str, cold: bool = False) -> Run:
     """Start `meecontact run`, or Snakemake for some files of the study, in the project's folder; words in `run.log`."""
-    environment = {**os.environ, "PYTHONPATH": str(project.folder), "OMP_NUM_THREADS": "1"}
     command = ["meecontact", "run", study, "--cores", "2"]
     if files:
         command = ["snakemake", "--cores", "2", *(f"results/{study}/{file}" for file in files)]
+    log = project.folder / "run.log"
+    if not cold:
+        return nursery.Running(command, project.folder, project.folder, (os.devnull, log, log))
+    environment = {**os.environ, "PYTHONPATH": str(project.folder), "OMP_NUM_THREADS": "1"}
     program = Path(sys.executable).with_name(command[0])
-    with (project.folder / "run.log").open("ab") as log:
-        return subprocess.Popen([program, *command[1:]], cwd=project.folder, env=environment, stdout=log, stderr=log)
+    with log.open("ab") as told:
+        return subprocess.Popen([program, *command[1:]], cwd=project.folder, env=environment, stdout=told, stderr=told)
 
 
 def working(project: Project) -> list[psutil.Process]:
@@ -39,29 +44,30 @@ def working(project: Project) -> list[psutil.Process]:
     return found
 
 
-def jobs(project: Project) -> list[psutil.Process]:
-    """Those of them that run a rule's script."""
+def jobs(run: Run) -> list[psutil.Process]:
+    """Processes of a run that run a rule's script: forks, or Pythons of their own."""
     found = []
-    for process in working(project):
-        with suppress(psutil.Error):
-            if any("/.snakemake/scripts/" in word for word in process.cmdline()):
-                found.append(process)
+    with suppress(psutil.Error):
+        for process in psutil.Process(run.pid).children(recursive=True):
+            with suppress(psutil.Error):
+                if any("/.snakemake/scripts/" in word or word == warm.__file__ for word in process.cmdline()):
+                    found.append(process)
     return found
 
 
-def kill_within(project: Project, run: subprocess.Popen[bytes], victim: Victim, dice: random.Random) -> bool:
+def kill_within(run: Run, victim: Victim, dice: random.Random) -> bool:
     """SIGKILL at a random moment after the first job has started; whether there still was something to kill.
 
     Snakemake's jobs are left behind as orphans, as by a killed terminal or the kernel's out-of-memory killer.
     """
-    while run.poll() is None and not jobs(project):
+    while run.poll() is None and not jobs(run):
         time.sleep(0.1)
-    time.sleep(dice.uniform(0, 5))
+    time.sleep(dice.uniform(0, 5 if isinstance(run, subprocess.Popen) else 2))
     if victim == "snakemake":
         killed = run.poll() is None
         run.kill()
     else:
-        while not (running := jobs(project)) and run.poll() is None:  # between two jobs
+        while not (running := jobs(run)) and run.poll() is None:  # between two jobs
             time.sleep(0.05)
         killed = bool(running)
         if killed:

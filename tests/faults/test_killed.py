@@ -12,23 +12,29 @@ from tests.workflow.conftest import Project
 
 
 def survives(
-    project: Project, study: str, expected: dict[str, bytes], kills: int, dice: random.Random, *files: str
+    project: Project,
+    study: str,
+    expected: dict[str, bytes],
+    kills: int,
+    dice: random.Random,
+    *files: str,
+    cold: bool = False,
 ) -> dict[str, bytes]:
     """Kill runs of one study in one folder, jobs and Snakemake in turn; look at the files each time, give the last.
 
-    Runs are whole, or for some files.
+    Runs are whole, or for some files; forks of a warm process, or cold.
     """
     done = 0
     while done < kills:
-        run = start(project, study, *files)
-        if kill_within(project, run, "job" if done % 2 else "snakemake", dice):
+        run = start(project, study, *files, cold=cold)
+        if kill_within(run, "job" if done % 2 else "snakemake", dice):
             done += 1
         elif run.returncode == 0:  # it was quicker: begin again
             shutil.rmtree(project.folder / "results")
         for name, content in contents(project, study).items():
             hidden = name.rpartition("/")[2].startswith(".")
             assert hidden or content == expected[name], f"{name} after {done} kills"
-    finished = start(project, study, *files)
+    finished = start(project, study, *files, cold=cold)
     assert finished.wait() == 0, (project.folder / "run.log").read_text(encoding="utf-8")[-4000:]
     wait_for_orphans(project)
     return contents(project, study)
@@ -47,5 +53,5 @@ def test_a_hundred_kills_lose_nothing_of_the_quickstart(copy: Callable[[str], Pr
     undisturbed.run("meecontact", "run", "quickstart", "--cores", "2")
     expected = contents(undisturbed, "quickstart")
     killed = copy("killed")
-    assert survives(killed, "quickstart", expected, 100, random.Random(100)) == expected
+    assert survives(killed, "quickstart", expected, 100, random.Random(100), cold=True) == expected
     assert all((killed.folder / "results/quickstart" / name).is_file() for name in NOT_COMPARED)

@@ -18,7 +18,7 @@ def test_neither_a_second_run_nor_an_edit_of_the_study_disturbs_the_first(tiny: 
     project = tiny("twice")
     study = project.folder / "config/tiny.yaml"
     first = start(project, "tiny")
-    while first.poll() is None and not jobs(project):
+    while first.poll() is None and not jobs(first):
         time.sleep(0.1)
     study.write_text(TINY.replace("fibrous", "laminate"), encoding="utf-8")
     for command in (["meecontact", "run", "tiny"], ["snakemake", "--cores", "1", REPORT]):

@@ -16,6 +16,7 @@ from solver.body import (
     POINT_FILM,
     POINT_FILM_IN_AIR,
     Kind,
+    airless,
     kind_of,
 )
 from solver.curves import FOLLOWS, REGIONS
@@ -61,6 +62,32 @@ def test_cases_of_a_table_are_told_apart_one_by_one() -> None:
     assert kinds_of(arrays).values.tolist() == ["half-plane", "film"]
     air = {"surroundings": xr.DataArray(["air", "insulated"], dims="case")}
     assert kinds_of(arrays | air).values.tolist() == [HALF_PLANE_IN_AIR.name, "film"]
+
+
+@pytest.mark.parametrize(
+    "own",
+    [
+        {"electric": "insulating", "magnetic": "insulating"},
+        {"electrode": "top"},
+        {"profile": "flat", "width": 1e-3},
+        {"profile": "disc", "width": 1e-3},
+        {"profile": "cone", "slope": 0.1},
+        {"composite": "fibrous", "volume_fraction": 0.5, "base_volume_fraction": 0.2},
+    ],
+)
+def test_where_air_cannot_be_the_solver_refuses_it(own: dict[str, object]) -> None:
+    case = {name: value for name, value in CASES[FILM.name].items() if name not in READ} | own | {"surroundings": "air"}
+    if PROFILES[str(own.get("profile", "cylinder"))].contact == "point":
+        case["force"] = case.pop("load")
+    dropped = {"flat": "radius", "disc": "radius", "cone": "radius"}.get(str(own.get("profile"))) or "material" * (
+        "composite" in own
+    )
+    case.pop(dropped, None)
+    assert airless(case)
+    with pytest.raises((solver.FactorError, solver.MaterialError), match=r"surroundings|gap_radius"):
+        solver.solve(case)
+    assert all(airless(one) == "" for one in CASES.values())
+    assert airless({"profile": "cone", "slope": 0.1, "gap_radius": 1e-3}) == ""
 
 
 def test_every_kind_names_what_exists() -> None:

@@ -34,7 +34,7 @@ def problem(
     return case, surface
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("conducted", CONDUCTED)
 @pytest.mark.parametrize(("friction", "speed"), [(0.0, 0.0), (1e-12, 0.0), (1.0, 900.0)])
 def test_collocation_and_50_digits_agree(friction: float, speed: float, conducted: tuple[int, ...]) -> None:

@@ -13,6 +13,7 @@ FIGURES = (2.103852975e-04, 6.959044108e-07, -5.393112137e02, 6.164540932e-04)
 FILM, PUNCH = Layer(BARIUM_TITANATE, 0.5e-3), Punch(0.05)
 
 
+@pytest.mark.soak
 def test_contact_under_a_load_is_the_published_one() -> None:
     found = FilmContact([FILM], None, PUNCH, FIGURES[0], order=6)
     numbers = found.load, found.depth, found.potential(ELECTRIC), found.edge_intensities(ELECTRIC)[0]

@@ -28,6 +28,7 @@ def test_little_air_changes_little() -> None:
     assert little.load == pytest.approx(bare.load, rel=1e-7)
 
 
+@pytest.mark.soak
 def test_air_has_the_figures_of_boundary_elements() -> None:
     """Fibrous 0.8, 0.3 mm on a rigid grounded base, R = 100 mm, 5 kN/m: charge per force 74.4 -> 85.9 pC/N."""
     mix = constants(solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.8))
@@ -40,6 +41,7 @@ def test_air_has_the_figures_of_boundary_elements() -> None:
     assert 1e6 < contact.gap_field < 1e9
 
 
+@pytest.mark.soak
 def test_on_a_half_plane_without_potentials_air_changes_nothing() -> None:
     """The surface has the punch's potential everywhere, and the charge is -r_1 P."""
     layer, N = Layer(BARIUM_TITANATE, 0.5e-3, ()), surface_response(BARIUM_TITANATE).normal_compliance
@@ -50,7 +52,7 @@ def test_on_a_half_plane_without_potentials_air_changes_nothing() -> None:
     assert abs(airy.gap_field) < 1e-3 * abs(bare.potential(ELECTRIC)) / HALF
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.5])
+@pytest.mark.parametrize("friction", [pytest.param(0.0, marks=pytest.mark.soak), 0.5])
 def test_a_punch_of_the_body_s_own_material_is_twice_as_compliant(friction: float) -> None:
     """Two equal isotropic half-planes: the centre stays, alpha = 1/2 at any friction, a^2 = 8 P R (1 - nu^2)/(pi E)."""
     young, poisson = 200e9, 0.3

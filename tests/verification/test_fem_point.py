@@ -30,16 +30,17 @@ def test_grounded_without_air_it_has_the_figures_of_two_other_programs() -> None
     assert depth * SPHERE / RADIUS**2 == pytest.approx(0.646322, rel=1e-5)
 
 
+@pytest.mark.soak
 def test_little_air_changes_little() -> None:
     bare, little, air = (contact(0.0, permittivity) for permittivity in (0.0, 1e-6, 1.0))
     np.testing.assert_allclose(little.voltage, bare.voltage, rtol=1e-6)
     assert abs(air.voltage) < 0.9 * abs(bare.voltage)
 
 
-def test_the_page_on_other_codes_has_what_elements_need() -> None:
+@pytest.mark.parametrize("order", [2, pytest.param(4, marks=pytest.mark.soak)])  # of 5 that the page tells
+def test_the_page_on_other_codes_has_what_elements_need(order: int) -> None:
     page = (ROOT / "docs/others.md").read_text(encoding="utf-8")
-    for order in (2, 4):  # of 5 that the page tells
-        unknowns, value, error, _ = elements.row(order)
-        assert f"| {order} | {unknowns:,} | {value:.6f} | " in page
-        assert f" | {error:.0e} | " in next(line for line in page.splitlines() if line.startswith(f"| {order} | "))
+    unknowns, value, error, _ = elements.row(order)
+    assert f"| {order} | {unknowns:,} | {value:.6f} | " in page
+    assert f" | {error:.0e} | " in next(line for line in page.splitlines() if line.startswith(f"| {order} | "))
     assert f"{elements.exact() * 1e12:.6f} pC/N" in page

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from functools import cache
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -12,6 +13,8 @@ from verification import (
     GROUPS,
     Findings,
     Sizes,
+    balance,
+    digits,
     film_air,
     film_cases,
     film_elements,
@@ -25,12 +28,20 @@ from verification.findings import check
 from verification.oracles.surface_response import surface_response
 from workflow.study.sections import CHECK_GROUPS
 
-SMALL = Sizes(cases=4, elements=24, timed=0)
+SMALL = Sizes(cases=2, elements=24, timed=0)
 SMALLEST = Sizes(elements=12, timed=0)
+
+
+#: Of groups of many cases, one: `make run STUDY=verification` takes all of them.
+MANY = {"balance": (balance, "CASES"), "digits": (digits, "EXTREMES")}
 
 
 @cache
 def findings(group: str) -> Findings:
+    if group in MANY:
+        module, name = MANY[group]
+        with mock.patch.object(module, name, dict([next(iter(getattr(module, name).items()))])):
+            return GROUPS[group](SMALL)
     return GROUPS[group](SMALLEST if group in ("film_elements", "film_air", "points") else SMALL)
 
 

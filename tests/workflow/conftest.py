@@ -74,17 +74,17 @@ class Project:
         assert not check or done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
         return done
 
-    def snakemake(self, *arguments: str, check: bool = True) -> subprocess.CompletedProcess[str]:
+    def snakemake(self, *arguments: str, check: bool = True, cold: bool = False) -> subprocess.CompletedProcess[str]:
         """Run Snakemake on two cores."""
-        return self.run("snakemake", "--cores", "2", *arguments, check=check)
+        return self.run("snakemake", "--cores", "2", *arguments, check=check, cold=cold)
 
     def planned(self, target: str) -> set[str]:
         """Rules that a dry run would execute for a target."""
         done = self.snakemake("-n", "--quiet", "host", "--", target)
         return set(plans.rules(done.stdout + done.stderr))
 
-    def planned_after(self, edits: Sequence[tuple[str, str, str]], target: str) -> list[set[str]]:
-        """The same after each of some edits alone, (file, old, new), from one process."""
+    def planned_after(self, edits: Sequence[Sequence[tuple[str, str, str]]], target: str) -> list[set[str]]:
+        """The same after edits that are made together, (file, old, new), and then others alone; from one process."""
         done = self.run("python", plans.__file__, target, said=json.dumps(edits))
         return [set(found) for found in json.loads(done.stdout)]
 

@@ -5,6 +5,7 @@ import functools
 import json
 import os
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -17,15 +18,11 @@ from workflow.run.provenance import ROOT
 PROGRAMS = ("meecontact", "snakemake", "python")
 
 
-# root may write everywhere, unless it gives up the right to
-PLAIN_USER = () if os.geteuid() else ("setpriv", "--bounding-set=-dac_override", "--inh-caps=-dac_override")
-
-
 @functools.cache
-def nursery(user: tuple[str, ...] = ()) -> "subprocess.Popen[str]":
+def nursery() -> "subprocess.Popen[str]":
     """The warm process, begun when it is first needed; it ends with the worker."""
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    command = [*user, sys.executable, str(Path(warm.__file__)), str(ROOT)]
+    command = [sys.executable, str(Path(warm.__file__)), str(ROOT)]
     begun = subprocess.Popen(
         command, env=environment | {"OMP_NUM_THREADS": "1"}, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     )
@@ -40,38 +37,74 @@ def printed(line: str) -> str:
     return done.stdout
 
 
-def run(
-    command: Sequence[str], folder: Path, packages: Path, said: str = "", user: tuple[str, ...] = ()
-) -> subprocess.CompletedProcess[str]:
-    """Run a command, ``meecontact``, ``snakemake`` or ``python``, as `subprocess.run` would.
+class Running:
+    """A command that runs, of which `poll`, `wait` and `kill` are those of `subprocess.Popen`.
 
     Parameters
     ----------
     command : sequence of str
-        The program's name and its words.
+        The program's name, ``meecontact``, ``snakemake`` or ``python``, and its words.
     folder : Path
         Its current folder.
     packages : Path
         Where it finds the project's packages.
-    said : str
-        Its standard input.
-    user : tuple of str
-        `PLAIN_USER`, or nothing: this user.
+    streams : sequence of path
+        Files of its standard input, output and error; the latter two are written on.
+    bound : bool
+        Whether permissions bind it, if this user is root too.
     """
-    with tempfile.TemporaryDirectory() as name:
-        streams = [Path(name, stream) for stream in ("in", "out", "err")]
-        for stream, content in zip(streams, (said, "", ""), strict=True):
-            stream.write_text(content, encoding="utf-8")
+
+    def __init__(
+        self,
+        command: Sequence[str],
+        folder: Path,
+        packages: Path,
+        streams: Sequence[str | Path],
+        bound: bool = False,
+    ) -> None:
+        self._nursery = nursery()
+        self.returncode: int | None = None
         order = {
             "command": list(command),
             "folder": str(folder),
             "environment": {**os.environ, "PYTHONPATH": str(packages), "OMP_NUM_THREADS": "1"},
             "streams": [str(stream) for stream in streams],
+            "bound": bound,
         }
-        warm_one = nursery(user)
-        assert warm_one.stdin is not None
-        assert warm_one.stdout is not None
-        print(json.dumps(order), file=warm_one.stdin, flush=True)
-        status = int(warm_one.stdout.readline())
+        self.pid = int(self._told(order))
+
+    def _told(self, order: dict[str, object]) -> str:
+        assert self._nursery.stdin is not None
+        assert self._nursery.stdout is not None
+        print(json.dumps(order), file=self._nursery.stdin, flush=True)
+        return self._nursery.stdout.readline().strip()
+
+    def poll(self, *, wait: bool = False) -> int | None:
+        """Its exit status, if it has ended."""
+        if self.returncode is None and (told := self._told({"process": self.pid, "wait": wait})):
+            self.returncode = int(told)
+        return self.returncode
+
+    def wait(self) -> int:
+        """Its exit status, when it has ended."""
+        status = self.poll(wait=True)
+        assert status is not None
+        return status
+
+    def kill(self) -> None:
+        """SIGKILL, if it has not ended."""
+        if self.poll() is None:
+            os.kill(self.pid, signal.SIGKILL)
+
+
+def run(
+    command: Sequence[str], folder: Path, packages: Path, said: str = "", bound: bool = False
+) -> subprocess.CompletedProcess[str]:
+    """Run a command as `subprocess.run` would; `said` is its standard input, the rest that of `Running`."""
+    with tempfile.TemporaryDirectory() as name:
+        streams = [Path(name, stream) for stream in ("in", "out", "err")]
+        for stream, content in zip(streams, (said, "", ""), strict=True):
+            stream.write_text(content, encoding="utf-8")
+        status = Running(command, folder, packages, streams, bound).wait()
         out, error = (stream.read_text(encoding="utf-8") for stream in streams[1:])
     return subprocess.CompletedProcess(list(command), status, out, error)

@@ -1,7 +1,8 @@
 """What Snakemake would run after each of some edits, asked in one process: `python plans.py TARGET < edits.json`.
 
-Standard input is a list of [file, old, new]; standard output a list of the rules that a dry run names after each edit
-alone. Between two edits every module of the project is forgotten, so that nothing of it is remembered from the last.
+Standard input is a list of lists of [file, old, new], edits that are made together; standard output a list of the rules
+that a dry run names after each such list alone. Between two of them every module of the project is forgotten, so that
+nothing of it is remembered from the last.
 """
 
 import contextlib
@@ -33,16 +34,19 @@ def rules(told: str) -> list[str]:
     return sorted({line.split()[1].rstrip(":") for line in named})
 
 
-def edited(file: Path, old: str, new: str, target: str) -> list[str]:
-    """The plan while one thing in a file is another."""
-    text = file.read_text(encoding="utf-8")
-    assert old in text, (file, old)
-    file.write_text(text.replace(old, new, 1), encoding="utf-8")
+def edited(edits: list[tuple[str, str, str]], target: str) -> list[str]:
+    """The plan while some things in files are others."""
+    before = {file: Path(file).read_text(encoding="utf-8") for file, _, _ in edits}
+    for file, old, new in edits:
+        text = Path(file).read_text(encoding="utf-8")
+        assert old in text, (file, old)
+        Path(file).write_text(text.replace(old, new, 1), encoding="utf-8")
     try:
         return planned(target)
     finally:
-        file.write_text(text, encoding="utf-8")
+        for file, text in before.items():
+            Path(file).write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
-    print(json.dumps([edited(Path(file), old, new, sys.argv[1]) for file, old, new in json.load(sys.stdin)]))
+    print(json.dumps([edited(edits, sys.argv[1]) for edits in json.load(sys.stdin)]))

@@ -24,7 +24,7 @@ groups:
   force * radius / thickness^3: {levels: 14, scale: log}
 dataset: {slabs: 1}
 surrogate: {outputs: [contact_radius, charge_sensitivity, contact_capacitance, peak_pressure]}
-validation: {cases: 60, calibration: 200, tolerance: 1e-3}
+validation: {cases: 20, calibration: 60, tolerance: 1e-3}
 device: {amplifier: {input_capacitance: 10 pF, charge_noise: 1 fC}}
 design:
   quiet:

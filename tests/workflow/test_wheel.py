@@ -51,7 +51,7 @@ def test_the_installed_program_runs_a_study_from_anywhere(copy: Callable[[str], 
     assert not list(work.iterdir())
     done = installed.run("meecontact", "run", "quickstart", "-n")
     assert done.stdout.endswith("writing the page\n")  # the steps in words
-    done = installed.run("meecontact", "run", "../studies/mine.yaml", "--cores", "2", cold=True)
+    done = installed.run("meecontact", "run", "../studies/mine.yaml", "--cores", "2")
     assert "workflow specific profile" not in done.stderr  # no path of this machine before the first step
     assert done.stdout.endswith("report: results/mine/report.html\n")
     assert "Effects of a material of our own" in (work / "results/mine/report.html").read_text(encoding="utf-8")

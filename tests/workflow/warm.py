@@ -3,13 +3,14 @@
 `python warm.py ROOT` imports what commands, Snakemake and scripts import, forgets the project's own modules (a copy
 has its own), and then reads orders: each is a process of its own, in its folder, with its environment, its standard
 input and output, and its end. In it Snakemake's jobs are forks again. Snakemake, the rules and the scripts are those
-of any run; only that a Python begins by itself, which takes a second or three, is not. Runs that are killed or that
-two start at once stay as users start them (tests/faults), so do an installed program's and one of designs
-(test_pipeline): their bytes are compared with these.
+of any run; only that a Python begins by itself, which takes a second or three, is not. Runs of an installed program
+and of designs (test_pipeline) stay as users start them, and those that `make soak` kills: their bytes are compared
+with these.
 """
 
 import ast
 import contextlib
+import ctypes
 import gc
 import importlib
 import io
@@ -117,21 +118,39 @@ def preload() -> None:
         del sys.modules[name]
 
 
+def bind() -> None:
+    """Let permissions bind this process, which those of root do not: it gives up CAP_DAC_OVERRIDE, of number 1."""
+    library = ctypes.CDLL(None)
+    header, sets = (ctypes.c_uint32 * 2)(0x20080522, 0), (ctypes.c_uint32 * 6)()
+    assert library.capget(header, sets) == 0
+    library.prctl(24, 1)  # nor does a program that it starts get it back: PR_CAPBSET_DROP
+    for k in range(3):
+        sets[k] &= ~(1 << 1)
+    assert library.capset(header, sets) == 0
+
+
 def ordered() -> str:
-    """Fork for each order on standard input and write how it ended; only in a fork this returns, with its program."""
+    """Fork for each order on standard input, or say how one ended; only in a fork this returns, with its program."""
     for line in sys.stdin:
         order = json.loads(line)
+        if "process" in order:
+            ended, status = os.waitpid(order["process"], 0 if order["wait"] else os.WNOHANG)
+            print(os.waitstatus_to_exitcode(status) if ended else "", flush=True)
+            continue
         process = os.fork()
         if process == 0:
             break
-        print(os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]), flush=True)
+        print(process, flush=True)
     else:
         sys.exit()
+    if order["bound"]:
+        bind()
     os.environ.clear()
     os.environ.update(order["environment"])
     os.chdir(order["folder"])
     sys.path.insert(0, order["environment"]["PYTHONPATH"])
-    for number, (name, way) in enumerate(zip(order["streams"], (os.O_RDONLY, os.O_WRONLY, os.O_WRONLY), strict=True)):
+    written = os.O_WRONLY | os.O_CREAT | os.O_APPEND
+    for number, (name, way) in enumerate(zip(order["streams"], (os.O_RDONLY, written, written), strict=True)):
         stream = os.open(name, way)
         os.dup2(stream, number)
         os.close(stream)

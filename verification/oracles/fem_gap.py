@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import block_array, csr_array, eye_array
 
-from verification.oracles.fem import UNITS
-from verification.oracles.fem_film import ELECTRIC, FORCES, FilmContact, contact
+from verification.oracles.fem import FIELDS, UNITS
+from verification.oracles.fem_film import ELECTRIC, FORCES, FilmContact, clamped, contact, factorised
 from verification.oracles.film_mesh import layered_mesh
 from verification.oracles.gap_response import LEAST, SMALL, STEPS, VACUUM, Dry, Gap, along, sides
 from verification.oracles.spectral import Body, Index
@@ -177,6 +177,24 @@ class GapContact(FilmContact):
         """(x - c)/h of nodes beside the contact, and phi [V] (``ELECTRIC``) or psi [A] (``MAGNETIC``); (node,) each."""
         nodes = np.setdiff1d(self._beside.nodes, self.below)
         return self.body.places[nodes, 0], self.u[nodes, which]
+
+    def fields(self, X: ArrayLike, depth: float, layer: int = 0) -> dict[str, Array]:
+        """As without air.
+
+        Parameters
+        ----------
+        X, depth, layer : as of `FilmContact.fields`
+        """
+        points = np.column_stack([X, np.full(np.size(X), -depth / self.half_length)])
+        return dict(zip(FIELDS, self.body.fluxes(self._inside, points, layer) / self.half_length, strict=True))
+
+    @cached_property
+    def _inside(self) -> Array:
+        """u of all of the body's nodes, from what loads its surface; SI units, (nodes, 4)."""
+        free = ~clamped(self.body, self.layers, self.half_length, rigid=self.base is None).ravel()
+        u = np.zeros(free.size)
+        u[free] = factorised(self.body.matrix()[free][:, free]).solve(self._solved[1].ravel()[free])
+        return np.asarray(u.reshape(-1, 4) * UNITS)
 
     @property
     def gap_field(self) -> float:

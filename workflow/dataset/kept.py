@@ -87,8 +87,11 @@ class Kept:
         """Log how many cases were solved before, and leave it where `taken` finds it."""
         if self.cases:
             log.info("%d of %d cases were solved before", self.taken, self.cases)
-            self._tally.parent.mkdir(parents=True, exist_ok=True)
-            write_text(self._tally, json.dumps({"cases": self.cases, "taken": self.taken}) + "\n")
+            try:
+                self._tally.parent.mkdir(parents=True, exist_ok=True)
+                write_text(self._tally, json.dumps({"cases": self.cases, "taken": self.taken}) + "\n")
+            except OSError as error:  # no result is lost by it
+                log.warning("how many cases were solved before is not kept: %s", error)
 
     def _piece(self, solved: Solved, own: str, cases: Mapping[str, xr.DataArray]) -> xr.Dataset:
         """The answer of one piece, from its file if that is whole."""

@@ -1,13 +1,14 @@
 """Training and validation of the surrogate on exact cases."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
 from storage.described import described
-from surrogate import CrossGP, GaussianProcess, GridGP, GroupedGP
-from surrogate.data.inputs import unit_coordinates
+from surrogate import CrossGP, GaussianProcess, GridGP, GroupedGP, SplitGP
+from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.data.points import EVEN
 from surrogate.face.region import Region
@@ -61,7 +62,7 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     return model.fit(data)
 
 
-def process(study: Study, outputs: Sequence[str]) -> GridGP:
+def process(study: Study, outputs: Sequence[str]) -> GridGP | SplitGP:
     """The process of some outputs on the study's factorial, not fitted.
 
     Parameters
@@ -69,6 +70,8 @@ def process(study: Study, outputs: Sequence[str]) -> GridGP:
     study : Study
     outputs : sequence of str
     """
+    if study.kinks:
+        return SplitGP(factorial.inputs(study), study.kinks, outputs, compression(study))
     return GridGP(study.surrogate.kernel, factorial.inputs(study), outputs, compression=compression(study))
 
 
@@ -126,11 +129,11 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     if study.crossed:
         decays = lines.decays(_crossing(study), reduced)
     else:
-        decays = counts.decays(reduced, factorial.axis_inputs(study), study.learned)
+        decays = counts.decays(*_smooth(study, reduced), study.learned)
     if by is not None:
         quantities = factorial.with_factors(study, quantities)
     predicted = model.predict(points)
-    table = validation.validate(model, cases, None if study.crossed else quantities)
+    table = validation.validate(model, cases, None if study.crossed or study.kinks else quantities)
     names = study.learned
     stacked = {
         "exact": cases[names].to_dataarray("output"),
@@ -146,6 +149,12 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     logs = [] if by is None else [name for name, scaling in by.scalings.items() if scaling.logarithm]
     told = {"logarithms": "; ".join(logs)} if logs else {}
     return table.assign_attrs(tolerance=study.validation.tolerance, **told, **refused)
+
+
+def _smooth(study: Study, data: xr.Dataset) -> tuple[xr.Dataset, list[Input]]:
+    """The factorial and its axes below the first kink of every one: all of it where there is none."""
+    inputs = [replace(own, high=study.axes[own.name].ends[1]) for own in factorial.axis_inputs(study)]
+    return data.isel({name: slice(axis.levels) for name, axis in study.axes.items()}), inputs
 
 
 def answered(

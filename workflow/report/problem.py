@@ -66,7 +66,7 @@ def draw() -> str:
         f'<path d="M{_LOW - 138} {top + 90} A {_RADIUS} {_RADIUS} 0 0 0 {_LOW + 138} {top + 90} Z" fill="{PUNCH}" '
         f'stroke="{INK}" stroke-width="1.6" transform="translate(0 {_SURFACE - top - 182})"/>',
         _line(20, _SURFACE, _WIDTH - 20, _SURFACE),
-        f'<line x1="{_LEADING}" y1="{_SURFACE}" x2="{_TRAILING}" y2="{_SURFACE}" stroke="{BAD}" stroke-width="4"/>',
+        _thick(_LEADING, _TRAILING, _SURFACE, BAD),
         # loads
         _arrow(_LOW, 20, _LOW, 120, BAD),
         _text(_LOW + 18, 48, "P", BAD),
@@ -114,14 +114,13 @@ def _punch() -> str:
     )
 
 
-def _punch_on_film(*inside: int) -> list[str]:
-    """The punch, surface and contact, and lines at the heights of interfaces inside the film."""
-    return [
-        _punch(),
-        *(_line(20, y, _WIDTH - 20, y) for y in (_TOP, *inside)),
-        f'<line x1="{_LEADING}" y1="{_TOP}" x2="{_TRAILING}" y2="{_TOP}" stroke="{BAD}" stroke-width="4"/>',
-        f'<line x1="20" y1="{_BOTTOM}" x2="{_WIDTH - 20}" y2="{_BOTTOM}" stroke="{ACCENT}" stroke-width="4"/>',
-    ]
+def _punch_on_film() -> list[str]:
+    """The punch, the surface and the contact."""
+    return [_punch(), _line(20, _TOP, _WIDTH - 20, _TOP), _thick(_LEADING, _TRAILING, _TOP, BAD)]
+
+
+def _thick(start: float, end: float, y: float, colour: str) -> str:
+    return f'<line x1="{start}" y1="{y}" x2="{end}" y2="{y}" stroke="{colour}" stroke-width="4"/>'
 
 
 def _loads_on_film() -> list[str]:
@@ -140,8 +139,10 @@ def _loads_on_film() -> list[str]:
     ]
 
 
-def _ground() -> list[str]:
+def _electrode() -> list[str]:
+    """Where a film lies on its base, and the ground of the electrode there."""
     return [
+        _thick(20, _WIDTH - 20, _BOTTOM, ACCENT),
         _line(640, _BOTTOM, 640, _BOTTOM + 14, ACCENT),
         *(_line(640 - w, _BOTTOM + 14 + d, 640 + w, _BOTTOM + 14 + d, ACCENT) for w, d in ((13, 0), (8, 5), (3, 10))),
     ]
@@ -159,77 +160,55 @@ def _axes_on_film() -> list[str]:
     ]
 
 
-def _edges(layers: int) -> list[int]:
-    """Heights of the edges of layers, from the surface to the base."""
-    return [round(_TOP + (_BOTTOM - _TOP) * number / layers) for number in range(layers + 1)]
+def _layered(layers: Sequence[str], base: str) -> list[str]:
+    """Layers from the top down, their interfaces and their base, with names."""
+    edges = [round(_TOP + (_BOTTOM - _TOP) * number / len(layers)) for number in range(len(layers) + 1)]
+    bands = list(zip(pairwise(edges), layers, strict=True))
+    return [
+        *(_band(*band, (BODY, SECOND)[number % 2]) for number, (band, _) in enumerate(bands)),
+        _band(_BOTTOM, _HEIGHT - 12, PUNCH),
+        *(_line(20, y, _WIDTH - 20, y) for y in edges[1:-1]),
+        _arrow(600, _TOP, 600, edges[1], both=True),
+        _words(610, (_TOP + edges[1]) // 2 + 5, "thickness", "start"),
+        *(_words(130, (top + low) // 2 + 6, name, "start") for (top, low), name in bands),
+        _words(130, _BOTTOM + 98, f"base: rigid, or a {base}", "start"),
+        *_electrode(),
+        _words(624, _BOTTOM + 32, "interface: grounded (\u03c6 = 0, an electrode),", "end"),
+        _words(624, _BOTTOM + 54, "or bonded (\u03c6 and D pass)", "end"),
+    ]
+
+
+def _closed(parts: Sequence[str]) -> str:
+    return "\n".join([*parts, *_axes_on_film(), "</svg>"]) + "\n"
 
 
 def one_film(layers: Sequence[str] = ("film",)) -> str:
     """A punch on a film, or layers from the top down, and their base, as SVG."""
-    edges = _edges(len(layers))
-    bands = list(pairwise(edges))
-    parts = [
-        *_opened(ON_FILM if len(layers) == 1 else ON_LAYERS),
-        *(_band(*band, (BODY, SECOND)[number % 2]) for number, band in enumerate(bands)),
-        _band(_BOTTOM, _HEIGHT - 12, PUNCH),
-        *_punch_on_film(*edges[1:-1]),
-        *_loads_on_film(),
-        _arrow(600, _TOP, 600, edges[1], both=True),
-        _words(610, (_TOP + edges[1]) // 2 + 5, "thickness", "start"),
-        *(_words(130, (top + low) // 2 + 6, name, "start") for (top, low), name in zip(bands, layers, strict=True)),
-        _words(130, _BOTTOM + 98, "base: rigid, or a half-plane", "start"),
-        *_ground(),
-        _words(624, _BOTTOM + 32, "interface: grounded (\u03c6 = 0, an electrode),", "end"),
-        _words(624, _BOTTOM + 54, "or bonded (\u03c6 and D pass)", "end"),
-        *_axes_on_film(),
-        "</svg>",
-    ]
-    return "\n".join(parts) + "\n"
+    title = ON_FILM if len(layers) == 1 else ON_LAYERS
+    return _closed([*_opened(title), *_layered(layers, "half-plane"), *_punch_on_film(), *_loads_on_film()])
 
 
 def point(layers: Sequence[str] = ()) -> str:
     """A ball on a film, layers from the top down on their base, or a half-space where there are none, as SVG."""
-    edges = _edges(len(layers)) if layers else []
-    bands, end = list(pairwise(edges)), _LOW + _CONTACT
-    parts = [
-        *_opened(AT_POINT),
-        _band(_TOP, _HEIGHT - 12, BODY),
-        *(_band(*band, (BODY, SECOND)[number % 2]) for number, band in enumerate(bands)),
-        *(_below(layers, edges) if layers else [_words(_WIDTH - 40, _HEIGHT - 30, "half-space", "end")]),
-        _punch(),
-        _line(20, _TOP, _WIDTH - 20, _TOP),
-        f'<line x1="{_LOW - _CONTACT}" y1="{_TOP}" x2="{end}" y2="{_TOP}" stroke="{BAD}" stroke-width="4"/>',
-        _arrow(_LOW, 12, _LOW, 52, BAD),
-        _text(_LOW + 16, 30, "P", BAD),
-        _text(_LOW + 60, 86, "T, J", ACCENT),
-        _line(_LOW, _TOP - 4, _LOW - 62, _TOP - 66, SOFT),
-        _text(_LOW - 48, _TOP - 28, "R"),
-        _line(_LOW, _TOP, _LOW, _TOP + 30, SOFT, 'stroke-dasharray="3 3"'),
-        _line(end, _TOP, end, _TOP + 30, SOFT),
-        *_span(_LOW, end, _TOP + 26, "a"),
-        *_axes_on_film(),
-        "</svg>",
-    ]
-    return "\n".join(parts) + "\n"
-
-
-def _below(layers: Sequence[str], edges: Sequence[int]) -> list[str]:
-    """Interfaces, names and base of the layers under a ball, between the heights of their edges."""
-    return [
-        _band(_BOTTOM, _HEIGHT - 12, PUNCH),
-        *(_line(20, y, _WIDTH - 20, y) for y in edges[1:-1]),
-        f'<line x1="20" y1="{_BOTTOM}" x2="{_WIDTH - 20}" y2="{_BOTTOM}" stroke="{ACCENT}" stroke-width="4"/>',
-        _arrow(600, _TOP, 600, edges[1], both=True),
-        _words(610, (_TOP + edges[1]) // 2 + 5, "thickness", "start"),
-        *(
-            _words(130, (top + low) // 2 + 6, name, "start")
-            for (top, low), name in zip(pairwise(edges), layers, strict=True)
-        ),
-        _words(130, _BOTTOM + 98, "base: rigid, or a half-space", "start"),
-        *_ground(),
-        _words(624, _BOTTOM + 32, "interface: grounded (\u03c6 = 0, an electrode),", "end"),
-        _words(624, _BOTTOM + 54, "or bonded (\u03c6 and D pass)", "end"),
-    ]
+    end = _LOW + _CONTACT
+    half_space = [_band(_TOP, _HEIGHT - 12, BODY), _words(_WIDTH - 40, _HEIGHT - 30, "half-space", "end")]
+    return _closed(
+        [
+            *_opened(AT_POINT),
+            *(_layered(layers, "half-space") if layers else half_space),
+            _punch(),
+            _line(20, _TOP, _WIDTH - 20, _TOP),
+            _thick(_LOW - _CONTACT, end, _TOP, BAD),
+            _arrow(_LOW, 12, _LOW, 52, BAD),
+            _text(_LOW + 16, 30, "P", BAD),
+            _text(_LOW + 60, 86, "T, J", ACCENT),
+            _line(_LOW, _TOP - 4, _LOW - 62, _TOP - 66, SOFT),
+            _text(_LOW - 48, _TOP - 28, "R"),
+            _line(_LOW, _TOP, _LOW, _TOP + 30, SOFT, 'stroke-dasharray="3 3"'),
+            _line(end, _TOP, end, _TOP + 30, SOFT),
+            *_span(_LOW, end, _TOP + 26, "a"),
+        ]
+    )
 
 
 def film() -> str:
@@ -240,7 +219,8 @@ def film() -> str:
         _band(_TOP, _MIDDLE, BODY),
         _band(_MIDDLE, _BOTTOM, SECOND),
         _band(_BOTTOM, low, PUNCH),
-        *_punch_on_film(_MIDDLE),
+        *_punch_on_film(),
+        _line(20, _MIDDLE, _WIDTH - 20, _MIDDLE),
         *_loads_on_film(),
         # thicknesses
         *(
@@ -256,14 +236,12 @@ def film() -> str:
         _words(130, _TOP + 54, "top layer: the edges are its own", "start"),
         _words(130, _MIDDLE + 42, "layer 2", "start"),
         _words(130, _BOTTOM + 26, "base: rigid, or a half-plane", "start"),
-        *_ground(),
+        *_electrode(),
         _words(624, _BOTTOM + 32, "electrode: \u03c6 = 0, D jumps", "end"),
         _words(624, _BOTTOM + 54, "or bonded: \u03c6 and D pass", "end"),
         _words(624, _BOTTOM + 94, "a wave goes down like exp(\u2212Gk\u00b7depth), a part comes back", "end"),
         # a surface traction of wavenumber k, and what comes back
         _arrow(_TRAILING + 20, _TOP + 8, _TRAILING + 44, _BOTTOM - 6, BAD),
         _arrow(_TRAILING + 44, _BOTTOM - 6, _TRAILING + 68, _TOP + 8, GOOD),
-        *_axes_on_film(),
-        "</svg>",
     ]
-    return "\n".join(parts) + "\n"
+    return _closed(parts)

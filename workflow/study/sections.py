@@ -1,5 +1,6 @@
 """The parts of a study: axes, data set, surrogate, validation, effects and verification."""
 
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -36,6 +37,29 @@ class Axis(Strict):
         None, ge=2, le=1000, description="Chebyshev-Gauss levels; null: what the tolerance needs"
     )
     scale: Literal["linear", "log", "logit"] = Field("linear", description="coordinate in which the levels are spread")
+    kinks: list[Given] = Field(
+        default_factory=list,
+        max_length=8,
+        description="where quantities bend or jump: so many levels lie between each two, and a process of their own",
+    )
+
+    @property
+    def ends(self) -> list[float]:
+        """The ends of the range, and the kinks between them, ascending."""
+        return [self.low, *sorted(self.kinks), self.high]
+
+    @property
+    def count(self) -> int:
+        """Number of all levels; 0 while it is open."""
+        return (self.levels or 0) * (1 + len(self.kinks))
+
+    @model_serializer(mode="wrap")
+    def _as_given(self, written: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """As plain data, without kinks where there are none."""
+        content: dict[str, Any] = written(self)
+        if not self.kinks:
+            content.pop("kinks", None)
+        return content
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -45,6 +69,9 @@ class Axis(Strict):
             raise ValueError(f"low = {self.low:g} must be positive on a {self.scale} scale")
         if self.scale == "logit" and self.high >= 1:
             raise ValueError(f"high = {self.high:g} must be below 1 on a logit scale")
+        if any(not low < high for low, high in pairwise(self.ends)):
+            told = ", ".join(f"{at:g}" for at in self.kinks)
+            raise ValueError(f"kinks: {told} must differ and lie inside of {self.low:g} to {self.high:g}")
         return self
 
 

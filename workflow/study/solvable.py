@@ -249,6 +249,8 @@ def check_size(study: Contents) -> None:
         raise ValueError(
             f"surrogate: fields: {cases} cases x {study.surrogate.fields} angles are more than {MOST_LEARNED}"
         )
+    for name in study.kinks:
+        _check_kinks(study, f"factors: {name}: kinks")
     if study.surrogate.budget and study.dataset.peaks:
         raise ValueError("surrogate: budget: a data set with largest stresses asks for no cases; must be null")
     level, held_out = study.surrogate.level, study.validation.calibration
@@ -257,6 +259,18 @@ def check_size(study: Contents) -> None:
             f"surrogate: level: {level:g} is more than {1 - 2 / (held_out + 1):.4g}, all that {held_out} cases of "
             "validation: calibration tell"
         )
+
+
+def _check_kinks(study: Contents, where: str) -> None:
+    """Whether the axes of a study may be split."""
+    if study.groups:
+        raise ValueError(f"{where}: of a study with groups the factors are no axes; must be absent")
+    if study.open:
+        raise ValueError(f"{where}: levels are missing; every factor needs them")
+    if study.surrogate.method != "factorial" or study.surrogate.kernel != "chebyshev" or study.surrogate.fields:
+        raise ValueError(f"{where}: surrogate: method: factorial, kernel: chebyshev and fields: 0 are needed")
+    if study.dataset.peaks:
+        raise ValueError(f"{where}: dataset: peaks: must be false")
 
 
 def _check_crossed(study: Contents) -> None:

@@ -1,8 +1,6 @@
 """What is beside the contacts of a study with a device that does not say: air, where the theory of air covers them."""
 
-from collections.abc import Sequence
-
-from solver.body import kind_of
+from solver.body import airless, kind_of
 from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, PROFILES
 from workflow.study.contents import Contents
 from workflow.study.solvable import check_fields, check_groups
@@ -10,7 +8,6 @@ from workflow.study.solvable import check_fields, check_groups
 _INSULATED = CHOICES["surroundings"][0]
 #: What a device is read by without and with air: a study that learns the former alone was written for the former.
 _READ = {"capacitance": "capacitance_at_load", "contact_capacitance": "contact_capacitance_at_force"}
-_ENDED = "gap_radius"  # where the gap below a cone or a power ends
 
 
 def settle(study: Contents) -> None:
@@ -42,15 +39,9 @@ def _lacking(study: Contents) -> str:
     known = [PROFILES[name] for name in profiles if name in PROFILES]
     if len({kind.contact for kind in known}) != 1:
         return "its punches are of more than one kind"
-    if all("insulating" in _names(study, name) for name in ("electric", "magnetic")):
-        return "its punch conducts no field, so that no charge lies beside it"
-    if _names(study, "electrode") != [CHOICES["electrode"][0]]:
-        return "the electrode on its film lies below the punch"
-    if any(name not in ("cylinder", "sphere") for name in profiles) and not _ended(study, profiles):
-        return f"no narrow gap with an end lies beside its punch ({', '.join(profiles)})"
-    if {"grading_exponent", "base_volume_fraction"} & {*study.fixed, *study.factors}:
-        return "its film is graded"
-    return _asks_for_more(study)
+    factors: dict[str, object] = {**dict.fromkeys(study.factors), **study.fixed}
+    found = (airless({**factors, **kinds}) for kinds in study.combinations)
+    return next(filter(None, found), "") or _asks_for_more(study)
 
 
 def _asks_for_more(study: Contents) -> str:
@@ -72,11 +63,6 @@ def _asks_for_more(study: Contents) -> str:
         if study.surrogate.outputs and name in ALL_QUANTITIES and name not in study.surrogate.outputs:
             return f"{name}, by which a device in air is read, is not one of surrogate.outputs"
     return ""
-
-
-def _ended(study: Contents, profiles: Sequence[str]) -> bool:
-    """Whether the gap below every punch that has no size of its own ends where the study says."""
-    return all(name in ("sphere", "cone", "power") for name in profiles) and _ENDED in {*study.fixed, *study.factors}
 
 
 def _names(study: Contents, factor: str) -> list[str]:

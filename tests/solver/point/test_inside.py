@@ -148,10 +148,15 @@ FIBROUS = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
 CHARGED: dict[str, Any] = BALL | {"material": FIBROUS, "friction": 0.3, "total_charge": 1e-9, "total_flux": 1e-9}
 
 
-@pytest.mark.parametrize("more", [{}, {"thickness": 8e-5, "base": "steel"}], ids=["half-space", "film"])
-def test_potentials_fall_as_the_fields_say_and_are_the_punch_s_on_the_contact(more: dict[str, Any]) -> None:
+COAT: dict[str, Any] = {"thickness": 8e-5, "base": "steel"}
+END: dict[str, Any] = {"profile": "disc", "width": 2e-4}
+SLID = {"half-space": CHARGED, "film": CHARGED | COAT, "disc": CHARGED | END, "disc on a film": CHARGED | END | COAT}
+
+
+@pytest.mark.parametrize("case", SLID.values(), ids=SLID)
+def test_potentials_fall_as_the_fields_say_and_are_the_punch_s_on_the_contact(case: dict[str, Any]) -> None:
     """Central differences, near the surface and deep; at 0.01 a and above the half-space's part is closed."""
-    case, step = CHARGED | more, 3e-4
+    case, step = {name: value for name, value in case.items() if name != "radius" or "width" not in case}, 3e-4
     punch = solver.solve(case)
     a = float(punch["contact_radius"])
     for kind, strength in (("electric", punch["voltage"]), ("magnetic", punch["magnetic_potential"])):

@@ -126,7 +126,7 @@ def test_the_order_of_the_factors_does_not_matter(made: tuple[list[Input], xr.Da
 
 
 @given(factorials(), st.sampled_from(["chebyshev", "rbf", "matern32", "matern52"]))
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=8)
 def test_a_file_gives_the_same_bits_back(made: tuple[list[Input], xr.Dataset], kernel: str) -> None:
     inputs, data = made
     model = GridGP(kernel, inputs).fit(data)  # type: ignore[arg-type]  # plain strings

@@ -84,7 +84,7 @@ def test_levels_end_where_the_cases_end(count: int) -> None:
         model.quantile(at, 0.99999)
 
 
-@pytest.mark.parametrize("count", [60, 150, 500])
+@pytest.mark.parametrize("count", [60, *(pytest.param(more, marks=pytest.mark.soak) for more in (150, 500))])
 def test_few_cases_still_give_right_marginal_coverage(count: int) -> None:
     model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((10, 4, 4, 4, 2)))
     shares = []

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from surrogate import GridGP, Input
-from surrogate.levels.counts import UnreachableError, choose_levels
+from surrogate.levels.counts import LevelChoice, UnreachableError, choose, decays
 from surrogate.use.validation import validate
 from tests.surrogate import functions
 
@@ -20,9 +20,13 @@ def pilot() -> xr.Dataset:
     return functions.factorial(PILOT)
 
 
+def chosen(data: xr.Dataset, tolerance: float, budget: int = BUDGET, outputs: list[str] | None = None) -> LevelChoice:
+    return choose(decays(data, functions.INPUTS, outputs), tolerance, budget)
+
+
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6, 1e-8])
 def test_the_chosen_counts_deliver_the_tolerance_on_fresh_cases(pilot: xr.Dataset, tolerance: float) -> None:
-    choice = choose_levels(pilot, functions.INPUTS, tolerance, BUDGET)
+    choice = chosen(pilot, tolerance)
     counts = list(choice.counts.values())
     assert choice.cases == np.prod(counts) <= BUDGET
     assert choice.affine == ("bias",)
@@ -39,7 +43,7 @@ def test_the_chosen_counts_deliver_the_tolerance_on_fresh_cases(pilot: xr.Datase
 
 
 def test_the_rate_is_that_of_the_nearest_singularity(pilot: xr.Dataset) -> None:
-    found = choose_levels(pilot, functions.INPUTS, 1e-4, BUDGET)
+    found = chosen(pilot, 1e-4)
     pole = functions.INPUTS[0].to_unit(0.02 + 0.005 * np.sin(0.6))
     # Bernstein ellipse through the pole: Trefethen (2013), theorem 8.1
     rho = abs(pole) - np.sqrt(pole**2 - 1)
@@ -53,42 +57,42 @@ def test_kinked_outputs_are_named_and_nothing_is_claimed_for_them(pilot: xr.Data
         kink=np.abs(pilot["angle"] - 0.31) * pilot["ratio"],
         worst=np.maximum(np.sin(4 * pilot["mixture"]), np.cos(4 * pilot["mixture"])) + pilot["angle"],
     )
-    choice = choose_levels(kinked, functions.INPUTS, 1e-4, BUDGET)
+    choice = chosen(kinked, 1e-4)
     assert choice.kinked == {"kink": ("angle",), "worst": ("mixture",)}
     assert np.isnan(choice.error["kink"])
     assert np.isnan(choice.error["worst"])
     assert choice.error["smooth"] <= 1e-4
-    assert choice.counts == choose_levels(pilot, functions.INPUTS, 1e-4, BUDGET).counts
+    assert choice.counts == chosen(pilot, 1e-4).counts
     with pytest.raises(ValueError, match="no output decays geometrically, so no tolerance can be met: kink, worst"):
-        choose_levels(kinked, functions.INPUTS, 1e-4, BUDGET, outputs=["kink", "worst"])
+        chosen(kinked, 1e-4, outputs=["kink", "worst"])
 
 
 def test_an_unreachable_tolerance_says_what_would_reach_it(pilot: xr.Dataset) -> None:
-    needed = choose_levels(pilot, functions.INPUTS, 1e-9, 10**7)
+    needed = chosen(pilot, 1e-9, 10**7)
     with pytest.raises(UnreachableError) as caught:
-        choose_levels(pilot, functions.INPUTS, 1e-9, 20_000)
+        chosen(pilot, 1e-9, 20_000)
     said = str(caught.value)
     assert said.startswith(f"tolerance 1e-09 needs {needed.cases:,} cases ({needed.counts['mixture']} mixture x ")
     assert "the budget is 20,000; 20,000 cases reach about" in said
     assert "\n" not in said
     offered = float(re.findall(r"reach about (\S+)", said)[0])
-    assert choose_levels(pilot, functions.INPUTS, offered * 1.05, 20_000).cases <= 20_000
+    assert chosen(pilot, offered * 1.05, 20_000).cases <= 20_000
     with pytest.raises(UnreachableError):
-        choose_levels(pilot, functions.INPUTS, offered * 0.8, 20_000)
+        chosen(pilot, offered * 0.8, 20_000)
 
 
 def test_noise_in_the_data_bounds_the_tolerance(pilot: xr.Dataset) -> None:
     noisy = pilot[["mixed"]].copy(deep=True)
     noisy["mixed"] *= 1 + 1e-6 * np.random.default_rng(0).normal(size=noisy["mixed"].shape)
-    choose_levels(noisy, functions.INPUTS, 1e-3, BUDGET)
+    chosen(noisy, 1e-3)
     with pytest.raises(ValueError, match="out of reach for output 'mixed'"):
-        choose_levels(noisy, functions.INPUTS, 1e-9, BUDGET)
+        chosen(noisy, 1e-9)
 
 
 def test_polynomials_get_exactly_the_levels_that_they_need() -> None:
     inputs = [Input("x", 0, 1), Input("y", -2, 3)]
     x, y = (xr.DataArray(i.levels(9), dims=i.name, coords={i.name: i.levels(9)}) for i in inputs)
-    choice = choose_levels(xr.Dataset({"f": x**4 * (1 + y), "g": x**2 - 7 * y}), inputs, 1e-10, 100)
+    choice = choose(decays(xr.Dataset({"f": x**4 * (1 + y), "g": x**2 - 7 * y}), inputs), 1e-10, 100)
     assert choice.counts == {"x": 5, "y": 2}
     assert choice.affine == ("y",)
     assert choice.kinked == {}
@@ -97,4 +101,4 @@ def test_polynomials_get_exactly_the_levels_that_they_need() -> None:
 @pytest.mark.parametrize(("tolerance", "budget"), [(0.0, 10), (-1.0, 10), (float("nan"), 10), (1e-3, 0)])
 def test_senseless_requests_are_refused(pilot: xr.Dataset, tolerance: float, budget: int) -> None:
     with pytest.raises(ValueError, match="must be positive"):
-        choose_levels(pilot, functions.INPUTS, tolerance, budget)
+        chosen(pilot, tolerance, budget)

@@ -77,7 +77,7 @@ def test_the_least_violation_is_found_where_nothing_is_feasible() -> None:
     np.testing.assert_allclose(found.x, 0.0, atol=1e-4)
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=6, deadline=None, derandomize=True)
 @given(st.floats(-1.5, 1.5), st.floats(-0.2, 1.2))
 def test_never_worse_than_brute_force(shift: float, limit: float) -> None:
     problem = wavy(shift, limit)

@@ -101,5 +101,5 @@ def test_intervals_hold_the_indices_of_the_truth_on_a_coarse_grid() -> None:
 
 def test_scattered_models_are_refused_by_name() -> None:
     cases = functions.scattered(20, seed=0)[["mixture", "ratio"]]
-    with pytest.raises(TypeError, match="need a GridGP, GroupedGP or CurveGP, got ScatterGP"):
+    with pytest.raises(TypeError, match="need a GridGP, GroupedGP, CurveGP or SplitGP, got ScatterGP"):
         sobol(ScatterGP(outputs=["ratio"]).fit(cases))

@@ -146,7 +146,7 @@ SHAPES: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("shape", SHAPES, ids=str)
 @pytest.mark.parametrize("name", films.FILMS)
 def test_films_are_the_solver_s(name: str, shape: dict[str, Any]) -> None:
@@ -170,7 +170,7 @@ def test_films_are_the_solver_s(name: str, shape: dict[str, Any]) -> None:
         assert {name: off for name, off in compared(answer, own) if not off < 2e-6} == {}
 
 
-@pytest.mark.parametrize("shape", SHAPES[:2], ids=str)
+@pytest.mark.parametrize("shape", SHAPES[:1], ids=str)
 def test_other_constants_of_a_film_are_the_solver_s(shape: dict[str, Any]) -> None:
     """To 2e-4: tables keep 1e-5 of the largest coefficient, and the least band that the page tells is 5e-4."""
     name = "PVDF on glass"

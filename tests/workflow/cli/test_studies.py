@@ -10,7 +10,7 @@ from workflow.cli import studies
 from workflow.cli.main import main
 from workflow.run.sources import ROOT
 from workflow.study.model import load
-from workflow.study.reading import InputError
+from workflow.study.reading import InputError, read_yaml
 
 
 def test_what_init_writes_is_a_study_with_a_comment_on_every_part(
@@ -33,7 +33,7 @@ def test_what_init_writes_is_a_study_with_a_comment_on_every_part(
         studies.begin("../mine")
     assert [file.name for file in tmp_path.rglob("*.yaml")] == ["mine.yaml"]
     assert main(["init", "balls", "--like", "point_sensor"]) == 0
-    assert load(tmp_path / "config/balls.yaml").design == load(ROOT / "config/point_sensor.yaml").design
+    assert read_yaml(tmp_path / "config/balls.yaml") == read_yaml(ROOT / "config/point_sensor.yaml")
     with pytest.raises(InputError, match=r"^--like: 'point_senor' is unknown; did you mean 'point_sensor'\?"):
         studies.begin("other", "point_senor")
 

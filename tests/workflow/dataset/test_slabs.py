@@ -158,6 +158,7 @@ def test_slabs_follow_cores_and_memory(study: Study, monkeypatch: pytest.MonkeyP
     assert partition.count(study) == 2
 
 
+@pytest.mark.soak  # what a block holds: test_tiling.py
 def test_memory_of_a_slab_does_not_grow_with_it(study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(dataset, "_BLOCK", 2**11)
     peaks = []

@@ -109,6 +109,7 @@ def test_a_pair_of_limits_that_is_an_equality_is_met_to_rounding(ask: Ask) -> No
     assert answer.terms[0].exact == pytest.approx(np.minimum(goal[:, :-1], goal[:, 1:])[crossing].max(), rel=5e-4)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("over", "target"),
     [

@@ -130,7 +130,7 @@ def test_the_tension_of_a_design_is_that_of_an_independent_solution(sensor: Call
     assert 60e6 * (1 - 1e-3) <= largest.max() <= 60e6
 
 
-def test_a_chance_a_mean_and_a_front(model: GaussianProcess, dense: xr.Dataset) -> None:
+def test_a_chance_and_a_mean(model: GaussianProcess) -> None:
     chance = target(uncertain=DRAWN, subject_to=[f"{CRACK} with probability 0.99"], robust="mean - 2 std")
     answer = targets.answer(STUDY, "sensor", chance, model)
     friction = DRAWN["friction"]["triangular"][2] - np.sqrt(0.01 * 0.3 * 0.2)  # of probability 0.99
@@ -149,6 +149,9 @@ def test_a_chance_a_mean_and_a_front(model: GaussianProcess, dense: xr.Dataset) 
     exact = solve({"composite": "fibrous", "load": 5e4, **at, "friction": friction}, peaks=True)
     assert least.terms[0].exact == pytest.approx(float(exact["peak_von_mises"].mean()), rel=1e-5)
 
+
+@pytest.mark.soak  # fronts of closed forms: test_search.py, test_categories.py
+def test_a_front(model: GaussianProcess, dense: xr.Dataset) -> None:
     both = target(minimise="peak_principal_tension", maximise="abs(voltage_sensitivity)", worst_case=RANGE)
     front = targets.answer(STUDY, "front", both, model).pictures["front_exact"].values * [1, -1]
     ends = abs(dense["voltage_sensitivity"]).min("friction"), -dense["peak_principal_tension"].max("friction")

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from surrogate import GaussianProcess
+from tests import studies
 from workflow.dataset import factorial
 from workflow.design.asking import budget
 from workflow.design.search import targets
@@ -23,8 +24,8 @@ STUDIES = ("actuator", "catalogue", "quickstart", "sensor")
 TARGETS = [
     (name, target)
     for name in STUDIES
-    for target, asked in load(ROOT / "config" / f"{name}.yaml").design.items()
-    if len(asked.objectives) == 1 and not load(ROOT / "config" / f"{name}.yaml").open
+    for target, asked in studies.shipped(name).design.items()
+    if len(asked.objectives) == 1 and not studies.shipped(name).open
 ]
 _CASES = 1 << 22  # of a dense search
 _KEPT = 1e-12  # relative excess that is rounding
@@ -83,5 +84,5 @@ def test_every_shipped_study_with_targets_is_searched_or_named() -> None:
         "taxel",
         "two_layers",
     }  # costly cases
-    designed = {path.stem for path in (ROOT / "config").glob("*.yaml") if load(path).design}
+    designed = {name for name in studies.NAMES if studies.shipped(name).design}
     assert designed <= left | set(STUDIES)

@@ -30,7 +30,8 @@ design:
 DENSE = np.geomspace(2e-5, 1e-3, 241)
 
 
-@pytest.mark.parametrize(("fraction", "interior"), [(0.5, True), (1.0, False)])  # of BaTiO3: the composite, and pure
+# of BaTiO3: the composite, and pure
+@pytest.mark.parametrize(("fraction", "interior"), [pytest.param(0.5, True, marks=pytest.mark.soak), (1.0, False)])
 def test_the_optimum_in_thickness_comes_out_by_itself(tmp_path: Path, fraction: float, interior: bool) -> None:
     path = tmp_path / "film.yaml"
     path.write_text(STUDY.format(fraction=fraction), encoding="utf-8")

@@ -93,6 +93,7 @@ def test_the_worst_of_the_tolerances_keeps_the_limit_and_costs_what_a_dense_sear
     assert "5 % of radius costs 0.54 % (half of it would gain 0.27 %)" in told
 
 
+@pytest.mark.soak
 def test_a_promised_share_of_the_tolerances_is_kept_in_a_dense_exact_sample(
     fitted: tuple[Study, GaussianProcess],
 ) -> None:

@@ -1,6 +1,5 @@
 """What the page says of films: times with tables, what is absolute, and their own drawing."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 import xarray as xr
 
 import solver
+from tests.studies import shipped
 from workflow.dataset import factorial
 from workflow.learning import timing, training
 from workflow.report import datum_effect, page, whatif
@@ -74,6 +74,6 @@ def test_a_study_shows_the_bodies_that_it_has(study: Study) -> None:
     drawn = page._problem(study)
     assert "film on its base" in drawn
     assert "half-plane</title>" not in drawn
-    both = page._problem(load(Path("config/parametric.yaml")))
+    both = page._problem(shipped("parametric"))
     assert "film on its base" in both
     assert "half-plane</title>" in both

@@ -2,9 +2,9 @@
 
 from importlib import import_module
 
+from tests.studies import shipped
 from workflow.report import sections
 from workflow.report.page import CAPTIONS, TEMPLATES
-from workflow.study.model import load
 
 #: Templates that are no section.
 SHARED = {"report", "firstscreen"}
@@ -16,7 +16,7 @@ def test_every_section_has_its_template_and_every_template_its_section() -> None
 
 
 def test_a_study_has_the_figures_of_its_sections_and_each_a_caption() -> None:
-    quickstart = sections.figures(load("config/quickstart.yaml"))
+    quickstart = sections.figures(shipped("quickstart"))
     assert quickstart == [
         "signal",
         "sensitivity",
@@ -27,7 +27,7 @@ def test_a_study_has_the_figures_of_its_sections_and_each_a_caption() -> None:
         "residuals",
         "intervals",
     ]
-    parametric = sections.figures(load("config/parametric.yaml"))
+    parametric = sections.figures(shipped("parametric"))
     assert parametric[0].startswith("effect_")
     for drawn in sections.drawn():
         assert len({figure.reads for _, figure in drawn}) == 1
@@ -42,7 +42,7 @@ def test_a_part_without_a_section_is_none_and_an_anchor_is_a_name_or_a_group_of_
         ("whatif", "designs", "readouts", "effects", "dataset", "measurements", "surface", "signal"), None
     )
     groups = {"groups": {"films": {"title": "Films"}}}
-    (part,) = sections.standing(page | {"study": load("config/verification.yaml"), "verification": groups})
+    (part,) = sections.standing(page | {"study": shipped("verification"), "verification": groups})
     assert [one for section in part.sections for one in section.anchors(page | {"verification": groups})] == [
         ("films", "Films"), ("speed", "Time"), ("provenance", "Provenance"),
     ]  # fmt: skip

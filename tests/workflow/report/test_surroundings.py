@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.studies import shipped
 from workflow.report import surroundings
 from workflow.study.device import Device
 from workflow.study.model import Study, load
@@ -38,7 +39,7 @@ def test_air_is_compared_with_what_is_insulated_and_the_other_way_round(study: S
 
 def test_a_ball_on_a_film_is_compared_too() -> None:
     """Its capacitance is whole: 2.3 pF under a large ball on a thin film, and ten times as much in air."""
-    ball = load("config/point_sensor.yaml").narrowed({"base": "steel"})
+    ball = shipped("point_sensor").narrowed({"base": "steel"})
     found = surroundings.compared(ball, {"thickness": 5e-5, "radius": 0.05, "force": 0.1})
     assert list(found["quantities"]) == ["voltage", "contact_capacitance", "charge_sensitivity"]
     air, bare = found["quantities"]["contact_capacitance"]

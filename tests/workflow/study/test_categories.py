@@ -18,6 +18,7 @@ from workflow.learning import readout_trial, training
 from workflow.study.categories import output
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
+from workflow.study.target import Target
 
 MATERIALS, PROFILES = ("BaTiO3", "PZT-4", "PZT-5H", "BaTiO3-CoFe2O4 50:50"), ("cylinder", "half_cylinder")
 SENSITIVITY, TENSION = "voltage_sensitivity", "trailing_tension"
@@ -90,10 +91,15 @@ def test_choices_of_numbers_and_names_together(study: Study, model: GaussianProc
     assert "charge,given,profile,,,,cylinder,,," in rows
 
 
-def test_the_front_is_that_of_all_combinations(study: Study, model: GaussianProcess) -> None:
-    answer = targets.solve_target(study, "front", model)
+@pytest.mark.parametrize("materials", [("BaTiO3", "PZT-5H"), pytest.param(MATERIALS, marks=pytest.mark.soak)])
+def test_the_front_is_that_of_all_combinations(
+    study: Study, model: GaussianProcess, materials: tuple[str, ...]
+) -> None:
+    over = {"radius": {}, "material": {"choices": list(materials)}, "profile": {}}
+    target = Target.model_validate(study.design["front"].model_dump(exclude_unset=True) | {"over": over})
+    answer = targets.answer(study, "front", target, model)
     found = answer.pictures["front_exact"].values * [1, -1]
-    everything = np.concatenate([np.stack(dense(*kinds), -1) for kinds in product(MATERIALS, PROFILES)]) * [1, -1]
+    everything = np.concatenate([np.stack(dense(*kinds), -1) for kinds in product(materials, PROFILES)]) * [1, -1]
     everything = everything[everything[:, 1] >= -150e6]
     reference = everything.min(0)
     assert hypervolume(found, reference) >= 0.999 * hypervolume(everything, reference)
@@ -107,8 +113,9 @@ def test_the_front_is_that_of_all_combinations(study: Study, model: GaussianProc
 
 
 def test_a_read_out_of_one_combination(study: Study, model: GaussianProcess) -> None:
-    tried = readout_trial.trial(study, study.readout["voltage"], model)
-    assert float(tried["coverage"].sel(factor="load")) == pytest.approx(0.95, abs=0.035)
+    tried = readout_trial.trial(study, study.readout["voltage"].model_copy(update={"cases": 100}), model)
+    # 3.2 standard deviations of 100 trials
+    assert float(tried["coverage"].sel(factor="load")) == pytest.approx(0.95, abs=0.07)
     assert float(tried["width"].sel(factor="load")) < 0.01
 
 

@@ -2,10 +2,11 @@
 
 import xarray as xr
 
+from tests.studies import shipped
 from workflow.study import coupling
-from workflow.study.model import Study, load
+from workflow.study.model import Study
 
-QUICKSTART = load("config/quickstart.yaml")
+QUICKSTART = shipped("quickstart")
 
 
 def made_of(**fixed: str | float) -> Study:
@@ -21,7 +22,7 @@ def test_a_field_needs_a_material_that_couples_to_it_or_a_charge() -> None:
     assert coupling.fields(made_of(composite="AlScN", scandium_fraction=0.3)) == {"electric"}
     assert coupling.fields(made_of(material="glass")) == set()
     assert coupling.fields(made_of(material="glass", charge=1e-6)) == {"electric"}
-    assert coupling.fields(load("config/parametric.yaml")) == {"electric", "magnetic"}
+    assert coupling.fields(shipped("parametric")) == {"electric", "magnetic"}
 
 
 def test_quantities_of_a_field_that_is_none_are_not_told_unless_they_are_asked_for() -> None:

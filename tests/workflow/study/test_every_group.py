@@ -68,7 +68,7 @@ def through(study: Study, folder: Path) -> None:
     assert all(name in datacard.markdown(card) for name in study.axes)
 
 
-@pytest.mark.parametrize("seed", [0, 2])
+@pytest.mark.parametrize("seed", [0, pytest.param(2, marks=pytest.mark.soak)])
 def test_groups_that_the_check_accepts_run(seed: int, tmp_path: Path) -> None:
     random = np.random.default_rng(seed)
     for _ in range(20):

@@ -71,6 +71,16 @@ def test_stored_cases_have_the_values_of_the_groups(half_plane: Study) -> None:
     np.testing.assert_allclose((charge / load).isel(load_radius_per_datum2=2), axes["charge_per_load"], rtol=1e-12)
 
 
+def test_a_corner_of_the_groups_is_one_case_and_tables_are_at_either_end() -> None:
+    film = load("config/film_sensor.yaml")
+    found = representatives.corners(film)
+    ends = {name: [film.axes[name].low, film.axes[name].high] for name in ("volume_fraction", "friction")}
+    assert {name: np.asarray(found[name]).tolist() for name in ends} == ends
+    pressed = found["load"] * found["radius"] / found["thickness"] ** 2
+    box = film.axes["load_radius_per_thickness2"]
+    np.testing.assert_allclose(pressed, [box.low, box.high], rtol=1e-12)
+
+
 def test_what_the_surrogate_says_in_the_factors_is_exact(half_plane: Study, model: GroupedGP) -> None:
     fresh = factorial.cases(half_plane, "validation")
     table = training.validate(half_plane, factorial.exact(half_plane, factorial.axes(half_plane)), fresh, model)

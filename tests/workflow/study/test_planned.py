@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from snakemake.iocontainers import InputFiles, Log, OutputFiles, Params, ResourceList, Snakemake, Wildcards
 
+from tests import studies
 from tests.workflow.conftest import SMALL, Project
 from workflow.run import lock
 from workflow.run.provenance import ROOT
@@ -89,9 +90,9 @@ def test_what_a_killed_run_has_left_half_written_is_not_believed(own: Study, tex
     assert planned.study(job(planned.parameter(own))).digest(*PHYSICS) == own.digest(*PHYSICS)
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda path: path.stem)
-def test_every_study_thaws_as_it_was_frozen(path: Path) -> None:
-    study = partition.with_slabs(load(path))
+@pytest.mark.parametrize("name", studies.NAMES)
+def test_every_study_thaws_as_it_was_frozen(name: str) -> None:
+    study = partition.with_slabs(studies.shipped(name))
     again = thawed(study.frozen())
     assert again.digest(*Study.model_fields) == study.digest(*Study.model_fields)
     assert again.quantities == study.quantities

@@ -136,7 +136,7 @@ def save(figure: Figure | str, path: Path) -> None:
         return
     drawn = io.BytesIO()
     with mpl.rc_context(STYLE):  # the salt of the ids acts while saving
-        said = f'<metadata class="hover">{hover.metadata(figure)}</metadata>\n</svg>'
         figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": "meecontact"})
+    said = f'<metadata class="hover">{hover.metadata(figure)}</metadata>\n</svg>'  # of axes where they were drawn
     plt.close(figure)
     write_bytes(path, said.join(compacted(drawn.getvalue().decode()).rsplit("</svg>", 1)).encode())

@@ -1,0 +1,39 @@
+"""What an action costs: seconds, and those of the processor, of this process and of its children."""
+
+from collections.abc import Callable
+from resource import RUSAGE_CHILDREN, getrusage
+from time import perf_counter, process_time
+from typing import NamedTuple, TypeVar
+
+T = TypeVar("T")
+
+
+class Cost(NamedTuple):
+    """Seconds, and seconds of processor time."""
+
+    seconds: float
+    processor: float
+
+
+def timed(action: Callable[[], T]) -> tuple[T, Cost]:
+    """What an action gives, and what it costs."""
+    start, used = perf_counter(), _processor()
+    answer = action()
+    return answer, Cost(perf_counter() - start, _processor() - used)
+
+
+def least(action: Callable[[], object], repeats: int = 3) -> Cost:
+    """The least costs of some runs.
+
+    Parameters
+    ----------
+    action : callable
+    repeats : int, number of runs
+    """
+    costs = [timed(action)[1] for _ in range(repeats)]
+    return Cost(min(cost.seconds for cost in costs), min(cost.processor for cost in costs))
+
+
+def _processor() -> float:
+    children = getrusage(RUSAGE_CHILDREN)
+    return process_time() + children.ru_utime + children.ru_stime
