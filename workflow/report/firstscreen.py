@@ -255,10 +255,12 @@ def _good(target: Target, answer: Answer, hangs: frozenset[str] = frozenset(), r
         for goal in answer.objectives
     ]
     together = ", the compromise of both" if len(parts) == 2 else ", the compromise of all" if len(parts) > 2 else ""
-    built = all(
-        {*goal.statement.expression.names()} <= {*answer.case} for goal in answer.objectives
-    )  # a factor as a goal
-    return capital(listed(parts)) + together + ("" if built else _over(target))
+    names = {name for goal in answer.objectives for name in goal.statement.expression.names()}
+    if names <= {*answer.case}:  # a factor as a goal
+        over = "" if names.isdisjoint(target.tolerance) else ", at worst within the tolerances"
+    else:
+        over = _over(target)
+    return capital(listed(parts)) + together + over
 
 
 def _with_band(goal: Term) -> str:
@@ -299,7 +301,7 @@ def _sure(answer: Answer) -> str:
 
 def unbroken(text: str) -> str:
     """With every unit in one piece with its number."""
-    return _UNIT.sub("\N{NO-BREAK SPACE}", text)
+    return _UNIT.sub("\N{NO-BREAK SPACE}", text).replace("± ", "±\N{NO-BREAK SPACE}")
 
 
 def _share(part: float) -> str:

@@ -185,7 +185,8 @@ def test_the_map_is_the_goal_over_the_scenarios_and_a_click_moves_the_sliders(
     assert seen["tip"].split("\n")[0] == "{1}: {0}".format(*seen["tile"]["goal"].split("\n"))
     assert ("a limit is broken" in seen["tip"]) == (seen["tile"]["verdict"] == "broken")
     for name in ("volume_fraction", "radius"):
-        assert seen["clicked"][name] == pytest.approx(float(model.box[name].from_unit(0.5)), rel=0.01)
+        # a click is at a whole pixel, which is 1.4 % of the radius
+        assert seen["clicked"][name] == pytest.approx(float(model.box[name].from_unit(0.5)), rel=0.015)
     assert {name: seen["clicked"][name] for name in ("friction", "load")} == {
         name: seen["start"][name] for name in ("friction", "load")
     }
