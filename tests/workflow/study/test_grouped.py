@@ -79,7 +79,9 @@ def test_a_corner_of_the_groups_is_one_case_and_tables_are_at_either_end() -> No
         assert corners[name].values.tolist() == [low, high, high, low]
     pressed, slim = (corners["load"] / corners["radius"]).values, (corners["radius"] / corners["thickness"]).values
     for values, name in ((pressed, "load_per_radius"), (slim, "radius_per_thickness")):
-        np.testing.assert_allclose(np.unique(np.round(values, 9)), [film.axes[name].low, film.axes[name].high], rtol=1e-8)
+        np.testing.assert_allclose(
+            np.unique(np.round(values, 9)), [film.axes[name].low, film.axes[name].high], rtol=1e-8
+        )
     assert len(set(zip(np.round(pressed, 6).tolist(), np.round(slim, 6).tolist(), strict=True))) == 4
 
 
