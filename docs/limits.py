@@ -49,9 +49,9 @@ def _on_copper() -> float:
 
 #: Designs of ``config/film_sensor.yaml``, rounded, in the case that decides.
 DESIGNS: dict[str, dict[str, float | str]] = {
-    "charge": {"volume_fraction": 0.83, "thickness": 1.86e-4, "radius": 0.19, "load": 5e3, "base": "steel"},
-    "voltage": {"volume_fraction": 0.833, "thickness": 3.29e-4, "radius": 0.0984, "load": 5e3, "base": "steel"},
-    "quiet": {"volume_fraction": 0.836, "thickness": 2.11e-4, "radius": 0.1145, "load": 1e4, "base": "silicon"},
+    "charge": {"volume_fraction": 0.8345, "thickness": 2.16e-4, "radius": 0.0514, "load": 5e3, "base": "steel"},
+    "voltage": {"volume_fraction": 0.8325, "thickness": 1.486e-3, "radius": 0.0432, "load": 5e3, "base": "steel"},
+    "quiet": {"volume_fraction": 0.8325, "thickness": 3.3e-3, "radius": 0.102, "load": 1e4, "base": "steel"},
 }
 _GROUNDED = {"interface_electric": "grounded", "interface_magnetic": "grounded", "punch": "steel"}
 _TOLD = {
