@@ -130,7 +130,13 @@ class Profile:
         return self._changed(lambda values, _: np.broadcast_to(values, size).ravel()[places])
 
     def in_units_of(self, length: Array) -> Self:
-        """The profile with all lengths over one; (...)."""
+        """The profile with all lengths over one; (...).
+
+        Examples
+        --------
+        >>> Profile.cylinder(np.array(0.05)).in_units_of(np.array(1e-3)).slope[-1].item()
+        0.02
+        """
         return self._changed(lambda values, power: values * length**power)
 
     def _changed(self, change: Callable[[Array, int], Array]) -> Self:
