@@ -1,4 +1,4 @@
-# The two commands that everything hangs on: `make run` and `make test`. Both need only Python >= 3.11 with venv, and make.
+# The two commands that everything depends on: `make run` and `make test`. Both need only Python >= 3.11 with venv, and make.
 STUDY  ?= quickstart
 CORES  ?= all
 PROFILE ?= default
