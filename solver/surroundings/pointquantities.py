@@ -51,8 +51,12 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array) -> dict[str, A
     SurroundingsError
         A punch or a body that the theory of air does not cover.
     """
-    cases = [_of_case(case, contact) for case, contact in _cases(pressed, permittivity, end)]
-    return {name: np.array([case[name] for case in cases]) for name in cases[0] if all(name in case for case in cases)}
+    order = np.argsort(pressed.charged.radius / pressed.length, kind="stable")  # cases beside each other share tables
+    posed = list(_cases(pressed, permittivity, end))
+    cases = [_of_case(*posed[place]) for place in order.tolist()]
+    names = [name for name in cases[0] if all(name in case for case in cases)]
+    back = np.argsort(order)
+    return {name: np.array([case[name] for case in cases])[back] for name in names}
 
 
 def solved(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple["Case", PointState, RingOperators]]:

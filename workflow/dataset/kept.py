@@ -33,7 +33,7 @@ from workflow.study.refusals import Solved, labelled
 FOLDER, MOST_BYTES = ".solved", 2**31
 _OF_CASES, _TALLIES = "cases", "taken"
 _DAY = 86400.0
-_AT_A_TIME = 20  # cases of a list, where none needs tables of its own
+_AT_A_TIME = 100  # cases of a list, where none needs tables of its own: they share tables
 
 _Part = dict[str, slice]
 
