@@ -16,7 +16,7 @@ from solver.film.stack import Stack, StackError
 from solver.point.bessel import even_orders
 
 _BLOCK = 2_000_000  # values of the Bessel functions held at once
-_SIZES, _ROWS = 3, 36  # groups of radii an octave, and rows of symmetric products at a time
+_SIZES, _ROWS = 2, 36  # groups of radii an octave, and rows of symmetric products at a time
 _LEAST, _STEPS = 44.0, 6  # exponent of what is below rounding, and steps of the iteration that finds where
 
 
