@@ -23,8 +23,9 @@ def test_the_example_mixes_films_and_half_planes(tmp_path: Path, capsys: pytest.
     assert list(data["base"].values) == ["rigid", "rigid", "steel", "steel", ""]
     punch: dict[str, Any] = {"radius": 0.05, "friction": 0.3, "load": 1e5}
     rows: dict[int, dict[str, Any]] = {
-        1: {"material": "PZT-4", "thickness": 5e-4, "base": "rigid"},
-        3: {"volume_fraction": 0.5, "thickness": 2e-4, "base": "steel", "interface_magnetic": "grounded",
+        1: {"material": "PZT-4", "thickness": 5e-4, "surroundings": "insulated", "base": "rigid"},
+        3: {"volume_fraction": 0.5, "thickness": 2e-4, "surroundings": "insulated",
+            "base": "steel", "interface_magnetic": "grounded",
             "charge": 1e-6},
         4: {"material": "PZT-4"},
     }  # fmt: skip
