@@ -15,7 +15,7 @@ from workflow.design.verdict import netcdf
 
 BALL = """\
 title: A ball on a film
-fixed: {material: PZT-4, profile: sphere, punch: steel, base: steel, magnetic: insulating}
+fixed: {surroundings: insulated, material: PZT-4, profile: sphere, punch: steel, base: steel, magnetic: insulating}
 factors:
   thickness: {low: 20 um, high: 200 um, scale: log}
   radius: {low: 5 mm, high: 50 mm, scale: log}

@@ -57,7 +57,8 @@ def _asks_for_more(study: Contents) -> str:
         check_groups(study)
     except ValueError as error:
         return str(error)
-    wanted += [_READ[name] for name in study.surrogate.outputs if name in _READ]
+    if study.device is not None:
+        wanted += [_READ[name] for name in study.surrogate.outputs if name in _READ]
     for name in wanted:
         if name in {*ALL_QUANTITIES, *ALL_PEAKS} - {*has.quantities, *(() if study.slides else has.peaks)}:
             return f"contacts in air have no {name}, which it asks for"

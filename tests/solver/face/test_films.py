@@ -19,7 +19,10 @@ FILM: dict[str, Any] = {
     "radius": 0.05,
     "load": 1e5,
 }
-MIX: dict[str, Any] = {"volume_fraction": 0.5, "thickness": 0.2e-3, "radius": 0.05, "friction": 0.3, "load": 1e5}
+MIX: dict[str, Any] = {
+    "volume_fraction": 0.5, "thickness": 0.2e-3, "radius": 0.05, "friction": 0.3, "load": 1e5,
+    "surroundings": "insulated",
+}  # fmt: skip
 POSITIONS = (-1.2, -0.5, 0.0, 0.5, 1.2)
 _VECTORS: dict[str, slice | list[int]] = {
     "contact_pressure": slice(1, 4),

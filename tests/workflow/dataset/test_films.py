@@ -16,7 +16,7 @@ from workflow.study.model import Study, load
 
 FILM = """\
 title: A film on two bases
-fixed: {composite: fibrous, radius: 0.05, friction: 0.2}
+fixed: {surroundings: insulated, composite: fibrous, radius: 0.05, friction: 0.2}
 categories: {base: [rigid, steel]}
 factors:
   load: {low: 2e4, high: 4e4, levels: 5, scale: log}

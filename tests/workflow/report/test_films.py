@@ -16,7 +16,7 @@ from workflow.study.model import Study, load
 
 FILM = """\
 title: A film
-fixed: {composite: fibrous, radius: 0.05, friction: 0.1, load: 3e4}
+fixed: {surroundings: insulated, composite: fibrous, radius: 0.05, friction: 0.1, load: 3e4}
 categories: {base: [rigid, steel]}
 factors:
   volume_fraction: {low: 0.5, high: 0.6, levels: 3}

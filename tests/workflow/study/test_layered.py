@@ -22,7 +22,7 @@ from workflow.study.reading import InputError
 
 LAYERS = """\
 title: A composite film on a copper electrode
-fixed: {radius: 0.05, friction: 0.1}
+fixed: {surroundings: insulated, radius: 0.05, friction: 0.1}
 categories: {base: [rigid, silicon]}
 body:
   - {composite: fibrous, volume_fraction: volume_fraction, thickness: 2e-4, below: {electric: grounded}}
