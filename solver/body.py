@@ -12,6 +12,9 @@ from typing import Literal, Protocol
 from approximation.arrays import Array
 from solver.described import Contact, Described, Loads
 from solver.fields import FIELDS, POINT_FIELDS
+from solver.film.stack import Stack
+from solver.material.constants import Material
+from solver.material.library import materials
 from solver.names import (
     AIR,
     BODY,
@@ -227,7 +230,7 @@ def airless(case: Mapping[str, object]) -> str:
     def of(name: str) -> object:
         return case.get(name, CHOICES[name][0])
 
-    if of("electric") == of("magnetic") == "insulating":
+    if of("magnetic") == "insulating" and (of("electric") == "insulating" or _metallic(case)):
         return "its punch conducts no field, so that no charge lies beside it"
     if of("electrode") != CHOICES["electrode"][0]:
         return "the electrode on its film lies below the punch"
@@ -237,12 +240,23 @@ def airless(case: Mapping[str, object]) -> str:
     own = not isinstance(profile, str) and all(getattr(profile, "smooth", (False,)))  # a profile of one's own
     if not own and profile not in _ENDED and not (profile in _ENDLESS and _END in case):
         return f"no narrow gap with an end lies beside its punch ({profile})"
-    if {"grading_exponent", "base_volume_fraction"} & case.keys():
+    body = case.get(BODY)
+    stack = body if isinstance(body, Stack) else None
+    if {"grading_exponent", "base_volume_fraction"} & case.keys() or (stack and stack.top.graded):
         return "its film is graded"
-    sideways = of("interface_magnetic") == "insulated" or getattr(case.get(BODY), "insulated", False)
+    sideways = of("interface_magnetic") == "insulated" or (stack and stack.insulated)
     if sideways and of("magnetic") == "conducting":
         return "flux leaves its film sideways without end, for its base is magnetically insulated"
     return ""
+
+
+def _metallic(case: Mapping[str, object]) -> bool:
+    """Whether a film is a metal, whose potential is not the punch's."""
+    body, material = case.get(BODY), case.get("material")
+    if isinstance(body, Stack):
+        return body.conductors[0]
+    known = material if isinstance(material, Material) else materials().get(str(material))
+    return "thickness" in case and known is not None and bool(known.conductor)
 
 
 def around(case: Mapping[str, object]) -> str:

@@ -37,7 +37,7 @@ def constant(depth: Array) -> solver.Material:
 
 LINEAR, CONSTANT, PLAIN = (of_coats((Coat(of),), STEEL) for of in (linear, constant, constants_of(FIBROUS)))
 STACK = LINEAR.stack()
-BALL: dict[str, Any] = {"profile": "sphere", "radius": 5e-3, "force": 1.0}
+BALL: dict[str, Any] = {"surroundings": "insulated", "profile": "sphere", "radius": 5e-3, "force": 1.0}
 GRADED: dict[str, Any] = BALL | {
     "volume_fraction": 0.2,
     "base_volume_fraction": 0.8,
