@@ -12,8 +12,7 @@ from workflow.study.reading import InputError
 FILM = """\
 title: A film
 phases: {phases}
-fixed: {{surroundings: insulated,
-        composite: {composite}, {share}: 0.5, radius: 0.05, base: {base}, friction: 0.2, charge: 0.0,
+fixed: {{composite: {composite}, {share}: 0.5, radius: 0.05, base: {base}, friction: 0.2, charge: 0.0,
          surroundings: insulated}}
 factors:
   thickness: {{low: 2e-4, high: 3e-4, levels: 3}}

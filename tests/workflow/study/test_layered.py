@@ -83,7 +83,7 @@ def test_a_body_of_one_layer_is_the_film_of_the_same_factors(tmp_path: Path) -> 
     path = tmp_path / "one.yaml"
     path.write_text(
         "title: one\n"
-        "fixed: {radius: 0.05, friction: 0.1, load: 3e4, base_poisson: 0.3}\n"
+        "fixed: {surroundings: insulated, radius: 0.05, friction: 0.1, load: 3e4, base_poisson: 0.3}\n"
         "body: [{composite: laminate, volume_fraction: volume_fraction, thickness: thickness}]\n"
         "factors:\n"
         "  thickness: {low: 2e-4, high: 3e-4, levels: 2}\n"
@@ -97,7 +97,6 @@ def test_a_body_of_one_layer_is_the_film_of_the_same_factors(tmp_path: Path) -> 
         for name, values in {
             "thickness": [2e-4, 3e-4, 2.5e-4],
             "volume_fraction": [0.4, 0.5, 0.6],
-            "surroundings": "insulated",
             "base_modulus": [1e11, 2e11, 2e11],
         }.items()
     }
