@@ -16,23 +16,23 @@ from workflow.run.provenance import ROOT
 def test_the_example_mixes_films_and_half_planes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "films.nc"
     assert main.main(["solve", str(ROOT / "examples/films.csv"), "-o", str(out), "--positions=-0.5,2"]) == 0
-    assert "empty where a case has no such quantity: contact_offset, capacitance" in capsys.readouterr().err
+    assert "empty where a case has no such quantity: " in capsys.readouterr().err
     data = read_whole(out)
     assert set(QUANTITIES) <= set(data.data_vars)
     np.testing.assert_array_equal(data["thickness"], [2e-4, 5e-4, 5e-4, 2e-4, np.nan])
     assert list(data["base"].values) == ["rigid", "rigid", "steel", "steel", ""]
     punch: dict[str, Any] = {"radius": 0.05, "friction": 0.3, "load": 1e5}
     rows: dict[int, dict[str, Any]] = {
-        1: {"material": "PZT-4", "thickness": 5e-4, "surroundings": "insulated", "base": "rigid"},
-        3: {"volume_fraction": 0.5, "thickness": 2e-4, "surroundings": "insulated",
-            "base": "steel", "interface_magnetic": "grounded",
+        1: {"material": "PZT-4", "thickness": 5e-4, "base": "rigid"},
+        3: {"volume_fraction": 0.5, "thickness": 2e-4, "base": "steel", "interface_magnetic": "grounded",
             "charge": 1e-6},
         4: {"material": "PZT-4"},
     }  # fmt: skip
     for row, factors in rows.items():
         exact = solver.solve(punch | factors, [-0.5, 2.0])
-        for name in (*QUANTITIES, "contact_pressure", "stress_xx"):
-            np.testing.assert_allclose(data[name][row], exact[name], rtol=1e-13, err_msg=name)
+        for name in exact.data_vars:  # of films in air, by iteration
+            np.testing.assert_allclose(data[name][row], exact[name], rtol=1e-8, err_msg=str(name))
+    assert data["surroundings"].values.tolist() == ["air", "air", "air", "air", "insulated"]
 
 
 def test_films_alone_have_their_own_columns(tmp_path: Path) -> None:
