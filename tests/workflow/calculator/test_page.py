@@ -86,7 +86,7 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
     default = FILMS["PVDF on glass"] | {"profile": "sphere", "radius": 2.5e-3, "punch": "steel", "thickness": 110e-6}
     assert seen["first"]["verdict"] == "Within what is known of the material"
     assert seen["first"]["words"].startswith("The face between film and base is grounded. The band is how far 4 other")
-    assert seen["first"]["words"].endswith("capacitances larger, on films often by tens of times.")
+    assert seen["first"]["words"].endswith("voltages often tens of times smaller, and capacitances larger.")
     pressed, *moved = (
         solver.solve({**default, "force": 0.01, "material": top, "base": base})
         for top, base in variants(FILMS["PVDF on glass"])
