@@ -27,7 +27,7 @@ addEventListener("load", async () => {
   const bands = (...names) => names.map((name) => document.querySelector(`[data-name=${name}] .band`).textContent);
   const told = ["contact_radius", "charge_sensitivity", "peak_pressure"];
   const words = text("band-words");
-  out.first = { radius: seen("contact_radius"), verdict: text("verdict"), bands: bands(...told), words };
+  out.first = { radius: seen("contact_radius"), commands: text("commands"), verdict: text("verdict"), bands: bands(...told), words };
   set({ material: "AlN", profile: "cylinder", radius: "2 cm", load: "50 kN/m", friction: "0.3", punch: "steel" });
   const names = ["width", "peak_pressure", "trailing_tension", "charge_sensitivity", "voltage"];
   out.line = Object.fromEntries(names.map((name) => [name, seen(name)]));
@@ -90,6 +90,7 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
     default = (
         FILMS["PVDF on glass"] | BARE | {"profile": "sphere", "radius": 2.5e-3, "punch": "steel", "thickness": 110e-6}
     )
+    assert "'surroundings'" in seen["first"]["commands"].replace('"', "'")  # the command gives what the page says
     assert seen["first"]["verdict"] == "Within what is known of the material"
     assert seen["first"]["words"].startswith("The face between film and base is grounded. The band is how far 4 other")
     assert seen["first"]["words"].endswith("voltages often tens of times smaller, and capacitances larger.")

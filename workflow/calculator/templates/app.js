@@ -233,6 +233,7 @@ function commands(values) {
   if (field("punch").value !== "rigid") case_.punch = field("punch").value;
   if (field("electric").value === "insulating") case_.electric = "insulating";
   if (field("magnetic").value === "insulating") case_.magnetic = "insulating";
+  if (film()) case_.surroundings = "insulated";
   const names = Object.keys(case_), shown = (value) => (typeof value === "number" ? String(Number(value.toPrecision(12))) : value);
   const quoted = (value) => (typeof value === "number" ? shown(value) : JSON.stringify(value));
   const own = field("material").value === OWN;
