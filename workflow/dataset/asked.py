@@ -140,7 +140,7 @@ def write_slab(study: Study, path_of_cases: Path, index: int, path: Path, kept: 
     part = np.isin(places, np.array_split(np.unique(places), slabs(study, path_of_cases))[index])
     points = {name: xr.DataArray(cases[name].values[part], dims="case") for name in study.factors}
     solved = factorial.exact(study, points, holes=np.inf, kept=kept)
-    write_whole(solved.assign_coords({EVEN: ("case", np.zeros(solved.sizes["case"], np.int8))}), path)
+    write_whole(solved.assign_coords({EVEN: ("case", np.full(solved.sizes["case"], -1, np.int8))}), path)
 
 
 def joined(calibration: xr.Dataset, further: Sequence[xr.Dataset]) -> xr.Dataset:

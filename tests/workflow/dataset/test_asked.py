@@ -64,7 +64,7 @@ def test_a_design_is_surer_by_cases_near_it(study: Study, known: tuple[xr.Datase
         further.append(read_whole(tmp_path / f"0_{index}.nc"))
     assert [part.sizes["case"] for part in further] == [60, 40]
     whole = asked.joined(known[1], further)
-    assert int(whole[EVEN].sum()) == known[1].sizes["case"] == whole.sizes["case"] - 100
+    assert (whole[EVEN].values == np.repeat([1, -1], [known[1].sizes["case"], 100])).all()
     after = fitted(study, known, *further)
     # exact cases on which the design rests, of which none was asked for
     cases = factorial.exact(study, {name: xr.DataArray(f[::10], dims="case") for name, f in design.factors.items()})
@@ -73,7 +73,7 @@ def test_a_design_is_surer_by_cases_near_it(study: Study, known: tuple[xr.Datase
     errors = [np.sqrt(((model.predict_array(X) - exact) ** 2).mean(axis=0)) for model in (before, after)]
     widths = [np.ptp(model.interval_array(X), axis=0).mean(axis=0) for model in (before, after)]
     assert (errors[1] < 0.7 * errors[0]).all()
-    assert (widths[1] < widths[0]).all()
+    assert (widths[1] < 0.5 * widths[0]).all()
 
 
 def test_cases_lie_beside_those_on_which_a_design_rests_and_within_the_box(study: Study) -> None:

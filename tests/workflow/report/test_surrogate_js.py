@@ -33,6 +33,16 @@ def of_groups() -> GaussianProcess:
     return model.calibrate(grouped.cases(300, 1, 0.2, to_ends=300))
 
 
+def of_patches() -> GaussianProcess:
+    """Groups of which a third of the cases was asked for, all over the box: every one lies in a patch."""
+    model = GroupedGP(grouped.GROUPING).fit(grouped.factorial(0.2))
+    cases = grouped.cases(300, 1, 0.2, to_ends=600)
+    model.calibrate(cases.assign(evenly_drawn=-1 + 2 * cases["evenly_drawn"]))
+    assert model.calibration_ is not None
+    assert model.calibration_.patches is not None
+    return model
+
+
 def of_curves() -> GaussianProcess:
     return held_out(curved.fitted())
 
@@ -52,7 +62,7 @@ def held_out(model: CurveGP) -> GaussianProcess:
 
 
 @needs_browser
-@pytest.mark.parametrize("made", [of_groups, of_curves, of_curves_over_groups])
+@pytest.mark.parametrize("made", [of_groups, of_patches, of_curves, of_curves_over_groups])
 def test_the_browser_says_the_same(made: Callable[[], GaussianProcess], tmp_path: Path) -> None:
     model = made()
     t = np.random.default_rng(2).uniform(-1, 1, (40, len(model.inputs_)))

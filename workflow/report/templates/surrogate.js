@@ -213,8 +213,17 @@ function calibrated(model, t, terms, p, variance) {
   let scale = 0;
   terms.forEach((term, m) => { scale += term * c.trend.data[m * count + p]; });
   scale = Math.min(Math.max(scale, c.trend_range.data[p]), c.trend_range.data[count + p]);
-  const guard = guarded(c.guard, c.corner_guard, null, t, p, count);
+  const guard = guarded(c.guard, c.corner_guard, null, t, p, count) + patched(c, withinBox(t), p, count);
   return meaningful(Math.sqrt(variance + c.floor.data[p]) * Math.exp(scale + guard));
+}
+
+// What is added about cases that were asked for (patches.py): the largest of all boxes that hold the point.
+function patched(c, t, p, count) {
+  if (!c.patch_low) return 0;
+  const [boxes, inputs] = c.patch_low.shape, low = c.patch_low.data, high = c.patch_high.data;
+  const held = Array.from({ length: boxes }, (_, k) => k)
+    .filter((k) => t.every((one, i) => low[k * inputs + i] <= one && one <= high[k * inputs + i]));
+  return held.length ? Math.max(...held.map((k) => c.patch_scale.data[k * count + p])) : 0;
 }
 
 // What the local scale needs beyond it (guard.py): the largest of slabs, of corners of two inputs, and of all corners together.
