@@ -9,7 +9,7 @@ import xarray as xr
 from storage.netcdf import read_whole
 from surrogate import GaussianProcess
 from surrogate.data.points import EVEN
-from workflow.dataset import asked, factorial
+from workflow.dataset import asked, draws, factorial
 from workflow.design.search import targets
 from workflow.learning import training
 from workflow.study.model import Study, load
@@ -109,7 +109,7 @@ def test_without_designs_cases_lie_where_intervals_are_widest(
     found = training.widest(study, model, 0)
     wide, all_wide = (
         np.subtract(*reversed(model.interval_array(np.stack(list(points), axis=-1)))).mean(axis=0)
-        for points in (found.factors.values(), [v.values for v in factorial.points(study, 500, (9,)).values()])
+        for points in (found.factors.values(), [v.values for v in draws.points(study, 500, (9,)).values()])
     )
     assert (wide > all_wide).all()
 
