@@ -161,12 +161,13 @@ class Surrogate(Strict):
         None,
         ge=20,
         le=100_000,
-        description="further exact cases, asked for where designs are, or else where intervals are widest; null: none",
+        description="further exact cases for every target, asked for where its design is, or without targets where "
+        "intervals are widest; null: none",
     )
     until: Number | None = Field(
         None,
         gt=0,
-        description="of that budget no more cases once 95 % intervals at all designs are within this share of the "
+        description="of that budget no more cases once 95 % intervals at the design are within this share of the "
         "goal's value and of the limits; null: all of them",
     )
     curves: bool = Field(

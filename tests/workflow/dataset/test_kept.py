@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from storage.netcdf import write_whole
-from workflow.dataset import asked, factorial, kept, slabs
+from workflow.dataset import factorial, kept, slabs
 from workflow.dataset.kept import Kept
 from workflow.study.model import Study, load
 
@@ -102,20 +102,6 @@ def test_cases_that_take_microseconds_are_not_kept(tmp_path: Path) -> None:
     own, _ = slab(half, tmp_path)
     assert own.cases == 0
     assert not list((tmp_path / kept.FOLDER).rglob("*.nc"))
-
-
-def test_an_edited_target_leaves_what_others_ask_for_first(film: Study) -> None:
-    places = [
-        asked.Place(name, doubt, {key: np.array([axis.low]) for key, axis in film.factors.items()})
-        for name, doubt in (("sensor", 1.0), ("actuator", 1.0))
-    ]
-    more = [asked.Place("new", 1.0, places[0].factors), places[1]]
-    budget = film.surrogate.model_copy(update={"budget": 240})
-    study = film.model_copy(update={"surrogate": budget})
-    before, after = (asked.near(study, some, 0)["load"].values for some in (places, more))
-    assert before.size == after.size == 80
-    np.testing.assert_array_equal(before[40:], after[40:])
-    assert not np.isin(before[:40], after).any()
 
 
 def test_what_was_used_longest_ago_is_swept(tmp_path: Path) -> None:
