@@ -15,7 +15,7 @@ MATERIAL = "BaTiO3"
 BALL: dict[str, Any] = {
     "material": MATERIAL, "profile": "sphere", "radius": 5e-3, "force": 10.0, "magnetic": "insulating",
 }  # fmt: skip
-FILM: dict[str, Any] = BALL | {"thickness": 6e-5, "base": "rigid"}
+FILM: dict[str, Any] = BALL | {"thickness": 6e-5, "base": "rigid", "surroundings": "insulated"}
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from solver.names import COMPOSITES, OF_A_FILM, PROFILES
+from solver.names import CHOICES, COMPOSITES, OF_A_FILM, PROFILES
 from workflow.study.types import BY_FACTOR, FieldName, Given, InputName, Number, QuantityName, Strict, Vector
 
 #: Most cases of a factorial.
@@ -255,7 +255,8 @@ class Effects(Strict):
     def case(self, factor: str) -> dict[str, Any]:
         """Factors of one effect: a material and a composite replace each other, and a profile takes what is its own."""
         film = self.film if factor in OF_A_FILM else {}
-        case: dict[str, Any] = {**self.baseline, **film, factor: self.vary[factor]}
+        around = {"surroundings": CHOICES["surroundings"][0]} if film else {}  # as beside the half-plane
+        case: dict[str, Any] = {**around, **self.baseline, **film, factor: self.vary[factor]}
         profiles = case.get("profile", "cylinder")
         known = [str(profile) for profile in np.atleast_1d(profiles) if str(profile) in PROFILES]
         taken = {name for profile in known for name in PROFILES[profile].takes}

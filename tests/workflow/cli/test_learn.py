@@ -110,7 +110,8 @@ def test_rows_that_do_not_fit_are_refused(
 
 SOL_GEL = """\
 title: A ball on a sol-gel film
-fixed: {material: PZT-4, profile: sphere, punch: tungsten_carbide, radius: 500 um, thickness: 700 nm, base: silicon,
+fixed: {surroundings: insulated,
+        material: PZT-4, profile: sphere, punch: tungsten_carbide, radius: 500 um, thickness: 700 nm, base: silicon,
         magnetic: insulating}
 factors: {force: {low: 0.1 N, high: 2 N, levels: 6, scale: log}}
 surrogate: {outputs: [charge_sensitivity]}

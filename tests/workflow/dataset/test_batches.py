@@ -17,7 +17,7 @@ from workflow.study.reading import InputError
 
 FILM = """\
 title: Two layers
-fixed: {radius: 0.05, base: steel, friction: 0.2}
+fixed: {surroundings: insulated, radius: 0.05, base: steel, friction: 0.2}
 body:
   - {composite: fibrous, volume_fraction: volume_fraction, thickness: thickness}
   - composite: fibrous
@@ -142,7 +142,7 @@ def test_bad_studies_are_refused_in_one_line(tmp_path: Path, old: str, new: str,
 
 HALF_PLANE = """\
 title: A half-plane
-fixed: {composite: fibrous, friction: 0.2}
+fixed: {surroundings: insulated, composite: fibrous, friction: 0.2}
 factors:
   volume_fraction: {low: 0.3, high: 0.7, levels: 9}
   radius: {low: 5e-3, high: 0.2, levels: 5, scale: log}

@@ -16,7 +16,7 @@ from workflow.study.model import Study, load
 
 FILM = """\
 title: A film on two bases
-fixed: {composite: fibrous, radius: 0.05, friction: 0.2}
+fixed: {surroundings: insulated, composite: fibrous, radius: 0.05, friction: 0.2}
 categories: {base: [rigid, steel]}
 factors:
   load: {low: 2e4, high: 4e4, levels: 5, scale: log}
@@ -100,6 +100,6 @@ def test_effects_of_films_stand_beside_the_half_plane(study: Study, factor: str,
     np.testing.assert_array_equal(
         found["contact_pressure"].isel({factor: -1}), solver.solve(baseline, positions)["contact_pressure"]
     )
-    film = solver.solve(baseline | {"thickness": 2e-4, "base": "silicon"}, positions)
+    film = solver.solve(baseline | {"thickness": 2e-4, "surroundings": "insulated", "base": "silicon"}, positions)
     np.testing.assert_allclose(found["stress_xx"].isel({factor: 1}), film["stress_xx"], rtol=1e-12)
     assert "thickness" not in effects.effect(study, "friction").coords

@@ -14,7 +14,8 @@ from workflow.study.model import Study, load
 
 FILM = """\
 title: A film whose levels are nested
-fixed: {composite: fibrous, radius: 0.05, friction: 0.2, interface_electric: grounded, interface_magnetic: grounded}
+fixed: {surroundings: insulated,
+        composite: fibrous, radius: 0.05, friction: 0.2, interface_electric: grounded, interface_magnetic: grounded}
 categories: {base: [rigid, steel]}
 factors:
   load: {low: 2e4, high: 4e4, levels: 3, scale: log}

@@ -18,7 +18,7 @@ from workflow.study.reading import InputError
 
 STUDY = """\
 title: Films in groups
-fixed: {composite: fibrous, volume_fraction: 0.4, friction: 0.2, interface_magnetic: grounded}
+fixed: {surroundings: insulated, composite: fibrous, volume_fraction: 0.4, friction: 0.2, interface_magnetic: grounded}
 categories: {base: [rigid, steel]}
 factors:
   thickness: {low: 2e-4, high: 1e-3, scale: log}

@@ -179,10 +179,14 @@ def test_a_device_is_in_air_unless_it_says_otherwise() -> None:
     study = settled()
     assert study.surroundings == ["air"]
     assert study.meeting == "line in air"
-    assert surroundings.told(study).startswith("surroundings: air, the default of a study with a device")
+    assert surroundings.told(study).startswith("surroundings: air, the default of films and devices")
     said = settled(fixed={"surroundings": "insulated"})
     assert (said.surroundings, surroundings.told(said)) == (["insulated"], "")
-    bare = settled(device=None)
+    assert settled(device=None).surroundings == ["air"]
+    axes = {"load": {"low": 1e4, "high": 2e4, "levels": 2}}
+    content = {"title": "A half-plane", "fixed": {"material": "PZT-4", "radius": 0.05}, "factors": axes}
+    bare = Contents.model_validate(content, context=Origin(Path(), {}))
+    surroundings.settle(bare)
     assert (bare.surroundings, surroundings.told(bare), bare.meeting) == (["insulated"], "", "line")
 
 
