@@ -170,7 +170,9 @@ POINT_FILM = Kind(
     method="; on films under a point, Galerkin's equations in Legendre functions beside the closed form",
 )
 
-_OF_A_POINT = {name: quantity for name, quantity in POINT_QUANTITIES.items() if "_edge_intensity" not in name}
+_OF_A_POINT = {
+    name: quantity for name, quantity in (POINT_QUANTITIES | POINT_SLIDING).items() if "_edge_intensity" not in name
+}
 HALF_SPACE_IN_AIR = replace(
     HALF_SPACE,
     name="half-space with air beside the contact",
