@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.material.constants import Material
+from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
 from solver.names import FILM_PEAKS, PEAKS
 from solver.point.sliding import FirstOrderWarning
 from tests.solver.surroundings.test_pointfields import FIBROUS
@@ -102,6 +102,26 @@ def test_tension_beside_the_trailing_edge_is_that_of_the_fields_inside(case: dic
     beside = solver.solve_interior(case | SLID, 1 + gaps, [0.0], fields=["stress_xx"])["stress_xx"].values.ravel()
     rows = gaps[:, None] ** np.array([0.0, 0.5, 1.0, 1.5, 2.0])
     assert np.linalg.solve(rows, beside)[0] == pytest.approx(answer(case | SLID)["trailing_tension"], rel=1e-3)
+
+
+def test_electric_and_magnetic_charges_see_one_gap_that_friction_tilts() -> None:
+    """D g = eps0 (phi - V) to the first order: what it says of g_1 from D and phi is what B and psi say."""
+    case = FIBROUS | SLID | {"magnetic": "conducting", "total_flux": 1e-9}
+    r = np.array([1.1, 1.6, 2.5, 5.0])
+    punch, names = solver.solve(case), ["electric_potential", "magnetic_potential"]
+    inside = solver.solve_interior(case, np.concatenate([r, -r]), [0.0], fields=names)
+    surface, gaps = solver.solve(case, np.concatenate([r, -r])), []
+    for potential, density, level, vacuum in (
+        ("electric_potential", "electric_displacement", "voltage", VACUUM_PERMITTIVITY),
+        ("magnetic_potential", "magnetic_induction", "magnetic_potential", VACUUM_PERMEABILITY),
+    ):
+        both = inside[potential].values.reshape(2, -1) - float(punch[level]), surface[density].values.reshape(2, -1)
+        (phi, phi_1), (D, D_1) = (((own[0] + own[1]) / 2, (own[0] - own[1]) / 2) for own in both)
+        gap = vacuum * phi / D
+        gaps.append((gap, (vacuum * phi_1 - D_1 * gap) / D))
+    for one, other in zip(*gaps, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-5)
+    assert np.all(np.abs(gaps[0][1]) > 1e-3 * gaps[0][0])
 
 
 def test_largest_values_are_those_of_the_fields() -> None:
