@@ -81,7 +81,7 @@ class Contents(Keys):
 
     @property
     def slides(self) -> bool:
-        """Whether its contacts are points that slide: those in air have neither fields nor largest stresses."""
+        """Whether its contacts are points that slide."""
         return self.kind.contact == "point" and ("friction" in self.factors or bool(self.numbers["friction"]))
 
     @property
