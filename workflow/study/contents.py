@@ -162,6 +162,18 @@ class Contents(Keys):
         return {name: list(axis.kinks) for name, axis in self.factors.items() if axis.kinks}
 
     @property
+    def before(self) -> Self | None:
+        """The same over the box that it has grown from; None where that is none or as large."""
+        old = {name: axis.grown_from or [axis.low, axis.high] for name, axis in self.factors.items()}
+        if all(ends == [self.factors[name].low, self.factors[name].high] for name, ends in old.items()):
+            return None
+        axes = {
+            name: axis.model_copy(update={"low": old[name][0], "high": old[name][1], "grown_from": None})
+            for name, axis in self.factors.items()
+        }
+        return self.model_copy(update={"factors": axes})
+
+    @property
     def block(self) -> int:
         """Number of cases at a place of the crossed axes."""
         return self.cases // prod(self.axes[name].levels or 1 for name in self.crossed)
