@@ -170,7 +170,9 @@ POINT_FILM = Kind(
     method="; on films under a point, Galerkin's equations in Legendre functions beside the closed form",
 )
 
-_OF_A_POINT = {name: quantity for name, quantity in POINT_QUANTITIES.items() if "_edge_intensity" not in name}
+_OF_A_POINT = {
+    name: quantity for name, quantity in (POINT_QUANTITIES | POINT_SLIDING).items() if "_edge_intensity" not in name
+}
 HALF_SPACE_IN_AIR = replace(
     HALF_SPACE,
     name="half-space with air beside the contact",
@@ -262,8 +264,8 @@ def _metallic(case: Mapping[str, object]) -> bool:
 def around(case: Mapping[str, object]) -> str:
     """What is beside the contact of a case that does not say: air beside a film, where it can be.
 
-    Beside a half-plane or a half-space, as in the seed's problem, and beside a point that slides, for which air to the
-    first order in friction is not solved, there is no charge.
+    Beside a half-plane or a half-space, as in the seed's problem, there is no charge; nor is there beside a point that
+    slides, whose cases cost several times more in air and have no edge intensities there.
 
     Parameters
     ----------

@@ -3,9 +3,13 @@
     Lambda(x) = int_0^inf Delta(k) cos(kx) dk,
     chi(s) = N S(s) + (1/pi) int_0^inf [Lambda(s - s') + Lambda(s + s')] S(s') ds',
 
-of the six pairs of (y, phi, psi), Delta = Y_top - Y0. Far away only the beginning of Delta matters: a smooth end is
-put to it, of a width that the distance does not see. Under a graded layer Lambda = sum_j Y_j rho_j(x) + T(x): rho_j are
-closed and hold what is singular at x = 0, T stands in the table.
+of the six pairs of (y, phi, psi), Delta = Y_top - Y0. Friction sigma_xy = eta sigma_yy adds to chi of cos(angle)
+
+    -(1/2) int_0^1 [Lambda_x(s + b) + Lambda_x(s - b)] phi_sigma(b) db,    Lambda_x(x) = int_0^inf Delta_ox sin(kx) dk.
+
+Far away only the beginning of Delta matters: a smooth end is put to it, of a width that the distance does not see.
+Under a graded layer Lambda = sum_j Y_j rho_j(x) + T(x): rho_j are closed and hold what is singular at x = 0, T stands
+in the table.
 """
 
 from dataclasses import dataclass, replace
@@ -23,6 +27,7 @@ from solver.film.stack import Stack
 
 #: The pairs, over (x, y, phi, psi).
 PAIRS = ENTRIES[:6]
+_SHEARED = ENTRIES[6:9]
 
 _FAR = 1e4  # strips from which what is left falls like 1/x^2
 _MOST = 4_000_000  # values of one block of a transform
@@ -41,18 +46,21 @@ class Spread:
         b of rho_j, see :func:`solver.film.grading.local_tails`.
     tails
         Y_j of the pairs under a graded layer; (4, 6).
+    falling
+        Power of the distance by which it falls far away.
     """
 
     table: Piecewise
     width: float
     tails: Array | None = None
+    falling: int = 2
 
     def at(self, x: Array) -> Array:
         """Lambda at distances x >= 0; (..., pair)."""
         reach = self.table.ends[-1]
         found = self.table.at(np.minimum(x, reach))
         beyond = x > reach
-        found[beyond] *= (reach / x[beyond, None]) ** 2
+        found[beyond] *= (reach / x[beyond, None]) ** self.falling
         if self.tails is not None:
             found += (local_tails(x.ravel(), self.width).T @ self.tails).reshape(found.shape)
         return found
@@ -85,6 +93,26 @@ def spread(stack: Stack, reach: float | None = None) -> Spread:
     return Spread(table, width, np.stack([graded.tails[:, i, j] for i, j in PAIRS], -1) if graded else None)
 
 
+@lru_cache(32)
+def sheared(stack: Stack) -> Spread:
+    """Lambda_x of (y, phi, psi) at distances x >= 0, odd in them; not of graded layers.
+
+    Parameters
+    ----------
+    stack : Stack, layers and base
+    """
+    width = strip(stack)
+    ends = growing(width, _FAR * width)
+
+    def turned(x: Array) -> Array:
+        k, weights, taper = tapered(stack, width, x)
+        difference = waves(stack, k)[0].difference
+        rows = np.stack([weights * taper * difference[:, i, j] for i, j in _SHEARED], -1)
+        return _summed(np.sin, x, k, rows)
+
+    return Spread(Piecewise.of(turned, ends, DEGREE + 1, octave(ends, width)), width, falling=1)
+
+
 def _transformed(stack: Stack, graded: GradedResponse | None, x: Array) -> Array:
     """Lambda, or T under a graded layer, at distances that are not far apart; (x, 6)."""
     width = strip(stack)
@@ -95,7 +123,12 @@ def _transformed(stack: Stack, graded: GradedResponse | None, x: Array) -> Array
         k, weights, taper = tapered(stack, graded_strip(stack), x, long=1.0)
         difference = graded.decayed(k, width, _TAILS)
     rows = np.stack([weights * taper * difference[:, i, j] for i, j in PAIRS], -1)
-    found, step = np.empty((x.size, len(PAIRS))), max(_MOST // k.size, 1)
+    return _summed(np.cos, x, k, rows)
+
+
+def _summed(wave: np.ufunc, x: Array, k: Array, rows: Array) -> Array:
+    """Rows (k, n) times waves of kx, block by block; (x, n)."""
+    found, step = np.empty((x.size, rows.shape[1])), max(_MOST // k.size, 1)
     for start in range(0, x.size, step):
-        found[start : start + step] = np.cos(x[start : start + step, None] * k) @ rows
+        found[start : start + step] = wave(x[start : start + step, None] * k) @ rows
     return found

@@ -60,7 +60,7 @@ def _asks_for_more(study: Contents) -> str:
     if study.device is not None:
         wanted += [_READ[name] for name in study.surrogate.outputs if name in _READ]
     for name in wanted:
-        if name in {*ALL_QUANTITIES, *ALL_PEAKS} - {*has.quantities, *(() if study.slides else has.peaks)}:
+        if name in {*ALL_QUANTITIES, *ALL_PEAKS} - {*has.quantities, *has.peaks}:
             return f"contacts in air have no {name}, which it asks for"
         if study.surrogate.outputs and name in ALL_QUANTITIES and name not in study.surrogate.outputs:
             return f"{name}, by which a device in air is read, is not one of surrogate.outputs"

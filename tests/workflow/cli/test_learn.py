@@ -10,7 +10,7 @@ from surrogate import load, save
 from surrogate.transforms.measured.corrected import CorrectedGP
 from tests.workflow.learning.test_measured import study_of
 from workflow.cli import main
-from workflow.dataset import factorial
+from workflow.dataset import draws, factorial
 from workflow.study import uncertainty
 
 STUDY = """\
@@ -34,7 +34,7 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     study, model = study_of(STUDY, folder / "config")
     save(model, folder / "results/study/surrogate.nc")
     known = uncertainty.uncertain(study, {"BaTiO3 stiffness": None})
-    points = factorial.points(study, 15, (1,))
+    points = draws.points(study, 15, (1,))
     exact = factorial.exact(uncertainty.moved(study, known, np.array([-1.5])), points).sel(composite="laminate")
     lines = ["# made up\n", HEADER]
     read = [points["radius"], points["load"], exact["depth"], exact["voltage"]]

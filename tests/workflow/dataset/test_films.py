@@ -9,7 +9,7 @@ import xarray as xr
 import solver
 from solver.fields import FIELDS
 from storage.netcdf import read_whole
-from workflow.dataset import datacard, effects, factorial, quantities
+from workflow.dataset import datacard, draws, effects, factorial, quantities
 from workflow.dataset import slabs as dataset
 from workflow.learning import training
 from workflow.study.model import Study, load
@@ -78,7 +78,7 @@ def test_the_surrogate_of_a_few_tables_hits_cases_between_them(study: Study, sla
 
 
 def test_random_cases_share_tables(study: Study) -> None:
-    drawn = factorial.points(study, 120, (1, 0))
+    drawn = draws.points(study, 120, (1, 0))
     places = np.unique(drawn["volume_fraction"])
     assert np.all(np.floor((places - 0.45) / 0.1 * 12) == np.arange(12))  # spread over the axis
     assert len(np.unique(drawn["load"])) == len(np.unique(drawn["thickness"])) == 120
