@@ -264,8 +264,7 @@ def _metallic(case: Mapping[str, object]) -> bool:
 def around(case: Mapping[str, object]) -> str:
     """What is beside the contact of a case that does not say: air beside a film, where it can be.
 
-    Beside a half-plane or a half-space, as in the seed's problem, there is no charge; nor is there beside a point that
-    slides, whose cases cost several times more in air and have no edge intensities there.
+    Beside a half-plane or a half-space, as in the seed's problem, there is no charge.
 
     Parameters
     ----------
@@ -278,8 +277,7 @@ def around(case: Mapping[str, object]) -> str:
     ('insulated', 'air')
     """
     kind = kind_of(case, case.get("profile", "cylinder"))
-    slides = kind.contact == "point" and case.get("friction", 0) != 0
-    return AIR if kind.layered and not slides and not airless(case) else CHOICES["surroundings"][0]
+    return AIR if kind.layered and not airless(case) else CHOICES["surroundings"][0]
 
 
 class Body(Protocol):

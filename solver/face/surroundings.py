@@ -12,7 +12,7 @@ from solver.names import BODY, OF_AN_ELECTRODE
 
 #: Factors that :func:`solver.body.around` reads: by their value, or only by whether a case has them, other than 0.
 _READ = ("surroundings", BODY, "material", "profile", "electric", "magnetic", "electrode", "interface_magnetic")
-_THERE = ("friction", "thickness", "gap_radius", "base_volume_fraction", "grading_exponent", *OF_AN_ELECTRODE[1:])
+_THERE = ("thickness", "gap_radius", "base_volume_fraction", "grading_exponent", *OF_AN_ELECTRODE[1:])
 
 
 def settled(arrays: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:

@@ -27,7 +27,8 @@ addEventListener("load", async () => {
   const bands = (...names) => names.map((name) => document.querySelector(`[data-name=${name}] .band`).textContent);
   const told = ["contact_radius", "charge_sensitivity", "peak_pressure"];
   const words = text("band-words");
-  out.first = { radius: seen("contact_radius"), commands: text("commands"), verdict: text("verdict"), bands: bands(...told), words };
+  out.first = { radius: seen("contact_radius"), verdict: text("verdict"), bands: bands(...told), words };
+  out.first.commands = text("commands");
   set({ material: "AlN", profile: "cylinder", radius: "2 cm", load: "50 kN/m", friction: "0.3", punch: "steel" });
   const names = ["width", "peak_pressure", "trailing_tension", "charge_sensitivity", "voltage"];
   out.line = Object.fromEntries(names.map((name) => [name, seen(name)]));
