@@ -35,7 +35,8 @@ def row(order: int) -> tuple[int, float, float, float]:
 
 def exact() -> float:
     """Charge per force [C/N] by the solver, at zero volts and the force of that contact."""
-    case = {"profile": "sphere", "radius": SPHERE, "material": "BaTiO3", "thickness": THICKNESS, "base": "rigid"}
+    film = {"material": "BaTiO3", "thickness": THICKNESS, "base": "rigid", "surroundings": "insulated"}
+    case = {"profile": "sphere", "radius": SPHERE, **film}
     force = 40.0
     for _ in range(_STEPS):
         charge = force * float(solver.solve(case | {"force": force})["charge_sensitivity"])

@@ -44,7 +44,11 @@ def _on_copper() -> float:
     """Charge per load of a film on 20 um of copper on silicon."""
     film, copper = solver.Layer(solver.find("PZT-4"), 2e-4), solver.Layer(solver.find("copper"), 2e-5)
     body = solver.Stack([film, copper], solver.find("silicon"))
-    return abs(float(solver.solve({"body": body, "radius": 0.05, "load": 2e4})["charge_sensitivity"]))
+    return abs(
+        float(
+            solver.solve({"body": body, "surroundings": "insulated", "radius": 0.05, "load": 2e4})["charge_sensitivity"]
+        )
+    )
 
 
 #: Designs of ``config/film_sensor.yaml``, rounded, in the case that decides.
@@ -75,7 +79,7 @@ def surroundings(name: str, case: Mapping[str, float | str]) -> str:
     film = {"friction": 0.3, **_GROUNDED, **case}
     device = Device.model_validate(read_yaml(Path(__file__).parents[1] / "config/film_sensor.yaml")["device"])
     kinds: tuple[tuple[dict[str, str], Meeting], ...] = (
-        ({}, "line"),
+        ({"surroundings": "insulated"}, "line"),
         ({"surroundings": "air"}, "line in air"),
     )
     rows = []

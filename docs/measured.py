@@ -41,7 +41,7 @@ def rows() -> list[dict[str, float | str]]:
             read["voltage"] *= 1 - 0.03 * (1 - np.log(load / LOADS[0]) / np.log(LOADS[-1] / LOADS[0]))
             row: dict[str, float | str] = {
                 **factors, "thickness": round(factors["thickness"] * 1e6, 1), "load": load,
-                "charge": 0.0, "magnetic_charge": 0.0, "base": "steel",
+                "charge": 0.0, "magnetic_charge": 0.0, "surroundings": "insulated", "base": "steel",
             }  # fmt: skip
             missing = random.uniform() < 0.1
             for name, share in ERRORS.items():

@@ -46,7 +46,9 @@ def _pressed(profile: str, pressing: str, extent: str) -> xr.Dataset:
 
     def at(log_force: Array) -> xr.Dataset:
         force = xr.DataArray(np.exp(log_force), dims=("of", "ratio"))
-        return solver.solve(case | {"base": "rigid", pressing: force}).transpose("of", "ratio", ...)
+        return solver.solve(case | {"base": "rigid", "surroundings": "insulated", pressing: force}).transpose(
+            "of", "ratio", ...
+        )
 
     def off(log_force: Array) -> Array:
         return np.asarray(np.log(at(log_force)[extent].values / a))

@@ -9,7 +9,7 @@ mpl.use("svg")
 import matplotlib.pyplot as plt
 
 X = np.linspace(-4.0, 4.0, 401)
-film = {"composite": "fibrous", "volume_fraction": 0.5, "base": "rigid"}
+film = {"composite": "fibrous", "volume_fraction": 0.5, "base": "rigid", "surroundings": "insulated"}
 punch = {"radius": 0.05, "load": 1e5, "friction": 0.3}
 
 figure, (upper, lower) = plt.subplots(2, sharex=True, figsize=(6, 6), layout="constrained")

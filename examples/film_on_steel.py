@@ -9,7 +9,7 @@ mpl.use("svg")
 import matplotlib.pyplot as plt
 
 punch = {"material": "PZT-4", "radius": 0.05, "friction": 0.3, "load": 1e5}
-film = solver.solve(punch | {"thickness": [0.2e-3, 0.5e-3, 1e-3], "base": "steel"})
+film = solver.solve(punch | {"thickness": [0.2e-3, 0.5e-3, 1e-3], "surroundings": "insulated", "base": "steel"})
 half_plane = solver.solve(punch)
 
 table = film[["contact_trailing", "voltage_sensitivity", "charge_sensitivity"]].to_dataframe()
@@ -18,7 +18,7 @@ ratio = float(film["charge_sensitivity"].sel(thickness=0.5e-3) / half_plane["cha
 print(f"charge per load of 0.5 mm over that of the half-plane: {ratio:.4f}")
 
 thickness = np.geomspace(0.05e-3, 5e-3, 25)
-several = solver.solve(punch | {"thickness": thickness, "base": "steel"})
+several = solver.solve(punch | {"thickness": thickness, "surroundings": "insulated", "base": "steel"})
 figure, axes = plt.subplots(figsize=(6, 3.2), layout="constrained")
 axes.semilogx(1e3 * thickness, 1e12 * several["charge_sensitivity"].values, label="film on steel")
 axes.axhline(1e12 * float(half_plane["charge_sensitivity"]), ls="--", label="half-plane")

@@ -11,7 +11,13 @@ import matplotlib.pyplot as plt
 THICKNESSES = [1e-3, 2e-4, 4e-5]  # m
 X = np.linspace(-1.0, 1.0, 201)[1:-1]
 
-film = {"composite": "fibrous", "volume_fraction": 0.5, "base": "rigid", "thickness": THICKNESSES}
+film = {
+    "composite": "fibrous",
+    "volume_fraction": 0.5,
+    "surroundings": "insulated",
+    "base": "rigid",
+    "thickness": THICKNESSES,
+}
 punch = {"radius": 0.05, "load": 1e5, "friction": 0.3}
 fields = solver.solve(film | punch, X)
 

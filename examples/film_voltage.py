@@ -9,7 +9,7 @@ mpl.use("svg")
 import matplotlib.pyplot as plt
 
 thickness = np.geomspace(2e-5, 2e-2, 61)  # m
-film = {"composite": "fibrous", "volume_fraction": 0.5, "thickness": thickness}
+film = {"composite": "fibrous", "volume_fraction": 0.5, "thickness": thickness, "surroundings": "insulated"}
 punch = {"radius": 0.05, "load": 1e5}
 
 figure, (upper, lower) = plt.subplots(2, sharex=True, figsize=(6, 6), layout="constrained")

@@ -12,6 +12,9 @@ from typing import Literal, Protocol
 from approximation.arrays import Array
 from solver.described import Contact, Described, Loads
 from solver.fields import FIELDS, POINT_FIELDS
+from solver.film.stack import Stack
+from solver.material.constants import Material
+from solver.material.library import materials
 from solver.names import (
     AIR,
     BODY,
@@ -167,7 +170,9 @@ POINT_FILM = Kind(
     method="; on films under a point, Galerkin's equations in Legendre functions beside the closed form",
 )
 
-_OF_A_POINT = {name: quantity for name, quantity in POINT_QUANTITIES.items() if "_edge_intensity" not in name}
+_OF_A_POINT = {
+    name: quantity for name, quantity in (POINT_QUANTITIES | POINT_SLIDING).items() if "_edge_intensity" not in name
+}
 HALF_SPACE_IN_AIR = replace(
     HALF_SPACE,
     name="half-space with air beside the contact",
@@ -227,16 +232,52 @@ def airless(case: Mapping[str, object]) -> str:
     def of(name: str) -> object:
         return case.get(name, CHOICES[name][0])
 
-    if of("electric") == of("magnetic") == "insulating":
+    if of("magnetic") == "insulating" and (of("electric") == "insulating" or _metallic(case)):
         return "its punch conducts no field, so that no charge lies beside it"
     if of("electrode") != CHOICES["electrode"][0]:
         return "the electrode on its film lies below the punch"
+    if ({*OF_AN_ELECTRODE} - {"electrode"}) & case.keys():
+        return "what an electrode of its film collects is not solved with air"
     profile = of("profile")
-    if profile not in _ENDED and not (profile in _ENDLESS and _END in case):
+    own = not isinstance(profile, str) and all(getattr(profile, "smooth", (False,)))  # a profile of one's own
+    if not own and profile not in _ENDED and not (profile in _ENDLESS and _END in case):
         return f"no narrow gap with an end lies beside its punch ({profile})"
-    if {"grading_exponent", "base_volume_fraction"} & case.keys():
+    body = case.get(BODY)
+    stack = body if isinstance(body, Stack) else None
+    if {"grading_exponent", "base_volume_fraction"} & case.keys() or (stack and stack.top.graded):
         return "its film is graded"
+    sideways = of("interface_magnetic") == "insulated" or (stack and stack.insulated)
+    if sideways and of("magnetic") == "conducting":
+        return "flux leaves its film sideways without end, for its base is magnetically insulated"
     return ""
+
+
+def _metallic(case: Mapping[str, object]) -> bool:
+    """Whether a film is a metal, whose potential is not the punch's."""
+    body, material = case.get(BODY), case.get("material")
+    if isinstance(body, Stack):
+        return body.conductors[0]
+    known = material if isinstance(material, Material) else materials().get(str(material))
+    return "thickness" in case and known is not None and bool(known.conductor)
+
+
+def around(case: Mapping[str, object]) -> str:
+    """What is beside the contact of a case that does not say: air beside a film, where it can be.
+
+    Beside a half-plane or a half-space, as in the seed's problem, there is no charge.
+
+    Parameters
+    ----------
+    case
+        Its factors by name, without those that have their default.
+
+    Examples
+    --------
+    >>> around({"load": 1e4, "radius": 0.05}), around({"load": 1e4, "radius": 0.05, "thickness": 1e-4})
+    ('insulated', 'air')
+    """
+    kind = kind_of(case, case.get("profile", "cylinder"))
+    return AIR if kind.layered and not airless(case) else CHOICES["surroundings"][0]
 
 
 class Body(Protocol):

@@ -5,6 +5,7 @@ import subprocess
 from pathlib import Path
 
 from docs import badges
+from docs.sections import spread
 from tests.workflow import nursery
 from workflow.run.provenance import ROOT
 
@@ -76,3 +77,19 @@ def test_no_file_names_a_registry_or_a_path_of_a_machine() -> None:
     hosts = re.compile("|".join(["python" + "hosted", "pypi" + r"\.org", "npm" + "js", "deb" + r"\.debian"]))
     for name in (name for name in listed.split("\0") if (ROOT / name).is_file()):
         assert not hosts.search((ROOT / name).read_text(encoding="utf-8", errors="replace")), name
+
+
+def test_parameters_of_one_line_are_a_head_and_a_meaning() -> None:
+    lines = [
+        "A.",
+        "",
+        "Parameters",
+        "-" * 10,
+        "t, u : float, (n,), times [s], of what",
+        "folder : Path",
+        "",
+        "x : int, y",
+    ]
+    text = "\n".join(lines)
+    assert spread(text).splitlines()[4:7] == ["t, u : float, (n,)", "    times [s], of what", "folder : Path"]
+    assert spread(text).endswith("x : int, y")

@@ -46,9 +46,11 @@ def root() -> GaussianProcess:
 
 @pytest.fixture(scope="module")
 def files(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """A calibrated grid, one over groups, and the page's example."""
+    """A calibrated grid, one over groups with patches, and the page's example."""
     folder = tmp_path_factory.mktemp("format")
-    grouped = surrogate.GroupedGP(GROUPING).fit(factorial(0.2)).calibrate(cases(300, 1, 0.2, to_ends=300))
+    held = cases(300, 1, 0.2, to_ends=600)
+    held["evenly_drawn"][600:] = -1  # asked for: patches in the corners
+    grouped = surrogate.GroupedGP(GROUPING).fit(factorial(0.2)).calibrate(held)
     surrogate.save(grouped, folder / "grouped.nc")
     surrogate.save(root(), folder / "root.nc")
     grid = quickstart_run.folder / "results/quickstart/surrogate.nc"

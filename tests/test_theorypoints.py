@@ -100,7 +100,10 @@ def test_a_roller_in_place_of_a_ball_is_as_wrong_as_the_table_says() -> None:
     ("name", "own"),
     [
         ("half-space of BaTiO3", {}),
-        ("BaTiO3 of 0.1 mm on steel, grounded", {"thickness": 1e-4, "base": "steel", "interface_electric": "grounded"}),
+        (
+            "BaTiO3 of 0.1 mm on steel, grounded",
+            {"thickness": 1e-4, "surroundings": "insulated", "base": "steel", "interface_electric": "grounded"},
+        ),
     ],
 )
 def test_figures_of_a_ball_in_air_are_the_solver_s(name: str, own: dict[str, Any]) -> None:

@@ -19,7 +19,7 @@ from verification.oracles.fem import FIELDS
 
 Case = dict[str, Any]
 Answers = dict[str, Array]
-PUNCH: Case = {"radius": 0.05, "load": 1e5}
+PUNCH: Case = {"radius": 0.05, "load": 1e5, "surroundings": "insulated"}
 COMPOSITE: Case = {**PUNCH, "volume_fraction": 0.5, "thickness": 2e-4, "friction": 0.3}
 CASES: dict[str, Case] = {
     "BaTiO3 on a rigid base": {**PUNCH, "material": "BaTiO3", "thickness": 5e-4, "base": "rigid"},

@@ -28,10 +28,10 @@ PROFILES: dict[str, Case] = {
     "half cylinder": {"profile": "half_cylinder", "radius": 0.05},
 }
 COMPOSITE: Case = {"radius": 0.05, "load": 1e5, "volume_fraction": 0.5, "friction": 0.3}
-SILICON: Case = {"base": "silicon", "interface_electric": "bonded"}
+SILICON: Case = {"surroundings": "insulated", "base": "silicon", "interface_electric": "bonded"}
 #: Half-length of a film ten and a hundred half-lengths thick over the closed form's, less 1: theory of films, 9 and 10.
 THICK: dict[str, tuple[Case, tuple[float, float]]] = {
-    "rigid base": ({"base": "rigid"}, (-3.6e-3, -3.7e-5)),
+    "rigid base": ({"surroundings": "insulated", "base": "rigid"}, (-3.6e-3, -3.7e-5)),
     "silicon": (SILICON, (-8.4e-4, -8.4e-6)),
 }
 RATIOS = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0])
@@ -70,7 +70,10 @@ def own_base(punch: Case) -> float:
     for fields in ((), ("electric",), ("magnetic",), ("electric", "magnetic")):
         case = {**CHARGED, **punch, "material": SIH_SONG}
         case |= dict.fromkeys(set(CHARGES) - set(fields), "insulating") | dict(CHARGES[kind] for kind in fields)
-        bonded = {"thickness": 2e-4, "base": SIH_SONG, "interface_electric": "bonded", "interface_magnetic": "bonded"}
+        bonded = {
+            "thickness": 2e-4, "base": SIH_SONG, "interface_electric": "bonded", "interface_magnetic": "bonded",
+            "surroundings": "insulated",
+        }  # fmt: skip
         exact, film = solver.solve(case), solver.solve(case | bonded)
         shared = [name for name in exact.data_vars if name in film and np.any(exact[name] != 0)]
         worst = max(worst, *(off(film[name], exact[name]) for name in shared))
@@ -117,7 +120,9 @@ def incompressible() -> float:
 def _thin(case: Case, scaled: list[float]) -> tuple[Array, xr.Dataset]:
     """h/h1 of a film on a rigid base without friction at values of P R/h1^2 [Pa], and the solutions."""
     loads = [share * THIN**2 / 0.05 for share in scaled]
-    solved = solver.solve({"radius": 0.05, "base": "rigid", "thickness": THIN, "load": loads, **case})
+    solved = solver.solve(
+        {"radius": 0.05, "base": "rigid", "surroundings": "insulated", "thickness": THIN, "load": loads, **case}
+    )
     return _half(solved) / THIN, solved
 
 
@@ -133,7 +138,14 @@ def _half(found: xr.Dataset) -> Array:
 
 def totals() -> float:
     """Largest relative error of the integrals of p, -D_y and -B_y, by Gauss panels in theta = acos X."""
-    case = {**COMPOSITE, "base": "steel", "thickness": 2e-4, "charge": 2e-5, "magnetic_charge": 1e-2}
+    case = {
+        **COMPOSITE,
+        "base": "steel",
+        "surroundings": "insulated",
+        "thickness": 2e-4,
+        "charge": 2e-5,
+        "magnetic_charge": 1e-2,
+    }
     nodes, weights = np.polynomial.legendre.leggauss(24)
     ends = np.array([0, 1e-3, 0.03, 0.3, 1])  # crowded where the tractions are powers of theta
     ends = np.pi / 2 * np.concatenate([ends, 2 - ends[-2::-1]])

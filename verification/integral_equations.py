@@ -93,6 +93,13 @@ def run(sizes: Sizes) -> Findings:
         check(f"Sliding ball, {body}", moments, sliding_points.TOLERANCE, sliding_points.first_order, case)
         for body, case in bodies.items()
     ]
+    turned = "offset, pressures and charges of cos(angle), below the contact and in the gap; collocation in r"
+    checks += [
+        check(
+            f"Sliding ball in air, {body}", turned, sliding_points.AIR_TOLERANCE, sliding_points.first_order_in_air, h
+        )
+        for body, h in {"half-space": np.inf, "film": 1e-4}.items()
+    ]
     curves.append(
         Curve(
             "collocation_circle",

@@ -1,4 +1,4 @@
-"""Sliding balls of the first order in friction against a contact on a grid that knows every order."""
+"""Sliding balls of the first order in friction: against a grid that knows every order, in air against collocation."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 
 import solver
+from verification.cases import constants
+from verification.oracles.sliding_gap import SlidingGap
 from verification.oracles.sliding_point import SlidingSphere
 
 TOLERANCE = 3e-3  # the grid of 128 x 128: half of it on 256 x 256
@@ -15,7 +17,10 @@ MATERIAL = "BaTiO3"
 BALL: dict[str, Any] = {
     "material": MATERIAL, "profile": "sphere", "radius": 5e-3, "force": 10.0, "magnetic": "insulating",
 }  # fmt: skip
-FILM: dict[str, Any] = BALL | {"thickness": 6e-5, "base": "rigid"}
+FILM: dict[str, Any] = BALL | {"thickness": 6e-5, "base": "rigid", "surroundings": "insulated"}
+AIR_TOLERANCE = 5e-5  # three times the collocation's own
+_AIR_RADIUS, _AIR_FRICTION = 7e-5, 0.3  # of the contact in air [m]
+_AIR_PLACES = 0.05, 0.93, 1.02, 8.0  # r/a at which tractions are compared, below the contact and beside it
 
 
 @dataclass(frozen=True)
@@ -108,3 +113,61 @@ def first_order(case: dict[str, Any]) -> float:
     """Largest difference of the moments at little friction, where the second order is below the grid's error."""
     differences = difference(case, 0.05, 128)
     return max(abs(differences.force_moment), abs(differences.charge_moment))
+
+
+@dataclass(frozen=True)
+class AirDifference:
+    """What the solver has of the first order of a ball in air over the collocation, less 1.
+
+    Attributes
+    ----------
+    offset
+        Of the contact.
+    charges, pressures
+        Of cos(angle), largest difference over the largest value, D_y below the contact and beside it.
+    """
+
+    offset: float
+    charges: float
+    pressures: float
+
+
+def in_air(thickness: float = np.inf, charge: float = 0.0) -> AirDifference:
+    """Of a ball on BaTiO3 with air beside it.
+
+    Parameters
+    ----------
+    thickness : float, of a film on a rigid, grounded base [m]; infinite: a half-space
+    charge : float, C
+    """
+    material = solver.find(MATERIAL)
+    other = SlidingGap(constants(material), BALL["radius"], _AIR_RADIUS, charge, thickness)
+    case = BALL | {"force": other.force, "total_charge": charge, "friction": _AIR_FRICTION, "surroundings": "air"}
+    case |= {"thickness": thickness, "base": "rigid"} if np.isfinite(thickness) else {}
+    first, last, start, stop = _AIR_PLACES
+    some = np.flatnonzero(((other.r > first) & (other.r < last)) | ((other.r > start) & (other.r < stop)))[::3]
+    r = other.r[some]
+    found = solver.solve(case, np.concatenate([r, -r]))
+
+    def off(name: str, exact: np.ndarray[Any, np.dtype[np.float64]]) -> float:
+        values = found[name].values.ravel()
+        own = ((values[: r.size] - values[r.size :]) / (2 * _AIR_FRICTION))[: exact.size]
+        return float(np.max(np.abs(own - exact)) / np.max(np.abs(exact)))
+
+    pressures = other.pressures[1]
+    return AirDifference(
+        float(found["contact_offset"]) / (_AIR_FRICTION * other.offset) - 1,
+        off("electric_displacement", other.charges[1][some]),
+        off("contact_pressure", pressures[some[some < pressures.size]]),
+    )
+
+
+def first_order_in_air(thickness: float) -> float:
+    """Largest of these differences.
+
+    Parameters
+    ----------
+    thickness : float, as of :func:`in_air`
+    """
+    differences = in_air(thickness)
+    return max(abs(differences.offset), differences.charges, differences.pressures)

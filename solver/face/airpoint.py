@@ -16,7 +16,8 @@ from solver.point.sliding import warn_of_order
 from solver.surroundings.pointfields import fields, inside, peaks
 from solver.surroundings.pointquantities import quantities
 
-_BESIDE = ("peak_displacement", "gap_field")
+#: Tractions of the surface that charges beside the contact are.
+_CARRIED = ("electric_displacement", "magnetic_induction")
 
 
 class _InAir(OnPoints):
@@ -30,23 +31,19 @@ class _InAir(OnPoints):
 
     @np.errstate(all="ignore")  # what is not finite is named in the outputs
     def quantities(self) -> dict[str, Array]:
-        """Those of the kind that every case has, to the first order in friction; (...).
-
-        Friction moves what lies around the contact by its first order, which is not solved: largest values beside the
-        edge are then left out.
-        """
-        slides = bool(np.any(self._friction))
+        """Those of the kind that every case has, to the first order in friction; (...)."""
 
         def solved(pressed: Pressed, places: Indices) -> dict[str, Array]:
             warn_of_order(pressed)
             permittivity, end = self._gap(places)
-            values = with_nominal_field(quantities(pressed, permittivity, end), pressed)
+            rim = None if pressed.friction is None else self._rim(places)
+            values = with_nominal_field(quantities(pressed, permittivity, end, rim), pressed)
             if "gap_radius" in self.cases.values and np.any(narrow := values["contact_radius"] > end):
                 raise CaseError(
                     f"gap_radius: {end[narrow][0]:g} is less than the contact's radius "
                     f"{values['contact_radius'][narrow][0]:.4g} m: the punch is at least as wide as its contact"
                 )
-            return {name: value for name, value in values.items() if not (slides and name in _BESIDE)}
+            return values
 
         return self.put_together(solved)
 
@@ -63,7 +60,9 @@ class _InAir(OnPoints):
     @np.errstate(all="ignore")
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
         """Fields of ``solver.fields.POINT_FIELDS`` at r/a that every case has; (..., position)."""
-        self._refuse_sliding("positions: fields")
+        if np.any(self._friction):
+            slid = self.slid(positions, _CARRIED)
+            return self.with_regular(slid, positions) if regular else slid
         values = self.put_together(lambda pressed, own: fields(pressed, *self._gap(own), positions))
         if self._lacks_c12 is None:
             names = [name for name in SURFACE if SURFACE[name] in POINT_NEED_C12]
@@ -72,24 +71,14 @@ class _InAir(OnPoints):
         return self.with_regular(values, positions) if regular else values
 
     def _peaks(self, pressed: Pressed, places: Indices, asked: Set[str]) -> dict[str, Array]:
-        self._refuse_sliding("peaks: those")
         return peaks(pressed, *self._gap(places), self._inside(places, pressed), asked)
 
     def _fields(self, pressed: Pressed, places: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-        self._refuse_sliding("fields: those")
         return inside(pressed, *self._gap(places), self._inside(places, pressed), x, y, names)
 
     def _gap(self, places: Indices) -> tuple[Array, Array]:
         """Relative permittivity of what fills the gaps of some cases, and where they end [m]; (place,) each."""
         return self.flat(self.cases.number("gap_permittivity"))[places], self.flat(self._end)[places]
-
-    def _refuse_sliding(self, what: str) -> None:
-        if np.any(slides := self._friction):
-            raise FactorError(
-                f"{what} of a sliding point contact with air beside it (friction: {np.max(slides):g}) are not given, "
-                "for charges beside it to the first order in friction are not solved; must be 0, or surroundings: "
-                "insulated"
-            )
 
 
 class HalfSpaceInAir(_InAir, OnHalfSpace):

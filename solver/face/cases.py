@@ -13,12 +13,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, stack
 from solver.body import Kind
 from solver.described import Described, Outline
 from solver.face.attributes import attributes, of_output
 from solver.face.filmfactors import kinds_of, present
-from solver.face.refusal import CaseError, FactorError
+from solver.face.refusal import CaseError
 from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
@@ -173,13 +174,10 @@ class Cases:
         for name in (*_OF_A_KIND, "surroundings", "thickness"):
             given = kinds_of(self.arrays) if name == "thickness" else self.arrays.get(name, xr.DataArray())
             kinds = given.values
-            if kinds.size < 2 or len(found := list(dict.fromkeys(kinds.flat))) < 2:
+            if kinds.size < 2 or len(dict.fromkeys(kinds.flat)) < 2:
                 continue
-            if kinds.ndim > 1:
-                raise FactorError(f"{name}: varies along {kinds.ndim} dimensions; give it along one")
-            dim = given.dims[0]
-            places = [np.flatnonzero(kinds == kind) for kind in found]
-            solved = [self._selected(str(dim), place)._by_kind(part) for place in places]
+            dim, places = _split(given)
+            solved = [self._selected(dim, place)._by_kind(part) for place in places]
             shared = [key for key in solved[0].data_vars if all(key in part for part in solved)]
             whole = xr.concat(
                 [part[shared] for part in solved],
@@ -191,6 +189,18 @@ class Cases:
     def _selected(self, dim: str, places: NDArray[np.intp]) -> Self:
         arrays = self.arrays.items()
         return replace(self, arrays={k: a.isel({dim: places}) if dim in a.dims else a for k, a in arrays})
+
+
+def _split(kinds: xr.DataArray) -> tuple[str, list[Indices]]:
+    """A dimension along which kinds differ, and the places on it that are alike in all others."""
+    for dim in kinds.dims:
+        whole = kinds.transpose(dim, ...).values
+        slices: dict[tuple[object, ...], list[int]] = {}
+        for place, values in enumerate(whole.reshape(len(whole), -1)):
+            slices.setdefault(tuple(values), []).append(place)
+        if len(slices) > 1:
+            break
+    return str(dim), [np.array(places) for places in slices.values()]
 
 
 def _label(value: object) -> str:

@@ -12,6 +12,7 @@ from solver.described import Contact
 from solver.face.electrodes import check_electrodes
 from solver.face.filmfactors import check_elasticity, check_films, check_gaps
 from solver.face.refusal import FactorError
+from solver.face.surroundings import settled
 from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
@@ -19,6 +20,7 @@ from solver.names import BODY, CHOICES, COMPOSITES, CONTACTS, FACTORS, MATERIALS
 from solver.units import in_si
 
 _STEEPEST = 1.0  # slope of a cone or wedge beyond which a theory of small slopes says nothing
+_MAY_BE_EMPTY = (*OF_A_FILM, "surroundings")
 _OUTPUT_DIMS = ("position", "x", "y")
 _CHARGES = {
     "charge": "electric", "magnetic_charge": "magnetic", "total_charge": "electric", "total_flux": "magnetic",
@@ -47,7 +49,7 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
         if name in FACTORS:
             array = _number(str(name), _in_si(str(name), array))
         elif name in CHOICES and not isinstance(value, Profile):
-            _choice(str(name), array, (*CHOICES[str(name)], *((None, "") if name in OF_A_FILM else ())))
+            _choice(str(name), array, (*CHOICES[str(name)], *((None, "") if name in _MAY_BE_EMPTY else ())))
         arrays[str(name)] = array
     if BODY not in arrays:
         _check_material(arrays)
@@ -63,6 +65,7 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
     _check_charges(arrays)
     check_films(arrays)
     check_elasticity(arrays, "punch")
+    arrays = settled(arrays)
     check_gaps(arrays)
     check_electrodes(arrays)
     return arrays

@@ -95,8 +95,9 @@ class OnHalfSpace(OnPoints):
     @cached_property
     def _rims(self) -> Rim:
         rim = Rim.of(self._half)
-        flat = (self.flat(value) for value in (rim.stiffness, rim.shear, rim.tangential, rim.transverse))
-        return Rim(np.broadcast_to(rim.coupling, (*self.shape, 3)).reshape(-1, 3), *flat)
+        stiffness, shear, *compliances = map(self.flat, (rim.stiffness, rim.shear, rim.tangential, rim.transverse))
+        coupling, share = (np.broadcast_to(of, (*self.shape, 3)).reshape(-1, 3) for of in (rim.coupling, rim.share))
+        return Rim(coupling, stiffness, shear, share, *compliances)
 
     def _rim(self, places: Indices) -> Rim | None:
         if self._lacks_c12 is not None:
@@ -106,9 +107,7 @@ class OnHalfSpace(OnPoints):
     def _stretch(self, own: Indices) -> Stretch | None:
         if self._lacks_c12 is not None:
             return None
-        share = np.broadcast_to(self._half.in_plane_share, (*self.shape, 3)).reshape(-1, 3)
-        rim = self._rims
-        return Stretch(rim.coupling[own], rim.stiffness[own], rim.shear[own], share[own])
+        return Stretch(*(getattr(self._rims, field.name)[own] for field in fields(Stretch)))
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         own = [float(values[places[0]]) for values in self._constants]

@@ -1,6 +1,6 @@
 """Cases of point contacts: from their factors to punches on half-spaces and films, and their outputs by name."""
 
-from collections.abc import Callable, Sequence, Set
+from collections.abc import Callable, Collection, Sequence, Set
 from typing import Any
 
 import numpy as np
@@ -92,14 +92,24 @@ class OnPoints:
         """
         found = self.put_together(lambda pressed, own: surface_fields(pressed, positions, self._stretch(own)))
         if np.any(self._friction):
-            inside = np.abs(positions) < 1
-            names = [name for name in SURFACE if self._lacks_c12 is None or SURFACE[name] not in POINT_NEED_C12]
-            slid = self.interior(positions, np.zeros(1), [SURFACE[name] for name in names])
-            for name in names:
-                values = slid[SURFACE[name]][..., 0, :]
-                found[name] = values if SURFACE[name] in POINT_NEED_C12 else np.where(inside, values, 0.0)
-            found["contact_pressure"] = 0.0 - found["contact_pressure"]
+            found |= self.slid(positions)
         return self.with_regular(found, positions) if regular else found
+
+    def slid(self, positions: Array, charged: Collection[str] = ()) -> dict[str, Array]:
+        """Fields on the surface with what friction adds, as those inside that end there; (..., position) each.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (position,), x/a
+        charged : collection of str, tractions that the surface carries beside the contact, too
+        """
+        names = [name for name in SURFACE if self._lacks_c12 is None or SURFACE[name] not in POINT_NEED_C12]
+        inside = self.interior(positions, np.zeros(1), [SURFACE[name] for name in names])
+        found = {name: inside[SURFACE[name]][..., 0, :] for name in names}
+        for name in names:
+            if SURFACE[name] not in POINT_NEED_C12 and name not in charged:
+                found[name] = np.where(np.abs(positions) < 1, found[name], 0.0)
+        return found | {"contact_pressure": 0.0 - found["contact_pressure"]}
 
     def with_regular(self, found: dict[str, Array], positions: Array) -> dict[str, Array]:
         """Fields, and those that are singular at the edge times its root; (..., position) each.

@@ -1,10 +1,10 @@
 """What the layers below a graded film make of friction: Abel's equation of odd densities on pieces (points, 8).
 
-With Lambda of (P4.3), M(x) = int_0^inf Delta_ox sin(kx) dk and psi_0 the half-space's closed answer, what is left of
+With Lambda of (P4.3), Lambda_x of :mod:`solver.point.spread` and psi_0 the half-space's closed answer, what is left of
 psi obeys
 
     N chi(b) + (a/pi) int_-1^1 Lambda(a |b - b'|) chi(b') db' = -(a/pi) int_-1^1 Lambda(a |b - b'|) psi_0(b') db'
-        + (a/pi) int_-1^1 M(a (b - b')) phi_sigma(b') db' - k H[phi_added](b),
+        + (a/pi) int_-1^1 Lambda_x(a (b - b')) phi_sigma(b') db' - k H[phi_added](b),
 
 phi_added what the layers add without friction. chi has (1 - b) log(1 - b)^2 at the edge and stands on the pieces of
 :mod:`solver.point.gradedterms`, odd.
@@ -22,7 +22,7 @@ from solver.point.gradedterms import coupled, pieces
 from solver.point.pieces import Pieces
 from solver.point.profile import Shape
 from solver.point.response import Response
-from solver.point.spread import sheared_spread, spread
+from solver.point.spread import sheared, spread
 
 _EDGE = np.ones(1)
 
@@ -118,7 +118,7 @@ class GradedLayers:
         count, points = even.count, odd.points
         away, sign = radius * np.abs(points.distances), np.sign(points.distances)[:, None]
         normal = radius / np.pi * spread(self.stack, self.reach).at(away)
-        sheared = radius / np.pi * sign * sheared_spread(self.stack, self.reach).at(away)
+        along_x = radius / np.pi * sign * sheared(self.stack, self.reach).at(away)
         layers = coupled(odd.integrated(normal), self.conducts)  # (3, place, 3, node)
         own = np.einsum("ij,mn->imjn", response.compliance, np.eye(count))
         system = (own + layers[:, :count]).reshape(3 * count, 3 * count)
@@ -126,7 +126,7 @@ class GradedLayers:
         turned, moved = (coupled(odd.summed(normal * values[:, None]), self.conducts) for values in _closed(self.shape))
         along, unit = response.answers
         size = (causes.strengths if self.shape.flat else causes.form)[:, 0]
-        pushed = np.einsum("mni,cn->imc", even.integrated(sheared), causes.at(even.nodes)[:, 0])
+        pushed = np.einsum("mni,cn->imc", even.integrated(along_x), causes.at(even.nodes)[:, 0])
         bent = hilbert(kinked=self._kinked) @ (causes.series[:, 0, :-1] - causes.series[:, 0, -1:]).T
         right = np.where(np.array([True, *self.conducts])[:, None, None], pushed, 0.0)
         right += (turned @ along)[..., None] * size - response.coupling[:, None, None] * bent

@@ -25,13 +25,12 @@ from solver.point.gradedterms import pieces_below
 from solver.point.pieces import Pieces
 from solver.point.pressed import Contact, Friction, Pressed
 from solver.point.response import Response
-from solver.point.rim import Rim
+from solver.point.rim import Rim, edge_sums
 from solver.point.slidingtable import sliding_window, turns
 from solver.point.tractions import Tractions
 
 _MOST_FRICTION, _MOST_ANGLE = 0.6, 0.2  # beyond which a warning tells the size of what is neglected
 _EDGE = np.ones(1)
-_ANGLES = 60  # nodes of the integrals around the edge
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,18 +145,12 @@ class Rubbed:
     def tension(self, rim: Rim) -> Array:
         """sigma_xx just outside the trailing edge [Pa]; (case,)."""
         contact, friction = self.contact, self._friction
-        of_loads = np.einsum("...i,...i->...", rim.coupling, contact.loads) / (2 * np.pi * contact.radius**2)
-        x, w = np.polynomial.legendre.leggauss(_ANGLES)
-        angle, weights = np.pi / 4 * (1 + x), np.pi / 4 * w
-        rubbed = (
-            friction.coefficient[:, None] * self.density.falling(np.sin(angle))[:, 0] / contact.pressed.units[:, :1]
-        )
-        first, third = (rubbed @ (np.sin(n * angle) * weights) for n in (1, 3))
         at = hankel.nodes(kinked=True)
         turned = self.sines(at.b) @ (at.b * at.weights) / contact.pressed.units
-        found = rim.shear * (2 * np.einsum("...i,...i->...", rim.coupling, turned) - of_loads)
-        along, across = rim.tangential, rim.transverse * rim.shear / 4
-        found -= (along * (rim.stiffness - rim.shear / 4) + across) * first - (along * rim.shear / 4 - across) * third
+        unit = friction.coefficient / contact.pressed.units[:, 0]
+        first, third = edge_sums(self.density)
+        moments = 2 * turned - contact.loads / (2 * np.pi * contact.radius[:, None] ** 2)
+        found = rim.tension(moments, (unit * first, unit * third))
         if isinstance(body := contact.pressed.body, Film):
             for places, of in body.windows(contact.radius):
                 log_ratio = np.log(contact.radius[places] / body.thickness[places])

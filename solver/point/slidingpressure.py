@@ -97,28 +97,38 @@ class Ray:
 
 
 @lru_cache(_KEPT)
-def _ray(shape: Shape) -> Ray:
+def ray_of(shape: Shape) -> Ray:
+    """Made once."""
     return Ray.of(shape)
 
 
 @lru_cache(_KEPT)
 def _own(shape: Shape) -> tuple[Array, Array]:
     """Of a unit shift and of the half-space's unit form: (place,) each."""
-    ray, e = _ray(shape), shape.exponent
-    moved = (e - 1) * ray.summed(ray.b.ravel() ** (e - 2))
-    return moved, shape.rise * 2 / np.pi * ray.summed(turned_form_rates(e, ray.b.ravel()))
+    own, e = ray_of(shape), shape.exponent
+    b = own.b.ravel()
+    return (e - 1) * own.summed(b ** (e - 2)), shape.rise * 2 / np.pi * own.summed(turned_form_rates(e, b))
 
 
 @lru_cache(_KEPT)
 def _added(shape: Shape, even: int, count: int) -> tuple[Array, Array]:
     """Of what layers add without friction, by its even functions, and of P_n(2 b - 1); (n, place) each."""
-    ray = _ray(shape)
-    b = ray.b.ravel()
-    return 2 / np.pi * ray.summed(second_kind_rates(b, even)), ray.summed(legendre_rates(b, count).T)
+    own = ray_of(shape)
+    b = own.b.ravel()
+    return 2 / np.pi * own.summed(second_kind_rates(b, even)), own.summed(legendre_rates(b, count).T)
 
 
-def _turned_pressures(response: Response, density: Density, shift: Array, series: Array) -> Array:
-    """p1 per eta at the places of the ray; (column, place)."""
+def turned_pressures(response: Response, density: Density, shift: Array, series: Array, channel: int = 0) -> Array:
+    """p1 per eta at the places of the ray, or of another channel what answers to it; (column, place).
+
+    Parameters
+    ----------
+    response : Response, of the half-space of the top
+    density : Density, at rest
+    shift : ndarray, shape (column,), c over a times the densities' unit
+    series : ndarray, shape (column, n), coefficients of P_n(2 b - 1) that are added to psi of the channel
+    channel : int, of (sigma_yy, D_y, B_y)
+    """
     along, unit = response.answers
     moved, form = _own(density.shape)
     turned = density.form[:, :1] * form
@@ -126,8 +136,9 @@ def _turned_pressures(response: Response, density: Density, shift: Array, series
         even, more = _added(density.shape, density.signed.shape[-1], series.shape[-1])
         turned = turned + density.signed[:, 0] @ even
     else:
-        more = odd_rates(replace(density.pieces, odd=True), tuple(_ray(density.shape).x.tolist())).T
-    return np.asarray((shift * unit[..., 0])[:, None] * moved - along[..., :1] * turned + series @ more)
+        more = odd_rates(replace(density.pieces, odd=True), tuple(ray_of(density.shape).x.tolist())).T
+    own = (shift * unit[..., channel])[:, None] * moved - along[..., channel, None] * turned
+    return np.asarray(own + series @ more)
 
 
 @lru_cache(_KEPT)
@@ -137,7 +148,7 @@ def _of_halfspace(shape: Shape) -> Array:
     density = Density(shape, 0 * one, -one, np.zeros((1, 3, 0)))
     response = Response(np.eye(3), np.eye(3)[0], shape)
     shift = response.shift(density.turned(np.ones(1))[:, 0, 0])
-    return np.asarray(_turned_pressures(response, density, shift, np.zeros((1, 1)))[0])
+    return np.asarray(turned_pressures(response, density, shift, np.zeros((1, 1)))[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +167,7 @@ class TurnedWindow:
     def _series(self) -> Array:
         """Chebyshev coefficients of p1 per (V, Psi, g) and eta; (node, 3, place)."""
         found = [
-            _turned_pressures(self.window.response, causes, shift, series[:, 0])
+            turned_pressures(self.window.response, causes, shift, series[:, 0])
             for causes, shift, series in self.window.solutions
         ]
         return coefficients(np.array(found))
@@ -195,14 +206,14 @@ def largest_pressure(contact: Contact, friction: Friction) -> Array:
         some = slid[first : first + _TOGETHER]
         middle, turned = _pressures(contact, friction, some)
         size = (contact.size / contact.radius / contact.pressed.units[:, 0])[some]
-        found[some] = np.maximum(at_rest[some], size * _ray(contact.pressed.body.shape).top(middle, turned))
+        found[some] = np.maximum(at_rest[some], size * ray_of(contact.pressed.body.shape).top(middle, turned))
     return found
 
 
 def _pressures(contact: Contact, friction: Friction, some: Indices) -> tuple[Array, Array]:
     """p0 and p1 of some cases at the places of the ray, over C a^(e-1); (case, place) each."""
     body, eta = contact.pressed.body, friction.coefficient[some, None]
-    shape, ray = body.shape, _ray(body.shape)
+    shape, ray = body.shape, ray_of(body.shape)
     inverse = np.linalg.inv(np.broadcast_to(contact.state.stiffness.compliance, (contact.radius.size, 3, 3))[some])
     middle = 2 / np.pi * inverse[:, :1, 0] * halfspace_form(shape, ray.x, ray.r)
     if not isinstance(body, Film):

@@ -3,10 +3,13 @@
     Lambda(x) = int_0^inf Delta(k) cos(kx) dk,
     chi(s) = N S(s) + (1/pi) int_0^inf [Lambda(s - s') + Lambda(s + s')] S(s') ds',
 
-of the six pairs of (y, phi, psi), Delta = Y_top - Y0. Far away only the beginning of Delta matters: a smooth end is
-put to it, of a width that the distance does not see. Under a graded layer Lambda = sum_j Y_j rho_j(x) + T(x): rho_j are
-closed and hold what is singular at x = 0, T stands in the table; the same of what friction makes of the pressure,
-M(x) = int_0^inf Delta_ox(k) sin(kx) dk.
+of the six pairs of (y, phi, psi), Delta = Y_top - Y0. Friction sigma_xy = eta sigma_yy adds to chi of cos(angle)
+
+    -(1/2) int_0^1 [Lambda_x(s + b) + Lambda_x(s - b)] phi_sigma(b) db,    Lambda_x(x) = int_0^inf Delta_ox sin(kx) dk.
+
+Far away only the beginning of Delta matters: a smooth end is put to it, of a width that the distance does not see.
+Under a graded layer Lambda = sum_j Y_j rho_j(x) + T(x): rho_j are closed and hold what is singular at x = 0, T stands
+in the table; Lambda_x likewise.
 """
 
 from dataclasses import dataclass, replace
@@ -24,28 +27,27 @@ from solver.film.stack import Stack
 
 #: The pairs, over (x, y, phi, psi).
 PAIRS = ENTRIES[:6]
-#: Those of what friction along x does.
-SHEARED = ENTRIES[6:9]
+_SHEARED = ENTRIES[6:9]
 
-_FAR = 1e4  # strips from which what is left falls like 1/x^2
+_FAR = 1e4  # strips from which what is left falls like 1/x^2, of Lambda_x like 1/x
 _MOST = 4_000_000  # values of one block of a transform
 _TAILS = 4
 
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """Lambda or M over the distance.
+    """Lambda or Lambda_x over the distance.
 
     Attributes
     ----------
     table
-        Lambda or M, without the tails' own under a graded layer, of the pairs; (distance, pair).
+        Either, under a graded layer without what is closed of it, of its pairs; (distance, pair).
     width
         b of rho_j, see :func:`solver.film.grading.local_tails`.
     tails
         Y_j of the pairs under a graded layer; (4, pair).
     odd
-        Whether it is M.
+        Whether it is Lambda_x.
     """
 
     table: Piecewise
@@ -54,11 +56,11 @@ class Spread:
     odd: bool = False
 
     def at(self, x: Array) -> Array:
-        """Lambda or M at distances x >= 0; (..., pair)."""
+        """Lambda or Lambda_x at distances x >= 0; (..., pair)."""
         reach = self.table.ends[-1]
         found = self.table.at(np.minimum(x, reach))
         beyond = x > reach
-        found[beyond] *= (reach / x[beyond, None]) ** 2
+        found[beyond] *= (reach / x[beyond, None]) ** (1 if self.odd else 2)
         if self.tails is not None:
             local = local_sines if self.odd else local_tails
             found += (local(x.ravel(), self.width).T @ self.tails).reshape(found.shape)
@@ -86,52 +88,43 @@ def spread(stack: Stack, reach: float | None = None) -> Spread:
     StackError
         A profile that is not smooth.
     """
-    width = strip(stack)
-    if stack.top.graded:
-        return _below_graded(stack, width, float(reach or _FAR * width), odd=False)
-    ends = growing(width, reach or _FAR * width)
-
-    def transformed(x: Array) -> Array:
-        k, weights, taper = tapered(stack, width, x)
-        return _summed(x, k, weights * taper, waves(stack, k)[0].difference, odd=False)
-
-    return Spread(Piecewise.of(transformed, ends, DEGREE + 1, octave(ends, width)), width)
+    return _tabled(stack, reach, odd=False)
 
 
 @lru_cache(32)
-def sheared_spread(stack: Stack, reach: float) -> Spread:
-    """M below a graded layer, of what friction along x does to (y, phi, psi).
+def sheared(stack: Stack, reach: float | None = None) -> Spread:
+    """Lambda_x of (y, phi, psi) at distances x >= 0, odd in them.
 
     Parameters
     ----------
-    stack : Stack, its top layer graded
-    reach : float, how far it is asked for [m]
+    stack, reach : as of :func:`spread`
 
     Raises
     ------
     StackError
         A profile that is not smooth.
     """
-    return _below_graded(stack, strip(stack), reach, odd=True)
+    return _tabled(stack, reach, odd=True)
 
 
-def _below_graded(stack: Stack, width: float, reach: float, *, odd: bool) -> Spread:
-    response, pairs = graded_response(stack), SHEARED if odd else PAIRS
-    ends = growing(width, reach, halvings=FINEST)
+def _tabled(stack: Stack, reach: float | None, *, odd: bool) -> Spread:
+    width, graded = strip(stack), graded_response(stack) if stack.top.graded else None
+    pairs, wave = (_SHEARED, np.sin) if odd else (PAIRS, np.cos)
 
     def transformed(x: Array) -> Array:
-        k, weights, taper = tapered(stack, graded_strip(stack), x, long=1.0)
-        return _summed(x, k, weights * taper, response.decayed(k, width, _TAILS), odd=odd)
+        """At distances that are not far apart; (x, pair)."""
+        if graded is None:
+            k, weights, taper = tapered(stack, width, x)
+            values = waves(stack, k)[0].difference
+        else:
+            k, weights, taper = tapered(stack, graded_strip(stack), x, long=1.0)
+            values = graded.decayed(k, width, _TAILS)
+        rows = np.stack([weights * taper * values[:, i, j] for i, j in pairs], -1)
+        found, step = np.empty((x.size, len(pairs))), max(_MOST // k.size, 1)
+        for start in range(0, x.size, step):
+            found[start : start + step] = wave(x[start : start + step, None] * k) @ rows
+        return found
 
+    ends = growing(width, reach or _FAR * width, halvings=FINEST if graded else 0)
     table = Piecewise.of(transformed, ends, DEGREE + 1, octave(ends, width))
-    return Spread(table, width, np.stack([response.tails[:, i, j] for i, j in pairs], -1), odd)
-
-
-def _summed(x: Array, k: Array, weights: Array, values: Array, *, odd: bool) -> Array:
-    """int of values (k, 4, 4) times cos kx, or sin kx where odd, at distances that are not far apart; (x, pair)."""
-    pairs, wave = (SHEARED, np.sin) if odd else (PAIRS, np.cos)
-    rows = np.stack([weights * values[:, i, j] for i, j in pairs], -1)
-    found, step = np.empty((x.size, len(pairs))), max(_MOST // k.size, 1)
-    for start in range(0, x.size, step):
-        found[start : start + step] = wave(x[start : start + step, None] * k) @ rows
-    return found
+    return Spread(table, width, np.stack([graded.tails[:, i, j] for i, j in pairs], -1) if graded else None, odd)

@@ -193,7 +193,7 @@ class PointState:
         return 1 / (1 + (self.of.rings.grid.distance * self.radius / self.of.end) ** 2)
 
     @cached_property
-    def _conductance(self) -> Array:
+    def conductance(self) -> Array:
         """Density over its size per potential, times the gap over the profile's; (field, n)."""
         share = self.thinned / (self.of.rings.size * self.of.profile) * self.radius / self.size
         return np.asarray(self.of.media[:, None] * share)
@@ -204,7 +204,7 @@ class PointState:
         rows, load = self.of.rows, self.size * self.radius
         force = load * self.outputs[0] / self.of.force + 1
         closings = [self._closing(place) for place in range(len(rows.fields))]
-        law = self.over_size * self.gap / self.of.profile - self._conductance * self._beside(self.outputs)[1]
+        law = self.over_size * self.gap / self.of.profile - self.conductance * self._beside(self.outputs)[1]
         return np.concatenate([[force, self.outputs[rows.edges][0], *closings], law.ravel()])
 
     def _closing(self, place: int) -> float:
@@ -238,7 +238,7 @@ class PointState:
                 matrix[2 + place] = self._rates[1 + place]
                 matrix[2 + place, 0] -= (e + 1) * self.of.given[place] / load
             own = slice(first + place * n, first + (place + 1) * n)
-            conductance = self._conductance[place]
+            conductance = self.conductance[place]
             law = -conductance[:, None] * potentials[place]
             law[:, 0] -= conductance * (1 - e - 2 * (1 - self.thinned)) * self._beside(self.outputs)[1][place]
             if moved:

@@ -164,7 +164,7 @@ class Charges:
 
     def _summed(self, rule: Array, z: ComplexArray) -> tuple[Array, Array]:
         """Real and imaginary part of the sum of rule / (cosh u - z); (2, point) each."""
-        away = np.cosh(self._u).ravel()[:, None] - z.real
+        away = 2 * np.sinh(self._u / 2).ravel()[:, None] ** 2 - (z.real - 1)  # a difference of distances to the edge
         size = away**2 + z.imag**2
         size[size == 0] = _TINY
         return rule @ (away / size), (rule @ (1 / size)) * z.imag

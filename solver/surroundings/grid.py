@@ -25,7 +25,8 @@ from solver.surroundings.rules import GRADED, Rules, gauss, spans
 LEVEL, GROWING = (2,), (0, 1, 2)
 
 #: Ends of the panels in theta next to the edge: charges vary on the scale on which the gap opens.
-_EDGE = (0.0, 0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
+_EDGE = (0.0, 0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 0.78, 1.0)
+_BEYOND = (1.4, 1.9)  # ends of the next ones
 _WIDTH = 0.9  # of the panels beyond
 CLOSE = float(np.cosh(_EDGE[-1]))  # X at which those next to the edge end
 _NODES = 7  # a panel
@@ -59,7 +60,7 @@ class Grid:
         logarithms : tuple of int, see :class:`Grid`
         """
         last = np.arccosh(max(distance, 2.0))
-        count = max(int(np.ceil((last - _EDGE[-1]) / _WIDTH)), 1)
+        count = max(int(np.ceil((last - _BEYOND[-1]) / _WIDTH)), 0)
         return _grid(count, logarithms)
 
     @cached_property
@@ -363,4 +364,4 @@ class Grid:
 
 @lru_cache(32)
 def _grid(count: int, logarithms: tuple[int, ...]) -> Grid:
-    return Grid((*_EDGE, *(_EDGE[-1] + _WIDTH * np.arange(1, count + 1))), logarithms)
+    return Grid((*_EDGE, *_BEYOND, *(_BEYOND[-1] + _WIDTH * np.arange(1, count + 1))), logarithms)

@@ -14,6 +14,7 @@ from solver.point.pressed import Pressed
 from solver.point.pressure import finite
 from solver.surroundings.pointquantities import solved
 from solver.surroundings.pointtractions import AirPointTractions, SolvedPoint
+from solver.surroundings.slidpoint import SlidPoint
 
 _FIELDS = ("contact_pressure", "electric_displacement", "magnetic_induction")
 
@@ -23,6 +24,7 @@ class _Found:
     """One case: what lies on its surface, its units, its contact radius and the unit of its body's lengths [m]."""
 
     on: SolvedPoint
+    slid: SlidPoint | None
     units: Array
     radius: float
     length: float
@@ -30,7 +32,7 @@ class _Found:
     @property
     def tractions(self) -> AirPointTractions:
         """On the whole surface, in the units of the body."""
-        return self.on.tractions(self.radius / self.length)
+        return (self.slid or self.on).tractions(self.radius / self.length)
 
 
 def fields(pressed: Pressed, permittivity: Array, end: Array, positions: Array) -> dict[str, Array]:
@@ -109,4 +111,4 @@ def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[
     for case, state, operators in solved(pressed, permittivity, end):
         radius = state.radius * case.length
         length = case.length if case.layered else radius
-        yield case.place, _Found(SolvedPoint(state, operators), case.units, radius, length)
+        yield case.place, _Found(SolvedPoint(state, operators), case.slid(state), case.units, radius, length)

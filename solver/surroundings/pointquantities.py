@@ -14,15 +14,21 @@ from solver.point.pressed import Contact, Pressed
 from solver.point.pressure import SAMPLES, climbed, finite
 from solver.point.profile import Shape
 from solver.point.quantities import RESPONSES
+from solver.point.rim import Rim
+from solver.point.spread import sheared
 from solver.surroundings.airpoint import AirPoint, PointState
 from solver.surroundings.largest import peak_of_panels
+from solver.surroundings.pointtractions import SolvedPoint
 from solver.surroundings.refusal import lacking_at_point, require
 from solver.surroundings.ringoperators import WITHIN, RingOperators
 from solver.surroundings.rings import rings
 from solver.surroundings.ringtable import RingsByRadius, RingsOnHalfSpace
 from solver.surroundings.ringwindows import RingWindows
+from solver.surroundings.slidpoint import SlidPoint
+from solver.surroundings.slidquantities import largest_beside, largest_within, trailing_tension, warn_of_charges
 
 _MATERIALS = 64
+_REACH = "reach"  # among the quantities of a case: of the gap's field
 
 
 @lru_cache(_MATERIALS)
@@ -30,10 +36,10 @@ def _on_half_space(compliance: tuple[float, ...], fields: tuple[int, ...], shape
     return RingsOnHalfSpace(RingOperators(rings(), fields, np.reshape(compliance, (3, 3)), shape))
 
 
-def quantities(pressed: Pressed, permittivity: Array, end: Array) -> dict[str, Array]:
+def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | None = None) -> dict[str, Array]:
     """Quantities of ``solver.names``, those of a point without air and those that only a gap has; (case,) each.
 
-    Edge intensities are absent: those of fields that the air carries do not exist.
+    Edge intensities are absent: those of fields that the air carries do not exist. With friction to the first order.
 
     Parameters
     ----------
@@ -43,6 +49,8 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array) -> dict[str, A
         Relative permittivity of what fills the gap; (case,).
     end
         Radius of the punch [m], at which its gap ends; (case,).
+    rim
+        The surface beside the contacts, where they slide; None without c12.
 
     Raises
     ------
@@ -51,11 +59,13 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array) -> dict[str, A
     SurroundingsError
         A punch or a body that the theory of air does not cover.
     """
-    order = np.argsort(pressed.charged.radius / pressed.length, kind="stable")  # cases beside each other share tables
-    posed = list(_cases(pressed, permittivity, end))
-    cases = [_of_case(*posed[place]) for place in order.tolist()]
+    ratio = pressed.charged.radius / pressed.length
+    # those of like radius share tables
+    posed = sorted(_cases(pressed, permittivity, end), key=lambda one: float(ratio[one[0].place]))
+    cases = [_of_case(case, contacts, rim) for case, contacts in posed]
+    warn_of_charges(max(case.pop(_REACH, 0.0) for case in cases))
     names = [name for name in cases[0] if all(name in case for case in cases)]
-    back = np.argsort(order)
+    back = np.argsort([case.place for case, _ in posed])
     return {name: np.array([case[name] for case in cases])[back] for name in names}
 
 
@@ -78,7 +88,8 @@ class Case:
         self, pressed: Pressed, windows: RingWindows | None, place: int, fields: tuple[int, ...],
         permittivity: float, end: float,
     ) -> None:  # fmt: skip
-        body, self.fields, self._pressed, self.place = pressed.body, fields, pressed, place
+        body = pressed.body
+        self.body, self.fields, self._pressed, self.place = body, fields, pressed, place
         self._windows = windows
         self.units = pressed.units[place]
         self.layered = isinstance(body, Film)
@@ -100,6 +111,20 @@ class Case:
         """With its own charges."""
         start = contacts["charged"]
         return self.state(start.pressed.charges[self.place], False, float(start.radius[self.place]))
+
+    def slid(self, state: PointState) -> SlidPoint | None:
+        """What friction makes of a solution; None where nothing is said of friction.
+
+        Parameters
+        ----------
+        state : PointState, the solution
+        """
+        friction = self._pressed.friction
+        if friction is None:
+            return None
+        layers = sheared(self.body.kind.film.stack()) if isinstance(self.body, Film) else None
+        on = SolvedPoint(state, self.operators(state.radius).exact)
+        return SlidPoint(on, float(friction.coefficient[self.place]), friction.coupling[self.place], layers)
 
     def state(self, charges: Array, held: bool, start: float, near: PointState | None = None) -> PointState:
         """With charges [C, Wb], or with all potentials at zero, from a radius [m] or from another state on.
@@ -133,11 +158,10 @@ class Case:
         ratio : float, contact radius over the unit of the body's lengths
         wide : bool, for radii of half a decade
         """
-        body = self._pressed.body
         if self._windows is not None:
             return self._windows.wide(ratio) if wide else self._windows.narrow(ratio)
-        assert isinstance(body, HalfSpace)
-        return _on_half_space(tuple(body.compliance[self.place].ravel().tolist()), self.fields, body.shape)
+        assert isinstance(self.body, HalfSpace)
+        return _on_half_space(tuple(self.body.compliance[self.place].ravel().tolist()), self.fields, self.body.shape)
 
 
 def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[Case, dict[str, Contact]]]:
@@ -152,7 +176,7 @@ def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[
         yield Case(pressed, windows, place, fields, float(permittivity[place]), float(end[place])), contacts
 
 
-def _of_case(case: Case, contacts: dict[str, Contact]) -> dict[str, float]:
+def _of_case(case: Case, contacts: dict[str, Contact], rim: Rim | None) -> dict[str, float]:
     place, nothing = case.place, np.zeros(2)
     charges = contacts["charged"].pressed.charges[place]
     state = case.charged(contacts)
@@ -166,9 +190,13 @@ def _of_case(case: Case, contacts: dict[str, Contact]) -> dict[str, float]:
         "contact_stiffness": float(tangent[0, 0]),
         "contact_stiffness_open": -case.length / float(free[0, 0] * case.units[0] ** 2),
     }
-    bounded = finite(state.of.shape)
+    bounded, slid = finite(state.of.shape), case.slid(state)
     if bounded:
-        out["peak_pressure"] = _peak_pressure(state) * size / float(case.units[0])
+        out["peak_pressure"] = largest_within(slid, None, _peak_pressure(state)) * size / float(case.units[0])
+    if slid is not None:
+        out |= {"contact_offset": slid.shift * out["contact_radius"], _REACH: slid.reach}
+        if rim is not None:
+            out["trailing_tension"] = trailing_tension(slid, rim.of_case(case.place), case.body, case.units)
     fixed = np.linalg.inv(state.at_fixed_contact)
     for row, field in enumerate(case.fields):
         j, unit = 1 + row, float(case.units[1 + field])
@@ -183,15 +211,14 @@ def _of_case(case: Case, contacts: dict[str, Contact]) -> dict[str, float]:
         )
         out |= dict(zip(RESPONSES[field], values, strict=True))
         if field == 0:
-            density = size / unit
-            beside = state.densities[row] / state.thinned
+            density, gap = size / unit, largest_beside(state, slid, row, gap=True)
             out |= {
                 "contact_capacitance_at_force": -float(capacity),
-                "gap_field": _peak_beside(state, beside) * density / float(case.permittivity[0]),
+                "gap_field": gap * density / float(case.permittivity[0]),
             }
             if bounded:
-                largest = max(_peak_within(state, row), _peak_beside(state, state.densities[row]))
-                out["peak_displacement"] = largest * density
+                within = largest_within(slid, field, _peak_within(state, row))
+                out["peak_displacement"] = max(within, largest_beside(state, slid, row, gap=False)) * density
     return out
 
 
@@ -217,9 +244,3 @@ def _peak_within(state: PointState, row: int) -> float:
     first, count = SAMPLES.size, (state.inside.size - SAMPLES.size) // len(state.of.rows.fields)
     own = state.inside[first + row * count : first + (row + 1) * count]
     return max(peak_of_panels(own[:-1].reshape(-1, WITHIN)), abs(float(own[-1])))
-
-
-def _peak_beside(state: PointState, values: Array) -> float:
-    """Largest of values at the nodes, on the finite panels."""
-    grid = state.of.rings.grid
-    return peak_of_panels(values.reshape(grid.panels, -1)[:-1])

@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array
+from solver.arrays import Array, BoolArray
 from solver.film.kernel import on_panels, panels
 from solver.film.stack import Stack
 from solver.point import hankel
@@ -21,19 +21,19 @@ from solver.point.tractions import Tractions
 from solver.surroundings.airpoint import PointState
 from solver.surroundings.charges import Charges
 from solver.surroundings.ringoperators import RingOperators
-from solver.surroundings.rings import Rings
+from solver.surroundings.rings import Rings, rings
 from solver.surroundings.spectrum import Spectrum
 from solver.surroundings.tractions import from_smaller
 
 
 @dataclass(frozen=True, eq=False)
 class AirPointTractions(Tractions):
-    """Those of one contact, one column, without friction.
+    """Those of one contact, one column.
 
     Parameters
     ----------
     beside
-        (2/pi) S beside the contact, one half of it on each side; of the two fields.
+        Of the two fields beside the contact: the sum of both sides is (2/pi) S at rest, their difference friction's.
     """
 
     beside: Charges = field(kw_only=True)
@@ -56,8 +56,8 @@ class AirPointTractions(Tractions):
     def _ends(self) -> list[float]:
         return [float(end) for end in np.cosh(self.beside.ends[1:])]
 
-    def vectors(self, b: Array, columns: Indices) -> tuple[Array, None]:
-        """As without air, and at b > 1; (1, 4, b).
+    def vectors(self, b: Array, columns: Indices) -> tuple[Array, Array | None]:
+        """As without air, and at b > 1; (1, 4, b) each.
 
         Parameters
         ----------
@@ -65,13 +65,13 @@ class AirPointTractions(Tractions):
         columns : ndarray of int, the one
         """
         within = b <= 1
-        found = np.zeros((1, 4, b.size))
-        found[:, 1:, within] = self.density.at(b[within])
-        found[0][2:, ~within] = 2 * self.beside.at(b[~within])
-        return found, None
+        right, left = self.beside.at(b[~within]), self.beside.at(-b[~within])
+        first, second = super().vectors(b[within], columns)
+        plain = _continued(first, within, right + left)
+        return plain, None if second is None else _continued(second, within, right - left)
 
-    def transforms(self, phases: Array, columns: Indices) -> tuple[Array, None]:
-        """As without air, with the spectra of the rings; (k, 4, 1).
+    def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:
+        """As without air, with the spectra of the rings; (k, 4, 1) each.
 
         Parameters
         ----------
@@ -79,10 +79,17 @@ class AirPointTractions(Tractions):
         columns : ndarray of int, the one
         """
         at = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
-        found = np.zeros((phases.size, 4, 1))
-        found[:, 1:, 0] = np.cos(phases[:, None] * at.b) @ (self.density.at(at.b)[0] * at.weights).T
-        found[:, 2:, 0] += self._spectrum(float(np.max(phases))).at(phases).real.T
-        return found, None
+        first, second = super().vectors(at.b, columns)
+        spectrum = self._spectrum(float(np.max(phases))).at(phases)
+        cosines = np.cos(phases[:, None] * at.b) * at.weights
+        plain = cosines @ first[0].T
+        plain[:, 2:] += spectrum.real.T
+        if second is None:
+            return plain[..., None], None
+        sines = np.sin(phases[:, None] * at.b) * at.weights
+        turned = np.concatenate([cosines @ second[0, :1].T, sines @ second[0, 1:].T], 1)
+        turned[:, 2:] -= spectrum.imag.T
+        return plain[..., None], turned[..., None]
 
     def wavenumbers(self, stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
         """As without air; charges far away count for long waves alone.
@@ -108,6 +115,14 @@ class AirPointTractions(Tractions):
     @cached_property
     def _spectra(self) -> dict[int, Spectrum]:
         return {}
+
+
+def _continued(part: Array, within: BoolArray, beside: Array) -> Array:
+    """Densities of (sigma_xy, sigma_yy, D_y, B_y) below the contact, and those beside it; (1, 4, b)."""
+    found = np.zeros((1, 4, within.size))
+    found[..., within] = part
+    found[0][2:, ~within] = beside
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,38 +163,61 @@ class SolvedPoint:
         """Sizes of the profile's closed part; (channel,)."""
         return np.asarray(-2 / np.pi * self.operators.inverse[:, 0])
 
-    def tractions(self, ratio: float) -> AirPointTractions:
-        """On the whole surface; the contact radius over the unit of the body's lengths."""
-        signs = (-1.0) ** np.arange(self._series.shape[1])
-        strengths, form, series = (
-            self._of_channels(value)[None] * self.unit for value in (self._series @ signs, self._form, self._series)
-        )
-        density = Density(self.operators.shape, strengths, form, series)
-        return AirPointTractions(np.array([ratio]), density, np.zeros(1), beside=self._beside)
-
     @cached_property
-    def _beside(self) -> Charges:
-        grid = self._rings.grid
-        S = np.zeros((2, grid.count))
-        for field_, own in zip(self.operators.rows.fields, self.state.over_size, strict=True):
-            S[field_] = self._rings.gathered @ own / grid.size * (self.unit / np.pi)
-        return Charges(grid, np.stack([S, S]))
+    def density(self) -> Density:
+        """Below the punch, over C a^(e-1)."""
+        form, series = self._of_channels(self._form)[None], self._of_channels(self._series)[None]
+        strengths = series @ (-1.0) ** np.arange(series.shape[2])
+        return Density(self.operators.shape, strengths, form, series)
+
+    def tractions(self, ratio: float, turned: Array | None = None) -> AirPointTractions:
+        """On the whole surface, at rest but for charges beside the contact.
+
+        Parameters
+        ----------
+        ratio : float, contact radius over the unit of the body's lengths
+        turned : ndarray, shape (field, n), densities of cos(angle) over C a^(e-1) and their size; None: none
+        """
+        grid, density = self._rings.grid, self.density.times(np.full(3, self.unit))
+        S = self.state.over_size @ self._rings.gathered.T
+        odd = np.zeros_like(S) if turned is None else turned @ rings(1).gathered.T
+        sides = np.zeros((2, 2, grid.count))
+        sides[:, list(self.operators.rows.fields)] = np.stack([S + odd, S - odd]) / grid.size * (self.unit / np.pi)
+        return AirPointTractions(np.array([ratio]), density, np.zeros(1), beside=Charges(grid, sides))
 
     def at(self, r: Array) -> Array:
         """sigma_yy, D_y and B_y at r/a, never 1; (3, place)."""
         away = np.abs(r)
         within = away < 1
-        x = np.sqrt((1 - away[within]) * (1 + away[within]))
-        found = np.zeros((len(self._channels), r.size))
-        found[:, within] = self._series @ added_forms(x, self._series.shape[1]).T
-        found[:, within] += self._form[:, None] * halfspace_form(self.operators.shape, x, away[within])
-        strengths = self._series @ (-1.0) ** np.arange(self._series.shape[1])
-        drawn, beyond = self._rings.poisson(x), self._rings.read(away[~within])
-        for place, own in enumerate(self.state.over_size):
-            left = strengths[1 + place] - 2 / np.pi * self._rings.at_edge @ own  # none but of the emptiest gaps
-            found[1 + place, within] += drawn @ own + left / x
-            found[1 + place, ~within] = beyond @ own
-        return self._of_channels(found) * self.unit
+        inner = away[within]
+        found = np.zeros((3, r.size))
+        x = np.sqrt((1 - inner) * (1 + inner))
+        found[:, within] = self.bounded(inner, self._rings.poisson(x)) + self.left[:, None] / x
+        for field_, own in zip(self.operators.rows.fields, self.state.over_size, strict=True):
+            found[1 + field_, ~within] = self._rings.read(away[~within]) @ own
+        return found * self.unit
+
+    def bounded(self, r: Array, drawn: Array) -> Array:
+        """Below the contact over C a^(e-1), without what is singular at the edge; (3, place).
+
+        Parameters
+        ----------
+        r : ndarray, shape (place,), r/a, 0 to 1
+        drawn : ndarray, shape (place, n), what rings draw there
+        """
+        x = np.sqrt((1 - r) * (1 + r))
+        found = self._series @ added_forms(x, self._series.shape[1]).T
+        found += self._form[:, None] * halfspace_form(self.operators.shape, x, r)
+        found[1:] += self.state.over_size @ drawn.T
+        return self._of_channels(found)
+
+    @cached_property
+    def left(self) -> Array:
+        """Strengths at the edge, over C a^(e-1): none but of the emptiest gaps; (3,)."""
+        found = self._series @ (-1.0) ** np.arange(self._series.shape[1])
+        found[0] = 0.0
+        found[1:] -= 2 / np.pi * self.state.over_size @ self._rings.at_edge
+        return self._of_channels(found)
 
     def _of_channels(self, values: Array) -> Array:
         """Values of the channels among those of (y, phi, psi), others 0."""

@@ -95,5 +95,5 @@ def require_open(gap: Array, alone: Array, places: Array, coordinate: str, held:
         raise GapError(
             f"surroundings: the punch touches the surface beside the contact, at {coordinate} = "
             f"{places[int(np.argmin(gap / alone))]:.3g}{f', where its {held} is 0' if held else ''}: "
-            "the gap is negative there"
+            "the gap is negative there; must be insulated"
         )

@@ -18,11 +18,10 @@ from solver.film.kernel import CHANNEL
 from solver.point.pressure import SAMPLES, added_forms, finite, halfspace_form
 from solver.point.profile import Shape
 from solver.point.spread import Spread
+from solver.surroundings.below import Below
 from solver.surroundings.rings import Rings
 from solver.surroundings.rules import gauss
 
-_FIRST, _MORE = 14, 6.0  # of S below a narrow contact, and what wide ones add
-_POWER = 3  # of the nodes where the profile is a power of s that is not even
 _APART = 4.0  # growth of the distances from the target at which rules break
 #: x = sqrt(1 - r^2) below the contact at which densities are told: panels, graded to the edge, and the centre.
 _ENDS = (0.0, 0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
@@ -136,7 +135,7 @@ class RingOperators:
     def at(self, radius: float) -> Array:
         """Outputs of every cause and density; (row, column)."""
         rows, channels = self.rows, self.rows.channels
-        below = _Below.of(radius / self.width)
+        below = Below.of(radius / self.width)
         count, profile, inverse = below.nodes.size, rows.causes - 1, self.inverse
         closed = np.einsum("ij,jnc->inc", inverse, self._given(below.nodes))  # S of a half-space
         S, added = self._layered(radius, below, closed, self.rings.grid.distance)
@@ -178,7 +177,7 @@ class RingOperators:
 
     def series(self, radius: float) -> Array:
         """Coefficients in f_n (points, 4) of the tractions but for the profile's closed part; (channel, n, column)."""
-        below = _Below.of(radius / self.width)
+        below = Below.of(radius / self.width)
         closed = np.einsum("ij,jnc->inc", self.inverse, self._given(below.nodes))
         S = self._layered(radius, below, closed, np.zeros(0))[0]
         closed[..., self.rows.causes - 1] = self.inverse[:, :1] * self.shape.rise
@@ -188,7 +187,7 @@ class RingOperators:
         """Pressure of a half-space of N^-1 = 1; nothing where it has no largest value, which is then not asked for."""
         return 2 / np.pi * halfspace_form(self.shape, x) if finite(self.shape) else np.zeros_like(x)
 
-    def _layered(self, radius: float, below: "_Below", closed: Array, beside_it: Array) -> tuple[Array, Array]:
+    def _layered(self, radius: float, below: Below, closed: Array, beside_it: Array) -> tuple[Array, Array]:
         """What layers add to S below the contact, and to N S at its nodes, the edge and places beside it.
 
         Smooth and even, also where the profile is a power that is not; (channel, node, column) each.
@@ -199,21 +198,30 @@ class RingOperators:
         if self.layers is None:
             return np.zeros_like(closed), added
         targets = np.concatenate([below.nodes, [1.0], beside_it])
-        beside = self._paired(self._beside(radius, targets))
-        for place in range(len(self.fields)):
-            added[..., rows.densities(place)] = beside[:, 1 + place] @ self.rings.gathered
-        own = self._paired(self._within(radius, targets, below))
-        added += _summed(own, closed)
+        for place, beside in enumerate(self.beside(radius, targets)):
+            added[..., rows.densities(place)] = beside
+        own = self.within(radius, targets, below)
+        added += summed(own, closed)
         if self.shape.exponent % 2:
-            fine = _Below.of(radius / self.width, even=False)
+            fine = Below.of(radius / self.width, even=False)
             power = self.inverse[:, :1] * self._given(fine.nodes)[0, :, rows.causes - 1]
-            kernels = self._paired(self._within(radius, targets, fine))
-            added[..., rows.causes - 1] = np.einsum("ijtn,jn->it", kernels, power)
-        compliance = self.compliance[np.ix_(rows.channels, rows.channels)]
+            added[..., rows.causes - 1] = np.einsum("ijtn,jn->it", self.within(radius, targets, fine), power)
+        return self.settled(own, added)
+
+    def settled(self, own: Array, added: Array) -> tuple[Array, Array]:
+        """S that makes up for what layers add at the nodes below the contact, and what they then add in all.
+
+        Parameters
+        ----------
+        own : ndarray, shape (channel, channel, target, node), from S at the nodes to targets, these nodes first
+        added : ndarray, shape (channel, target, column), at the targets without that S
+        """
+        size, count = len(own), own.shape[-1]
+        compliance = self.compliance[np.ix_(self.rows.channels, self.rows.channels)]
         matrix = np.einsum("ij,mn->imjn", compliance, np.eye(count)) + np.moveaxis(own[:, :, :count], 1, 2)
         S = np.linalg.solve(matrix.reshape(size * count, -1), -added[:, :count].reshape(size * count, -1))
         S = S.reshape(size, count, -1)
-        return S, added + _summed(own, S)
+        return S, added + summed(own, S)
 
     @cached_property
     def inverse(self) -> Array:
@@ -245,27 +253,40 @@ class RingOperators:
         """Kernels of the channels, from those of their pairs; (channel, channel, target, node)."""
         return np.moveaxis(kernels[..., self._pairs[1]], (2, 3), (0, 1))
 
-    def _within(self, radius: float, targets: Array, below: "_Below") -> Array:
-        """From S below the contact to what layers add at targets; (target, node, pair)."""
-        apart = np.stack([np.abs(targets[:, None] - below.nodes), targets[:, None] + below.nodes])
-        return np.asarray(radius / np.pi * np.sum(self._added.at(radius * apart), 0) * below.weights[:, None])
+    def within(self, radius: float, targets: Array, below: Below) -> Array:
+        """From S below the contact to what layers add at targets; (channel, channel, target, node).
 
-    def _beside(self, radius: float, targets: Array) -> Array:
-        """The same from S at the nodes beside the contact; (target, node, pair).
+        Parameters
+        ----------
+        radius : float, a in the unit of the layers' lengths
+        targets : ndarray, shape (target,), s
+        below : Below, the nodes
+        """
+        apart = np.stack([np.abs(targets[:, None] - below.nodes), targets[:, None] + below.nodes])
+        near, far = self._added.at(radius * apart)
+        return self._paired(radius / np.pi * (near + self.rings.parity * far) * below.weights[:, None])
+
+    def beside(self, radius: float, targets: Array) -> list[Array]:
+        """The same from densities over their size beside the contact, of every field; (channel, target, node) each.
 
         One rule a panel serves where kernels are smooth over it, and everywhere those of the opposite place.
+
+        Parameters
+        ----------
+        radius, targets : as of :meth:`within`
         """
         grid, (s, share) = self.rings.grid, self.rings.rule
         breaks = self._breaks(radius, targets)
         ends = np.cosh(self.rings.ends)
         broken = np.diff([np.searchsorted(own, ends, side="right") for own in breaks], axis=1) > 0
-        kernels = self._added.at(radius * (targets[:, None, None] + s))
+        kernels = self.rings.parity * self._added.at(radius * (targets[:, None, None] + s))
         row, panel = np.nonzero(~broken)
         kernels[row, panel] += self._added.at(radius * np.abs(targets[row, None] - s[panel]))
         found = np.swapaxes(np.swapaxes(kernels, -1, -2) @ share, -1, -2)  # (target, panel, node, pair)
         self._add_pieces(found, radius, targets, breaks, broken)
         size = self.rings.size.reshape(grid.panels, -1, 1)
-        return np.asarray(radius / np.pi * found / size).reshape(targets.size, grid.count, -1)
+        kernels = self._paired((radius / np.pi * found / size).reshape(targets.size, grid.count, -1))
+        return [kernels[:, 1 + place] @ self.rings.gathered for place in range(len(self.fields))]
 
     def _breaks(self, radius: float, targets: Array) -> Array:
         """Where rules break about targets, rising, at the edge where there are fewer; (target, break).
@@ -295,8 +316,14 @@ class RingOperators:
         found[row[first], own[first]] += np.add.reduceat(pieces, first)
 
 
-def _summed(kernels: Array, S: Array) -> Array:
-    """Kernels (i, j, target, node) of S (j, node, column); (i, target, column)."""
+def summed(kernels: Array, S: Array) -> Array:
+    """Kernels of S; (channel, target, column).
+
+    Parameters
+    ----------
+    kernels : ndarray, shape (channel, channel, target, node)
+    S : ndarray, shape (channel, node, column)
+    """
     return np.asarray(np.tensordot(kernels, S, ((1, 3), (0, 1))))
 
 
@@ -304,35 +331,3 @@ def _summed(kernels: Array, S: Array) -> Array:
 def _drawn(rings: Rings) -> Array:
     """What rings draw below the contact; (x, n)."""
     return rings.poisson(X_WITHIN)
-
-
-@dataclass(frozen=True, eq=False)
-class _Below:
-    """Gauss's nodes below the contact."""
-
-    nodes: Array
-    weights: Array
-
-    @classmethod
-    def of(cls, reach: float, *, even: bool = True) -> "_Below":
-        """As many as layers that vary over 1/reach of the radius ask for: for even functions of s, or for powers.
-
-        Parameters
-        ----------
-        reach : float, contact radius over the distance that layers vary over
-        even : bool, functions of s that are even in place of powers
-        """
-        count = _FIRST + int(_MORE * (np.sqrt(reach) + reach))
-        x, w = np.polynomial.legendre.leggauss(2 * count)
-        if even:
-            return cls(x[count:], w[count:])
-        t = (1 + x) / 2
-        return cls(t**_POWER, w / 2 * _POWER * t ** (_POWER - 1))
-
-    @property
-    def series(self) -> Array:
-        """From S at the nodes to coefficients of the tractions in f_n (points, 4); (n, node)."""
-        count = self.nodes.size
-        n = np.arange(count)
-        values = np.polynomial.legendre.legvander(self.nodes, 2 * count - 2)[:, ::2].T
-        return np.asarray(2 / np.pi * (-1.0) ** n[:, None] * (4 * n[:, None] + 1) * values * self.weights)

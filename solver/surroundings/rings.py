@@ -4,8 +4,9 @@ With S(s) = int_s^inf t r dr / sqrt(r^2 - s^2) of a traction, lengths in contact
 
     u(r) = (2/pi) int_0^r chi(s) ds / sqrt(r^2 - s^2),    chi = N S,
 
-and a level punch has chi constant at s < 1. Beside the contact r = cosh(theta): the panels are those of a line contact
-(:mod:`solver.surroundings.grid`), a density is a polynomial on each of them.
+and a level punch has chi constant at s < 1. What goes with cos(angle) has s/r more in both integrals (points, 8): the
+order m of a harmonic, 0 or 1, is the power of that. Beside the contact r = cosh(theta): the panels are those of a line
+contact (:mod:`solver.surroundings.grid`), a density is a polynomial on each of them.
 """
 
 from collections.abc import Callable, Iterator
@@ -34,9 +35,17 @@ class Rings:
     ----------
     grid
         Panels beside the contact.
+    order
+        0 of what is the same all around, 1 of what goes with cos(angle).
     """
 
     grid: Grid
+    order: int = 0
+
+    @property
+    def parity(self) -> int:
+        """Of S and chi in s: 1 even, -1 odd."""
+        return 1 - 2 * self.order
 
     @cached_property
     def size(self) -> Array:
@@ -87,12 +96,14 @@ class Rings:
             tau, weights = _between(np.sqrt(np.maximum(low - theta[rows], 0)), np.sqrt(high - theta[rows]))
             other = at + tau**2
             share = 2 * weights * np.tanh(other) / np.sqrt(np.sinh(other + at) * _sinhc(tau))
+            share *= (np.cosh(at) / np.cosh(other)) ** self.order
             shape = grid.interpolations(np.full(rows.size, panel), other)
             found[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", share, shape)
         v = np.exp(-theta)[:, None]
         tau, weights = _between(np.sqrt(1 - np.minimum(self._last / v[:, 0], 1)), np.ones(grid.count))
         u = v * (1 - tau**2)
         share = 4 * weights * v * (1 - u**2) / (1 + u**2) / np.sqrt((2 - tau**2) * (1 - (u * v) ** 2))
+        share *= ((1 - tau**2) * (1 + v**2) / (1 + u**2)) ** self.order
         shape = grid.interpolations(np.full(grid.count, grid.panels - 1), u)
         found[:, grid.slice(grid.panels - 1)] = np.einsum("rp,rpn->rn", share, shape)
         return found
@@ -100,17 +111,22 @@ class Rings:
     @cached_property
     def at_edge(self) -> Array:
         """S(1), from densities over their size; (n,)."""
-        return self._integrated(lambda theta: 1 / np.sinh(theta))
+        return self._integrated(lambda theta: np.cosh(theta) ** -self.order / np.sinh(theta))
 
     @cached_property
     def totals(self) -> Array:
-        """int_1^inf S ds, from densities over their size; (n,)."""
+        """int_1^inf S ds of the order 0, from densities over their size; (n,)."""
         return self._integrated(lambda theta: np.arctan(np.sinh(theta)))
 
     def poisson(self, x: Array) -> Array:
         """What densities add to that below the contact at x = sqrt(1 - r^2) beside what S within makes; (x, n)."""
-        at = x[:, None]
-        return self._integrated(lambda theta: 2 / np.pi * at / (np.sinh(theta) * (np.sinh(theta) ** 2 + at**2)))
+        at, r = x[:, None], np.sqrt((1 - x) * (1 + x))[:, None]
+
+        def drawn(theta: Array) -> Array:
+            own = 2 / np.pi * at / (np.sinh(theta) * (np.sinh(theta) ** 2 + at**2))
+            return np.asarray(own * (r / np.cosh(theta)) ** self.order)
+
+        return self._integrated(drawn)
 
     def read(self, r: Array) -> Array:
         """Densities at r > 1, from those over their size; (place, n)."""
@@ -136,7 +152,7 @@ class Rings:
 
     @cached_property
     def raised(self) -> Array:
-        """(2/pi) int_1^r F ds / sqrt(r^2 - s^2) at the nodes r, from F at the nodes; (n, n)."""
+        """(2/pi) int_1^r F (s/r)^m ds / sqrt(r^2 - s^2) at the nodes r, from F at the nodes; (n, n)."""
         grid, found = self.grid, np.zeros((self.grid.count, self.grid.count))
         for panel, rows, other, share in self._rules():
             at = other if panel < grid.panels - 1 else np.exp(-other)
@@ -145,7 +161,7 @@ class Rings:
         return found
 
     def power(self, exponent: float) -> Array:
-        """(2/pi) int_1^r (s^exponent - 1) ds / sqrt(r^2 - s^2) at the nodes r; (n,)."""
+        """(2/pi) int_1^r (s^exponent - 1) (s/r)^m ds / sqrt(r^2 - s^2) at the nodes r; (n,)."""
         if exponent not in self._powers:
             self._powers[exponent] = self._power(exponent)
         return self._powers[exponent]
@@ -170,13 +186,19 @@ class Rings:
             at = theta[rows, None]
             tau, weights = _between(np.sqrt(np.maximum(theta[rows] - high, 0)), np.sqrt(theta[rows] - low))
             other = at - tau**2
-            yield panel, rows, other, 4 / np.pi * weights * np.sinh(other) / np.sqrt(np.sinh(at + other) * _sinhc(tau))
+            share = 4 / np.pi * weights * np.sinh(other) / np.sqrt(np.sinh(at + other) * _sinhc(tau))
+            yield panel, rows, other, share * (np.cosh(other) / np.cosh(at)) ** self.order
 
 
-@lru_cache(1)
-def rings() -> Rings:
-    """Rings as far as the gaps of punches are long, the same for every contact."""
-    return Rings(Grid.up_to(_FARTHEST))
+@lru_cache(2)
+def rings(order: int = 0) -> Rings:
+    """Rings as far as the gaps of punches are long, the same for every contact.
+
+    Parameters
+    ----------
+    order : int, of the harmonic
+    """
+    return Rings(Grid.up_to(_FARTHEST), order)
 
 
 def _sinhc(tau: Array) -> Array:

@@ -18,7 +18,8 @@ from surrogate.data.inputs import Input
 SLACK = 1e-12
 # Most points that inputs may span when they are crossed: beyond, they were hardly meant to be.
 MOST = 10**7
-#: Variable of held-out cases: 1 where they are spread evenly over the box, 0 where they are drawn towards its ends.
+#: Variable of held-out cases: 1 where they are spread evenly over the box, 0 where they are drawn towards its ends, -1
+#: where they were asked for near one another.
 EVEN = "evenly_drawn"
 
 

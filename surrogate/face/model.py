@@ -16,7 +16,8 @@ from surrogate.data.points import EVEN, Points, Queries, named_points, outside, 
 from surrogate.face.physical import Physical, in_blocks
 from surrogate.face.region import Region
 from surrogate.face.summary import page, text
-from surrogate.intervals.conformal import MINIMUM, calibrate
+from surrogate.intervals.calibration import MINIMUM
+from surrogate.intervals.conformal import calibrate
 from surrogate.intervals.predictive import EXTRAPOLATED, Predictive
 from surrogate.intervals.sharing import sharing
 
@@ -309,7 +310,8 @@ class GaussianProcess(Physical, Predictive):
             Held-out cases, inputs and true outputs over one dimension; 10,000 spread over the box are a good number,
             3,000 leave corners of two inputs about 5 % short, and 500 give the right marginal coverage. They must not
             serve for validation as well. Where some are drawn towards the ends of the box, the variable
-            `evenly_drawn`, over the same dimension, is 1 for those that are spread evenly and 0 for these.
+            `evenly_drawn`, over the same dimension, is 1 for those that are spread evenly and 0 for these; -1 for
+            cases that were asked for near one another: intervals about these have a scale of their own.
 
         Raises
         ------
@@ -331,7 +333,8 @@ class GaussianProcess(Physical, Predictive):
         points, truth = self.cases(dataset)
         named = named_points(points, self.inputs_)
         require_inside(named.X, self.inputs_)
-        even = np.ones(len(named.X), dtype=bool) if EVEN not in dataset else dataset[EVEN].values.ravel() > 0
+        drawn = np.ones(len(named.X)) if EVEN not in dataset else dataset[EVEN].values.ravel()
+        even = drawn > 0
         if np.count_nonzero(even) < MINIMUM:
             raise ValueError(
                 f"calibration needs at least {MINIMUM} cases, got {np.count_nonzero(even)}; about 10,000 make it local"
@@ -348,7 +351,7 @@ class GaussianProcess(Physical, Predictive):
         parts = [in_blocks(t, partial(self.variance, weights=weights)) for weights in single]
         groups = sharing(t)
         left = self.corrected(dataset, true - mean, t, groups)
-        self.calibration_ = calibrate(left, parts, t, groups, even, outer)
+        self.calibration_ = calibrate(left, parts, t, groups, even, outer, drawn < 0)
         return self
 
     def uncalibrated(self) -> Self:

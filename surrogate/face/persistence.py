@@ -17,7 +17,7 @@ from surrogate.face.engines import ENGINES, engine, members_of
 from surrogate.face.model import SMALLEST, GaussianProcess
 from surrogate.face.region import Region
 from surrogate.face.sizes import check_sizes
-from surrogate.intervals.conformal import Calibration
+from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.distribution import NOMINAL
 
 FORMAT = "surrogate"

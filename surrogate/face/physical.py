@@ -7,7 +7,7 @@ import numpy as np
 from approximation.arrays import Array
 from surrogate.data.inputs import unit_coordinates
 from surrogate.face.core import Core
-from surrogate.intervals.conformal import Calibration
+from surrogate.intervals.calibration import Calibration
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048

@@ -8,7 +8,7 @@ import numpy as np
 from surrogate.data.inputs import Input
 from surrogate.data.packing import Rounded
 from surrogate.face.model import GaussianProcess
-from surrogate.intervals.conformal import Calibration
+from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.copula import Copula
 from surrogate.intervals.distribution import PROBABILITIES
 

@@ -5,7 +5,7 @@ from html import escape
 from typing import Protocol
 
 from surrogate.data.inputs import Input
-from surrogate.intervals.conformal import Calibration
+from surrogate.intervals.calibration import Calibration
 
 #: Outputs that a line names; of more it tells how many there are.
 NAMED = 12

@@ -17,7 +17,7 @@ from surrogate.data.inputs import Input
 from surrogate.gp.correction import Correction
 from surrogate.gp.factors import ChebyshevFactor
 from surrogate.gp.tensortrain import TensorTrain
-from surrogate.intervals.conformal import Calibration
+from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.guard import SLABS, Guard
 
 # 0 in the lowest slab, 2 in the highest, 1 between: places in the guard of corners.
@@ -184,14 +184,14 @@ class _SingleCorrection:
 
 
 class _SingleStretch:
-    """As `Calibration.std`: floor, local scale, guard of slabs and corners."""
+    """As `Calibration.std`: floor, local scale, guard of slabs and corners, patches."""
 
     def __init__(self, calibration: Calibration, rows: _Rows) -> None:
         d = len(rows.first)
         self._floor, self._trend, self._range = calibration.floor, calibration.trend, calibration.trend_range
         self._terms = np.ascontiguousarray((rows.first + calibration.trend_degree).T)
         self._i, self._j = np.array(list(combinations(range(d), 2)), dtype=np.intp).reshape(-1, 2).T
-        guard = calibration.guard
+        guard, self._patches = calibration.guard, calibration.patches
         self._cells = np.concatenate([part.reshape(-1, part.shape[-1]) for part in (guard.slabs, guard.corners)])
         self._slabs = SLABS * np.arange(d)
         self._corners = SLABS * d + 9 * np.arange(len(self._i))
@@ -204,6 +204,8 @@ class _SingleStretch:
         np.maximum(scale, self._range[0], out=scale)
         np.minimum(scale, self._range[1], out=scale)
         scale += np.maximum.reduce(self._cells[cells])
+        if self._patches is not None:
+            scale += self._patches.at(t[:, None])[:, 0]
         return np.asarray(np.sqrt(variance + self._floor) * np.exp(scale))
 
 

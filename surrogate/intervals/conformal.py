@@ -1,13 +1,14 @@
 """Predictive distributions that hold: made right on held-out cases, everywhere in the box and at every level.
 
-Five steps, each from the errors on cases that the model was not trained on:
+Six steps, each from the errors on cases that the model was not trained on:
 
 1. weights of the parts of the variance (what each factor leaves unknown) and a floor, by maximum likelihood;
 2. a local scale, the exponential of a polynomial of the scaled inputs, additive but for the two inputs in which the
    errors are waves, such that the nominal share of the errors lies within it (quantile regression of their logarithms);
 3. a guard (module `guard`): slabs and corners of the box where this share needs more, from cross-fitted scores;
 4. the distribution of the scores (module `distribution`), of which the standard deviation is half of the central 68 %;
-5. how scores of outputs and of near points go together (module `copula`).
+5. how scores of outputs and of near points go together (module `copula`);
+6. where cases were asked for near one another, a scale of their own (module `patches`): steps 1 to 5 leave these out.
 
 Sources: J. Lei et al., J. Am. Stat. Assoc. 113 (2018) 1094 (locally weighted split conformal prediction); V. Vovk, Ann.
 Math. Artif. Intell. 74 (2015) 9 (cross-conformal).
@@ -15,23 +16,21 @@ The cross-fitting and the guard make the guarantee approximate; `use.validation.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
-from typing import Any, Self
 
 import numpy as np
-import xarray as xr
-from numpy.typing import NDArray
 
 from approximation.arrays import Array, Flags, Indices
+from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.copula import Copula
 from surrogate.intervals.distribution import NOMINAL, ONE_STD, PROBABILITIES, Normal, Tabulated
-from surrogate.intervals.guard import SLABS, Guard, fill, unguarded
+from surrogate.intervals.guard import fill, unguarded
+from surrogate.intervals.patches import Patches
 from surrogate.intervals.quantile import quantile_regression
 from surrogate.intervals.sharing import places
 from surrogate.intervals.trend import additive, products, values
 
-MINIMUM = 40
 FOLDS = 5
 # Highest degree of the local scale along an input by the number of cases, and beyond these one more for so many places
 # of them along it and inputs. What a correction leaves has some twenty nodes along an input of ten levels.
@@ -41,176 +40,8 @@ PLACES_A_DEGREE, HIGHEST = 125, 16
 # two whose products tell most of the errors beyond it: these by so many times what they would tell by chance.
 PAIRWISE, WAVES = 3000, 5000
 TOTAL, TELLING = 8, 3.0
-MOST_TERMS, MOST_DEGREE = 1000, 64  # that a file may hold
 # Logarithms of errors are cut off this far below the largest: exact hits carry no further information.
 DEPTH = 20.0
-
-_DIMS = {
-    "weights": ("part", "output"),
-    "floor": ("output",),
-    "trend": ("trend_term", "output"),
-    "trend_degree": ("trend_term", "input"),
-    "trend_range": ("end", "output"),
-    "guard": ("input", "slab", "output"),
-    "corner_guard": ("pair", "edge", "other_edge", "output"),
-    "quantile": ("probability", "output"),
-}
-# Of a model over groups: the same over the inputs that it is asked by.
-_OUTER_DIMS = {
-    "outer_guard": ("outer_input", "slab", "output"),
-    "outer_corner_guard": ("outer_pair", "edge", "other_edge", "output"),
-    "outer_pooled_guard": ("output",),
-}
-
-
-@dataclass(frozen=True)
-class Calibration:
-    """What turns a raw variance into a calibrated standard deviation and distribution.
-
-    Attributes
-    ----------
-    weights : ndarray, shape (k, p)
-        Weight of every part of the variance, for every output.
-    floor : ndarray, shape (p,)
-        Variance added everywhere, squared units of the output.
-    trend : ndarray, shape (m, p)
-        Coefficients of the logarithm of the local scale.
-    trend_degree : ndarray of int, shape (m, d)
-        Degrees of the Chebyshev polynomials of the scaled inputs whose product each of its terms is; the first ones are
-        zero.
-    trend_range : ndarray, shape (2, p)
-        Least and largest of that logarithm at the cases: a polynomial does not go beyond them where cases are few.
-    guard : Guard
-        Further scales in slabs and corners of the box.
-    distribution : Tabulated
-        Distribution of (truth - mean) / std.
-    outer : Guard, optional
-        Beyond all this, over the inputs of a model that stands on this one: what it has more needs no share of its own
-        in `std` and `stretch`, which know these inputs not.
-    copula : Copula, optional
-        How errors of outputs and points go together; None in files of before.
-    """
-
-    weights: Array
-    floor: Array
-    trend: Array
-    trend_degree: Indices
-    trend_range: Array
-    guard: Guard
-    distribution: Tabulated
-    outer: Guard | None = None
-    copula: Copula | None = None
-
-    def std(self, variance: Array, t: Array) -> Array:
-        """Return calibrated standard deviations, (p, B).
-
-        Parameters
-        ----------
-        variance : ndarray, shape (p, B), weighted, squared units of the outputs
-        t : ndarray, shape (d, B), scaled coordinates
-        """
-        return np.asarray(np.sqrt(variance + self.floor[:, None]) * self.stretch(t))
-
-    def stretch(self, t: Array) -> Array:
-        """Return what raw standard deviations are multiplied by at scaled coordinates (d, B): (p, B)."""
-        inside = np.clip(t, -1, 1)
-        scale = self.trend.T @ values(self.trend_degree, inside)
-        np.clip(scale, *self.trend_range[..., None], out=scale)
-        scale += self.guard.at(inside).T
-        return np.asarray(np.exp(scale, out=scale))
-
-    def only(self, columns: Sequence[int]) -> Self:
-        """Return that of some outputs."""
-        chosen = list(columns)
-        return replace(
-            self,
-            weights=self.weights[:, chosen],
-            floor=self.floor[chosen],
-            trend=self.trend[:, chosen],
-            trend_range=self.trend_range[:, chosen],
-            guard=self.guard.only(chosen),
-            distribution=self.distribution.only(chosen),
-            outer=None if self.outer is None else self.outer.only(chosen),
-            copula=None if self.copula is None else self.copula.only(chosen),
-        )
-
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return the arrays by name."""
-        plain = {name: getattr(self, name) for name in ("weights", "floor", "trend", "trend_degree", "trend_range")}
-        guard = {"guard": self.guard.slabs, "corner_guard": self.guard.corners}
-        if self.outer is not None and self.outer.pooled is not None:
-            further = self.outer.slabs, self.outer.corners, self.outer.pooled
-            guard |= dict(zip(_OUTER_DIMS, further, strict=True))
-        return {**plain, **guard, "quantile": self.distribution.quantiles}
-
-    def state(self) -> dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]:
-        """Return the arrays with their dimensions, for a file: none that is empty, as the corners of one input."""
-        state: dict[str, tuple[tuple[str, ...], NDArray[np.generic]]] = {
-            f"calibration_{name}": ((_DIMS | _OUTER_DIMS)[name], array)
-            for name, array in self.arrays().items()
-            if array.size
-        }
-        together = {} if self.copula is None else self.copula.state()
-        return {**state, **together, "calibration_cases": ((), np.array(self.distribution.cases))}
-
-    @classmethod
-    def restore(cls, stored: xr.Dataset, parts: int, inputs: int, outputs: int) -> Self | None:
-        """Return the calibration in a file, None where it has none.
-
-        Parameters
-        ----------
-        stored : Dataset, the file
-        parts, inputs, outputs : int, numbers of the variance's parts, of inputs and of outputs
-
-        Raises
-        ------
-        ValueError
-            What is inconsistent, by its name.
-        """
-        if "calibration_weights" not in stored:
-            return None
-        cases, pairs = int(stored["calibration_cases"]), inputs * (inputs - 1) // 2
-        arrays = {name: stored[f"calibration_{name}"].values for name in _DIMS if pairs or name != "corner_guard"}
-        arrays.setdefault("corner_guard", unguarded(inputs, outputs).corners)
-        terms = len(arrays["trend"])
-        shapes = {
-            "weights": (parts, outputs),
-            "floor": (outputs,),
-            "trend": (terms, outputs),
-            "trend_degree": (terms, inputs),
-            "trend_range": (2, outputs),
-            "guard": (inputs, SLABS, outputs),
-            "corner_guard": (pairs, 3, 3, outputs),
-            "quantile": (len(PROBABILITIES), outputs),
-        }
-        given = {name: array.shape for name, array in arrays.items()}
-        degree = arrays["trend_degree"]
-        if given != shapes or not 0 < terms <= MOST_TERMS or degree.dtype.kind not in "iu" or cases < MINIMUM:
-            raise ValueError("the calibration does not fit the model")
-        if degree.min() < 0 or degree.max() > MOST_DEGREE or degree[0].any():
-            raise ValueError("the calibration has degrees that none has")
-        if (arrays["weights"] < 0).any() or (arrays["floor"] < 0).any():
-            raise ValueError("the calibration has a negative variance")
-        if (np.diff(arrays["quantile"], axis=0) < 0).any():
-            raise ValueError("the calibration's quantiles do not ascend")
-        guard = Guard(arrays["guard"], arrays["corner_guard"])
-        distribution = Tabulated(arrays["quantile"], cases)
-        weights, floor, trend, within = (arrays[name] for name in ("weights", "floor", "trend", "trend_range"))
-        beside = _outer(stored, outputs), Copula.restore(stored, inputs, outputs)
-        return cls(weights, floor, trend, degree.astype(np.intp), within, guard, distribution, *beside)
-
-
-def _outer(stored: xr.Dataset, outputs: int) -> Guard | None:
-    """The outer guard in a file, None where it has none; ValueError where it does not fit."""
-    outer = {name: stored[f"calibration_{name}"].values for name in _OUTER_DIMS if f"calibration_{name}" in stored}
-    if not outer:
-        return None
-    guard, pooled = (outer.get(name, np.zeros(0)) for name in ("outer_guard", "outer_pooled_guard"))
-    empty = unguarded(len(guard), outputs, pooled=True)
-    corners = outer.get("outer_corner_guard", empty.corners)  # none of one input
-    if (guard.shape, corners.shape, pooled.shape) != (empty.slabs.shape, empty.corners.shape, (outputs,)):
-        raise ValueError("the calibration's outer guard does not fit the model")
-    return Guard(guard, corners, pooled)
 
 
 def calibrate(
@@ -220,6 +51,7 @@ def calibrate(
     groups: Indices,
     even: Flags | None = None,
     outer: Array | None = None,
+    asked: Flags | None = None,
 ) -> Calibration:
     """Calibrate on held-out cases.
 
@@ -238,7 +70,22 @@ def calibrate(
     outer : ndarray, shape (e, n), optional
         Scaled coordinates of the inputs by which a model that stands on this one is asked: there is a guard over these
         too, one of all their corners together among it.
+    asked : ndarray of bool, shape (n,), optional
+        Cases that were asked for near one another: they tell of the places where they are, and of no other.
     """
+    patches = None if asked is None else Patches.about(t[:, asked], groups[asked], len(errors))
+    if asked is not None and patches is not None and len(patches.low):
+        rest = ~(asked & patches.within(t).any(axis=0))
+        learnt = calibrate(
+            errors[:, rest],
+            [part[:, rest] for part in parts],
+            t[:, rest],
+            groups[rest],
+            None if even is None else even[rest],
+            None if outer is None else outer[:, rest],
+        )
+        beyond = _beyond(learnt, errors, parts, t, outer)
+        return replace(learnt, patches=patches.fitted(beyond, t, groups))
     even = np.ones(t.shape[1], dtype=bool) if even is None else even
     weights, floor, logarithms = _sizes(errors, parts)
     known = np.flatnonzero(np.isfinite(logarithms).all(axis=1))
@@ -268,6 +115,16 @@ def calibrate(
     within = np.stack([fitted.min(axis=0), fitted.max(axis=0)])
     table = replace(distribution, quantiles=distribution.quantiles / size)
     return Calibration(weights, floor, whole, degrees, within, guard, table, further, Copula.of(scores, t[:, even]))
+
+
+def _beyond(learnt: Calibration, errors: Array, parts: Sequence[Array], t: Array, outer: Array | None) -> Array:
+    """By what the 95 % intervals of cases must be multiplied to end there, (p, n); NaN where they have none."""
+    std = learnt.std(np.einsum("kp,kpn->pn", learnt.weights, np.stack(parts)), t)
+    if learnt.outer is not None and outer is not None:
+        std *= np.exp(learnt.outer.at(outer).T)
+    lower, upper = learnt.distribution.ends(NOMINAL)[..., None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(errors / (std * np.where(errors < 0, lower, upper)))
 
 
 def _sizes(errors: Array, parts: Sequence[Array]) -> tuple[Array, Array, Array]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from approximation.arrays import Array, Flags
 from surrogate.data.labels import Attrs, Labels
 from surrogate.data.points import Points, Queries
-from surrogate.intervals.conformal import Calibration
+from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.copula import MOST_POINTS
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 from surrogate.intervals.sums import ends

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from itertools import pairwise
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import xarray as xr
@@ -12,6 +12,7 @@ import xarray as xr
 from approximation.arrays import Array, Flags, Indices
 from surrogate.data.inputs import Input
 from surrogate.face.model import GaussianProcess
+from surrogate.face.plain import plain_inputs, plain_outputs
 from surrogate.gp.gridgp import GridGP
 from surrogate.transforms.transformed import Transformed
 
@@ -225,6 +226,12 @@ class SplitGP(Transformed):
                 "kink_input": ("kink_number", [name for name, _ in pairs]),
             }
         )
+
+    def plain(self) -> dict[str, Any] | None:
+        """Return both sides of the first kink and where it lies, with the inputs and the calibration of the whole."""
+        split = {"input": self._number, "at": self._at}
+        sides = [side.plain() for side in (self.below_, self.above_)]
+        return {"inputs": plain_inputs(self.inputs_), "split": split, "sides": sides, **plain_outputs(self)}
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:

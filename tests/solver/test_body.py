@@ -86,7 +86,7 @@ def test_where_air_cannot_be_the_solver_refuses_it(own: dict[str, object]) -> No
     assert airless(case)
     with pytest.raises((solver.FactorError, solver.MaterialError), match=r"surroundings|gap_radius"):
         solver.solve(case)
-    assert all(airless(one) == "" for one in CASES.values())
+    assert all((airless(one) == "") == (not {*READ} & one.keys()) for one in CASES.values())
     assert airless({"profile": "cone", "slope": 0.1, "gap_radius": 1e-3}) == ""
 
 

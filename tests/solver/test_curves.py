@@ -11,7 +11,8 @@ from solver.halfplane.interior import principal_tension, von_mises
 
 HALF_PLANE: dict[str, Any] = {"volume_fraction": [0.2, 0.7], "friction": [0.0, 0.25], "radius": 0.05, "load": 1e5}
 FILM: dict[str, Any] = {
-    "volume_fraction": 0.5, "friction": 0.3, "thickness": 2e-4, "base": "steel", "radius": 0.05, "load": 1e5,
+    "volume_fraction": 0.5, "friction": 0.3, "thickness": 2e-4, "surroundings": "insulated",
+    "base": "steel", "radius": 0.05, "load": 1e5,
     "charge": 2e-6,
 }  # fmt: skip
 

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.skipif(not PYTHON.exists(), reason="no referees (`make 
 
 FILM = """\
 title: Films in groups
-fixed: {composite: fibrous, volume_fraction: 0.4, friction: 0.2, base: rigid}
+fixed: {surroundings: insulated, composite: fibrous, volume_fraction: 0.4, friction: 0.2, base: rigid}
 factors:
   thickness: {low: 2e-4, high: 1e-3, scale: log}
   radius: {low: 0.03, high: 0.1, scale: log}

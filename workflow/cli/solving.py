@@ -6,6 +6,7 @@ What a case has none of is no number there: a table may mix lines and points, ha
 import csv
 import io
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from approximation.arrays import Indices
 from solver import FactorError, MaterialError
 from solver.face.attributes import of_output, united
 from solver.face.filmfactors import present
+from solver.face.surroundings import settled
 from solver.fields import ACROSS, ALONG, EVERY_INTERIOR
 from solver.names import ALL_QUANTITIES, CHOICES, FACTORS, OF_A_FILM, OF_A_PUNCH
 from storage.files import write_text
@@ -65,6 +67,7 @@ def solved(table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int 
     InputError
         A case that cannot be solved, with its line; an answer too large for the memory.
     """
+    table = _surrounded(table)
     whole = _Whole(table)
     with tqdm(total=len(table.lines), unit=" cases", delay=2, disable=None, leave=False) as bar:
         for names, rows in _blocks(table, min(_CASES, max(1, _VALUES // points))):
@@ -75,6 +78,15 @@ def solved(table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int 
             whole.add(rows, part)
             bar.update(len(rows))
     return whole.dataset()
+
+
+def _surrounded(table: Table) -> Table:
+    """With what is beside every contact where any is a film, by which cases have unlike outputs."""
+    around = settled({name: xr.DataArray(cells, dims="case") for name, cells in table.columns.items()})
+    if "surroundings" not in around:
+        return table
+    column = np.broadcast_to(around["surroundings"].values.astype(object), len(table.lines))
+    return replace(table, columns=table.columns | {"surroundings": column})
 
 
 def _blocks(table: Table, most: int) -> Iterator[tuple[list[str], Indices]]:

@@ -45,41 +45,35 @@ class Place:
     factors: Mapping[str, Array]
 
 
-def near(study: Study, places: Sequence[Place], number: int) -> dict[str, xr.DataArray]:
-    """Random factors of a round's cases over dimension ``case``, near cases on which places rest, by their doubt.
+def names(study: Study) -> list[str]:
+    """What asks for cases: every target, or where intervals are widest."""
+    return list(study.design) or ["widest"]
 
-    Where one factor is the same in all cases of a place, cases differ in it by `AROUND` only; along its other factors
+
+def near(study: Study, place: Place, number: int) -> dict[str, xr.DataArray]:
+    """Random factors of a round's cases over dimension ``case``, near cases on which a place rests.
+
+    Where one factor is the same in all cases of the place, cases differ in it by `AROUND` only; along its other factors
     they are spread over the place's range, and as far beyond. Of films, some cases share what needs tables of its own.
 
     Parameters
     ----------
     study : Study
-    places : sequence of Place
+    place : Place
     number : int, that of the round, from 0
     """
     count, together = _count(study, number), TOGETHER if study.tabled else 1
     drawn: dict[str, list[Array]] = {name: [] for name in study.factors}
-    for place, times in zip(places, _shared(-(-count // together), places), strict=True):
-        # a stream of its own: what another wants changes how many are drawn, not which
-        random = np.random.default_rng([study.validation.seed, _SEED, number, crc32(place.name.encode())])
-        for _ in range(times):
-            case = random.integers(next(iter(place.factors.values())).size)
-            for axis in factorial.inputs(study):
-                t = axis.to_unit(place.factors[axis.name][[case]])
-                away = random.uniform(-AROUND, AROUND, 1 if axis.name in study.tabled else together)
-                # what would lie beyond the box is drawn inside of its end instead
-                shifted = np.where(np.abs(t + away) > 1, t - away, t + away)
-                drawn[axis.name].append(np.broadcast_to(axis.from_unit(np.clip(shifted, -1, 1)), together))
+    random = np.random.default_rng([study.validation.seed, _SEED, number, crc32(place.name.encode())])
+    for _ in range(-(-count // together)):
+        case = random.integers(next(iter(place.factors.values())).size)
+        for axis in factorial.inputs(study):
+            t = axis.to_unit(place.factors[axis.name][[case]])
+            away = random.uniform(-AROUND, AROUND, 1 if axis.name in study.tabled else together)
+            # what would lie beyond the box is drawn inside of its end instead
+            shifted = np.where(np.abs(t + away) > 1, t - away, t + away)
+            drawn[axis.name].append(np.broadcast_to(axis.from_unit(np.clip(shifted, -1, 1)), together))
     return {name: xr.DataArray(np.concatenate(parts)[:count], dims="case") for name, parts in drawn.items()}
-
-
-def _shared(count: int, places: Sequence[Place]) -> list[int]:
-    """So many shared out by doubt: whole numbers, of largest remainder."""
-    doubts = np.array([place.doubt for place in places])
-    shares = count * (doubts / doubts.sum() if doubts.any() else np.full(len(places), 1 / len(places)))
-    whole = np.floor(shares).astype(np.intp)
-    whole[np.argsort(whole - shares, kind="stable")[: count - whole.sum()]] += 1
-    return [int(own) for own in whole]
 
 
 def _count(study: Study, number: int) -> int:
@@ -87,28 +81,21 @@ def _count(study: Study, number: int) -> int:
     return whole * (number + 1) // ROUNDS - whole * number // ROUNDS
 
 
-def _enough(study: Study, places: Sequence[Place]) -> bool:
-    """Whether every place is as sure as the study asks for."""
-    until = study.surrogate.until
-    return until is not None and all(place.doubt <= until for place in places)
-
-
-def write(study: Study, places: Sequence[Place], number: int, path: Path) -> None:
+def write(study: Study, place: Place, number: int, path: Path) -> None:
     """Write the factors of a round's cases, or none where there is no doubt left.
 
     Parameters
     ----------
     study : Study
-    places : sequence of Place
+    place : Place
     number : int, that of the round, from 0
     path : Path, the file
     """
-    for place in places:
-        log.info("%s: 95 %% intervals within %.2g of the value or the limit", place.name, place.doubt)
-    cases = {} if _enough(study, places) else near(study, places, number)
-    doubts = {"doubt": ("place", [place.doubt for place in places]), "place": [place.name for place in places]}
+    log.info("%s: 95 %% intervals within %.2g of the value or the limit", place.name, place.doubt)
+    until = study.surrogate.until
+    cases = {} if until is not None and place.doubt <= until else near(study, place, number)
     title = "cases that a surrogate asks for, and how unsure it was where it does"
-    write_whole(described(xr.Dataset({**cases, **doubts}), title, SOURCE, MEANINGS | _MEANINGS), path)
+    write_whole(described(xr.Dataset({**cases, "doubt": place.doubt}), title, SOURCE, MEANINGS | _MEANINGS), path)
 
 
 _MEANINGS = {"doubt": "largest half-width of a 95 % interval, of the goal over its value, of a limit over its scale"}
@@ -140,7 +127,17 @@ def write_slab(study: Study, path_of_cases: Path, index: int, path: Path, kept: 
     part = np.isin(places, np.array_split(np.unique(places), slabs(study, path_of_cases))[index])
     points = {name: xr.DataArray(cases[name].values[part], dims="case") for name in study.factors}
     solved = factorial.exact(study, points, holes=np.inf, kept=kept)
-    write_whole(solved.assign_coords({EVEN: ("case", np.zeros(solved.sizes["case"], np.int8))}), path)
+    write_whole(solved.assign_coords({EVEN: ("case", np.full(solved.sizes["case"], -1, np.int8))}), path)
+
+
+def gathered(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
+    """All cases that a target asks for, over ``case``; nothing where it asks for none.
+
+    Parameters
+    ----------
+    slabs : sequence of Dataset, over ``case``
+    """
+    return holes.joined(slabs, "case") if slabs else xr.Dataset()
 
 
 def joined(calibration: xr.Dataset, further: Sequence[xr.Dataset]) -> xr.Dataset:
@@ -149,8 +146,9 @@ def joined(calibration: xr.Dataset, further: Sequence[xr.Dataset]) -> xr.Dataset
     Parameters
     ----------
     calibration : Dataset, over ``case``
-    further : sequence of Dataset, over ``case``; without any, the cases stay as they are
+    further : sequence of Dataset, over ``case``; without any case, those for calibration stay as they are
     """
+    further = [cases for cases in further if "case" in cases.dims]
     if not further:
         return calibration
     even = calibration.get(EVEN, xr.DataArray(np.ones(calibration.sizes["case"], np.int8), dims="case"))

@@ -7,26 +7,19 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from approximation.arrays import Array
 from solver import FactorError, solve, solve_curves
 from solver.names import ALL_QUANTITIES
 from surrogate import Grouping, Input, chebyshev_levels
 from surrogate.data.points import EVEN
-from workflow.dataset import refused, similar
+from workflow.dataset import draws, refused, similar
 from workflow.dataset.kept import Kept
 from workflow.language.factors import FACTORS
 from workflow.study import categories, representatives
 from workflow.study.model import Study
 from workflow.study.refusals import AllRefusedError, answered
-from workflow.study.sections import Axis
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
-#: How many random cases of films share the values for which the solver makes tables. A table costs 0.1 to 1 s, a case
-#: 0.1 ms; but a sample with few tables tells little of these values.
-TOGETHER = 10
-#: Parameters of the beta distribution of shares of a range that are drawn towards its ends.
-TOWARDS_ENDS = 0.3, 0.3
 
 
 def inputs(study: Study) -> list[Input]:
@@ -129,16 +122,16 @@ def cases(study: Study, name: str, kept: Kept | None = None) -> xr.Dataset:
     kept : Kept, what was solved before; None: nothing
     """
     number, key = SAMPLES[name]
-    drawn = points(study, getattr(study.validation, key), (study.validation.seed, number))
-    if name != "calibration" or not study.groups or study.regions:
+    ends = name == "calibration" and bool(study.groups) and not study.regions
+    drawn, even = draws.sample(study, getattr(study.validation, key), (study.validation.seed, number), ends)
+    if not ends:
         return exact(study, drawn, curves=name == "calibration" and not study.groups, holes=np.inf, kept=kept)
-    with_ends, even = towards_ends(study, drawn, (study.validation.seed, number, 1))
     told = {"long_name": "1 where a case is spread evenly over the box, 0 where it is drawn towards its ends"}
-    return exact(study, with_ends, holes=np.inf, kept=kept).assign_coords({EVEN: ("case", even, told)})
+    return exact(study, drawn, holes=np.inf, kept=kept).assign_coords({EVEN: ("case", even, told)})
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
-    """Random cases; exact quantities over dimension ``case`` and the categories, see `points`.
+    """Random cases; exact quantities over dimension ``case`` and the categories, see `draws.points`.
 
     Parameters
     ----------
@@ -146,69 +139,7 @@ def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
     count : int, number of cases
     seed : sequence of int, of the random generator
     """
-    return exact(study, points(study, count, seed))
-
-
-def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETHER) -> dict[str, xr.DataArray]:
-    """Random factors over dimension ``case``, uniform in the axes' own scales.
-
-    Few as the places of the factors are for which the solver makes tables, each lies in a part of its own of every such
-    axis.
-
-    Parameters
-    ----------
-    study : Study
-    count : int, number of cases
-    seed : sequence of int, of the random generator
-    together : int, how many cases of films share the factors for which the solver makes tables
-    """
-    random = np.random.default_rng(list(seed))
-    drawn: dict[str, xr.DataArray] = {}
-    for name, axis in study.factors.items():
-        u = random.uniform(size=count)
-        if name in study.tabled and together > 1:
-            places = -(-count // together)
-            u = np.repeat((random.permutation(places) + u[:places]) / places, together)[:count]
-        drawn[name] = xr.DataArray(_along(name, axis, u), dims="case")
-    return drawn
-
-
-def towards_ends(
-    study: Study, drawn: Mapping[str, xr.DataArray], seed: Sequence[int]
-) -> tuple[dict[str, xr.DataArray], np.ndarray[Any, np.dtype[np.int8]]]:
-    """Random factors with as many again that lie towards the ends, and which of them are the former: 1, others 0.
-
-    Groups have their ends in corners of the factors' box, which even cases hardly reach. All that share the factors
-    for which the solver makes tables follow one another.
-
-    Parameters
-    ----------
-    study : Study
-    drawn : mapping of str to DataArray, over ``case``, SI, the factors as `points` gives them
-    seed : sequence of int, of the random generator
-    """
-    random = np.random.default_rng(list(seed))
-    count = next(iter(drawn.values())).size
-    tables = np.stack([drawn[name].values for name in study.tabled or study.factors])
-    place = np.unique(tables, axis=1, return_index=True, return_inverse=True)[1:]
-    order = np.argsort(np.tile(place[0][place[1].reshape(-1)], 2), kind="stable")  # as they came
-    both = {}
-    for name, axis in study.factors.items():
-        u = random.beta(*TOWARDS_ENDS, size=count)
-        values = drawn[name].values if name in study.tabled else _along(name, axis, u)
-        both[name] = xr.DataArray(np.concatenate([drawn[name].values, values])[order], dims="case")
-    return both, (order < count).astype(np.int8)
-
-
-def _along(name: str, axis: Axis, u: Array) -> Array:
-    """Values of a factor at shares of its range, in the scale of its axis."""
-    if axis.scale == "log":
-        values = axis.low * (axis.high / axis.low) ** u
-    elif axis.scale == "logit":
-        values = Input(name, axis.low, axis.high, axis.scale).from_unit(2 * u - 1)
-    else:
-        values = axis.low + (axis.high - axis.low) * u
-    return np.clip(values, axis.low, axis.high)
+    return exact(study, draws.points(study, count, seed))
 
 
 def exact(

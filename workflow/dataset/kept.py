@@ -33,7 +33,8 @@ from workflow.study.refusals import Solved, labelled
 FOLDER, MOST_BYTES = ".solved", 2**31
 _OF_CASES, _TALLIES = "cases", "taken"
 _DAY = 86400.0
-_AT_A_TIME = 100  # cases of a list, where none needs tables of its own: they share tables
+#: Cases of a list that the solver is asked for at once, where none needs tables of its own: they share some.
+AT_A_TIME = 50
 
 _Part = dict[str, slice]
 
@@ -180,7 +181,7 @@ def _parts(study: Study, cases: Mapping[str, xr.DataArray]) -> Iterator[_Part]:
     runs = {dim: _runs([cases[name] for name in names if dim in cases[name].dims], dim) for dim in dims}
     if not names:
         first, sizes = next(iter(study.axes)), _sizes(cases)
-        dim, step = (first, 1) if first in sizes else (next(iter(sizes), ""), _AT_A_TIME)
+        dim, step = (first, 1) if first in sizes else (next(iter(sizes), ""), AT_A_TIME)
         runs = {dim: [slice(k, k + step) for k in range(0, sizes[dim], step)]} if sizes else {}
     for region in product(*runs.values()):
         yield dict(zip(runs, region, strict=True))

@@ -14,7 +14,7 @@ from solver import find
 from surrogate import GaussianProcess, GridGP
 from surrogate.levels.counts import UnreachableError
 from surrogate.levels.pilot import explore
-from workflow.dataset import factorial
+from workflow.dataset import draws, factorial
 from workflow.study import categories
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -131,7 +131,7 @@ class Effects:
         z = random.choice([-1.0, 1.0], len(self._constants))
         here = self._exact(z)
         change = self._fitted({name: here[name] - self._start[name] for name in self._model.outputs_})
-        points = factorial.points(self._study, _CHECKED, (self._study.validation.seed, 11), _TOGETHER)
+        points = draws.points(self._study, _CHECKED, (self._study.validation.seed, 11), _TOGETHER)
         exact = factorial.learned(self._study, factorial.exact(moved(self._study, self._constants, z), points))
         X = np.stack([points[name].values for name in self._model.box], -1)
         predicted = self._model.predict_array(X) + change.predict_array(X)

@@ -1,12 +1,14 @@
 """A factorial that lacks the cases which the solver refuses, filled in by the process that learns it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise, product
 
 import numpy as np
 import xarray as xr
 
 from approximation.arrays import Array, Flags
-from surrogate import GridGP
+from surrogate import GridGP, Input
 from surrogate.gp import missing
 from workflow.dataset import factorial
 from workflow.study.model import Study
@@ -28,10 +30,40 @@ def whole(study: Study, data: xr.Dataset) -> xr.Dataset:
     Raises
     ------
     ValueError
-        More places are missing than can be filled in together.
+        More places are missing than can be filled in together, or all between two kinks.
     """
     if study.crossed:
         return data
+    inputs = factorial.axis_inputs(study)
+    if not study.kinks:
+        return _part(study, data, inputs)
+    found = data.copy(deep=True)
+    for place, own in _between_kinks(study, inputs):
+        part = data.isel(place)
+        if any(part[name].isnull().all() for name in part.data_vars):
+            split = [box for box in own if study.axes[box.name].kinks]
+            told = ", ".join(f"{box.name} in {box.range_text()}" for box in split)
+            raise ValueError(f"all cases between kinks are refused: {told}")
+        part = _part(study, part, own)
+        for name, array in part.data_vars.items():
+            found[name].loc[{axis: part[axis].values for axis in place}] = array
+    return found
+
+
+def _between_kinks(study: Study, inputs: Sequence[Input]) -> Iterator[tuple[dict[str, slice], list[Input]]]:
+    """Every part of the factorial between kinks: where it lies in it, and its axes."""
+    parts = []
+    for own in inputs:
+        axis = study.axes[own.name]
+        count = axis.levels or 0
+        ends = enumerate(pairwise(axis.ends))
+        parts.append([(slice(k * count, (k + 1) * count), replace(own, low=low, high=high)) for k, (low, high) in ends])
+    for chosen in product(*parts):
+        yield {own.name: place for place, own in chosen}, [own for _, own in chosen]
+
+
+def _part(study: Study, data: xr.Dataset, inputs: Sequence[Input]) -> xr.Dataset:
+    """As `whole`, of a factorial that one process learns."""
     holes = {str(name): _missing(study, array) for name, array in data.data_vars.items()}
     if not any(flags.any() for flags in holes.values()):
         return data
@@ -39,10 +71,11 @@ def whole(study: Study, data: xr.Dataset) -> xr.Dataset:
     plain = {str(name): array.transpose(*axes) for name, array in data.data_vars.items() if set(array.dims) == {*axes}}
     signs = {name: _sign(array.values) if study.groups else 0 for name, array in plain.items()}
     bent = xr.Dataset({name: np.log(array * signs[name]) if signs[name] else array for name, array in plain.items()})
-    inputs, kernel = factorial.axis_inputs(study), study.surrogate.kernel
     coords = {name: data[name].values for name in axes}
     found, model = missing.filled(
-        lambda: GridGP(kernel, inputs), bent.assign_coords(coords), {name: holes[name] for name in plain}
+        lambda: GridGP(study.surrogate.kernel, inputs),
+        bent.assign_coords(coords),
+        {name: holes[name] for name in plain},
     )
     values = {name: np.exp(found[name].values) * signs[name] if signs[name] else found[name].values for name in plain}
     return data.assign(

@@ -9,7 +9,7 @@ import xarray as xr
 
 from solver.names import ALL_PEAKS
 from surrogate import GaussianProcess
-from workflow.dataset import factorial
+from workflow.dataset import draws, factorial
 from workflow.learning import training
 from workflow.study.model import Study
 from workflow.study.refusals import REFUSAL
@@ -84,7 +84,7 @@ def _films(study: Study, points: dict[str, xr.DataArray], with_holes: bool) -> d
     if with_holes:
         new = {name: values[:: max(1, values.size // (_FILMS + 2))][: _FILMS + 2] for name, values in points.items()}
     else:
-        new = factorial.points(study, _FILMS + 2, (study.validation.seed, 6), together=1)
+        new = draws.points(study, _FILMS + 2, (study.validation.seed, 6), together=1)
     own = {name: levels for name, levels in factorial.levels(study).items() if name not in study.tabled}
     block: dict[str, Any] = {name: new[name][0] if name in study.tabled else own[name] for name in study.axes}
     if study.groups:

@@ -16,7 +16,7 @@ from surrogate.intervals.sharing import sharing
 from surrogate.levels import counts, lines
 from surrogate.transforms.transformed import groups_of
 from surrogate.use import edge, validation
-from workflow.dataset import asked, batches, factorial, holes
+from workflow.dataset import asked, batches, draws, factorial, holes
 from workflow.learning import curves, filled
 from workflow.run.joblog import log
 from workflow.study.model import Study
@@ -209,7 +209,7 @@ def widest(study: Study, model: GaussianProcess, number: int) -> asked.Place:
     model : GaussianProcess
     number : int, that of the round, from 0
     """
-    points = factorial.points(study, _TRIED, (study.validation.seed, 6, number), together=1)
+    points = draws.points(study, _TRIED, (study.validation.seed, 6, number), together=1)
     X = np.stack([points[name].values for name in study.factors], axis=-1)
     X = X[model.has_answers(X)]
     lower, upper = model.interval_array(X)

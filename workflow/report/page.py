@@ -12,7 +12,7 @@ from markupsafe import Markup
 from solver.names import ALL_QUANTITIES, CHOICES
 from storage.netcdf import read_whole
 from surrogate import load
-from workflow.dataset import factorial
+from workflow.dataset import draws
 from workflow.design.verdict import netcdf
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
@@ -102,7 +102,7 @@ def page(
         "hanging": hangs,
         "datum": length(study),
         "kind": study.kind,
-        "together": factorial.TOGETHER,
+        "together": draws.TOGETHER,
         "tabled": study.tabled,
         "film_beside": study.effects.film if study.effects else {},
         "costly": study.costly.issuperset(study.quantities),

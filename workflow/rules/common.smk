@@ -146,15 +146,27 @@ def batches_of(wildcards, rounds=None):
 
 
 def asked_of(wildcards, rounds=asked.ROUNDS):
-    """The cases that the surrogate asks for, of the first rounds or of all; none of a study without a budget for them."""
+    """The cases that a target asks for, of the first rounds or of all."""
     files = []
-    for number in range(rounds if study_of(wildcards).surrogate.budget else 0):
-        cases = checkpoints.asked.get(study=wildcards.study, round=number).output[0]
-        slabs = range(asked.slabs(study_of(wildcards), cases))
+    for number in range(rounds):
+        named = {"study": wildcards.study, "name": wildcards.name, "round": number}
+        slabs = range(asked.slabs(study_of(wildcards), checkpoints.asked.get(**named).output[0]))
         if not slabs:
             break
-        files += expand("results/{study}/asked/{round}_{slab}.nc", study=wildcards.study, round=number, slab=slabs)
+        files += expand("results/{study}/asked/{name}/{round}_{slab}.nc", slab=slabs, **named)
     return files
+
+
+def gathered_of(wildcards):
+    """All cases that are asked for, a file of each target; none of a study without a budget for them."""
+    study = study_of(wildcards)
+    return expand("results/{study}/asked/{name}.nc", study=wildcards.study, name=asked.names(study) if study.surrogate.budget else [])
+
+
+def answered_on(wildcards):
+    """The surrogate on which a target is answered: its own, where it asks for cases."""
+    own = study_of(wildcards).surrogate.budget
+    return f"results/{wildcards.study}/asked/{wildcards.name}/surrogate.nc" if own else f"results/{wildcards.study}/surrogate.nc"
 
 
 def slabs_of(wildcards, file):

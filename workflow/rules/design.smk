@@ -3,7 +3,7 @@
 
 rule target:
     input:
-        "results/{study}/surrogate.nc",
+        answered_on,
     output:
         "results/{study}/design/{name}.nc",
     params:

@@ -15,6 +15,6 @@ quantities = read_whole(Path(snakemake.input.quantities))
 further = [read_whole(Path(slab)) for slab in snakemake.input.further]
 known = asked.joined(read_whole(Path(snakemake.input.calibration)), further)
 model = training.calibrated(config, training.fit(config, quantities), quantities, known)
-number = int(snakemake.wildcards.round)
-places = [targets.doubted(config, name, model) for name in config.design] or [training.widest(config, model, number)]
-asked.write(config, places, number, Path(snakemake.output[0]))
+name, number = snakemake.wildcards.name, int(snakemake.wildcards.round)
+place = targets.doubted(config, name, model) if config.design else training.widest(config, model, number)
+asked.write(config, place, number, Path(snakemake.output[0]))

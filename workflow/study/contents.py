@@ -81,7 +81,7 @@ class Contents(Keys):
 
     @property
     def slides(self) -> bool:
-        """Whether its contacts are points that slide: those in air have neither fields nor largest stresses."""
+        """Whether its contacts are points that slide."""
         return self.kind.contact == "point" and ("friction" in self.factors or bool(self.numbers["friction"]))
 
     @property
@@ -160,6 +160,18 @@ class Contents(Keys):
     def kinks(self) -> dict[str, list[float]]:
         """Where quantities have kinks, by factor; none of a factor that has none."""
         return {name: list(axis.kinks) for name, axis in self.factors.items() if axis.kinks}
+
+    @property
+    def before(self) -> Self | None:
+        """The same over the box that it has grown from; None where that is none or as large."""
+        old = {name: axis.grown_from or [axis.low, axis.high] for name, axis in self.factors.items()}
+        if all(ends == [self.factors[name].low, self.factors[name].high] for name, ends in old.items()):
+            return None
+        axes = {
+            name: axis.model_copy(update={"low": old[name][0], "high": old[name][1], "grown_from": None})
+            for name, axis in self.factors.items()
+        }
+        return self.model_copy(update={"factors": axes})
 
     @property
     def block(self) -> int:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from solver.names import COMPOSITES, OF_A_FILM, PROFILES
+from solver.names import CHOICES, COMPOSITES, OF_A_FILM, PROFILES
 from workflow.study.types import BY_FACTOR, FieldName, Given, InputName, Number, QuantityName, Strict, Vector
 
 #: Most cases of a factorial.
@@ -43,6 +43,13 @@ class Axis(Strict):
         description="where quantities bend or jump: so many levels lie between each two, and a process of their own",
     )
 
+    grown_from: list[Given] | None = Field(
+        None,
+        min_length=2,
+        max_length=2,
+        description="the range of before, of a box that has grown: random cases that were solved there are taken again",
+    )
+
     @property
     def ends(self) -> list[float]:
         """The ends of the range, and the kinks between them, ascending."""
@@ -55,10 +62,11 @@ class Axis(Strict):
 
     @model_serializer(mode="wrap")
     def _as_given(self, written: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """As plain data, without kinks where there are none."""
+        """As plain data, without kinks and a range of before where there are none."""
         content: dict[str, Any] = written(self)
-        if not self.kinks:
-            content.pop("kinks", None)
+        for name in ("kinks", "grown_from"):
+            if not content.get(name):
+                content.pop(name, None)
         return content
 
     @model_validator(mode="after")
@@ -72,6 +80,9 @@ class Axis(Strict):
         if any(not low < high for low, high in pairwise(self.ends)):
             told = ", ".join(f"{at:g}" for at in self.kinks)
             raise ValueError(f"kinks: {told} must differ and lie inside of {self.low:g} to {self.high:g}")
+        low, high = self.grown_from or (self.low, self.high)
+        if not self.low <= low < high <= self.high:
+            raise ValueError(f"grown_from: {low:g} to {high:g} must ascend and lie in {self.low:g} to {self.high:g}")
         return self
 
 
@@ -150,12 +161,13 @@ class Surrogate(Strict):
         None,
         ge=20,
         le=100_000,
-        description="further exact cases, asked for where designs are, or else where intervals are widest; null: none",
+        description="further exact cases for every target, asked for where its design is, or without targets where "
+        "intervals are widest; null: none",
     )
     until: Number | None = Field(
         None,
         gt=0,
-        description="of that budget no more cases once 95 % intervals at all designs are within this share of the "
+        description="of that budget no more cases once 95 % intervals at the design are within this share of the "
         "goal's value and of the limits; null: all of them",
     )
     curves: bool = Field(
@@ -243,7 +255,8 @@ class Effects(Strict):
     def case(self, factor: str) -> dict[str, Any]:
         """Factors of one effect: a material and a composite replace each other, and a profile takes what is its own."""
         film = self.film if factor in OF_A_FILM else {}
-        case: dict[str, Any] = {**self.baseline, **film, factor: self.vary[factor]}
+        around = {"surroundings": CHOICES["surroundings"][0]} if film else {}  # as beside the half-plane
+        case: dict[str, Any] = {**around, **self.baseline, **film, factor: self.vary[factor]}
         profiles = case.get("profile", "cylinder")
         known = [str(profile) for profile in np.atleast_1d(profiles) if str(profile) in PROFILES]
         taken = {name for profile in known for name in PROFILES[profile].takes}

@@ -9,7 +9,7 @@ import xarray as xr
 
 from approximation.sobol import sobol_points
 from solver import solve
-from solver.names import AIR, ALL_QUANTITIES, CHOICES, PROFILES
+from solver.names import ALL_QUANTITIES, PROFILES
 from solver.similarity import Weight, weight_of
 from surrogate import Input
 from workflow.language.factors import FACTORS
@@ -200,25 +200,11 @@ def _check_share(study: Contents) -> None:
 def check_fields(study: Contents) -> None:
     """Whether cases have the fields and largest stresses that sections ask for."""
     effects = study.effects
-    drawn: dict[str, Mapping[str, Any]] = (
-        {"effects: baseline": effects.baseline, "effects: vary": effects.vary} if effects else {}
-    )
-    pressed = PROFILES.get(str(effects.baseline.get("profile", CHOICES["profile"][0]))) if effects else None
-    for where, given in drawn.items():
-        slides = effects and np.any(np.atleast_1d({**effects.baseline, **effects.vary}.get("friction", 0.0)))
-        airy = AIR in np.atleast_1d(given.get("surroundings", ""))
-        if pressed and pressed.contact == "point" and slides and airy:
-            raise ValueError(
-                f"{where}: surroundings: {AIR!r} beside a point that slides has no fields, which effects draw; must be "
-                "insulated"
-            )
     if effects and effects.film and study.kind.contact == "point":
         raise ValueError("effects: film: is not drawn of a point; a film stands in the baseline")
     if study.surrogate.fields and (study.kind.air or study.kind.contact == "point"):
         why = "those of contacts with air beside them are not learned" if study.kind.air else "point contacts have none"
         raise ValueError(f"surrogate: fields: {why}; must be 0")
-    if study.dataset.peaks and study.kind.air and study.slides:
-        raise ValueError(f"dataset: peaks: points that slide with surroundings: {AIR!r} have none; must be false")
 
 
 def solve_effects(study: Contents) -> None:

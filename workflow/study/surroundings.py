@@ -1,4 +1,4 @@
-"""What is beside the contacts of a study with a device that does not say: air, where the theory of air covers them."""
+"""What is beside the contacts of a study on films, or with a device, that does not say: air, where it can be."""
 
 from solver.body import airless, kind_of
 from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, PROFILES
@@ -12,11 +12,12 @@ _READ = {"capacitance": "capacitance_at_load", "contact_capacitance": "contact_c
 
 
 def settle(study: Contents) -> None:
-    """Give a study with a device the surroundings that it does not name: air, or insulated where `_lacking` says why.
+    """Give a study on films, or with a device, the surroundings that it does not name: air, or insulated if `_lacking`.
 
     Reads, beside no other contact than the study's, what its sections say alone: nothing is solved.
     """
-    if study.device is None or "surroundings" in {*study.fixed, *study.categories, *study.factors}:
+    named = "surroundings" in {*study.fixed, *study.categories, *study.factors}
+    if named or not (study.device or (study.factors and study.kind.layered)):
         return
     _place(study, AIR)
     study._why_insulated = _lacking(study)
@@ -26,12 +27,12 @@ def settle(study: Contents) -> None:
 
 
 def told(study: Contents) -> str:
-    """What was chosen, in a line; empty where the study said it itself or has no device."""
+    """What was chosen, in a line; empty where the study said it itself or has neither film nor device."""
     if not study._settled:
         return ""
     if study._why_insulated:
         return f"surroundings: insulated, since {study._why_insulated}"
-    return "surroundings: air, the default of a study with a device (fixed: {surroundings: insulated} leaves it out)"
+    return "surroundings: air, the default of films and devices (fixed: {surroundings: insulated} leaves it out)"
 
 
 def _lacking(study: Contents) -> str:
@@ -56,9 +57,10 @@ def _asks_for_more(study: Contents) -> str:
         check_groups(study)
     except ValueError as error:
         return str(error)
-    wanted += [_READ[name] for name in study.surrogate.outputs if name in _READ]
+    if study.device is not None:
+        wanted += [_READ[name] for name in study.surrogate.outputs if name in _READ]
     for name in wanted:
-        if name in {*ALL_QUANTITIES, *ALL_PEAKS} - {*has.quantities, *(() if study.slides else has.peaks)}:
+        if name in {*ALL_QUANTITIES, *ALL_PEAKS} - {*has.quantities, *has.peaks}:
             return f"contacts in air have no {name}, which it asks for"
         if study.surrogate.outputs and name in ALL_QUANTITIES and name not in study.surrogate.outputs:
             return f"{name}, by which a device in air is read, is not one of surrogate.outputs"

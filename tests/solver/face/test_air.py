@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import solver
 from solver.names import FILM_PEAKS, GAP_QUANTITIES, PEAKS
@@ -68,21 +69,57 @@ def test_a_table_holds_both_and_each_case_is_the_case_alone() -> None:
             assert float(at) == pytest.approx(float(alone[name]), rel=1e-9), name
 
 
-def test_insulated_is_the_default_bit_for_bit() -> None:
-    for case in (LINE, FILM):
-        said, unsaid = solver.solve(case | {"surroundings": "insulated"}), solver.solve(case)
-        for name in unsaid.data_vars:
-            np.testing.assert_array_equal(said[name], unsaid[name])
-        assert "surroundings = insulated" in unsaid.attrs["defaults"]
-        assert "gap_permittivity" not in unsaid.attrs["defaults"]
-    assert "gap_permittivity = 1" in solver.solve(FILM | AIR).attrs["defaults"]
+BALL: dict[str, Any] = {
+    "material": "PZT-4",
+    "profile": "sphere",
+    "radius": 5e-3,
+    "force": 0.1,
+    "magnetic": "insulating",
+}
+
+
+@pytest.mark.parametrize(
+    ("case", "around"),
+    [
+        (LINE, "insulated"),
+        (FILM, "air"),
+        (BALL, "insulated"),
+        (BALL | {"thickness": 1e-4, "base": "steel"}, "air"),
+        (FILM | {"electric": "insulating"}, "insulated"),
+        (
+            {name: value for name, value in FILM.items() if name != "radius"}
+            | {"profile": solver.Profile.cylinder(np.array(0.05))},
+            "air",
+        ),
+    ],
+)
+def test_films_are_in_air_by_default_bit_for_bit_and_half_planes_are_not(case: dict[str, Any], around: str) -> None:
+    said, unsaid = solver.solve(case | {"surroundings": around}), solver.solve(case)
+    assert set(said.data_vars) == set(unsaid.data_vars)
+    for name in unsaid.data_vars:
+        np.testing.assert_array_equal(said[name], unsaid[name])
+    assert str(unsaid.coords.get("surroundings", "insulated").values if "thickness" in case else "insulated") == around
+    assert ("gap_permittivity = 1" in unsaid.attrs["defaults"]) == (around == "air")
+
+
+def test_what_cases_have_beside_them_may_differ_along_two_dimensions() -> None:
+    conducts = {"electric": ["conducting", "insulating"], "magnetic": ["insulating", "conducting"]}
+    found = solver.solve(FILM | conducts)
+    assert found["surroundings"].transpose("electric", "magnetic").values.tolist() == [
+        ["air", "air"],
+        ["insulated", "air"],
+    ]
+    alone = solver.solve(FILM | {"electric": "insulating"})
+    assert float(found["depth"].sel(electric="insulating", magnetic="insulating")) == float(alone["depth"])
+    named = solver.solve(FILM | {"surroundings": xr.DataArray(["", "insulated"], dims="case")})
+    assert named["surroundings"].values.tolist() == ["air", "insulated"]
 
 
 def test_the_table_of_films_with_air_is_the_solver_s() -> None:
     page = (ROOT / "docs/names.md").read_text(encoding="utf-8")
     lines = page.split("| voltage at the load | charge per load, pC/N |\n")[1].split("\n\n")[0].splitlines()[1:]
     for line, case in zip(lines, TABLE, strict=True):
-        bare, air = solver.solve(case), solver.solve(case | AIR)
+        bare, air = solver.solve(case | {"surroundings": "insulated"}), solver.solve(case)
         stored, volts, charge = (cell.strip() for cell in line.strip("|").split("|")[1:])
         assert stored == f"{float(bare['capacitance']) * 1e9:.3g}, air {float(air['capacitance']) * 1e9:.3g}"
         assert volts == f"x {float(air['voltage'] / bare['voltage']):.2g}"
@@ -134,20 +171,20 @@ def test_refused_in_one_line(changed: dict[str, Any], message: str) -> None:
 def test_fields_and_peaks_in_no_air_are_those_without() -> None:
     """Of half-planes by the closed form, of films by their tables, whose nets are others: peaks to 1e-6."""
     positions, x, y = [-20.0, -2.0, -0.5, 0.3, 1.4], [-1.5, 0.2, 3.0], [-0.1, -0.7]
-    none = AIR | {"gap_permittivity": 1e-16}
+    bare, none = {"surroundings": "insulated"}, AIR | {"gap_permittivity": 1e-16}
     for case in (LINE, FILM | {"friction": 0.2, "load": 1e4}):
-        exact, found = (solver.solve(case | own, positions, regular=True) for own in ({}, none))
-        inside = [solver.solve_interior(case | own, x, y) for own in ({}, none)]
+        exact, found = (solver.solve(case | own, positions, regular=True) for own in (bare, none))
+        inside = [solver.solve_interior(case | own, x, y) for own in (bare, none)]
         for one, other in zip((found, inside[1]), (exact, inside[0]), strict=True):
             for name in (name for name in other.data_vars if other[name].ndim):
                 size = float(np.max(np.abs(other[name])))
                 np.testing.assert_allclose(one[name], other[name], rtol=0, atol=1e-8 * size, err_msg=str(name))
     slides = FILM | {"friction": 0.2, "load": 1e4}
     for case, names, region in ((slides, FILM_PEAKS, "interface"), (LINE | {"material": "BaTiO3"}, PEAKS, "body")):
-        exact, found = (solver.solve(case | own, peaks=True) for own in ({}, none))
+        exact, found = (solver.solve(case | own, peaks=True) for own in (bare, none))
         for name in names:
             np.testing.assert_allclose(found[name], exact[name], rtol=1e-6, err_msg=name)
-        curves = [solver.solve_curves(case | own, [region]) for own in ({}, none)]
+        curves = [solver.solve_curves(case | own, [region]) for own in (bare, none)]
         for name in curves[0].data_vars:
             size = float(np.max(np.abs(curves[0][name])))
             np.testing.assert_allclose(curves[1][name], curves[0][name], rtol=0, atol=1e-6 * size, err_msg=str(name))

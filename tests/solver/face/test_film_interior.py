@@ -44,7 +44,8 @@ def test_film_of_its_base_s_own_material_is_the_half_plane() -> None:
     """Every field, at the surface, in the film, about its base and in it."""
     punch: dict[str, Any] = {"material": "BaTiO3-CoFe2O4 50:50", "friction": 0.3, "load": 1e5, "datum": 0.4,
                              "radius": 0.05, "charge": 2e-6, "magnetic_charge": 1e-3}  # fmt: skip
-    film = {"base": "BaTiO3-CoFe2O4 50:50", "interface_electric": "bonded", "interface_magnetic": "bonded",
+    film = {"surroundings": "insulated",
+            "base": "BaTiO3-CoFe2O4 50:50", "interface_electric": "bonded", "interface_magnetic": "bonded",
             "thickness": 0.3e-3}  # fmt: skip
     X, Y = [-2.0, -0.7, 0.1, 1.3], [0.0, -0.05, -0.9, -1.4, -1.7, -5.0]
     exact = solver.solve_interior(punch, X, Y, fields=list(EVERY_INTERIOR))
@@ -58,6 +59,7 @@ def test_a_mixed_table_and_rigid_bases_and_similarity() -> None:
     cases = xr.Dataset(
         {
             "thickness": ("case", [np.nan, 0.5e-3, 1e-3]),
+            "surroundings": "insulated",
             "base": ("case", np.array(["", "rigid", "rigid"], dtype=object)),
             "load": ("case", [1e5, 1e5, 2e5]),
             "radius": ("case", [0.05, 0.05, 0.1]),

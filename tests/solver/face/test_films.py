@@ -11,8 +11,18 @@ from solver.film.stack import Layer, Stack
 from solver.names import ALL_PEAKS, EVERY_FILM_QUANTITY, EVERY_QUANTITY, FILM_PEAKS, FILM_QUANTITIES, QUANTITIES
 from tests.solver.film.films import FIBROUS, cylinder
 
-FILM: dict[str, Any] = {"material": "BaTiO3", "thickness": 0.5e-3, "base": "rigid", "radius": 0.05, "load": 1e5}
-MIX: dict[str, Any] = {"volume_fraction": 0.5, "thickness": 0.2e-3, "radius": 0.05, "friction": 0.3, "load": 1e5}
+FILM: dict[str, Any] = {
+    "material": "BaTiO3",
+    "thickness": 0.5e-3,
+    "surroundings": "insulated",
+    "base": "rigid",
+    "radius": 0.05,
+    "load": 1e5,
+}
+MIX: dict[str, Any] = {
+    "volume_fraction": 0.5, "thickness": 0.2e-3, "radius": 0.05, "friction": 0.3, "load": 1e5,
+    "surroundings": "insulated",
+}  # fmt: skip
 POSITIONS = (-1.2, -0.5, 0.0, 0.5, 1.2)
 _VECTORS: dict[str, slice | list[int]] = {
     "contact_pressure": slice(1, 4),
@@ -84,7 +94,13 @@ def test_charge_per_load_of_short_circuited_films_is_hit_to_every_digit() -> Non
     for number, material in enumerate(("PZT-4", "BaTiO3")):
         stiffness, expected = np.array([row[number] for row in SHORT_CIRCUIT.values()]).T
         load = stiffness * (np.array(list(SHORT_CIRCUIT)) * thickness) ** 2 / radius
-        film = {"material": material, "thickness": thickness, "base": "rigid", "radius": radius}
+        film = {
+            "material": material,
+            "thickness": thickness,
+            "surroundings": "insulated",
+            "base": "rigid",
+            "radius": radius,
+        }
         found = solver.solve(film | {"load": load})["charge_sensitivity"] * 1e12
         assert np.all(np.abs(found - expected) < [6e-5, 6e-5, 6e-5, 6e-4])
 
@@ -142,7 +158,9 @@ def test_similarity_and_answers_that_do_not_hang_on_their_neighbours() -> None:
     for key in out.data_vars:
         assert float(alone[key]) == pytest.approx(float(out[key][2]), rel=1e-13), key
     direct = cylinder(Stack((Layer(FIBROUS, 0.5e-3),)), 0.3, 1e5, (5e-6, 0.0))
-    again = solver.solve(MIX | {"base": "rigid", "thickness": 0.5e-3, "charge": 5e-6, "load": 1e5})
+    again = solver.solve(
+        MIX | {"surroundings": "insulated", "base": "rigid", "thickness": 0.5e-3, "charge": 5e-6, "load": 1e5}
+    )
     assert float(again["contact_trailing"]) == pytest.approx(float(direct.trailing[0]), rel=1e-9)
 
 
@@ -158,6 +176,7 @@ def test_films_and_half_planes_in_one_table() -> None:
     cases = xr.Dataset(
         {
             "thickness": ("case", [np.nan, 0.2e-3, np.nan, 1e-3]),
+            "surroundings": "insulated",
             "base": ("case", np.array(["", "rigid", "", ""], dtype=object)),
             "base_modulus": ("case", [np.nan, np.nan, np.nan, 2e11]),
             "base_poisson": ("case", [np.nan, np.nan, np.nan, 0.3]),
@@ -169,7 +188,7 @@ def test_films_and_half_planes_in_one_table() -> None:
     for key, value in half.data_vars.items():  # bit for bit
         np.testing.assert_array_equal(out[key][[0, 2]], np.broadcast_to(value, out[key][[0, 2]].shape))
     named = solver.solve({"material": "PZT-4", "radius": 0.05, "friction": 0.2, "load": 2e5, "thickness": 1e-3,
-                          "base": "steel"}, POSITIONS)  # fmt: skip
+                          "surroundings": "insulated", "base": "steel"}, POSITIONS)  # fmt: skip
     for key in half.data_vars:
         np.testing.assert_allclose(out[key][3], named[key], rtol=1e-12, err_msg=str(key))
     assert not set(FILM_QUANTITIES) & set(out.data_vars)
@@ -243,6 +262,17 @@ def test_bases_of_the_library_carry_a_film(base: str) -> None:
     material = solver.find(base)
     assert material.source
     assert material.note
-    out = solver.solve({"material": "PZT-4", "thickness": 1e-4, "base": base, "radius": 0.01, "load": 1e4})
-    rigid = solver.solve({"material": "PZT-4", "thickness": 1e-4, "base": "rigid", "radius": 0.01, "load": 1e4})
+    out = solver.solve(
+        {"material": "PZT-4", "thickness": 1e-4, "surroundings": "insulated", "base": base, "radius": 0.01, "load": 1e4}
+    )
+    rigid = solver.solve(
+        {
+            "material": "PZT-4",
+            "thickness": 1e-4,
+            "surroundings": "insulated",
+            "base": "rigid",
+            "radius": 0.01,
+            "load": 1e4,
+        }
+    )
     assert float(out["contact_trailing"]) > float(rigid["contact_trailing"])

@@ -12,7 +12,7 @@ from solver.similarity import FACTOR_WEIGHTS, QUANTITY_WEIGHTS
 
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
 DISC: dict[str, Any] = {"profile": "disc", "width": 1e-4, "radius": None}
-COATED = BALL | {"thickness": 1e-4, "base": "steel"}
+COATED = BALL | {"thickness": 1e-4, "surroundings": "insulated", "base": "steel"}
 
 
 def test_ball_on_a_half_space_has_the_figures_of_the_theory() -> None:
@@ -80,7 +80,10 @@ def test_quantities_scale_as_they_are_said_to() -> None:
         ({"datum": 0.1}, "datum: the profile sphere has none; only contacts along a line have it"),
         ({"speed": 1.0}, "speed: the profile sphere has none; only contacts along a line have it"),
         ({"force": -1.0}, "force: -1 is not a finite number > 0 [N]"),
-        ({"force": 1e12, "thickness": 1e-6, "base": "rigid"}, "contact: wider than the resolved range"),
+        (
+            {"force": 1e12, "thickness": 1e-6, "surroundings": "insulated", "base": "rigid"},
+            "contact: wider than the resolved range",
+        ),
         ({"thickness": 1e-4}, "base: missing"),
         ({"total_flux": 1.0, "magnetic": "insulating"}, "total_flux: 1 on a punch that is magnetic insulating"),
         ({"slope": 0.1}, "slope: the profile sphere has none"),

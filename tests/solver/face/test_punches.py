@@ -16,7 +16,7 @@ from solver.halfplane.surface import HalfPlane
 
 STEEL = {"punch_modulus": 210e9, "punch_poisson": 0.3}
 LINE: dict[str, Any] = {"volume_fraction": 0.5, "radius": 0.05, "load": 1e5, "friction": 0.3, "datum": 0.2}
-FILM = LINE | {"thickness": 2e-4, "base": "steel", "interface_magnetic": "grounded"}
+FILM = LINE | {"thickness": 2e-4, "surroundings": "insulated", "base": "steel", "interface_magnetic": "grounded"}
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
 PROFILES: list[dict[str, Any]] = [
     {"radius": 0.05},
@@ -62,7 +62,7 @@ def test_the_face_gives_what_the_room_gives(profile: dict[str, Any]) -> None:
 @pytest.mark.parametrize("profile", PROFILES)
 def test_a_film_of_its_own_base_is_the_half_plane(profile: dict[str, Any]) -> None:
     own = {"material": "PZT-4", **{key: value for key, value in BARE.items() if key != "volume_fraction"}, **profile}
-    film = own | {"thickness": 5e-4, "base": "PZT-4", "interface_electric": "bonded"}
+    film = own | {"thickness": 5e-4, "surroundings": "insulated", "base": "PZT-4", "interface_electric": "bonded"}
     one, other = (solver.solve(case | {"punch": "brass"}, [-0.5, 2.0]) for case in (film, own))
     for name in other:
         np.testing.assert_allclose(one[name], other[name], rtol=1e-9, err_msg=str(name))
@@ -71,7 +71,9 @@ def test_a_film_of_its_own_base_is_the_half_plane(profile: dict[str, Any]) -> No
         np.testing.assert_allclose(inside[name], whole[name], rtol=1e-7, err_msg=str(name))
 
 
-@pytest.mark.parametrize("case", [LINE, FILM, BALL, BALL | {"thickness": 1e-4, "base": "glass"}])
+@pytest.mark.parametrize(
+    "case", [LINE, FILM, BALL, BALL | {"thickness": 1e-4, "surroundings": "insulated", "base": "glass"}]
+)
 def test_rigid_is_the_default_and_the_limit(case: dict[str, Any]) -> None:
     default, rigid = solver.solve(case), solver.solve(case | {"punch": "rigid"})
     hard = solver.solve(case | {"punch_modulus": 1e25, "punch_poisson": 0.3})
@@ -103,7 +105,14 @@ def test_the_depth_says_where_the_punch_is_at_rest() -> None:
     one, two = (solver.solve(LINE | STEEL | {"radius": R}) for R in (0.05, 0.1))
     assert "an elastic punch's own: its radius" in one["depth"].attrs["comment"]
     assert "elastic punch" not in solver.solve(LINE)["depth"].attrs.get("comment", "")
-    on_rigid = {"material": "PZT-4", "radius": 0.05, "load": 1e5, "thickness": 1e-3, "base": "rigid"}
+    on_rigid = {
+        "material": "PZT-4",
+        "radius": 0.05,
+        "load": 1e5,
+        "thickness": 1e-3,
+        "surroundings": "insulated",
+        "base": "rigid",
+    }
     assert "an elastic punch's own: its radius" in solver.solve(on_rigid | STEEL)["depth"].attrs["comment"]
     assert "elastic punch" not in solver.solve(BALL | STEEL)["depth"].attrs.get("comment", "")
     assert float(two["depth"]) != float(one["depth"])

@@ -82,7 +82,9 @@ def test_table_of_short_circuited_films_is_hit_to_every_digit(ratio: float) -> N
         charge *= half / state.scale[2]
         short = FilmContact(of, state.profile, cases(load), np.array([[charge, 0.0]]), np.array(1.0))
         np.testing.assert_allclose(short.half_width, half, rtol=1e-9)
-        own = solver.solve({"material": name, "thickness": h, "base": "rigid", "radius": R, "load": load})
+        own = solver.solve(
+            {"material": name, "thickness": h, "surroundings": "insulated", "base": "rigid", "radius": R, "load": load}
+        )
         assert own["charge_sensitivity"].item() == pytest.approx(charge / load, rel=1e-8)  # between tabled half-lengths
         found.append((load * R / half**2, charge / load * 1e12, float(short.depth[0]) * R / half**2))
     printed = [f"{v:.{digits - 1}e}" for v in (*found[0], *found[1][:2])]

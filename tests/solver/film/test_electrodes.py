@@ -15,8 +15,9 @@ from solver.film.stack import Layer, Stack, StackError
 from tests.solver.film.films import BTO, FIBROUS, SILICON
 
 PVDF, PZT, PDMS, GLASS, COPPER = (solver.find(name) for name in ("PVDF", "PZT-4", "PDMS", "glass", "copper"))
-BALL: dict[str, Any] = {"profile": "sphere", "radius": 0.01, "force": [0.1, 1.0], "magnetic": "insulating"}
-ROLLER: dict[str, Any] = {"radius": 0.05, "load": 2e4, "friction": 0.3, "datum": 0.1}
+BARE: dict[str, Any] = {"surroundings": "insulated"}
+BALL = BARE | {"profile": "sphere", "radius": 0.01, "force": [0.1, 1.0], "magnetic": "insulating"}
+ROLLER = BARE | {"radius": 0.05, "load": 2e4, "friction": 0.3, "datum": 0.1}
 COVERS = {"rubber": Layer(PDMS, 1e-3, "grounded"), "ceramic": Layer(FIBROUS, 2e-4, "grounded")}
 ACTIVE = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4, "grounded"), Layer(FIBROUS, 2e-4)], SILICON)
 

@@ -61,7 +61,13 @@ def test_critical_speed_of_a_film_on_its_own_material_is_the_half_plane_s(conduc
 
 def test_a_moving_film_of_its_base_s_own_material_is_the_half_plane() -> None:
     punch = PUNCH | {"material": MIX.name, "charge": 2e-6, "magnetic_charge": 1e-3, "speed": 2000.0}
-    film = {"thickness": 2e-4, "base": MIX.name, "interface_electric": "bonded", "interface_magnetic": "bonded"}
+    film = {
+        "thickness": 2e-4,
+        "surroundings": "insulated",
+        "base": MIX.name,
+        "interface_electric": "bonded",
+        "interface_magnetic": "bonded",
+    }
     exact, found = (solver.solve(punch | own, [-0.5, 1.2]) for own in ({}, film))
     for key, value in exact.data_vars.items():
         np.testing.assert_allclose(found[key], value, rtol=2e-11, err_msg=str(key))
@@ -86,7 +92,7 @@ def test_forces_inside_are_those_of_the_inertia() -> None:
 
 
 def test_films_at_any_speed_in_one_table_and_faster_is_wider() -> None:
-    film = PUNCH | {"material": "PZT-4", "thickness": 2e-4, "base": "silicon"}
+    film = PUNCH | {"material": "PZT-4", "thickness": 2e-4, "surroundings": "insulated", "base": "silicon"}
     out = solver.solve(film | {"speed": [0.0, 1000.0, 2000.0]})
     np.testing.assert_array_equal(out["contact_trailing"][0], solver.solve(film)["contact_trailing"])
     assert np.all(np.diff(out["contact_trailing"]) > 0)

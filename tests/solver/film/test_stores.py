@@ -8,8 +8,22 @@ import solver
 from solver.film.stack import Layer, Stack
 
 #: A bonded active base, whose far field carries load and charge alike, and a grounded film.
-ACTIVE = {"material": "BaTiO3", "base": "PZT-5H", "thickness": 0.7e-3, "radius": 0.05, "interface_electric": "bonded"}
-GROUNDED = {"composite": "fibrous", "volume_fraction": 0.6, "base": "steel", "thickness": 0.7e-3, "radius": 0.05}
+ACTIVE = {
+    "material": "BaTiO3",
+    "surroundings": "insulated",
+    "base": "PZT-5H",
+    "thickness": 0.7e-3,
+    "radius": 0.05,
+    "interface_electric": "bonded",
+}
+GROUNDED = {
+    "composite": "fibrous",
+    "volume_fraction": 0.6,
+    "surroundings": "insulated",
+    "base": "steel",
+    "thickness": 0.7e-3,
+    "radius": 0.05,
+}
 MAGNETIC = {**GROUNDED, "base": "CoFe2O4", "interface_magnetic": "bonded"}
 
 
@@ -47,7 +61,7 @@ def test_figures_that_others_found() -> None:
     """Of an independent check, four digits: dT/dV between two states of one contact, and an insulated base's exact."""
     assert float(solver.solve(ACTIVE | {"load": 3e6})["capacitance"]) == pytest.approx(9.888e-9, rel=5e-5)
     layers = Layer(solver.find("PZT-5H"), 10e-6), Layer(solver.find("polyimide"), 0.2e-3, magnetic="insulated")
-    found = solver.solve({"body": Stack(layers), "radius": 0.05, "load": 1e4})
+    found = solver.solve({"surroundings": "insulated", "body": Stack(layers), "radius": 0.05, "load": 1e4})
     assert float(found["permeance"]) == pytest.approx(-6.960e-6, rel=1e-4)
 
 
@@ -59,7 +73,7 @@ def test_permeance_above_an_insulated_base_is_that_of_a_strip(thin: float, load:
     dielectric lie below: what long waves lose was 9e-4.
     """
     body = Stack((Layer(solver.find("PZT-5H"), thin), Layer(solver.find("polyimide"), 0.2e-3, magnetic="insulated")))
-    found = solver.solve({"body": body, "radius": 0.05, "load": load})
+    found = solver.solve({"surroundings": "insulated", "body": body, "radius": 0.05, "load": load})
     thickness, mu = body.thickness, float(solver.find("PZT-5H").mu11)
     n, count, half = np.arange(60), 60, float(found["contact_trailing"])
     angle = np.pi * (n + 0.5) / count

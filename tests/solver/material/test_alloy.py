@@ -84,7 +84,9 @@ def test_refused_in_one_line(factors: dict[str, Any], words: str) -> None:
     assert str(caught.value).startswith(words)
 
 
-@pytest.mark.parametrize("body", [{}, {"thickness": 1e-3, "base": "silicon"}], ids=["half-plane", "film"])
+@pytest.mark.parametrize(
+    "body", [{}, {"thickness": 1e-3, "surroundings": "insulated", "base": "silicon"}], ids=["half-plane", "film"]
+)
 def test_beside_other_composites_it_is_what_its_constants_say(body: dict[str, Any]) -> None:
     """Every composite of a mixed call, one by one as a material."""
     contact = {**CONTACT, **body, "friction": 0.2}

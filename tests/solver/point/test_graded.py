@@ -37,7 +37,7 @@ def constant(depth: Array) -> solver.Material:
 
 LINEAR, CONSTANT, PLAIN = (of_coats((Coat(of),), STEEL) for of in (linear, constant, constants_of(FIBROUS)))
 STACK = LINEAR.stack()
-BALL: dict[str, Any] = {"profile": "sphere", "radius": 5e-3, "force": 1.0}
+BALL: dict[str, Any] = {"surroundings": "insulated", "profile": "sphere", "radius": 5e-3, "force": 1.0}
 GRADED: dict[str, Any] = BALL | {
     "volume_fraction": 0.2,
     "base_volume_fraction": 0.8,
@@ -263,7 +263,7 @@ def test_largest_stresses_are_those_of_the_fields_inside() -> None:
 
 
 FALLING = solver.Graded(lambda depth: solver.fibrous(BTO, CFO, 0.8 - 0.6 * depth), 1e-4)
-PRESSED: dict[str, Any] = {"profile": "sphere", "radius": 5e-3, "force": 10.0}
+PRESSED: dict[str, Any] = {"surroundings": "insulated", "profile": "sphere", "radius": 5e-3, "force": 10.0}
 
 
 def inside(layers: Sequence[solver.Layer], x: list[float], y: list[float], fields: Sequence[str]) -> xr.Dataset:

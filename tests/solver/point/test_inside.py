@@ -40,7 +40,9 @@ def test_stresses_below_a_ball_are_huber_s() -> None:
     np.testing.assert_allclose(surface["stress_zz"], -around - 2 * NU * x, atol=1e-9)
 
 
-@pytest.mark.parametrize("more", [{}, {"thickness": 1.2e-4, "base": "steel"}], ids=["half-space", "film"])
+@pytest.mark.parametrize(
+    "more", [{}, {"thickness": 1.2e-4, "surroundings": "insulated", "base": "steel"}], ids=["half-space", "film"]
+)
 def test_fields_are_in_balance_and_obey_the_material(more: dict[str, Any]) -> None:
     """Differences: what does not depend on the angle balances in space; stresses and fields obey the material in both.
 
@@ -97,7 +99,7 @@ def test_fields_are_in_balance_and_obey_the_material(more: dict[str, Any]) -> No
 def test_film_of_its_base_s_own_material_is_the_half_space() -> None:
     """With friction, all fields: near the surface, at the interface and below it."""
     case = BALL | {"friction": 0.3}
-    film = case | {"thickness": 6.6e-5, "base": "BaTiO3", "interface_electric": "bonded"}
+    film = case | {"thickness": 6.6e-5, "surroundings": "insulated", "base": "BaTiO3", "interface_electric": "bonded"}
     x, y = [-1.3, 0.0, 0.4, 2.5], [-0.01, -0.3, -0.95, -1.05, -4.0]
     one, other = inside(case, x, y), inside(film, x, y)
     assert set(one) == set(INTERIOR)
@@ -122,7 +124,13 @@ def test_closed_integrals_meet_those_over_the_wavenumbers(monkeypatch: pytest.Mo
 def test_stresses_of_a_film_are_integrals_of_its_system() -> None:
     """On a rigid base: its 8 x 8 system by matrix exponentials, and the pressure's own transform, over k."""
     h, x, y = 1e-4, 0.8, -0.7
-    case = BALL | {"thickness": h, "base": "rigid", "electric": "insulating", "magnetic": "insulating"}
+    case = BALL | {
+        "thickness": h,
+        "surroundings": "insulated",
+        "base": "rigid",
+        "electric": "insulating",
+        "magnetic": "insulating",
+    }
     a = float(solver.solve(case)["contact_radius"])
     medium = Medium(solver.find("BaTiO3"), np.ones(4))
     medium = Medium(solver.find("BaTiO3"), medium.halfplane.scale)
@@ -148,7 +156,7 @@ FIBROUS = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
 CHARGED: dict[str, Any] = BALL | {"material": FIBROUS, "friction": 0.3, "total_charge": 1e-9, "total_flux": 1e-9}
 
 
-COAT: dict[str, Any] = {"thickness": 8e-5, "base": "steel"}
+COAT: dict[str, Any] = {"thickness": 8e-5, "surroundings": "insulated", "base": "steel"}
 END: dict[str, Any] = {"profile": "disc", "width": 2e-4}
 SLID = {"half-space": CHARGED, "film": CHARGED | COAT, "disc": CHARGED | END, "disc on a film": CHARGED | END | COAT}
 
@@ -176,5 +184,6 @@ def test_potentials_vanish_far_away_and_are_none_without_a_ground() -> None:
     near, far = (inside(CHARGED, [x], [-x], ["electric_potential"])["electric_potential"].item() for x in (1.0, 40.0))
     assert abs(far) < 0.05 * abs(near)
     with pytest.raises(solver.MaterialError, match=r"^fields: 'magnetic_potential' over a base that passes no flux on"):
-        inside(CHARGED | {"thickness": 8e-5, "base": "rigid", "interface_magnetic": "insulated"}, [0.0], [-0.5],
+        inside(CHARGED | {"thickness": 8e-5, "surroundings": "insulated",
+               "base": "rigid", "interface_magnetic": "insulated"}, [0.0], [-0.5],
                ["magnetic_potential"])  # fmt: skip

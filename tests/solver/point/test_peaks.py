@@ -12,7 +12,7 @@ from solver.material.constants import Material
 
 NU = 0.3
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
-FILM = BALL | {"thickness": 1e-4, "base": "steel", "friction": 0.3}
+FILM = BALL | {"thickness": 1e-4, "surroundings": "insulated", "base": "steel", "friction": 0.3}
 
 
 def test_von_mises_below_a_ball_is_huber_s() -> None:
@@ -48,7 +48,9 @@ def test_peaks_of_a_sliding_film_are_no_lower_than_a_scan_of_its_fields() -> Non
 
 def test_a_film_so_thin_that_nothing_is_below_a_tenth_of_the_radius_is_refused() -> None:
     with pytest.raises(solver.FactorError, match=r"^contact: radius over thickness 1\d\.?\d* is too wide for peaks"):
-        solver.solve(BALL | {"thickness": 4e-6, "base": "steel"}, peaks=["film_peak_von_mises"])
+        solver.solve(
+            BALL | {"thickness": 4e-6, "surroundings": "insulated", "base": "steel"}, peaks=["film_peak_von_mises"]
+        )
 
 
 def test_peaks_need_c12_and_are_given_on_request_only() -> None:

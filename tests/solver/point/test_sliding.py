@@ -37,7 +37,9 @@ def test_half_space_shifts_by_half_the_plane_s_angle(punch: str) -> None:
     angle = 0.3 * float(inverse[0] @ k)
     offset = float(found["contact_offset"] / found["contact_radius"])
     assert offset == pytest.approx(-angle / np.pi, rel=1e-3 if steel else 1e-12)  # the library's steel is near that
-    film = solver.solve(case | {"thickness": 4e-5, "base": "BaTiO3", "interface_electric": "bonded"})
+    film = solver.solve(
+        case | {"thickness": 4e-5, "surroundings": "insulated", "base": "BaTiO3", "interface_electric": "bonded"}
+    )
     for name in ("contact_offset", "electric_edge_intensity_trailing", "trailing_tension"):
         assert float(film[name]) == pytest.approx(float(found[name]), rel=1e-10, abs=0)
 
@@ -45,7 +47,7 @@ def test_half_space_shifts_by_half_the_plane_s_angle(punch: str) -> None:
 def test_below_an_electrode_it_shifts_as_a_body_whose_surface_is_grounded() -> None:
     """phi = 0 on the surface takes D_y out of N and k; half-spaces are films of the base's own material."""
     titanate = solver.find("BaTiO3")
-    bonded = {"thickness": 4e-5, "base": "BaTiO3", "interface_electric": "bonded"}
+    bonded = {"thickness": 4e-5, "surroundings": "insulated", "base": "BaTiO3", "interface_electric": "bonded"}
     found = solver.solve(BALL | bonded | {"friction": 0.3, "electrode": "top", "magnetic": "insulating"})
     half = HalfPlane(titanate)
     (N, k), phi = (half.compliance, half.friction_coupling), 1
@@ -55,7 +57,7 @@ def test_below_an_electrode_it_shifts_as_a_body_whose_surface_is_grounded() -> N
 
 
 def test_tension_beside_the_trailing_edge_is_that_of_the_fields_inside() -> None:
-    for more in ({}, {"thickness": 1e-4, "base": "steel"}):
+    for more in ({}, {"thickness": 1e-4, "surroundings": "insulated", "base": "steel"}):
         case = BALL | {"friction": 0.3} | more
         edge = float(solver.solve(case)["trailing_tension"])
         gaps = np.array([1e-3, 2e-3, 4e-3, 8e-3])
@@ -66,7 +68,7 @@ def test_tension_beside_the_trailing_edge_is_that_of_the_fields_inside() -> None
 
 def test_films_do_not_hang_on_the_number_of_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
     """With half as many nodes in b again."""
-    case = BALL | {"thickness": 5e-5, "base": "rigid", "friction": 0.3}
+    case = BALL | {"thickness": 5e-5, "surroundings": "insulated", "base": "rigid", "friction": 0.3}
     names = ["contact_offset", "electric_edge_intensity_trailing", "magnetic_edge_intensity_leading"]
     usual = solver.solve(case)[names]
     monkeypatch.setattr(slidingtable, "_FIRST", 36)
@@ -89,7 +91,12 @@ def test_friction_at_first_order_is_felt_by_what_a_mirror_tells_apart() -> None:
 
 
 POWER: dict[str, Any] = {"material": "BaTiO3", "profile": "power", "exponent": 4.0, "coefficient": 1e8, "force": 10.0}
-RAISED: dict[str, Any] = BALL | {"force": 30.0, "thickness": 1e-4, "base": "polyimide"}  # largest at 0.7 a
+RAISED: dict[str, Any] = BALL | {
+    "force": 30.0,
+    "thickness": 1e-4,
+    "surroundings": "insulated",
+    "base": "polyimide",
+}  # largest at 0.7 a
 
 
 @pytest.mark.parametrize("case", [BALL, POWER, POWER | {"exponent": 2.5, "coefficient": 1e3}, RAISED],

@@ -86,12 +86,6 @@ def test_peaks_are_the_largest_of_the_fields() -> None:
     assert {*found.data_vars} & {*FILM_PEAKS} == {"film_peak_von_mises", "interface_shear"}
 
 
-@pytest.mark.parametrize("asked", [{"positions": [0.5]}, {"peaks": True}])
-def test_a_point_that_slides_is_refused_in_one_line(asked: dict[str, Any]) -> None:
-    with pytest.raises(solver.FactorError, match=r"sliding point contact with air .*must be 0, or surroundings: ins"):
-        solver.solve(HALF | {"friction": 0.2}, **asked)
-
-
 def test_what_rings_are_read_at_and_panels_before_the_first() -> None:
     grid = rings().grid
     own = np.eye(grid.count)[20]

@@ -12,7 +12,8 @@ from scipy.optimize import linprog
 
 from approximation.arrays import Array, Flags
 from surrogate import GridGP, ScatterGP, load, save
-from surrogate.intervals.conformal import Calibration, calibrate
+from surrogate.intervals.calibration import Calibration
+from surrogate.intervals.conformal import calibrate
 from surrogate.intervals.quantile import quantile_regression
 from surrogate.intervals.sharing import sharing
 from surrogate.use.validation import validate

@@ -161,7 +161,14 @@ def test_films_are_the_solver_s(name: str, shape: dict[str, Any]) -> None:
     ]
     found = calculated([{"kind": "point", "given": of | {"film": one, "thickness": 2e-6}} for one, _, of in asked])
     solved = solver.solve(
-        {**case, **films.FILMS[name], "thickness": 2e-6, "punch": list(films.PUNCHES), "force": forces}
+        {
+            **case,
+            **films.FILMS[name],
+            "surroundings": "insulated",
+            "thickness": 2e-6,
+            "punch": list(films.PUNCHES),
+            "force": forces,
+        }
     )
     told = [name for name in solved.data_vars if name in found[0]]
     assert set(solved.data_vars) - set(told) == {name for name in MAGNETIC if name in solved} | {"nominal_field"}
@@ -175,7 +182,8 @@ def test_other_constants_of_a_film_are_the_solver_s(shape: dict[str, Any]) -> No
     """To 2e-4: tables keep 1e-5 of the largest coefficient, and the least band that the page tells is 5e-4."""
     name = "PVDF on glass"
     (table,) = (one for one in films.tables([name]) if one["punch"] == "steel")
-    case: dict[str, Any] = {**shape, "force": 1e-3, "punch": "steel", "thickness": 2e-6}
+    case: dict[str, Any] = {**shape, "force": 1e-3, "punch": "steel", "thickness": 2e-6,
+                            "surroundings": "insulated"}  # fmt: skip
     pairs = list(films.variants(films.FILMS[name]))[1:]
     assert [f"{top.name} on {base.name}" for top, base in pairs] == [
         "PVDF (alternative 1) on glass",

@@ -28,6 +28,7 @@ addEventListener("load", async () => {
   const told = ["contact_radius", "charge_sensitivity", "peak_pressure"];
   const words = text("band-words");
   out.first = { radius: seen("contact_radius"), verdict: text("verdict"), bands: bands(...told), words };
+  out.first.commands = text("commands");
   set({ material: "AlN", profile: "cylinder", radius: "2 cm", load: "50 kN/m", friction: "0.3", punch: "steel" });
   const names = ["width", "peak_pressure", "trailing_tension", "charge_sensitivity", "voltage"];
   out.line = Object.fromEntries(names.map((name) => [name, seen(name)]));
@@ -77,16 +78,23 @@ def axe() -> str:
     return f"<script>{checker}</script>"
 
 
+#: The calculator leaves out the air, and says so.
+BARE = {"surroundings": "insulated"}
+
+
 @needs_browser
 @pytest.mark.parametrize("width", [1280, 500])
 def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) -> None:
     seen: dict[str, Any] = opened(page(), tmp_path, width, axe() + PROBE)
     assert seen["complaints"] == seen["violations"] == []
     assert not seen["wide"]
-    default = FILMS["PVDF on glass"] | {"profile": "sphere", "radius": 2.5e-3, "punch": "steel", "thickness": 110e-6}
+    default = (
+        FILMS["PVDF on glass"] | BARE | {"profile": "sphere", "radius": 2.5e-3, "punch": "steel", "thickness": 110e-6}
+    )
+    assert "'surroundings'" in seen["first"]["commands"].replace('"', "'")  # the command gives what the page says
     assert seen["first"]["verdict"] == "Within what is known of the material"
     assert seen["first"]["words"].startswith("The face between film and base is grounded. The band is how far 4 other")
-    assert seen["first"]["words"].endswith("capacitances larger, on films often by tens of times.")
+    assert seen["first"]["words"].endswith("voltages often tens of times smaller, and capacitances larger.")
     pressed, *moved = (
         solver.solve({**default, "force": 0.01, "material": top, "base": base})
         for top, base in variants(FILMS["PVDF on glass"])
@@ -116,7 +124,7 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
     assert (invalid, hidden) == ("true", True)
     assert "kg does not measure it" in note
     assert seen["asked"] == "50 is 50 m; did you mean 50 µm?"
-    film = FILMS["AlScN (30 % Sc) on silicon"] | {"profile": "sphere", "radius": 1e-4, "thickness": 1e-6}
+    film = FILMS["AlScN (30 % Sc) on silicon"] | BARE | {"profile": "sphere", "radius": 1e-4, "thickness": 1e-6}
     assert seen["thickness"] == "1 um"
     coned = {"profile": "cone", "slope": 0.02, "thickness": 1e-6, "force": 1e-3, "punch": "steel"}
     coned_charge = float(solver.solve(FILMS["AlScN (30 % Sc) on silicon"] | coned)["charge_sensitivity"])

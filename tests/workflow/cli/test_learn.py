@@ -10,7 +10,7 @@ from surrogate import load, save
 from surrogate.transforms.measured.corrected import CorrectedGP
 from tests.workflow.learning.test_measured import study_of
 from workflow.cli import main
-from workflow.dataset import factorial
+from workflow.dataset import draws, factorial
 from workflow.study import uncertainty
 
 STUDY = """\
@@ -34,7 +34,7 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     study, model = study_of(STUDY, folder / "config")
     save(model, folder / "results/study/surrogate.nc")
     known = uncertainty.uncertain(study, {"BaTiO3 stiffness": None})
-    points = factorial.points(study, 15, (1,))
+    points = draws.points(study, 15, (1,))
     exact = factorial.exact(uncertainty.moved(study, known, np.array([-1.5])), points).sel(composite="laminate")
     lines = ["# made up\n", HEADER]
     read = [points["radius"], points["load"], exact["depth"], exact["voltage"]]
@@ -110,7 +110,8 @@ def test_rows_that_do_not_fit_are_refused(
 
 SOL_GEL = """\
 title: A ball on a sol-gel film
-fixed: {material: PZT-4, profile: sphere, punch: tungsten_carbide, radius: 500 um, thickness: 700 nm, base: silicon,
+fixed: {surroundings: insulated,
+        material: PZT-4, profile: sphere, punch: tungsten_carbide, radius: 500 um, thickness: 700 nm, base: silicon,
         magnetic: insulating}
 factors: {force: {low: 0.1 N, high: 2 N, levels: 6, scale: log}}
 surrogate: {outputs: [charge_sensitivity]}

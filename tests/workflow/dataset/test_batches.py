@@ -10,14 +10,14 @@ import xarray as xr
 from solver.film.windows import window
 from storage.netcdf import read_whole, write_whole
 from surrogate import GridGP
-from workflow.dataset import batches, datacard, factorial, quantities
+from workflow.dataset import batches, datacard, draws, factorial, quantities
 from workflow.learning import training
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 
 FILM = """\
 title: Two layers
-fixed: {radius: 0.05, base: steel, friction: 0.2}
+fixed: {surroundings: insulated, radius: 0.05, base: steel, friction: 0.2}
 body:
   - {composite: fibrous, volume_fraction: volume_fraction, thickness: thickness}
   - composite: fibrous
@@ -74,7 +74,7 @@ def test_it_is_the_surrogate_of_the_whole_factorial(study: Study, slabs: list[Pa
     crossed = training.fit(study, quantities.gather([read_whole(slab) for slab in slabs]))
     exact = factorial.learned(study, factorial.exact(study, factorial.levels(study)))
     whole = GridGP(inputs=factorial.inputs(study), outputs=study.learned, compression=1e-9).fit(exact)
-    points = {name: values.values for name, values in factorial.points(study, 200, (5,)).items()}
+    points = {name: values.values for name, values in draws.points(study, 200, (5,)).items()}
     X = np.stack(list(points.values()), axis=1)
     away = np.abs(crossed.predict_array(X) - whole.predict_array(X)).max(axis=0)
     assert (away <= 1e-3 * np.array([np.ptp(exact[name].values) for name in study.outputs])).all()
@@ -142,7 +142,7 @@ def test_bad_studies_are_refused_in_one_line(tmp_path: Path, old: str, new: str,
 
 HALF_PLANE = """\
 title: A half-plane
-fixed: {composite: fibrous, friction: 0.2}
+fixed: {surroundings: insulated, composite: fibrous, friction: 0.2}
 factors:
   volume_fraction: {low: 0.3, high: 0.7, levels: 9}
   radius: {low: 5e-3, high: 0.2, levels: 5, scale: log}
@@ -177,7 +177,7 @@ def test_any_study_whose_factorial_is_beyond_the_budget_takes_a_part_of_it(tmp_p
         update={"surrogate": study.surrogate.model_copy(update={"method": "factorial", "log": []})}
     )
     whole = training.fit(plain, factorial.exact(plain, factorial.axes(plain)))
-    X = np.stack([values.values for values in factorial.points(study, 200, (7,)).values()], axis=1)
+    X = np.stack([values.values for values in draws.points(study, 200, (7,)).values()], axis=1)
     away = np.abs(model.predict_array(X) - whole.predict_array(X)).max(axis=0)
     # what 24 places on levels keep, other points may exceed
     assert (away <= 5 * study.validation.tolerance * np.ptp(whole.predict_array(X), axis=0)).all()

@@ -9,14 +9,14 @@ import xarray as xr
 import solver
 from solver.fields import FIELDS
 from storage.netcdf import read_whole
-from workflow.dataset import datacard, effects, factorial, quantities
+from workflow.dataset import datacard, draws, effects, factorial, quantities
 from workflow.dataset import slabs as dataset
 from workflow.learning import training
 from workflow.study.model import Study, load
 
 FILM = """\
 title: A film on two bases
-fixed: {composite: fibrous, radius: 0.05, friction: 0.2}
+fixed: {surroundings: insulated, composite: fibrous, radius: 0.05, friction: 0.2}
 categories: {base: [rigid, steel]}
 factors:
   load: {low: 2e4, high: 4e4, levels: 5, scale: log}
@@ -78,7 +78,7 @@ def test_the_surrogate_of_a_few_tables_hits_cases_between_them(study: Study, sla
 
 
 def test_random_cases_share_tables(study: Study) -> None:
-    drawn = factorial.points(study, 120, (1, 0))
+    drawn = draws.points(study, 120, (1, 0))
     places = np.unique(drawn["volume_fraction"])
     assert np.all(np.floor((places - 0.45) / 0.1 * 12) == np.arange(12))  # spread over the axis
     assert len(np.unique(drawn["load"])) == len(np.unique(drawn["thickness"])) == 120
@@ -100,6 +100,6 @@ def test_effects_of_films_stand_beside_the_half_plane(study: Study, factor: str,
     np.testing.assert_array_equal(
         found["contact_pressure"].isel({factor: -1}), solver.solve(baseline, positions)["contact_pressure"]
     )
-    film = solver.solve(baseline | {"thickness": 2e-4, "base": "silicon"}, positions)
+    film = solver.solve(baseline | {"thickness": 2e-4, "surroundings": "insulated", "base": "silicon"}, positions)
     np.testing.assert_allclose(found["stress_xx"].isel({factor: 1}), film["stress_xx"], rtol=1e-12)
     assert "thickness" not in effects.effect(study, "friction").coords

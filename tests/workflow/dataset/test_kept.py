@@ -8,13 +8,14 @@ import pytest
 import xarray as xr
 
 from storage.netcdf import write_whole
-from workflow.dataset import asked, factorial, kept, slabs
+from workflow.dataset import factorial, kept, slabs
 from workflow.dataset.kept import Kept
 from workflow.study.model import Study, load
 
 FILM = """\
 title: A film whose levels are nested
-fixed: {composite: fibrous, radius: 0.05, friction: 0.2, interface_electric: grounded, interface_magnetic: grounded}
+fixed: {surroundings: insulated,
+        composite: fibrous, radius: 0.05, friction: 0.2, interface_electric: grounded, interface_magnetic: grounded}
 categories: {base: [rigid, steel]}
 factors:
   load: {low: 2e4, high: 4e4, levels: 3, scale: log}
@@ -104,20 +105,6 @@ def test_cases_that_take_microseconds_are_not_kept(tmp_path: Path) -> None:
     assert not list((tmp_path / kept.FOLDER).rglob("*.nc"))
 
 
-def test_an_edited_target_leaves_what_others_ask_for_first(film: Study) -> None:
-    places = [
-        asked.Place(name, doubt, {key: np.array([axis.low]) for key, axis in film.factors.items()})
-        for name, doubt in (("sensor", 1.0), ("actuator", 1.0))
-    ]
-    more = [asked.Place("new", 1.0, places[0].factors), places[1]]
-    budget = film.surrogate.model_copy(update={"budget": 240})
-    study = film.model_copy(update={"surrogate": budget})
-    before, after = (asked.near(study, some, 0)["load"].values for some in (places, more))
-    assert before.size == after.size == 80
-    np.testing.assert_array_equal(before[40:], after[40:])
-    assert not np.isin(before[:40], after).any()
-
-
 def test_what_was_used_longest_ago_is_swept(tmp_path: Path) -> None:
     folder = tmp_path / kept.FOLDER / "cases/ab"
     folder.mkdir(parents=True)
@@ -128,3 +115,25 @@ def test_what_was_used_longest_ago_is_swept(tmp_path: Path) -> None:
     size = (folder / "0.nc").stat().st_size
     kept.sweep(tmp_path, 2 * size)
     assert sorted(file.name for file in folder.iterdir()) == ["0.nc", "2.nc"]
+
+
+def held_out(study: Study, folder: Path) -> tuple[Kept, xr.Dataset]:
+    """The cases for calibration of a study with what is kept: who was asked, and the cases."""
+    own = Kept(folder, folder / "film/cases/calibration.nc")
+    return own, factorial.cases(study, "calibration", own)
+
+
+@pytest.mark.parametrize("grows", ["load: {low: 2e4, high: 4e4", "volume_fraction: {low: 0.45, high: 0.55"])
+def test_a_box_that_has_grown_takes_the_random_cases_of_before(film: Study, tmp_path: Path, grows: str) -> None:
+    old_high, high, before = ("4e4", "8e4", "[2e4, 4e4]") if "load" in grows else ("0.55", "0.65", "[0.45, 0.55]")
+    wider = grows.replace(old_high, f"{high}, grown_from: {before}")
+    grown = loaded(tmp_path / "grown.yaml", FILM.replace(grows, wider))
+    small = held_out(film, tmp_path)[1]
+    own, cases = held_out(grown, tmp_path)
+    # half of the box is that of before: two of the four places, each of ten cases on two bases
+    assert (own.taken, own.cases) == (40, 80)
+    for name in film.factors:
+        np.testing.assert_array_equal(cases[name][:20], small[name][:20])
+    axis, beyond = (next(iter(grown.factors)), 4e4) if "load" in grows else ("volume_fraction", 0.55)
+    assert (cases[axis][20:] > beyond).all()
+    xr.testing.assert_equal(cases, held_out(grown, tmp_path / "none")[1])

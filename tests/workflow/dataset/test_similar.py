@@ -11,14 +11,14 @@ import pytest
 import xarray as xr
 
 from solver import FactorError
-from workflow.dataset import factorial
+from workflow.dataset import draws, factorial
 from workflow.study import representatives
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 
 STUDY = """\
 title: Films in groups
-fixed: {composite: fibrous, volume_fraction: 0.4, friction: 0.2, interface_magnetic: grounded}
+fixed: {surroundings: insulated, composite: fibrous, volume_fraction: 0.4, friction: 0.2, interface_magnetic: grounded}
 categories: {base: [rigid, steel]}
 factors:
   thickness: {low: 2e-4, high: 1e-3, scale: log}
@@ -43,7 +43,7 @@ def test_cases_for_calibration_reach_the_ends_of_groups(study: Study) -> None:
     """As many again as the even ones, each at the place of one of them."""
     held = factorial.learned(study, factorial.cases(study, "calibration"))
     even = held["evenly_drawn"].values == 1
-    drawn = factorial.points(study, 40, (study.validation.seed, 2))
+    drawn = draws.points(study, 40, (study.validation.seed, 2))
     for name, column in drawn.items():
         np.testing.assert_array_equal(held[name].values[even], column)
     assert np.count_nonzero(even) == np.count_nonzero(~even) == 40
@@ -55,9 +55,9 @@ def test_cases_for_calibration_reach_the_ends_of_groups(study: Study) -> None:
 
     assert near(~even) > 3 * near(even)
     mixture = study.model_copy(update={"factors": {**study.factors, "friction": study.factors["charge"]}})
-    drawn = factorial.points(mixture, 40, (5, 0)) | {"friction": xr.DataArray(np.repeat([0.3, 0.1], 20), dims="case")}
+    drawn = draws.points(mixture, 40, (5, 0)) | {"friction": xr.DataArray(np.repeat([0.3, 0.1], 20), dims="case")}
     assert mixture.tabled == ["friction"]
-    found, flags = factorial.towards_ends(mixture, drawn, (5, 1))
+    found, flags = draws.towards_ends(mixture, drawn, (5, 1))
     np.testing.assert_array_equal(found["friction"], np.repeat([0.3, 0.1], 40))  # as they came, and together
     assert flags.reshape(2, 2, 20)[:, 0].all()
     assert not flags.reshape(2, 2, 20)[:, 1].any()

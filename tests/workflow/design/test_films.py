@@ -15,7 +15,7 @@ from workflow.study.model import load
 
 FILM = """\
 title: A film
-fixed: {composite: fibrous, radius: 0.05, load: 3e4}
+fixed: {surroundings: insulated, composite: fibrous, radius: 0.05, load: 3e4}
 categories: {base: [rigid, steel]}
 factors:
   friction: {low: 0.0, high: 0.2, levels: 3}

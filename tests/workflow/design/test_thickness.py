@@ -15,7 +15,8 @@ from workflow.study.model import load
 STUDY = """\
 title: A film, thin to thick
 fixed:
-  {{composite: fibrous, volume_fraction: {fraction}, base: rigid, friction: 0.2, radius: 0.05, load: 1e4, charge: 0.0}}
+  {{surroundings: insulated,
+    composite: fibrous, volume_fraction: {fraction}, base: rigid, friction: 0.2, radius: 0.05, load: 1e4, charge: 0.0}}
 factors:
   thickness: {{low: 2e-5, high: 1e-3, levels: 16, scale: log}}
 surrogate: {{outputs: [charge_sensitivity, capacitance, trailing_tension]}}

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from surrogate import GridGP
 from surrogate.data.measurements import Measurements
 from tests.workflow.study.test_uncertainty import FILM
-from workflow.dataset import factorial
+from workflow.dataset import draws, factorial
 from workflow.learning import measured
 from workflow.learning.instruments import Instrument
 from workflow.learning.taught import Taught
@@ -54,7 +54,7 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, GridGP]:
 
 def truth(study: Study, model: GridGP, known: list[Constant], z: Array, count: int, seed: int) -> tuple[Array, Array]:
     """Random points (n, d) and all exact outputs there (n, p), constants moved."""
-    points = factorial.points(study, count, (seed,))
+    points = draws.points(study, count, (seed,))
     exact = factorial.learned(study, factorial.exact(uncertainty.moved(study, known, z), points))
     X = np.stack([points[name].values for name in model.box], -1)
     return X, np.stack([exact[name].values for name in model.outputs_], -1)

@@ -16,7 +16,7 @@ from workflow.study.model import Study, load
 
 FILM = """\
 title: A film
-fixed: {composite: fibrous, radius: 0.05, friction: 0.1, load: 3e4}
+fixed: {surroundings: insulated, composite: fibrous, radius: 0.05, friction: 0.1, load: 3e4}
 categories: {base: [rigid, steel]}
 factors:
   volume_fraction: {low: 0.5, high: 0.6, levels: 3}
@@ -64,7 +64,13 @@ def test_times_of_films_hold_their_tables_and_the_panel_knows_no_closed_form(
 def test_what_hangs_on_the_datum_is_said_of_the_base_where_it_does(study: Study) -> None:
     rows = {row["name"]: row for row in datum_effect.changes(study)}
     assert all(name.endswith("[steel]") for name in rows)
-    case = {**study.fixed, "volume_fraction": 0.55, "thickness": np.sqrt(2e-4 * 3e-4), "base": "steel"}
+    case = {
+        **study.fixed,
+        "volume_fraction": 0.55,
+        "thickness": np.sqrt(2e-4 * 3e-4),
+        "surroundings": "insulated",
+        "base": "steel",
+    }
     depths = solver.solve({**case, "datum": [0.1, 1.0, 10.0]})["depth"]
     np.testing.assert_allclose(rows["depth[steel]"]["values"], depths, rtol=1e-12)
     assert np.isfinite(rows["depth[steel]"]["slope"])

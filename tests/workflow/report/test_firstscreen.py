@@ -180,7 +180,14 @@ def test_a_source_that_was_not_read_is_unverified(ran: Project) -> None:
 
 def test_the_body_is_said_by_what_it_is() -> None:
     study = load("config/film.yaml")
-    case: Case = {"composite": "fibrous", "volume_fraction": 0.67, "thickness": 2.3e-4, "base": "steel", "radius": 0.05}
+    case: Case = {
+        "composite": "fibrous",
+        "volume_fraction": 0.67,
+        "thickness": 2.3e-4,
+        "surroundings": "insulated",
+        "base": "steel",
+        "radius": 0.05,
+    }
     assert firstscreen.body_in_words(study, case) == "Fibrous, 67 % BaTiO3, 230 µm on steel"
     assert firstscreen.body_in_words(study, {**case, "base": "rigid"}).endswith("on a rigid base")
     half = load("config/quickstart.yaml")
@@ -188,7 +195,9 @@ def test_the_body_is_said_by_what_it_is() -> None:
     scandium: Case = {"composite": "AlScN", "scandium_fraction": 0.3}
     assert firstscreen.body_in_words(half, scandium) == "Al(0.7)Sc(0.3)N, a half-plane"
     body = [{"composite": "fibrous", "volume_fraction": 0.2 * k, "thickness": 1e-4} for k in (1, 2, 3)]
-    layers = study.model_copy(update={"body": [BodyLayer.model_validate(one) for one in body]})
+    layers = study.model_copy(
+        update={"surroundings": "insulated", "body": [BodyLayer.model_validate(one) for one in body]}
+    )
     told = "Fibrous, 20 % BaTiO3, 100 µm on fibrous, 40 % BaTiO3, 100 µm on fibrous, 60 % BaTiO3, 100 µm on steel"
     assert firstscreen.body_in_words(layers, case) == told
     contact = {"contact_trailing": 1e-4, "contact_leading": 1e-4}

@@ -27,7 +27,7 @@ CENTRE, ALLOWANCE = [0.0, 0.0], 1e-4
 
 STUDY = """
 title: A sensor
-fixed: {composite: fibrous, friction: 0.2, base: steel, thickness: 5e-4, radius: 0.05}
+fixed: {surroundings: insulated, composite: fibrous, friction: 0.2, base: steel, thickness: 5e-4, radius: 0.05}
 factors:
   volume_fraction: {low: 0.4, high: 0.6, levels: 3}
   load: {low: 1e3, high: 1e4, levels: 3}

@@ -12,7 +12,7 @@ from workflow.study.reading import InputError
 
 FILM = """\
 title: A film
-fixed: {composite: fibrous, radius: 0.05, interface_electric: grounded}
+fixed: {surroundings: insulated, composite: fibrous, radius: 0.05, interface_electric: grounded}
 categories: {base: [rigid, steel]}
 factors:
   load: {low: 2e4, high: 4e4, levels: 3, scale: log}

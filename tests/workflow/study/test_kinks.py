@@ -8,7 +8,7 @@ import xarray as xr
 
 from surrogate import SplitGP, chebyshev_levels
 from workflow.dataset import factorial
-from workflow.learning import training
+from workflow.learning import filled, training
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 
@@ -54,6 +54,25 @@ def test_the_surrogate_of_a_study_knows_its_kinks(study: Study) -> None:
     radius = xr.DataArray([0.03, 0.069, 0.08], dims="case")
     found = process.predict({"radius": radius, "volume_fraction": 0.5})["voltage"]
     np.testing.assert_allclose(found, 1.5 * abs(np.log(radius / 0.07)), rtol=0, atol=1e-9)
+
+
+def test_places_that_are_refused_are_filled_in_on_their_side_of_the_kink(study: Study) -> None:
+    """A bend at the kink: what is beyond it must not tell what is missing."""
+    whole = factorial.axes(study)
+    grid = xr.Dataset(coords={name: (name, values) for name, values in whole.items()})
+    away = abs(xr.apply_ufunc(np.log, grid["radius"] / 0.07))
+    bent = away * xr.apply_ufunc(np.exp, grid["volume_fraction"])
+    holes = (grid["volume_fraction"] > 0.7) & (away < 0.25)
+    data = xr.Dataset({"voltage": bent.where(~holes), "peak_pressure": bent + 1})
+    found = filled.whole(study, data)
+    assert holes.sum("volume_fraction").values.tolist() == [0] * 4 + [2] * 3 + [0] * 3  # on both sides of it
+    np.testing.assert_array_equal(found["voltage"].where(~holes), data["voltage"])
+    np.testing.assert_array_equal(found["peak_pressure"], data["peak_pressure"])
+    # what four levels of the volume fraction tell of an exponential; across the bend it would be 0.1 of the range
+    np.testing.assert_allclose(found["voltage"], bent, rtol=0, atol=1e-3 * float(bent.max()))
+    beyond = data.assign(voltage=bent.where(grid["radius"] < 0.07))
+    with pytest.raises(ValueError, match=r"all cases between kinks are refused: radius in \[0\.07, 0\.2\] m"):
+        filled.whole(study, beyond)
 
 
 def test_a_study_without_kinks_is_what_it_was(study: Study) -> None:

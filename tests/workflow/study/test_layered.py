@@ -22,7 +22,7 @@ from workflow.study.reading import InputError
 
 LAYERS = """\
 title: A composite film on a copper electrode
-fixed: {radius: 0.05, friction: 0.1}
+fixed: {surroundings: insulated, radius: 0.05, friction: 0.1}
 categories: {base: [rigid, silicon]}
 body:
   - {composite: fibrous, volume_fraction: volume_fraction, thickness: 2e-4, below: {electric: grounded}}
@@ -72,7 +72,7 @@ def test_every_case_of_the_data_set_is_the_solvers_stack(study: Study, slab: Pat
     for place in ((0, 1, 4, 0), (2, 0, 1, 1)):
         one = whole.isel(dict(zip(("copper_thickness", "volume_fraction", "load", "base"), place, strict=True)))
         body = stack(one["copper_thickness"].item(), one["volume_fraction"].item(), one["base"].item())
-        case = {"body": body, "radius": 0.05, "friction": 0.1, "load": one["load"].item()}
+        case = {"surroundings": "insulated", "body": body, "radius": 0.05, "friction": 0.1, "load": one["load"].item()}
         exact = solver.solve(case, one["position"].values)
         for name in (*study.quantities, *FIELDS):
             np.testing.assert_allclose(one[name], exact[name], rtol=1e-9, atol=1e-9 * float(np.abs(whole[name]).max()))
@@ -83,7 +83,7 @@ def test_a_body_of_one_layer_is_the_film_of_the_same_factors(tmp_path: Path) -> 
     path = tmp_path / "one.yaml"
     path.write_text(
         "title: one\n"
-        "fixed: {radius: 0.05, friction: 0.1, load: 3e4, base_poisson: 0.3}\n"
+        "fixed: {surroundings: insulated, radius: 0.05, friction: 0.1, load: 3e4, base_poisson: 0.3}\n"
         "body: [{composite: laminate, volume_fraction: volume_fraction, thickness: thickness}]\n"
         "factors:\n"
         "  thickness: {low: 2e-4, high: 3e-4, levels: 2}\n"
@@ -114,7 +114,7 @@ def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
     assert design["copper_thickness"] <= 55e-6 * (1 + 1e-9)
     base = answer.kinds["base"]
     body = stack(design["copper_thickness"], design["volume_fraction"], base)
-    case = {"body": body, "radius": 0.05, "friction": 0.1, "load": design["load"]}
+    case = {"surroundings": "insulated", "body": body, "radius": 0.05, "friction": 0.1, "load": design["load"]}
     exact = solver.solve(case)
     for term, value in (
         ("abs(voltage_sensitivity)", abs(exact["voltage_sensitivity"])),
@@ -139,7 +139,11 @@ def test_a_body_tells_what_it_is(study: Study, slab: Path) -> None:
     assert study.tabled == ["copper_thickness", "volume_fraction"]
     assert "voltage" not in hanging(study)
     again = thawed(study.frozen())
-    assert again.physics == study.physics != study.model_copy(update={"body": study.body[:1]}).physics
+    assert (
+        again.physics
+        == study.physics
+        != study.model_copy(update={"surroundings": "insulated", "body": study.body[:1]}).physics
+    )
     drawing = str(page._problem(study))
     assert "copper" in drawing
     assert "layers on their base" in drawing

@@ -24,7 +24,7 @@ from workflow.study.reading import InputError
 
 BALL = """\
 title: A ball on a film
-fixed: {material: PZT-4, profile: sphere, punch: steel, base: steel}
+fixed: {surroundings: insulated, material: PZT-4, profile: sphere, punch: steel, base: steel}
 factors:
   thickness: {low: 20 um, high: 200 um, scale: log}
   radius: {low: 5 mm, high: 50 mm, scale: log}
@@ -64,7 +64,7 @@ def test_cases_have_the_quantities_of_points_and_no_datum(study: Study) -> None:
 
 RESTS = """\
 title: A ball at rest
-fixed: {material: PZT-4, profile: sphere}
+fixed: {surroundings: insulated, material: PZT-4, profile: sphere}
 factors:
   radius: {low: 5 mm, high: 50 mm, levels: 3}
   force: {low: 1 N, high: 5 N, levels: 3}

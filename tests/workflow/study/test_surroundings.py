@@ -2,12 +2,14 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from solver import solve
 from solver.body import FILM_IN_AIR, HALF_PLANE_IN_AIR, POINT_FILM_IN_AIR
 from solver.names import GAP_QUANTITIES, POINT_GAP_QUANTITIES
 from solver.similarity import QUANTITY_WEIGHTS
+from workflow.dataset.effects import effect
 from workflow.language import grammar
 from workflow.study import surroundings
 from workflow.study.contents import Contents
@@ -73,25 +75,26 @@ def test_no_fields_are_stored_where_any_case_is_in_air(alone: Study, both: Study
     assert not film.stores_fields
 
 
-@pytest.mark.parametrize(
-    ("more", "message"),
-    [
-        (
-            "surrogate: {fields: 8}\n",
-            "surrogate: fields: those of contacts with air beside them are not learned; must be 0",
-        ),
-        (
-            "effects:\n  baseline: {material: PZT-4, profile: sphere, radius: 0.05, force: 1.0, surroundings: air}\n"
-            "  vary: {friction: [0.0, 0.1]}\n",
-            "effects: baseline: surroundings: 'air' beside a point that slides has no fields, which effects draw; must "
-            "be insulated",
-        ),
-    ],
-)
-def test_what_needs_fields_is_refused(tmp_path: Path, more: str, message: str) -> None:
+def test_fields_that_a_surrogate_would_learn_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError) as refusal:
-        study(AIR + more, tmp_path)
+        study(AIR + "surrogate: {fields: 8}\n", tmp_path)
+    message = "surrogate: fields: those of contacts with air beside them are not learned; must be 0"
     assert str(refusal.value) == f"{tmp_path / 'study.yaml'}: {message}"
+
+
+SLIDES = """\
+effects:
+  baseline: {material: PZT-4, profile: sphere, radius: 0.05, force: 1.0, magnetic: insulating, surroundings: air}
+  vary: {friction: [0.0, 0.1]}
+  positions: {inside: 3, outside: 1}
+"""
+
+
+def test_effects_of_friction_on_a_point_in_air_are_drawn(tmp_path: Path) -> None:
+    found = effect(study(AIR + SLIDES, tmp_path), "friction")
+    rests, slides = found["electric_displacement"]
+    np.testing.assert_allclose(rests, rests[::-1], rtol=1e-12)
+    assert abs(float(slides[0] / slides[-1]) - 1) > 1e-3  # of the surface beside the contact, charged by the gap
 
 
 GROUPS = """\
@@ -179,10 +182,14 @@ def test_a_device_is_in_air_unless_it_says_otherwise() -> None:
     study = settled()
     assert study.surroundings == ["air"]
     assert study.meeting == "line in air"
-    assert surroundings.told(study).startswith("surroundings: air, the default of a study with a device")
+    assert surroundings.told(study).startswith("surroundings: air, the default of films and devices")
     said = settled(fixed={"surroundings": "insulated"})
     assert (said.surroundings, surroundings.told(said)) == (["insulated"], "")
-    bare = settled(device=None)
+    assert settled(device=None).surroundings == ["air"]
+    axes = {"load": {"low": 1e4, "high": 2e4, "levels": 2}}
+    content = {"title": "A half-plane", "fixed": {"material": "PZT-4", "radius": 0.05}, "factors": axes}
+    bare = Contents.model_validate(content, context=Origin(Path(), {}))
+    surroundings.settle(bare)
     assert (bare.surroundings, surroundings.told(bare), bare.meeting) == (["insulated"], "", "line")
 
 

@@ -13,7 +13,8 @@ from workflow.study.reading import InputError
 
 FILM = """\
 title: A film on steel
-fixed: {composite: fibrous, volume_fraction: 0.5, friction: 0.1, radius: 0.05, interface_electric: grounded,
+fixed: {surroundings: insulated,
+        composite: fibrous, volume_fraction: 0.5, friction: 0.1, radius: 0.05, interface_electric: grounded,
         interface_magnetic: grounded}
 categories: {base: [rigid, steel]}
 factors:
@@ -23,7 +24,7 @@ surrogate: {outputs: [depth, contact_trailing, voltage]}
 """
 LAYERS = """\
 title: layers
-fixed: {base: copper, radius: 0.05, friction: 0.1}
+fixed: {surroundings: insulated, base: copper, radius: 0.05, friction: 0.1}
 body:
   - {material: PZT-4, thickness: thickness}
   - {material: steel, thickness: 1e-3}

@@ -198,8 +198,9 @@ function show(values) {
   tell("band-words").textContent = (film() ? "The face between film and base is grounded. " : "") + (others.length
     ? `The band is how far ${others.length} other published ${others.length === 1 ? "set of constants moves" : "sets of constants move"} a figure${rows.some(([key]) => own[key] && spread(key) > 0.0005 * Math.abs(own[key])) ? "" : "; here it moves none"}.`
     : "The library knows one published set of these constants: there is no band.")
-    + " Beside the contact the surface is insulated." + (["sphere", "cylinder"].includes(profile())
-      ? ` With air there ("surroundings: air" of meecontact solve) voltages are smaller and capacitances larger${film() ? ", on films often by tens of times" : ""}.` : "");
+    + " Beside the contact the surface is insulated." + (!["sphere", "cylinder"].includes(profile()) ? ""
+      : film() ? " With air there, as meecontact solve has it beside films, charges per force are smaller, voltages often tens of times smaller, and capacitances larger."
+      : ' With air there ("surroundings: air" of meecontact solve) voltages are smaller and capacitances larger.');
   const { lines, known } = beyond(material, several), bad = lines.some((one) => one.bad), steep = geometry(own);
   const verdict = tell("verdict");
   verdict.className = bad || steep ? "bad" : lines.length ? "good" : "edge";
@@ -232,6 +233,7 @@ function commands(values) {
   if (field("punch").value !== "rigid") case_.punch = field("punch").value;
   if (field("electric").value === "insulating") case_.electric = "insulating";
   if (field("magnetic").value === "insulating") case_.magnetic = "insulating";
+  if (film()) case_.surroundings = "insulated";
   const names = Object.keys(case_), shown = (value) => (typeof value === "number" ? String(Number(value.toPrecision(12))) : value);
   const quoted = (value) => (typeof value === "number" ? shown(value) : JSON.stringify(value));
   const own = field("material").value === OWN;

@@ -32,10 +32,8 @@ def fields(study: Study, case: Mapping[str, float]) -> xr.Dataset:
     xarray.Dataset
         ``field_<name>`` over ``position`` for the names of ``SURFACE`` that the case has, ``inside_<name>`` over ``y``,
         ``x`` for the in-plane and, where the material has c12, von Mises stress. Nothing of what the solver does not
-        give: with air beside a point that slides, and without c12 inside bodies under a point.
+        give: without c12 inside bodies under a point.
     """
-    if study.kind.air and study.slides:
-        return xr.Dataset()
     factors = {**study.fixed, **case}
     surface = factorial.exact(study, dict(case), _POSITIONS.values(), peaks=())
     parts = {f"field_{name}": surface[name].reset_coords(drop=True) for name in SURFACE if name in surface}

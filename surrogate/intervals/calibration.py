@@ -1,0 +1,198 @@
+"""What held-out cases have taught of a model's errors: what makes deviations of variances; its files."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from approximation.arrays import Array, Indices
+from surrogate.intervals.copula import Copula
+from surrogate.intervals.distribution import PROBABILITIES, Tabulated
+from surrogate.intervals.guard import SLABS, Guard, unguarded
+from surrogate.intervals.patches import PATCH_DIMS, Patches
+from surrogate.intervals.trend import values
+
+#: Least number of cases that a calibration rests on.
+MINIMUM = 40
+MOST_TERMS, MOST_DEGREE = 1000, 64  # that a file may hold
+
+_DIMS = {
+    "weights": ("part", "output"),
+    "floor": ("output",),
+    "trend": ("trend_term", "output"),
+    "trend_degree": ("trend_term", "input"),
+    "trend_range": ("end", "output"),
+    "guard": ("input", "slab", "output"),
+    "corner_guard": ("pair", "edge", "other_edge", "output"),
+    "quantile": ("probability", "output"),
+}
+# Of a model over groups: the same over the inputs that it is asked by.
+_OUTER_DIMS = {
+    "outer_guard": ("outer_input", "slab", "output"),
+    "outer_corner_guard": ("outer_pair", "edge", "other_edge", "output"),
+    "outer_pooled_guard": ("output",),
+}
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What turns a raw variance into a calibrated standard deviation and distribution.
+
+    Attributes
+    ----------
+    weights : ndarray, shape (k, p)
+        Weight of every part of the variance, for every output.
+    floor : ndarray, shape (p,)
+        Variance added everywhere, squared units of the output.
+    trend : ndarray, shape (m, p)
+        Coefficients of the logarithm of the local scale.
+    trend_degree : ndarray of int, shape (m, d)
+        Degrees of the Chebyshev polynomials of the scaled inputs whose product each of its terms is; the first ones are
+        zero.
+    trend_range : ndarray, shape (2, p)
+        Least and largest of that logarithm at the cases: a polynomial does not go beyond them where cases are few.
+    guard : Guard
+        Further scales in slabs and corners of the box.
+    distribution : Tabulated
+        Distribution of (truth - mean) / std.
+    outer : Guard, optional
+        Beyond all this, over the inputs of a model that stands on this one: what it has more needs no share of its own
+        in `std` and `stretch`, which know these inputs not.
+    copula : Copula, optional
+        How errors of outputs and points go together; None in files of before.
+    patches : Patches, optional
+        Boxes about cases that were asked for, with scales beside all others; None where there were none.
+    """
+
+    weights: Array
+    floor: Array
+    trend: Array
+    trend_degree: Indices
+    trend_range: Array
+    guard: Guard
+    distribution: Tabulated
+    outer: Guard | None = None
+    copula: Copula | None = None
+    patches: Patches | None = None
+
+    def std(self, variance: Array, t: Array) -> Array:
+        """Return calibrated standard deviations, (p, B).
+
+        Parameters
+        ----------
+        variance : ndarray, shape (p, B), weighted, squared units of the outputs
+        t : ndarray, shape (d, B), scaled coordinates
+        """
+        return np.asarray(np.sqrt(variance + self.floor[:, None]) * self.stretch(t))
+
+    def stretch(self, t: Array) -> Array:
+        """Return what raw standard deviations are multiplied by at scaled coordinates (d, B): (p, B)."""
+        inside = np.clip(t, -1, 1)
+        scale = self.trend.T @ values(self.trend_degree, inside)
+        np.clip(scale, *self.trend_range[..., None], out=scale)
+        scale += self.guard.at(inside).T
+        if self.patches is not None:
+            scale += self.patches.at(inside)
+        return np.asarray(np.exp(scale, out=scale))
+
+    def only(self, columns: Sequence[int]) -> Self:
+        """Return that of some outputs."""
+        chosen = list(columns)
+        return replace(
+            self,
+            weights=self.weights[:, chosen],
+            floor=self.floor[chosen],
+            trend=self.trend[:, chosen],
+            trend_range=self.trend_range[:, chosen],
+            guard=self.guard.only(chosen),
+            distribution=self.distribution.only(chosen),
+            outer=None if self.outer is None else self.outer.only(chosen),
+            copula=None if self.copula is None else self.copula.only(chosen),
+            patches=None if self.patches is None else self.patches.only(chosen),
+        )
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return the arrays by name."""
+        plain = {name: getattr(self, name) for name in ("weights", "floor", "trend", "trend_degree", "trend_range")}
+        guard = {"guard": self.guard.slabs, "corner_guard": self.guard.corners}
+        if self.outer is not None and self.outer.pooled is not None:
+            further = self.outer.slabs, self.outer.corners, self.outer.pooled
+            guard |= dict(zip(_OUTER_DIMS, further, strict=True))
+        patches = {} if self.patches is None else self.patches.arrays()
+        return {**plain, **guard, **patches, "quantile": self.distribution.quantiles}
+
+    def state(self) -> dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]:
+        """Return the arrays with their dimensions, for a file: none that is empty, as the corners of one input."""
+        state: dict[str, tuple[tuple[str, ...], NDArray[np.generic]]] = {
+            f"calibration_{name}": ((_DIMS | _OUTER_DIMS | PATCH_DIMS)[name], array)
+            for name, array in self.arrays().items()
+            if array.size
+        }
+        together = {} if self.copula is None else self.copula.state()
+        return {**state, **together, "calibration_cases": ((), np.array(self.distribution.cases))}
+
+    @classmethod
+    def restore(cls, stored: xr.Dataset, parts: int, inputs: int, outputs: int) -> Self | None:
+        """Return the calibration in a file, None where it has none.
+
+        Parameters
+        ----------
+        stored : Dataset, the file
+        parts, inputs, outputs : int, numbers of the variance's parts, of inputs and of outputs
+
+        Raises
+        ------
+        ValueError
+            What is inconsistent, by its name.
+        """
+        if "calibration_weights" not in stored:
+            return None
+        cases, pairs = int(stored["calibration_cases"]), inputs * (inputs - 1) // 2
+        arrays = {name: stored[f"calibration_{name}"].values for name in _DIMS if pairs or name != "corner_guard"}
+        arrays.setdefault("corner_guard", unguarded(inputs, outputs).corners)
+        terms = len(arrays["trend"])
+        shapes = {
+            "weights": (parts, outputs),
+            "floor": (outputs,),
+            "trend": (terms, outputs),
+            "trend_degree": (terms, inputs),
+            "trend_range": (2, outputs),
+            "guard": (inputs, SLABS, outputs),
+            "corner_guard": (pairs, 3, 3, outputs),
+            "quantile": (len(PROBABILITIES), outputs),
+        }
+        given = {name: array.shape for name, array in arrays.items()}
+        degree = arrays["trend_degree"]
+        if given != shapes or not 0 < terms <= MOST_TERMS or degree.dtype.kind not in "iu" or cases < MINIMUM:
+            raise ValueError("the calibration does not fit the model")
+        if degree.min() < 0 or degree.max() > MOST_DEGREE or degree[0].any():
+            raise ValueError("the calibration has degrees that none has")
+        if (arrays["weights"] < 0).any() or (arrays["floor"] < 0).any():
+            raise ValueError("the calibration has a negative variance")
+        if (np.diff(arrays["quantile"], axis=0) < 0).any():
+            raise ValueError("the calibration's quantiles do not ascend")
+        guard = Guard(arrays["guard"], arrays["corner_guard"])
+        distribution = Tabulated(arrays["quantile"], cases)
+        weights, floor, trend, within = (arrays[name] for name in ("weights", "floor", "trend", "trend_range"))
+        beside = (
+            _outer(stored, outputs),
+            Copula.restore(stored, inputs, outputs),
+            Patches.restore(stored, inputs, outputs),
+        )
+        return cls(weights, floor, trend, degree.astype(np.intp), within, guard, distribution, *beside)
+
+
+def _outer(stored: xr.Dataset, outputs: int) -> Guard | None:
+    """The outer guard in a file, None where it has none; ValueError where it does not fit."""
+    outer = {name: stored[f"calibration_{name}"].values for name in _OUTER_DIMS if f"calibration_{name}" in stored}
+    if not outer:
+        return None
+    guard, pooled = (outer.get(name, np.zeros(0)) for name in ("outer_guard", "outer_pooled_guard"))
+    empty = unguarded(len(guard), outputs, pooled=True)
+    corners = outer.get("outer_corner_guard", empty.corners)  # none of one input
+    if (guard.shape, corners.shape, pooled.shape) != (empty.slabs.shape, empty.corners.shape, (outputs,)):
+        raise ValueError("the calibration's outer guard does not fit the model")
+    return Guard(guard, corners, pooled)
