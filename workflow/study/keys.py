@@ -70,7 +70,7 @@ class Keys(Strict):
     device: Device | None = Field(
         None,
         description="what the punch is connected to, for figures of a device; the punch is of steel unless it is "
-        "named, and beside it is air, unless fixed or categories name surroundings, or air lacks what the study asks for",
+        "named, and beside it is air unless fixed or categories name surroundings or air lacks what is asked for",
     )
     design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
     signal: Pressing | None = Field(None, description="a press in time on a design, as its amplifier reads it")
