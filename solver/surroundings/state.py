@@ -140,6 +140,22 @@ class State:
         return solved(matrix, right)
 
     @property
+    def reopened(self) -> Array:
+        """Unknowns whose densities up to an edge beside which the gap is closed are that of the first open place.
+
+        A density that draws the gap shut next to an edge solves the gap's law too, with a potential of the other sign:
+        Newton's iteration may come to it, and from here comes to the contact whose gap is open.
+        """
+        sides = self.of.table.operators.sides
+        found, count = np.array(self.unknowns), self.of.nodes // sides
+        densities = found[_EXTENT + 2 :].reshape(len(self.of.fields), sides, count)
+        for side, gap in enumerate(self.gap.reshape(sides, count)):
+            if np.any(closed := gap <= 0):
+                first = min(int(np.flatnonzero(closed)[-1]) + 1, count - 1)
+                densities[:, side, :first] = densities[:, side, first][:, None]
+        return found
+
+    @property
     def unknowns_of_held_potentials(self) -> Array:
         """Those with the charges that make held potentials zero where neither the contact nor a density changes."""
         held = [f for f in self.of.fields if self.of.held[f]]
@@ -168,7 +184,7 @@ class State:
 
     def _closing(self, f: int) -> float:
         if f in self.of.fields and self.of.held[f]:
-            return float(self.response[1 + f] - self.of.potentials[f])
+            return float(self.response[1 + f])
         return float(self.loads[1 + f] - self.of.contact.loading.loads[0, 1 + f])
 
     @cached_property
