@@ -150,6 +150,7 @@ def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.De
         _below(len(study.body) - 1, _base(case)),
         _grounded(study, case),
         float(case.get("exponent", 1.0)),
+        float(case.get("friction", 0.0)) > 0,
     )
 
 
@@ -265,8 +266,7 @@ def _good(target: Target, answer: Answer, hangs: frozenset[str] = frozenset(), r
 
 def _with_band(goal: Term) -> str:
     """The exact value of a goal with what the spread of the constants makes of it, in one piece of a line."""
-    band = f" ± {number(100 * goal.spread, 2)} %" if goal.spread > asides.SMALL else ""
-    return f"{goal.shown(goal.exact)}{band}".replace(" ", "\N{NO-BREAK SPACE}")
+    return f"{goal.shown(goal.exact)}{asides.band(goal.spread)}".replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _over(target: Target) -> str:
@@ -301,7 +301,8 @@ def _sure(answer: Answer) -> str:
 
 def unbroken(text: str) -> str:
     """With every unit in one piece with its number."""
-    return _UNIT.sub("\N{NO-BREAK SPACE}", text).replace("± ", "±\N{NO-BREAK SPACE}")
+    joined = _UNIT.sub("\N{NO-BREAK SPACE}", text).replace(" = ", "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}")
+    return joined.replace("± ", "±\N{NO-BREAK SPACE}")
 
 
 def _share(part: float) -> str:

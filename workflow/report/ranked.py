@@ -1,5 +1,6 @@
 """What moves what, the strongest first: the data of tornado charts and of the sentences above them."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -12,7 +13,8 @@ from workflow.language.numbers import number
 from workflow.report.tornado import Bar, Chart
 from workflow.study.categories import titled
 
-_LEAST = 0.1  # percent that are told
+_LEAST = 0.1  # percent of a variance that are told
+_LITTLE = 0.001  # percent of a change that are told
 
 
 def sensitivities(sensitivity: xr.Dataset, outputs: Sequence[str]) -> list[Chart]:
@@ -38,7 +40,7 @@ def sensitivities(sensitivity: xr.Dataset, outputs: Sequence[str]) -> list[Chart
 
 def elasticities(answer: Answer) -> list[Chart]:
     """What 1 % more of each variable changes of every goal and limit, in percent, exact."""
-    charts = []
+    charts, titled_so = [], Counter(term.title for term in answer.terms)
     for k, term in enumerate(answer.terms):
         known = [
             (variable, variable.sensitivity.elasticity[k])
@@ -46,12 +48,19 @@ def elasticities(answer: Answer) -> list[Chart]:
             if variable.sensitivity.elasticity
         ]
         bars = [
-            Bar(variable.name, variable.title, min(value, 0.0), max(value, 0.0), f"{number(value, 2)} %")
+            Bar(variable.name, variable.title, min(value, 0.0), max(value, 0.0), _change(value))
             for variable, value in known
             if np.isfinite(value)
         ]
-        charts.append(Chart.of(term.name, term.title, bars))
+        title = term.words if titled_so[term.title] > 1 and term in answer.limits else term.title
+        charts.append(Chart.of(term.name, title, bars))
     return [chart for chart in charts if chart.bars]
+
+
+def _change(percent: float) -> str:
+    """A change in percent; what is next to none is said to be less than that."""
+    little = 0 < abs(percent) < _LITTLE
+    return f"< {number(_LITTLE, 1)} %" if little else f"{number(percent, 2)} %"
 
 
 def spans(rows: Sequence[Mapping[str, Any]]) -> list[Chart]:

@@ -22,7 +22,8 @@ def reached(verdicts: Mapping[str, Verdict]) -> str:
     """Which targets are reachable: the first line of a page where some are not."""
     missed = [title for title, verdict in verdicts.items() if verdict.kind == UNREACHABLE]
     if not missed:
-        return f"{'The target is' if len(verdicts) == 1 else f'All {len(verdicts)} targets are'} reachable."
+        several = "Both" if len(verdicts) == 2 else f"All {len(verdicts)}"
+        return f"{'The target is' if len(verdicts) == 1 else f'{several} targets are'} reachable."
     verb = "is" if len(missed) == 1 else "are"
     return f"{capital(listed(missed))} {verb} not reachable ({len(missed)} of {len(verdicts)} targets)."
 
@@ -69,7 +70,7 @@ def surrogate(worst: Row, tolerance: float) -> str:
 def surface(rows: Sequence[Row]) -> str:
     """The field with the largest error."""
     worst = max(rows, key=lambda row: row["max_error"])
-    return f"Largest error of a field {number(worst['max_error'], 2)} of its range: {worst['name']}."
+    return f"Largest error of a field {number(worst['max_error'], 2)} of its range: {titles.title(worst['name'])}."
 
 
 def sensitivity(charts: Sequence[Chart]) -> str:
