@@ -145,7 +145,7 @@ def page(
         content["datum_changes"] = solved["datum"]
         content["designs"] = [tables.design(answer) | told for answer, told in zip(answers, exact, strict=True)]
         content["answers"] = [
-            firstscreen.answered(study, *target, answer, told["contact"], told["around"])
+            firstscreen.answered(study, *target, answer, told["contact"], told["around"], told["on_datum"])
             for target, answer, told in zip(study.design.items(), answers, exact, strict=True)
         ]
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from workflow.design.verdict.answer import Answer
 from workflow.language import titles
 from workflow.language.numbers import number
 from workflow.report.tornado import Bar, Chart
-from workflow.study.categories import titled
+from workflow.study.categories import parted, titled
 
 _LEAST = 0.1  # percent of a variance that are told
 _LITTLE = 0.001  # percent of a change that are told
@@ -25,9 +26,10 @@ def sensitivities(sensitivity: xr.Dataset, outputs: Sequence[str]) -> list[Chart
     sensitivity
         ``total`` and ``first_order`` over output and input.
     outputs
-        As the surrogate calls them, ``quantity`` or ``quantity[names]``.
+        As the surrogate calls them, ``quantity`` or ``quantity[names]``. Those of a quantity that come to the same in
+        all categories have one chart, under the first one's name.
     """
-    charts = []
+    charts: list[Chart] = []
     for output in outputs:
         own, bars = sensitivity.sel(output=output), []
         for name in map(str, own["input"].values):
@@ -35,7 +37,18 @@ def sensitivities(sensitivity: xr.Dataset, outputs: Sequence[str]) -> list[Chart
             told = f"{number(total, 2)} %" if total >= _LEAST else f"< {number(_LEAST, 1)} %"
             bars.append(Bar(name, titles.title(name), 0.0, total, told, min(max(alone, 0.0), total)))
         charts.append(Chart.of(output, titled(output), bars))
-    return charts
+    same: dict[str, list[Chart]] = {}
+    for chart in charts:
+        same.setdefault(parted(chart.name)[0], []).append(chart)
+    return [one for quantity, own in same.items() for one in _once(quantity, own)]
+
+
+def _once(quantity: str, charts: list[Chart]) -> list[Chart]:
+    """One chart of a quantity in the place of several whose bars say the same."""
+    told = {tuple((bar.name, bar.told) for bar in chart.bars) for chart in charts}
+    if len(told) > 1 or len(charts) == 1:
+        return charts
+    return [replace(charts[0], title=f"{titles.title(quantity)}, whatever the category")]
 
 
 def elasticities(answer: Answer) -> list[Chart]:

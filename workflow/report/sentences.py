@@ -11,7 +11,7 @@ from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, listed
 from workflow.report.tornado import Chart
-from workflow.study.categories import parted
+from workflow.study.categories import parted, titled
 from workflow.study.model import Study
 
 Row = Mapping[str, Any]
@@ -63,7 +63,7 @@ def surrogate(worst: Row, tolerance: float) -> str:
     tolerance : float, what was asked, over the range
     """
     met = "met" if worst["error"] <= tolerance else "not met"
-    of = f"of range ({titles.title(str(worst['name']))})"
+    of = f"of range ({titled(str(worst['name']))})"
     return f"Largest error {number(worst['error'], 2)} {of}: asked {number(tolerance, 2)}, {met}."
 
 

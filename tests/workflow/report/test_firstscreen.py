@@ -15,7 +15,7 @@ from workflow.design.told.words import verdict
 from workflow.design.verdict import netcdf
 from workflow.language.numbers import shown
 from workflow.language.titles import title
-from workflow.report import device, exact, firstscreen, ranked, sentences, tornado
+from workflow.report import device, exact, firstscreen, ranked, sentences, svg, tornado
 from workflow.report.device import Device
 from workflow.report.firstscreen import Case
 from workflow.report.svg import ACCENT, BAD
@@ -274,10 +274,13 @@ def test_the_strongest_factor_is_that_of_the_widest_span_of_the_table() -> None:
     charts = ranked.spans(rows)
     assert [[bar.name for bar in one.bars] for one in charts] == [["friction", "base"], ["friction"]]
     drawn = tornado.draw(charts)
+    parts = svg.element(drawn, "spans", "what matters")
+    assert [parts.count(one) for one in ('<div class="parts">', "<svg ", 'class="figure"')] == [1, 2, 2]
+    assert svg.element(tornado.draw(charts[:1]), "spans", "what matters").startswith("<svg ")
     assert re.findall(r'data-factor="(\w+)"', drawn) == ["friction", "base", "friction"]
     widths = [float(one) for one in re.findall(r'class="bar".*? width="([\d.]+)"', drawn)]
     assert widths[1] / widths[0] == pytest.approx(0.999 / 130, abs=0.01)
-    (room,) = re.findall(r'viewBox="0 0 (\d+) ', drawn)
+    (room,) = {*re.findall(r'viewBox="0 0 (\d+) ', drawn)}
     words = re.findall(r'<text x="([\d.]+)" y="\d+" fill="[^"]+" font-size="11">([^<]+)<', drawn)
     assert max(float(x) + TextPath((0, 0), one, size=11).get_extents().x1 for x, one in words) < float(room)
     (zero,) = re.findall(r'<path d="M([\d.]+) ', drawn)

@@ -85,6 +85,12 @@ def within(answer: Answer) -> str:
     return f" ({listed(bands)})" if bands else ""
 
 
+def exceeded(answer: Answer) -> str:
+    """What of a design is beyond what its materials bear, without the sources; empty where nothing is."""
+    parts = [part for part in answer.flags.split("; ") if f"{part} (" in answer.beyond]
+    return f"{capital('; '.join(parts))}." if parts else ""
+
+
 def first_to_break(answer: Answer) -> str:
     """Which limit breaks first: within the tolerances, else as one variable is off by 1 %; empty without limits."""
     if not answer.limits or answer.broken:
