@@ -35,9 +35,9 @@ def compared(study: Study, case: Mapping[str, float]) -> dict[str, Any]:
     -------
     dict
         ``surroundings`` of the case, and ``quantities``: by name its value here and in the other surroundings, in SI.
-        Empty of a study without a device, or of a contact that the theory of air does not cover.
+        Empty of a half-plane without a device, or of a contact that the theory of air does not cover.
     """
-    if study.device is None:
+    if study.device is None and not study.kind.layered:
         return {}
     here = study.surroundings[0]
     other = next(name for name in CHOICES["surroundings"] if name != here)

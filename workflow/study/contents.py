@@ -36,6 +36,8 @@ class Contents(Keys):
     _hanging: frozenset[str] = PrivateAttr(default=frozenset())
     #: Whether the surroundings were chosen for the study, and why they are not air.
     _settled: bool = PrivateAttr(default=False)
+    #: Whether the punch was chosen for the study.
+    _pressed: bool = PrivateAttr(default=False)
     _why_insulated: str = PrivateAttr(default="")
 
     @property

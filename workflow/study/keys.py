@@ -69,8 +69,8 @@ class Keys(Strict):
     validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
     device: Device | None = Field(
         None,
-        description="what the punch is connected to, for figures of a device; beside its contacts is air, unless fixed "
-        "or categories name surroundings, or contacts in air lack what the study asks for",
+        description="what the punch is connected to, for figures of a device; the punch is of steel unless it is "
+        "named, and beside it is air unless fixed or categories name surroundings or air lacks what is asked for",
     )
     design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
     signal: Pressing | None = Field(None, description="a press in time on a design, as its amplifier reads it")

@@ -141,6 +141,7 @@ def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path
         "thickness": 1e-4,
         "surroundings": "insulated",
         "base": "steel",
+        "punch": "steel",  # a device's default
     }
     exact = solver.solve({**ball, "force": 0.05})
     charge = 0.05 * float(exact["charge_sensitivity"])
@@ -155,8 +156,11 @@ def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path
     told |= {str(name): float(value) for name, value in spread.items()}
     assert told["held"]["peak_pressure"] == pytest.approx(float(exact["peak_pressure"]), rel=1e-9)
     card = report.card(study, told, told["held"])
-    assert card.title == "Ball, R = 5 mm, read by its amplifier"
-    assert card.build.replace("\N{NO-BREAK SPACE}", " ") == "PZT-4, 100 µm on steel; ball, R = 5 mm, insulated around"
+    assert card.title == "Steel ball, R = 5 mm, read by its amplifier"
+    assert (
+        card.build.replace("\N{NO-BREAK SPACE}", " ")
+        == "PZT-4, 100 µm on steel; steel ball, R = 5 mm, insulated around"
+    )
     share = float(exact["peak_pressure"]) / solver.find("PZT-4").limits["depoling_stress"].value
     assert share > 1  # beyond what PZT-4 bears
     assert not card.good
