@@ -5,11 +5,12 @@ T, J and the densities at the nodes; a charge is given, or the potential that it
 same linear system.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from solver.surroundings.opening import MOST
 from solver.surroundings.posed import Posed
 from solver.surroundings.refusal import GapError
 from solver.surroundings.state import Chord, State
@@ -18,7 +19,6 @@ _STEPS = 40
 _CLOSE = 1e-11
 _STALLED = 1e-7  # steps below it that no longer shrink are rounding
 _MOST = 0.3  # of log h and c/h in a step
-_LEAST = 2e-3  # of the way that potentials are taken at a time
 _SLOW = 0.1  # of a step that the next one is below, or its equations are those of another state
 _ROUNDED = 1e-9  # steps below it are slow by rounding: new equations would make them no faster
 _EXTENT = 2  # unknowns before the charges: log h, c/h
@@ -48,8 +48,10 @@ class AirContact(Posed):
         found = self._from_idle
         if not (found and found.open):
             found = self._sought(self._start)
-        if any(self.held) and not (found and found.open):
-            found = self._followed or found
+        for _ in range(MOST):
+            if found is None or found.open:
+                break
+            found = self._sought(State(self, found.reopened, found.near)) or found
         if found is None:
             raise GapError("surroundings: no contact with air beside it is found for this load and these charges")
         found.require_gap()
@@ -95,22 +97,3 @@ class AirContact(Posed):
                 return state
             last = size
         return None
-
-    @property
-    def _followed(self) -> State | None:
-        """The solution from that of given charges on, its potentials taken to zero in steps that keep the gap open.
-
-        From afar Newton's iteration may come to a solution whose gap is closed, which is none.
-        """
-        state = self.idle or replace(self, held=(False, False)).state
-        free, done, step = state.response[1:], 0.0, 0.5
-        while done < 1 and step > _LEAST:
-            share = min(done + step, 1.0)
-            kept = ((1 - share) * free).tolist()
-            replaced = replace(self, potentials=(kept[0], kept[1]))
-            found = replaced._sought(State(replaced, state.unknowns, state.near), state.chord)
-            if found and found.open:
-                state, done, step = found, share, 2 * step
-            else:
-                step /= 2
-        return state if done == 1 else None

@@ -23,16 +23,13 @@ class Posed:
     permittivity
         Relative permittivity and permeability of what fills the gap times the vacuum's, SI; (2,).
     held
-        Whether the potential of each field is held in place of the given charge.
-    potentials
-        What they are held at.
+        Whether the potential of each field is held at zero in place of the given charge.
     """
 
     table: AirTable
     contact: FilmContact
     permittivity: Array
     held: tuple[bool, bool] = (False, False)
-    potentials: tuple[float, float] = (0.0, 0.0)
 
     @property
     def fields(self) -> tuple[int, ...]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.contact import mean_power
+from solver.surroundings.opening import reopened
 from solver.surroundings.operators import BALANCE, DISPLACEMENT, LOAD
 from solver.surroundings.posed import Posed
 from solver.surroundings.refusal import require_open
@@ -140,6 +141,15 @@ class State:
         return solved(matrix, right)
 
     @property
+    def reopened(self) -> Array:
+        """Unknowns with densities that open a gap which is closed next to an edge; (unknown,)."""
+        sides, start = self.of.table.operators.sides, _EXTENT + 2
+        densities = self.unknowns[start:].reshape(len(self.of.fields), sides, -1)
+        gaps = self.gap.reshape(sides, -1)
+        opened = np.stack([reopened(densities[:, side], gap) for side, gap in enumerate(gaps)], 1)
+        return np.concatenate([self.unknowns[:start], opened.ravel()])
+
+    @property
     def unknowns_of_held_potentials(self) -> Array:
         """Those with the charges that make held potentials zero where neither the contact nor a density changes."""
         held = [f for f in self.of.fields if self.of.held[f]]
@@ -168,7 +178,7 @@ class State:
 
     def _closing(self, f: int) -> float:
         if f in self.of.fields and self.of.held[f]:
-            return float(self.response[1 + f] - self.of.potentials[f])
+            return float(self.response[1 + f])
         return float(self.loads[1 + f] - self.of.contact.loading.loads[0, 1 + f])
 
     @cached_property

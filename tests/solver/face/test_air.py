@@ -135,7 +135,17 @@ def test_the_table_of_films_with_air_is_the_solver_s() -> None:
         (AIR | {"profile": "flat", "width": 1e-3}, "surroundings: 'air' is not allowed: the punch has a corner"),
         (AIR | {"gap_permittivity": 0.0}, "gap_permittivity: 0 is not a finite number > 0 [1]"),
         ({"gap_permittivity": 2.2}, "gap_permittivity: 2.2 without surroundings: air; only its gap has one"),
-        (AIR | {"friction": 0.3, "load": 1e5}, "surroundings: the punch touches the surface beside the contact, at"),
+        (
+            {
+                "material": "PMN-PT 67:33",
+                "thickness": 5.8e-5,
+                "base": "steel",
+                "load": 1e3,
+                "friction": 0.3,
+                "charge": 1.8e-4,
+            },
+            "surroundings: the punch touches the surface beside the contact, at (x - c)/h = ",
+        ),
         (AIR | {"speed": 1e4}, "speed: 10000 m/s is not below the limiting speed"),
         (
             AIR | {"profile": "sphere", "force": 1.0, "electric": "insulating", "magnetic": "insulating"},
@@ -226,9 +236,20 @@ def test_what_is_not_given_of_points_in_air_is_refused() -> None:
     [
         {"radius": 0.02, "thickness": 3e-4, "base": "steel", "punch": "steel", "load": [1.9e4, 2e4, 2.1e4]},
         {"radius": 0.02, "friction": 0.2, "load": [7.9e3, 8e3, 8.1e3]},
+        {"radius": 0.02, "friction": 0.2, "load": [2.99e4, 3e4, 3.01e4], "material": "PIC255"},
+        {"friction": 0.3, "load": [0.99e5, 1e5, 1.01e5]},
+        {
+            "radius": 0.28,
+            "friction": 0.4,
+            "load": [4.4e6, 4.5e6, 4.6e6],
+            "material": "PZT-5H",
+            "thickness": 6.4e-4,
+            "base": "polyimide",
+            "punch": "steel",
+        },
     ],
 )
 def test_a_held_potential_is_not_that_of_a_closed_gap(own: dict[str, Any]) -> None:
-    """Newton's iteration once ended at a gap below zero at the second load, with a solution on both sides of it."""
+    """Newton's iteration once ended at a gap below zero next to an edge, at some loads or at all of them."""
     found = solver.solve(LINE | AIR | own)["charge_sensitivity"].values
     assert found[1] == pytest.approx((found[0] + found[2]) / 2, rel=1e-4)

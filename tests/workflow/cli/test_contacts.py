@@ -54,11 +54,6 @@ def test_a_table_mixes_punches_and_bodies(tmp_path: Path) -> None:
             "air,insulating,insulating",
             "surroundings: 'air' is not allowed: the punch conducts no field",
         ),
-        (
-            "surroundings,friction,magnetic",
-            "air,0.3,insulating",
-            "surroundings: the punch touches the surface beside the contact, at (x - c)/h = 1.01",
-        ),
         ("gap_permittivity", "2.2", "gap_permittivity: 2.2 without surroundings: air; only its gap has one"),
         ("punch,punch_modulus,punch_poisson", "steel,1e9,0.3", "punch_modulus: 1e+09 beside a punch; give either"),
     ],
