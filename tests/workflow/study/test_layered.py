@@ -132,7 +132,7 @@ def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
 
 
 def test_a_body_tells_what_it_is(study: Study, slab: Path) -> None:
-    words = ["fibrous, thickness = 0.0002, volume_fraction = volume_fraction, electric interface = grounded",
+    words = ["fibrous, thickness = 200 µm, volume_fraction = volume_fraction, electric interface = grounded",
              "copper, thickness = copper_thickness"]  # fmt: skip
     assert read_whole(slab).attrs["body"] == " | ".join([*words, "base"])
     assert f"Layer 2: {words[1]}" in datacard.markdown(datacard.card(study, "layers", [slab], []))
