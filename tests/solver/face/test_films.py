@@ -166,9 +166,12 @@ def test_similarity_and_answers_that_do_not_hang_on_their_neighbours() -> None:
 
 @pytest.mark.parametrize(("load", "friction"), [(1e3, 0.0), (1e5, 0.8), (3e7, 0.3)])
 def test_peak_pressure_is_the_largest_of_a_fine_scan(load: float, friction: float) -> None:
-    X = np.linspace(-0.999, 0.999, 4001)
-    out = solver.solve(FILM | {"load": load, "friction": friction, "material": "PZT-4"}, X)
-    largest = float(out["contact_pressure"].max())
+    X = np.linspace(-0.999, 0.999, 201)
+    case = FILM | {"load": load, "friction": friction, "material": "PZT-4"}
+    out = solver.solve(case, X)
+    top = float(X[int(out["contact_pressure"].argmax())])
+    near = solver.solve(case, np.clip(top + np.linspace(-0.02, 0.02, 81), -0.999, 0.999))
+    largest = float(max(out["contact_pressure"].max(), near["contact_pressure"].max()))
     assert largest * (1 - 1e-9) <= float(out["peak_pressure"]) <= largest * (1 + 1e-6)
 
 
@@ -246,8 +249,11 @@ REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSALS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.soak) if name == "two lengths" else name for name in REFUSALS]
+)
 def test_refused_by_name(name: str) -> None:
+    """Two lengths need tables of six windows; tests/solver/film/test_contact.py refuses them in one."""
     factors, words = REFUSALS[name]
     if "profile" in factors:
         factors = {k: v for k, v in factors.items() if k != "radius"}
