@@ -13,7 +13,10 @@ from tests.layers import SOAK
 
 def property_based(test: Callable[..., None]) -> Callable[..., None]:
     """A test of a few examples, the same in every run, and of many in `make soak`; without a clock."""
-    return pytest.mark.soakable(settings(deadline=None, derandomize=True, max_examples=100 if SOAK else 8)(test))
+    marked: Callable[..., None] = pytest.mark.soakable(
+        settings(deadline=None, derandomize=True, max_examples=100 if SOAK else 8)(test)
+    )
+    return marked
 
 
 def between(low: float, high: float) -> st.SearchStrategy[float]:
