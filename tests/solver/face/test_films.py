@@ -122,6 +122,7 @@ def test_film_of_its_base_s_own_material_is_the_half_plane(name: str) -> None:
     punch |= PROFILES[name]
     charges = {"magnetic_charge": 1e-3} | ({} if name == "insulating" else {"charge": 2e-6})
     bonded = {"base": "BaTiO3-CoFe2O4 50:50", "interface_electric": "bonded", "interface_magnetic": "bonded"}
+    bonded["surroundings"] = "insulated"
     exact = solver.solve(punch | charges, POSITIONS, regular=True)
     found = solver.solve(punch | charges | bonded | {"thickness": 0.3e-3}, POSITIONS, regular=True)
     assert set(exact.data_vars) <= set(found.data_vars)

@@ -57,7 +57,7 @@ def test_a_thickness_is_found_with_few_exact_cases(tmp_path: Path, monkeypatch: 
     base = answer.kinds["base"]
     goal, field = answer.terms
     for term, limit in ((goal, False), (field, True)):
-        case = design | {"friction": term.worst["friction"], "radius": 0.05, "load": 3e4, "base": base}
+        case = design | {"friction": term.worst["friction"], "base": base} | study.fixed
         found = solver.solve(case)
         value = found["nominal_field"] if limit else abs(found["voltage_sensitivity"])
         assert term.exact == pytest.approx(float(value), rel=1e-6)
