@@ -17,7 +17,7 @@ from tests.solver.strategies import decades, loads, materials, property_based
 POSITIONS = (-1.3, -0.4, 0.8, 2.0)
 FILM = {
     "composite": "fibrous", "volume_fraction": 0.6, "friction": 0.3, "radius": 0.05, "load": 4e4, "thickness": 3e-4,
-    "charge": 1.5e-6, "magnetic_charge": 2e-3, "datum": 0.3,
+    "charge": 1.5e-6, "magnetic_charge": 2e-3, "datum": 0.3, "surroundings": "insulated",
 }  # fmt: skip
 
 
