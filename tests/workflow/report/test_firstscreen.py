@@ -9,6 +9,7 @@ import xarray as xr
 from matplotlib.textpath import TextPath
 
 from storage.netcdf import read_whole
+from tests.studies import shipped
 from tests.workflow.conftest import Project
 from workflow.design.told import asides
 from workflow.design.told.words import verdict
@@ -179,7 +180,7 @@ def test_a_source_that_was_not_read_is_unverified(ran: Project) -> None:
 
 
 def test_the_body_is_said_by_what_it_is() -> None:
-    study = load("config/film.yaml")
+    study = shipped("film")
     case: Case = {
         "composite": "fibrous",
         "volume_fraction": 0.67,
@@ -260,7 +261,7 @@ def test_what_a_goal_depends_on_is_told_of_every_goal_and_category() -> None:
         "Charge per force (95 to 97 %) depends most on volume fraction; voltage of rigid (90 %) depends most on load; "
         "voltage of steel (80 %) depends most on radius: shares of the variance over the box, interactions included."
     )
-    sensor = load("config/film_sensor.yaml")
+    sensor = shipped("film_sensor")
     goals = {name for one in sensor.design.values() for goal in one.objectives for name in goal.expression.names()}
     assert {name.partition("[")[0] for name in sensor.aims} == goals & set(sensor.outputs)
     assert len(sensor.aims) == 2 * len(goals & set(sensor.outputs))
