@@ -13,7 +13,7 @@ from pathlib import Path
 
 FOLDER = Path(__file__).parent
 #: Together these studies use every rule but those of the verification.
-TARGETS = ("results/quickstart/report.html", "results/parametric/report.html")
+TARGETS = ("results/quickstart/report.html", "results/point/report.html")
 ASKED = ("snakemake", "--rulegraph", "dot", "--quiet", "all", "--", *TARGETS)
 _WIDTH, _HEIGHT, _GAP_X, _GAP_Y, _EDGE = 132, 30, 44, 16, 12
 

@@ -58,6 +58,7 @@ FILES = {
     "quickstart_run": (
         "tests/test_docs.py",
         "tests/test_format.py",
+        "tests/workflow/design/test_search.py",
         "tests/workflow/report/test_panel.py",
     ),
 }
@@ -70,7 +71,6 @@ LONGEST = (
     "tests/workflow/design/test_budget.py",
     "tests/surrogate/use/test_inversion.py",
     "tests/workflow/design/test_question.py",
-    "tests/workflow/design/test_search.py",
 )
 
 

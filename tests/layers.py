@@ -6,6 +6,7 @@ all four, and of a product of cases that bears ``sampled`` a few, in which each 
 suffice; `make soak` runs the others.
 """
 
+import os
 import subprocess
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
@@ -15,6 +16,9 @@ from unittest import mock
 import pytest
 
 from storage import quarantine
+
+#: Whether this is `make soak`.
+SOAK = bool(os.environ.get("MEECONTACT_SOAK"))
 
 LAYERS = ("unit", "dense", "process", "browser")
 

@@ -75,4 +75,4 @@ def solve_curves(
             coordinates |= axis
         return xr.Dataset(outputs, coordinates)
 
-    return cases.solved("exact stresses inside a magneto-electro-elastic body below a sliding punch", part)
+    return cases.solved("exact stresses inside a magneto-electro-elastic body below a punch", part)

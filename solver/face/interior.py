@@ -76,7 +76,7 @@ def solve_interior(
         found = cases.labelled(values, EVERY_INTERIOR, "factors and points (overflow)", axes, hollow=body.hollow)
         return xr.Dataset(found, cases.coordinates | axes)
 
-    return cases.solved("exact fields inside a magneto-electro-elastic half-plane below a sliding punch", part)
+    return cases.solved("exact fields inside a magneto-electro-elastic half-plane below a punch", part)
 
 
 def _grid(x: Iterable[float], y: Iterable[float]) -> tuple[Array, Array]:

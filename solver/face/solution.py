@@ -99,7 +99,7 @@ def solve(
             outputs |= cases.labelled(fields, EVERY_FIELD, "factors and positions (overflow)", axis)
         return xr.Dataset(outputs, coordinates)
 
-    out = cases.solved("exact solution of a punch sliding on a magneto-electro-elastic half-plane", part)
+    out = cases.solved("exact solution of a punch on a magneto-electro-elastic half-plane", part)
     first = [name for name in ALL_QUANTITIES if name in out]
     return out[[*first, *(name for name in out.data_vars if name not in first)]]
 

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
+from solver.surroundings.opening import MOST, reopened
 from solver.surroundings.refusal import GapError, require_open
 from solver.surroundings.ringtable import Read, RingsByRadius
 
@@ -87,6 +88,10 @@ class AirPoint(Read):
         found = None if self.near is None else self._sought(PointState(self, self.near))
         if found is None or not found.open:  # from afar Newton's iteration may come to a gap that is closed
             found = self._sought(PointState(self, self._first))
+        for _ in range(MOST):
+            if found is None or found.open:
+                break
+            found = self._sought(PointState(self, found.reopened)) or found
         return found
 
     def _sought(self, state: "PointState") -> "PointState | None":
@@ -259,6 +264,11 @@ class PointState:
     def open(self) -> bool:
         """Whether the gap is open all along."""
         return bool(np.all(self.gap > 0))
+
+    @property
+    def reopened(self) -> Array:
+        """Unknowns with densities that open a gap which is closed next to the edge; (unknown,)."""
+        return np.concatenate([self.unknowns[: self.of.rows.causes], reopened(self.over_size, self.gap).ravel()])
 
     def require_gap(self) -> None:
         """Refuse a gap that closes, as :func:`solver.surroundings.refusal.require_open`."""

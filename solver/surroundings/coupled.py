@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+from solver.surroundings.opening import MOST
 from solver.surroundings.posed import Posed
 from solver.surroundings.refusal import GapError
 from solver.surroundings.state import Chord, State
@@ -19,7 +20,6 @@ _CLOSE = 1e-11
 _STALLED = 1e-7  # steps below it that no longer shrink are rounding
 _MOST = 0.3  # of log h and c/h in a step
 _SLOW = 0.1  # of a step that the next one is below, or its equations are those of another state
-_REOPENED = 3  # times at most that a gap which is closed next to an edge is opened
 _ROUNDED = 1e-9  # steps below it are slow by rounding: new equations would make them no faster
 _EXTENT = 2  # unknowns before the charges: log h, c/h
 
@@ -48,7 +48,7 @@ class AirContact(Posed):
         found = self._from_idle
         if not (found and found.open):
             found = self._sought(self._start)
-        for _ in range(_REOPENED):
+        for _ in range(MOST):
             if found is None or found.open:
                 break
             found = self._sought(State(self, found.reopened, found.near)) or found

@@ -7,6 +7,7 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.contact import mean_power
+from solver.surroundings.opening import reopened
 from solver.surroundings.operators import BALANCE, DISPLACEMENT, LOAD
 from solver.surroundings.posed import Posed
 from solver.surroundings.refusal import require_open
@@ -141,19 +142,12 @@ class State:
 
     @property
     def reopened(self) -> Array:
-        """Unknowns whose densities up to an edge beside which the gap is closed are that of the first open place.
-
-        A density that draws the gap shut next to an edge solves the gap's law too, with a potential of the other sign:
-        Newton's iteration may come to it, and from here comes to the contact whose gap is open.
-        """
-        sides = self.of.table.operators.sides
-        found, count = np.array(self.unknowns), self.of.nodes // sides
-        densities = found[_EXTENT + 2 :].reshape(len(self.of.fields), sides, count)
-        for side, gap in enumerate(self.gap.reshape(sides, count)):
-            if np.any(closed := gap <= 0):
-                first = min(int(np.flatnonzero(closed)[-1]) + 1, count - 1)
-                densities[:, side, :first] = densities[:, side, first][:, None]
-        return found
+        """Unknowns with densities that open a gap which is closed next to an edge; (unknown,)."""
+        sides, start = self.of.table.operators.sides, _EXTENT + 2
+        densities = self.unknowns[start:].reshape(len(self.of.fields), sides, -1)
+        gaps = self.gap.reshape(sides, -1)
+        opened = np.stack([reopened(densities[:, side], gap) for side, gap in enumerate(gaps)], 1)
+        return np.concatenate([self.unknowns[:start], opened.ravel()])
 
     @property
     def unknowns_of_held_potentials(self) -> Array:

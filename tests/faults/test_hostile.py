@@ -21,6 +21,7 @@ from storage import examined, quarantine
 from storage.sealed import SEAL, FormatError, seal
 from tests.faults import hostile, hostilefiles
 from tests.faults.conftest import TINY
+from tests.layers import SOAK
 from workflow.cli.main import main
 from workflow.dataset import factorial
 from workflow.learning import training
@@ -95,8 +96,8 @@ def few_and_many(few: int, many: int) -> Callable[[Callable[..., None]], Any]:
 
     def twice(property_: Callable[..., None]) -> Callable[..., None]:
         return settings(
-            max_examples=many if os.environ.get("MEECONTACT_SOAK") else few,
-            derandomize=not os.environ.get("MEECONTACT_SOAK"),
+            max_examples=many if SOAK else few,
+            derandomize=not SOAK,
             deadline=None,
             database=None,
             phases=[Phase.generate],  # shrinking a slow example takes minutes

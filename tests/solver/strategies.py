@@ -1,14 +1,22 @@
 """Random admissible materials, loads and contacts for the property tests."""
 
+from collections.abc import Callable
 from typing import Any
 
+import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 
 import solver
+from tests.layers import SOAK
 
-#: The same examples in every run, and no clock.
-PROPERTY = settings(deadline=None, derandomize=True, max_examples=25)
+
+def property_based(test: Callable[..., None]) -> Callable[..., None]:
+    """A test of a few examples, the same in every run, and of many in `make soak`; without a clock."""
+    marked: Callable[..., None] = pytest.mark.soakable(
+        settings(deadline=None, derandomize=True, max_examples=100 if SOAK else 8)(test)
+    )
+    return marked
 
 
 def between(low: float, high: float) -> st.SearchStrategy[float]:

@@ -5,19 +5,19 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given, settings
+from hypothesis import given
 
 import solver
 from solver.curves import SIZES
 from solver.fields import EVERY_FIELD, EVERY_INTERIOR
 from solver.names import ALL_QUANTITIES
 from solver.similarity import FACTOR_WEIGHTS, QUANTITY_WEIGHTS, scale_powers, weight_of
-from tests.solver.strategies import PROPERTY, decades, loads, materials
+from tests.solver.strategies import decades, loads, materials, property_based
 
 POSITIONS = (-1.3, -0.4, 0.8, 2.0)
 FILM = {
     "composite": "fibrous", "volume_fraction": 0.6, "friction": 0.3, "radius": 0.05, "load": 4e4, "thickness": 3e-4,
-    "charge": 1.5e-6, "magnetic_charge": 2e-3, "datum": 0.3,
+    "charge": 1.5e-6, "magnetic_charge": 2e-3, "datum": 0.3, "surroundings": "insulated",
 }  # fmt: skip
 
 
@@ -42,7 +42,7 @@ def assert_similar(one: xr.Dataset, two: xr.Dataset, size: float, strength: floa
         np.testing.assert_allclose(two[name].values, expected, rtol=rtol, atol=rtol * largest, err_msg=name)
 
 
-@settings(PROPERTY, max_examples=10)
+@property_based
 @given(material=materials(), case=loads(), size=decades(-2, 2), strength=decades(-2, 2))
 def test_half_planes_scale_with_size_and_strength(
     material: solver.Material, case: dict[str, Any], size: float, strength: float

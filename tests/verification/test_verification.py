@@ -3,6 +3,8 @@
 import json
 from dataclasses import replace
 from functools import cache
+from itertools import product
+from types import ModuleType
 from unittest import mock
 
 import numpy as np
@@ -28,36 +30,48 @@ from verification.findings import check
 from verification.oracles.surface_response import surface_response
 from workflow.study.sections import CHECK_GROUPS
 
-SMALL = Sizes(cases=2, elements=24, timed=0)
-SMALLEST = Sizes(elements=12, timed=0)
+SMALL = Sizes(cases=2, elements=12, timed=0)
+#: The unilateral contact finds the edges of its elements only on so many.
+SIZES = {"finite_elements": replace(SMALL, elements=24)}
 
-
-#: Of groups of many cases, one: `make run STUDY=verification` takes all of them.
-MANY = {"balance": (balance, "CASES"), "digits": (digits, "EXTREMES")}
+#: Of groups of many cases, a few: `make soak` and `make run STUDY=verification` take all of them.
+FEW: dict[str, tuple[ModuleType, str, tuple[object, ...]]] = {
+    "balance": (balance, "CASES", ("cylinder",)),
+    "digits": (digits, "EXTREMES", ("no friction",)),
+    "film_elements": (
+        film_elements, "CASES", ("composite on steel", "insulating punch on a rigid base",
+                                 "BaTiO3 on CoFe2O4 on a rigid base"),
+    ),
+    "integral_equations": (integral_equations, "PUNCHES", ("cylinder", "tilted flat", "wedge, corner trailing")),
+    "points": (points, "_BASES", ("rigid",)),
+}  # fmt: skip
 
 
 @cache
-def findings(group: str) -> Findings:
-    if group in MANY:
-        module, name = MANY[group]
-        with mock.patch.object(module, name, dict([next(iter(getattr(module, name).items()))])):
-            return GROUPS[group](SMALL)
-    return GROUPS[group](SMALLEST if group in ("film_elements", "film_air", "points") else SMALL)
+def findings(group: str, whole: bool) -> Findings:
+    if whole or group not in FEW:
+        return GROUPS[group](SIZES.get(group, SMALL))
+    module, name, kept = FEW[group]
+    with mock.patch.object(module, name, {key: getattr(module, name)[key] for key in kept}):
+        return GROUPS[group](SMALL)
 
 
 def test_the_study_knows_the_groups() -> None:
     assert tuple(GROUPS) == CHECK_GROUPS
 
 
-@pytest.mark.parametrize("group", GROUPS)
-def test_every_check_is_green(group: str) -> None:
-    red = [f"{one.name}: {one.error:.2e} > {one.tolerance:.0e}" for one in findings(group).checks if not one.passed]
+@pytest.mark.parametrize(
+    ("group", "whole"), [*product(GROUPS, [False]), *(pytest.param(one, True, marks=pytest.mark.soak) for one in FEW)]
+)
+def test_every_check_is_green(group: str, *, whole: bool) -> None:
+    checks = findings(group, whole).checks
+    red = [f"{one.name}: {one.error:.2e} > {one.tolerance:.0e}" for one in checks if not one.passed]
     assert not red
-    assert len({one.name for one in findings(group).checks}) == len(findings(group).checks)
+    assert len({one.name for one in checks}) == len(checks)
 
 
 def test_finite_elements_converge() -> None:
-    curves = findings("finite_elements").curves
+    curves = findings("finite_elements", False).curves
     assert {curve.figure for curve in curves} == {"fem_fields", "fem_contact"}  # without curves the rest would pass
     for curve in curves:
         assert all(fine < coarse for coarse, fine in zip(curve.error, curve.error[1:], strict=False)), curve.label
@@ -65,7 +79,7 @@ def test_finite_elements_converge() -> None:
 
 def test_finite_elements_of_points_converge_and_a_wrong_answer_is_red(monkeypatch: pytest.MonkeyPatch) -> None:
     """A stiffness of the film that is off by 1 % is seen by them."""
-    for curve in findings("points").curves:
+    for curve in findings("points", False).curves:
         assert curve.error[-1] < curve.error[0] / 100
     stiffer = replace(solver.find("PZT-4"), c33=solver.find("PZT-4").c33 * 1.01)
     monkeypatch.setattr(points, "_FILM", points._FILM | {"material": stiffer})
@@ -73,7 +87,7 @@ def test_finite_elements_of_points_converge_and_a_wrong_answer_is_red(monkeypatc
 
 
 def test_finite_elements_of_films_converge() -> None:
-    assert {curve.figure for curve in findings("film_elements").curves} == {"film_elements"}
+    assert {curve.figure for curve in findings("film_elements", False).curves} == {"film_elements"}
     film = film_cases.Solved(film_cases.CASES["composite on a rigid base, charged"])
     coarse, fine = (film_elements.Compared(film, order) for order in (4, 6))
     for what in ("load", "edges", "interface"):
@@ -87,7 +101,7 @@ def test_a_contact_in_air_is_not_one_without() -> None:
 
 
 def test_collocation_of_the_circle_converges_geometrically_to_the_closed_form() -> None:
-    (curve,) = [one for one in findings("integral_equations").curves if one.figure == "collocation_circle"]
+    (curve,) = [one for one in findings("integral_equations", False).curves if one.figure == "collocation_circle"]
     assert all(fine < coarse / 10 for coarse, fine in zip(curve.error, curve.error[1:], strict=False))
 
 
@@ -108,7 +122,7 @@ def test_a_wrong_coupling_turns_the_checks_red(monkeypatch: pytest.MonkeyPatch) 
 def test_what_is_no_number_is_red() -> None:
     one = check("nothing", "nothing", 1.0, lambda: float(np.nan))
     assert not one.passed
-    text = replace(findings("limits"), checks=[one]).to_json()
+    text = replace(findings("limits", False), checks=[one]).to_json()
     assert json.loads(text)["checks"][0] == {
         "name": "nothing", "compared": "nothing", "error": None, "tolerance": 1.0, "seconds": one.seconds,
         "passed": False,

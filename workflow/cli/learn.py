@@ -5,8 +5,8 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from storage.files import output, regular
-from workflow.cli.words import pairs, quantity, say, surrogate_file, written_as
+from storage.files import output
+from workflow.cli.words import pairs, quantity, say, surrogate_file, trained, written_as
 from workflow.study.reading import InputError, number, one_line
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def learn(options: argparse.Namespace) -> None:
     from workflow.learning import measured, plan
     from workflow.study import uncertainty
 
-    regular(options.on)
+    trained(options.on)
     path = output(options.output or options.on.with_name(CORRECTED), options.on, options.measured)
     study, model = questions.results(options.on.parent, options.on)
     if isinstance(model, CorrectedGP):

@@ -12,12 +12,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 import surrogate
-from storage.files import output, regular, writing
+from storage.files import output, writing
 from surrogate import GaussianProcess
 from workflow.cli import predictions
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.pointtable import predicted
-from workflow.cli.words import pairs, say
+from workflow.cli.words import pairs, say, trained
 from workflow.dataset import factorial
 from workflow.language.numbers import prefixed
 from workflow.study import location
@@ -35,8 +35,7 @@ def query(options: argparse.Namespace) -> None:
     InputError, FormatError
         Options, points or a study that do not fit the surrogate; a file that is none; in one line.
     """
-    regular(options.surrogate)
-    model = surrogate.load(options.surrogate)
+    model = surrogate.load(trained(options.surrogate))
     if (options.table is None) == (options.at is None):
         raise InputError("query: give either a table AT.csv or --at NAME=VALUE,...")
     if options.table is not None and options.output is None:

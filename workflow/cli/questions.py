@@ -13,7 +13,7 @@ from solver.names import ALL_QUANTITIES, CHOICES
 from surrogate import GaussianProcess, Input, load
 from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
 from workflow.cli import predictions
-from workflow.cli.words import quantity
+from workflow.cli.words import quantity, trained
 from workflow.dataset import factorial
 from workflow.design.search import targets
 from workflow.design.told.words import verdict
@@ -51,9 +51,7 @@ def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProc
     InputError
         No such results, or a study that was changed since they were made.
     """
-    surrogate = file or folder / "surrogate.nc"
-    if not surrogate.is_file():
-        raise InputError(f"{folder}: holds no surrogate.nc; run `meecontact run {folder.name}` first")
+    surrogate = trained(file or folder / "surrogate.nc")
     study = studies.load(location.of_results(folder))
     model = load(surrogate)
     as_now = model.made_from_ == study.physics

@@ -187,16 +187,16 @@ def _figures(history: History, reading: Signal, contact: Contact, circuit: Circu
     constant = "is held: nothing leaks"
     if np.isfinite(told.lasting):
         constant = (
-            f"decays with the time constant {shown(told.lasting, 's', 4)}: {shown(told.drop(DROP), '%', 4)} less after "
+            f"decays with the time constant {shown(told.lasting, 's', 3)}: {shown(told.drop(DROP), '%', 3)} less after "
             f"{DROP:g} s"
         )
     return [
-        f"{name}: {shown(float(values[place]), 'V', 5)} at {shown(float(history.times[place]), 's', 5)}"
+        f"{name}: {shown(float(values[place]), 'V', 3)} at {shown(float(history.times[place]), 's', 3)}"
         for name, values in (("peak voltage of the punch", reading.voltage), ("peak output", reading.output))
         for place in [int(np.abs(values).argmax())]
     ] + [
-        f"contact at {shown(contact.most, 'N', 5)}: {shown(told.charge, 'C', 5)} at zero volts, "
-        f"{shown(told.capacitance, 'F', 5)}",
+        f"contact at {shown(contact.most, 'N', 3)}: {shown(told.charge, 'C', 3)} at zero volts, "
+        f"{shown(told.capacitance, 'F', 3)}",
         f"a constant force {constant}",
         f"noise floor: {shown(noise, 'C', 3)}, {shown(at_output, 'V', 3)} at the output, {shown(as_force, 'N', 3)}",
     ]

@@ -21,11 +21,10 @@ from numpy.typing import NDArray
 
 import surrogate
 from solver import FactorError, MaterialError
-from storage.files import regular
 from surrogate import GaussianProcess, OutOfBoxError
 from workflow.cli import localhttp
 from workflow.cli.query import study_of
-from workflow.cli.words import say, surrogate_file
+from workflow.cli.words import say, surrogate_file, trained
 from workflow.dataset import factorial
 from workflow.study.model import Study
 from workflow.study.reading import InputError, one_line
@@ -191,7 +190,7 @@ def serve(options: argparse.Namespace) -> None:
     """
     if not 0 <= options.port < 2**16:
         raise InputError(f"--port: {options.port} must be within 0 and 65535")
-    model = surrogate.load(regular(options.surrogate))
+    model = surrogate.load(trained(options.surrogate))
     models = {"surrogate": Model(model)}
     if options.exact is not None:
         models["exact"] = Model(model, study_of(model, options.exact))

@@ -115,4 +115,4 @@ def _solved(
 
 def _wrote(options: argparse.Namespace, out: xr.Dataset, what: str) -> None:
     (as_csv if options.output.suffix == ".csv" else write_whole)(out, options.output)
-    say(f"wrote {options.output}: {out.sizes['case']} cases, {what}")
+    say(f"wrote {options.output}: {out.sizes['case']} case{'s' if out.sizes['case'] != 1 else ''}, {what}")

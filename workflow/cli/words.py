@@ -6,7 +6,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from solver.units import in_si
+from storage.files import regular
+from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, number, one_line
+
+_SURROGATE = "surrogate.nc"
 
 
 def say(message: str) -> None:
@@ -92,7 +96,28 @@ def pairs(text: str, units: Mapping[str, str]) -> dict[str, float]:
 def surrogate_file(text: str) -> Path:
     """The file of a surrogate; of a study's folder of results, the one in it."""
     path = Path(text)
-    return path / "surrogate.nc" if path.is_dir() else path
+    return path / _SURROGATE if path.is_dir() else path
+
+
+def trained(path: Path) -> Path:
+    """The file of a surrogate, as `surrogate_file` gives it.
+
+    Raises
+    ------
+    InputError
+        There is none; it names what results there are here, and how to make others.
+    OSError
+        It is no regular file.
+    """
+    if path.exists():
+        return regular(path)
+    asked = path.parent if path.name == _SURROGATE else path
+    said = f"{asked}: holds no {_SURROGATE}" if asked.is_dir() else f"{asked}: there is none"
+    studies = sorted(file.parent.name for file in Path("results").glob(f"*/{_SURROGATE}"))
+    known = f"STUDY: {nearest(asked.name, studies)}" if studies else "there is no study's here"
+    raise InputError(
+        f"surrogate: {said}; must be results/STUDY, or a surrogate's file; {known}; `meecontact run STUDY` makes one"
+    )
 
 
 def written_as(**endings: str) -> Callable[[str], Path]:

@@ -89,31 +89,11 @@ class Contact:
             As :func:`solver.solve`; a force or a charge among the factors; a contact without charge, or whose voltage
             depends on a datum; an electrode that is read as a whole, which has no end.
         """
-        kind = _readable(case, body)
         forces = most * _SPAN ** ((gauss_points(_COUNT) - 1) / 2)
-        given = {**case, kind.loads.force: forces / length}
-        answer = solved(given) if solved else solve(given, materials=materials or {})
-        if body is not None and "collector" in case:
-            charge = np.broadcast_to(answer["patch_charge_per_force"].values, forces.shape)
-            size, shape = float(case["patch_size"]), case.get("patch", "strip" if kind.contact == "line" else "disc")
-            across = float(case["patch_length"]) if shape == "rectangle" else length
-            area = size * across
-            if shape in ("disc", "ring"):
-                area = np.pi * (size**2 - float(case.get("patch_hole", 0.0)) ** 2) / 4
-            if kind.contact == "line" and shape == "rectangle":
-                charge = charge * across / length
-            plates = Electrode(body, int(case["collector"])).capacitance * area
-            if "disc_capacitance" in answer:
-                plates = float(answer["disc_capacitance"].max())
-            return cls(most, coefficients(np.stack([charge, 0 * charge]), axis=1), plates)
-        if "charge_sensitivity" not in answer:
-            raise FactorError("electric: a punch that does not conduct has no charge to be read")
-        charge = np.broadcast_to(answer["charge_sensitivity"].values, forces.shape)
-        with np.errstate(all="ignore"):
-            capacitance = -charge * forces / np.broadcast_to(answer["voltage"].values, forces.shape)
-        if not (np.isfinite(capacitance) & (capacitance > 0)).all():
-            raise FactorError("contact: its force makes no charge: nothing to be read")
-        return cls(most, coefficients(np.stack([charge, np.log(capacitance)]), axis=1))
+        charge, capacitance = response(case, forces, length=length, materials=materials, solved=solved, body=body)
+        plates = float(capacitance[0]) if body is not None and "collector" in case else None
+        log = np.log(capacitance) if plates is None else 0 * charge
+        return cls(most, coefficients(np.stack([charge, log]), axis=1), plates)
 
     def at(self, force: Array) -> tuple[Array, Array]:
         """Charge at zero volts [C] and capacitance [F] at forces from 0 to the largest [N], (force,): (force,) each."""
@@ -147,6 +127,56 @@ class Contact:
         """Last of the coefficients over the largest: how far the polynomials are from having met the curves."""
         size = np.abs(self.curves if self.plates is None else self.curves[:1])
         return float(np.max(size[:, -2:].max(axis=1) / size.max(axis=1)))
+
+
+def response(
+    case: Mapping[str, Any],
+    forces: Array,
+    *,
+    length: float = 1.0,
+    materials: Mapping[str, Material] | None = None,
+    solved: Callable[[dict[str, Any]], xr.Dataset] | None = None,
+    body: Stack | None = None,
+) -> tuple[Array, Array]:
+    """Charge per force at zero volts [C/N] and capacitance [F] of a case at some forces; (force,) each.
+
+    Parameters
+    ----------
+    case, length, materials, solved, body
+        As of :meth:`Contact.of`, which raises what this raises.
+    forces : ndarray, shape (force,)
+        In newton.
+
+    Examples
+    --------
+    >>> charge, _ = response({"profile": "sphere", "material": "BaTiO3", "radius": 5e-3}, np.array([10.0]))
+    >>> (charge * 1e12).round(2).tolist()
+    [168.28]
+    """
+    kind = _readable(case, body)
+    pressed = {**case, kind.loads.force: forces / length}
+    answer = solved(pressed) if solved else solve(pressed, materials=materials or {})
+    if body is not None and "collector" in case:
+        charge = np.broadcast_to(answer["patch_charge_per_force"].values, forces.shape)
+        size, shape = float(case["patch_size"]), case.get("patch", "strip" if kind.contact == "line" else "disc")
+        across = float(case["patch_length"]) if shape == "rectangle" else length
+        area = size * across
+        if shape in ("disc", "ring"):
+            area = np.pi * (size**2 - float(case.get("patch_hole", 0.0)) ** 2) / 4
+        if kind.contact == "line" and shape == "rectangle":
+            charge = charge * across / length
+        plates = Electrode(body, int(case["collector"])).capacitance * area
+        if "disc_capacitance" in answer:
+            plates = float(answer["disc_capacitance"].max())
+        return charge, np.full(forces.shape, plates)
+    if "charge_sensitivity" not in answer:
+        raise FactorError("electric: a punch that does not conduct has no charge to be read")
+    charge = np.broadcast_to(answer["charge_sensitivity"].values, forces.shape)
+    with np.errstate(all="ignore"):
+        capacitance = -charge * forces / np.broadcast_to(answer["voltage"].values, forces.shape)
+    if not (np.isfinite(capacitance) & (capacitance > 0)).all():
+        raise FactorError("contact: its force makes no charge: nothing to be read")
+    return charge, capacitance
 
 
 def film(case: Mapping[str, Any], material: Material) -> Stack:

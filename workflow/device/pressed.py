@@ -6,17 +6,19 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from approximation.arrays import Array
 from solver import Material, Stack, solve
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.materials import material_of
 from solver.film.electrodes import Electrode
 from workflow.device.circuit import Circuit
-from workflow.device.contact import Contact, film
+from workflow.device.contact import Contact, film, response
 from workflow.device.signal import DROP, Figures, History, read
-from workflow.study import layered
+from workflow.study import layered, uncertainty
 from workflow.study.model import Study
 from workflow.study.pressing import Pressing
+from workflow.study.reading import InputError
 
 #: What stands before the names of quantities of a contact at the force that is held.
 HELD = "held_"
@@ -49,21 +51,12 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
         ``noise_charge``, ``noise_output`` and ``noise_force``.
     """
     assert study.device is not None
-    numbers, force = study.device.constants, study.kind.loads.force
-    given = {name: value for name, value in case.items() if name != force}
-    length, most = numbers.get("electrode_length", 1.0), pressing.force
-    body: Stack | None = None
-    if study.body:
-        body = layered.stack(study.body, given, study.own_materials, study.phases)
-        material = _beside(body, given)
-    else:
-        pressed = checked({**given, force: most / length})
-        material = material_of(Cases(pressed, study.own_materials, (study.phases[0], study.phases[1])))
-        body = film(given, material) if "thickness" in given else None
+    numbers = study.device.constants
+    factors, body, material = _pressed(study, pressing, case)
     contact = Contact.of(
-        given,
-        most,
-        length=length,
+        factors,
+        pressing.force,
+        length=_length(study),
         materials=study.own_materials,
         solved=lambda one: study.solved(solve, one),
         body=body,
@@ -102,12 +95,70 @@ def held(study: Study, pressing: Pressing) -> xr.Dataset:
     pressing
         How hard.
     """
-    force = {
-        study.kind.loads.force: pressing.force
-        / (study.device.constants if study.device else {}).get("electrode_length", 1.0)
-    }
-    solved = study.solved(solve, {**study.fixed, **force})
+    solved = study.solved(solve, {**study.fixed, study.kind.loads.force: pressing.force / _length(study)})
     return solved.drop_vars(list(solved.coords)).rename({name: f"{HELD}{name}" for name in solved.data_vars})
+
+
+def spread(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Dataset:
+    """What one standard deviation of the materials' constants makes of a press, as shares, to first order.
+
+    Parameters
+    ----------
+    study, pressing, case
+        As of :func:`signal`.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``charge_spread`` and ``output_spread``: of the charge and of the output as the force is reached, roots of the
+        sums of the squares over `workflow.study.uncertainty.uncertain`; NaN where no constant is uncertain.
+    """
+
+    def told(own: Study) -> Array:
+        assert own.device is not None
+        factors, body, material = _pressed(own, pressing, case)
+        charge, capacitance = response(
+            factors,
+            np.array([pressing.force]),
+            length=_length(own),
+            materials=own.own_materials,
+            solved=lambda one: own.solved(solve, one),
+            body=body,
+        )
+        circuit = Circuit.of(own.device.constants, material)
+        return np.concatenate([charge, charge / (capacitance + circuit.capacitance)])
+
+    try:
+        constants = uncertainty.uncertain(study)
+    except InputError:  # a material whose constants follow its composition
+        constants = []
+    whole = np.sqrt((uncertainty.effects(study, constants, told) ** 2).sum(1)) if constants else np.full(2, np.nan)
+    said = "share by which the spread of the constants moves"
+    return xr.Dataset(
+        {
+            f"{name}_spread": ((), value, {"units": "1", "long_name": f"{said} the {name}"})
+            for name, value in zip(("charge", "output"), whole, strict=True)
+        }
+    )
+
+
+def _length(study: Study) -> float:
+    """Length of a line contact [m], whose load is per metre."""
+    return (study.device.constants if study.device else {}).get("electrode_length", 1.0)
+
+
+def _pressed(
+    study: Study, pressing: Pressing, case: Mapping[str, Any]
+) -> tuple[dict[str, Any], Stack | None, Material]:
+    """Factors of a case without its force, the layers if there are any, and what charge leaks through."""
+    force = study.kind.loads.force
+    factors = {name: value for name, value in case.items() if name != force}
+    if study.body:
+        body = layered.stack(study.body, factors, study.own_materials, study.phases)
+        return factors, body, _beside(body, factors)
+    pressed = checked({**factors, force: pressing.force / _length(study)})
+    material = material_of(Cases(pressed, study.own_materials, (study.phases[0], study.phases[1])))
+    return factors, film(factors, material) if "thickness" in factors else None, material
 
 
 def _beside(body: Stack, case: Mapping[str, Any]) -> Material:

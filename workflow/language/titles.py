@@ -12,6 +12,8 @@ from workflow.language.numbers import shown
 from workflow.language.wordings import TITLES
 
 _NAME, _SIZE, _OTHERS = re.compile(r"[A-Za-z_]\w*"), re.compile(r"\babs\(([^()]*)\)"), re.compile(r"[-+*^]|/.*/")
+_SUM = r"\bcontact_(?:trailing \+ contact_leading|leading \+ contact_trailing)\b"
+_WIDTH = re.compile(rf"(?<!\w)\({_SUM}\)|{_SUM}")  # brackets of its own, but not of a function
 
 
 def title(name: str) -> str:
@@ -73,13 +75,21 @@ def spoken(expression: Expression, text: str) -> str:
         return spoken(expression.arguments[0], text)
     if isinstance(expression, Operation) and expression.symbol == "/":
         parts = [spoken(part, "") for part in (expression.left, expression.right)]
-        return " over ".join(parts) if all(parts) else _in_words(text)
-    return _in_words(text)
+        return " over ".join(parts) if all(parts) else in_words(text)
+    return in_words(text)
 
 
-def _in_words(text: str) -> str:
-    """An expression with its names in words, sizes without their bars, and a lone division as "over"."""
-    told = _NAME.sub(lambda found: title(found[0]), _SIZE.sub(r"\1", text))
+def in_words(text: str) -> str:
+    """A text with its names in words, sizes without their bars, and a lone division as "over".
+
+    Examples
+    --------
+    >>> in_words("abs(charge_sensitivity) / load")
+    'charge per force over load'
+    >>> in_words("contact_trailing + contact_leading")
+    'width of the contact'
+    """
+    told = _NAME.sub(lambda found: title(found[0]), _WIDTH.sub("width of the contact", _SIZE.sub(r"\1", text)))
     return told.replace(" / ", " over ") if not _OTHERS.search(text) else told
 
 

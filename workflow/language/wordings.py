@@ -2,10 +2,10 @@
 
 #: What names are called whose words alone do not say it.
 TITLES = {
-    "electric": "punch, electrically",
-    "magnetic": "punch, magnetically",
-    "interface_electric": "interface, electrically",
-    "interface_magnetic": "interface, magnetically",
+    "electric": "punch (electric)",
+    "magnetic": "punch (magnetic)",
+    "interface_electric": "interface (electric)",
+    "interface_magnetic": "interface (magnetic)",
     "volume_fraction": "volume fraction",
     "contact_trailing": "trailing extent of the contact",
     "contact_leading": "leading extent of the contact",

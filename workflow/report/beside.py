@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from markupsafe import Markup
 
+from workflow.design.told import asides
 from workflow.design.verdict import linearity
 from workflow.language.numbers import number, shown
 from workflow.language.titles import capital
@@ -70,8 +71,8 @@ def card(study: Study, signal: Mapping[str, float], held: Mapping[str, float]) -
         on=firstscreen.unbroken(f"the contact beside the designs ({built})"),
         build=firstscreen.unbroken(built),
         does=firstscreen.unbroken(
-            f"{shown(signal['force'], 'N', 3)} gives {shown(abs(signal['contact_charge']), 'C', 3)} and "
-            f"{shown(abs(signal['output']), 'V', 3)} at the output{_fading(signal['time_constant'])}"
+            f"{shown(signal['force'], 'N', 3)} gives {_banded(signal, 'contact_charge', 'charge_spread', 'C')} and "
+            f"{_banded(signal, 'output', 'output_spread', 'V')} at the output{_fading(signal['time_constant'])}"
         ),
         stops=firstscreen.unbroken(f"{capital('; '.join(stops))}."),
         doubt=firstscreen.doubted(own),
@@ -82,6 +83,11 @@ def card(study: Study, signal: Mapping[str, float], held: Mapping[str, float]) -
             f"{title}, drawn to scale: {built}",
         ),
     )
+
+
+def _banded(signal: Mapping[str, float], name: str, spread: str, units: str) -> str:
+    """The size of a number with what the spread of the constants makes of it."""
+    return f"{shown(abs(signal[name]), units, 3)}{asides.band(signal[spread])}"
 
 
 def _fading(lasting: float) -> str:

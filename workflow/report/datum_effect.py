@@ -16,6 +16,7 @@ from workflow.study.target import Target
 
 _TIMES = (0.1, 1.0, 10.0)
 _EDGE = 1 - 1e-12  # position X from which the field at the edge is read
+_TOLD = 1e-3  # relative change that three digits tell
 _STRAIGHT = 1e-9  # relative difference of two slopes up to which they are one
 
 
@@ -45,7 +46,7 @@ def changes(study: Study) -> list[dict[str, Any]]:
 def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, Any]]:
     """The terms of a design that depend on the datum: in the case that decides, at the same three lengths.
 
-    A deviation has no value in one case: its ``values`` are empty.
+    ``moves`` says whether they differ in what is told; a deviation has no value in one case.
 
     Parameters
     ----------
@@ -63,7 +64,8 @@ def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, An
         known: dict[str, Any] = {**own.fixed, **constants, **term.worst, **_solved(own, term.worst, every=True)}
         values = np.broadcast_to(stated.expression.evaluate(known), len(_TIMES))
         deviation = isinstance(stated, Limit) and stated.deviation
-        rows.append({"name": term.name, "values": [] if deviation else values.tolist(), "units": term.units})
+        moves = not (deviation or np.allclose(values, values[1], rtol=_TOLD, atol=0))
+        rows.append({"name": term.name, "values": values.tolist(), "units": term.units, "moves": moves})
     return rows
 
 

@@ -50,6 +50,8 @@ class Device:
         Of a film: thickness, its base in words, and whether an electrode lies between them; None on what has no end.
     exponent
         Of the profile of a power.
+    slides
+        Whether it has friction.
     """
 
     profile: str
@@ -63,10 +65,11 @@ class Device:
     base: str = ""
     grounded: bool = False
     exponent: float = 1.0
+    slides: bool = False
 
     @property
     def point(self) -> bool:
-        """Whether it is a section through a point contact: round, and at rest."""
+        """Whether it is a section through a point contact."""
         return PROFILES[self.profile].contact == "point"
 
     @property
@@ -197,7 +200,7 @@ def _loads(device: Device) -> list[str]:
         _line(middle, 4, middle, 38, BAD, 1.6, tip=True),
         _text(middle + 8, 16, device.pressed, BAD, "start"),
     ]
-    if device.point:
+    if not device.slides:
         return pressed
     return [
         *pressed,

@@ -1,7 +1,7 @@
 """The first screen, for the person who decides: each target's drawing to scale and its answer in plain sentences."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -49,6 +49,8 @@ class Screen:
         What that does: every goal with its band, and over what.
     doubt
         What the library doubts of a material in use; empty where it doubts nothing.
+    beyond
+        What is beyond what its materials bear; empty where nothing is.
     stops
         What stops it.
     breaks
@@ -67,6 +69,7 @@ class Screen:
     build: str
     does: str
     doubt: str
+    beyond: str
     stops: str
     breaks: str
     why: tuple[str, ...]
@@ -80,7 +83,13 @@ class Screen:
 
 
 def answered(
-    study: Study, name: str, target: Target, found: Answer, contact: Mapping[str, float], around: Mapping[str, Any]
+    study: Study,
+    name: str,
+    target: Target,
+    found: Answer,
+    contact: Mapping[str, float],
+    around: Mapping[str, Any],
+    on_datum: Sequence[Mapping[str, Any]] = (),
 ) -> Screen:
     """The first screen's part on one target.
 
@@ -92,10 +101,14 @@ def answered(
         Ends of the contact of its design [m], by name.
     around
         What other surroundings would change, as `workflow.report.surroundings.compared` gives it.
+    on_datum
+        What depends on the datum, as `workflow.report.datum_effect.of_design` gives it: a goal that does not move names
+        none.
     """
     own, told = study.narrowed(found.kinds), verdict(found)
     case: Case = {**study.fixed, **found.kinds, **found.case}
     built = in_words(own, case)
+    still = {str(one["name"]) for one in on_datum if not one["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
     why = (told.beyond, told.advice, told.idle, told.tolerance or cost(found), told.device, _sure(found),
            asides.spread(found), surroundings.told(around), told.sources)  # fmt: skip
@@ -105,8 +118,9 @@ def answered(
         title=title,
         code=found.goal,
         build=unbroken(built + asides.within(found)),
-        does=unbroken(_good(target, found, hanging(own), reference)),
+        does=unbroken(_good(target, found, hanging(own), still, reference)),
         doubt=doubted(own),
+        beyond=unbroken(asides.exceeded(found)),
         stops=unbroken(capital(told.stops)),
         breaks=unbroken(asides.first_to_break(found)),
         why=tuple(unbroken(reason) for reason in why if reason),
@@ -150,6 +164,7 @@ def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.De
         _below(len(study.body) - 1, _base(case)),
         _grounded(study, case),
         float(case.get("exponent", 1.0)),
+        float(case.get("friction", 0.0)) > 0,
     )
 
 
@@ -247,11 +262,12 @@ def _round(profile: str, case: Case) -> str:
     return made + words[profile].format(titles.value(size, float(case[size]), 3))
 
 
-def _good(target: Target, answer: Answer, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:
-    """What a design does: every goal's value with its band, its datum if it depends on one, and over what."""
+def _good(target: Target, answer: Answer, hangs: frozenset[str], still: Collection[str], reference: float) -> str:
+    """What a design does: every goal's value with its band, its datum if that moves it, and over what."""
     datum = f" (ground {titles.value('datum', reference)} away)"
     parts = [
-        f"{goal.title}{'' if hangs.isdisjoint(goal.statement.expression.names()) else datum} {_with_band(goal)}"
+        f"{goal.title}{'' if goal.name in still or hangs.isdisjoint(goal.statement.expression.names()) else datum} "
+        f"{_with_band(goal)}"
         for goal in answer.objectives
     ]
     together = ", the compromise of both" if len(parts) == 2 else ", the compromise of all" if len(parts) > 2 else ""
@@ -265,8 +281,7 @@ def _good(target: Target, answer: Answer, hangs: frozenset[str] = frozenset(), r
 
 def _with_band(goal: Term) -> str:
     """The exact value of a goal with what the spread of the constants makes of it, in one piece of a line."""
-    band = f" ± {number(100 * goal.spread, 2)} %" if goal.spread > asides.SMALL else ""
-    return f"{goal.shown(goal.exact)}{band}".replace(" ", "\N{NO-BREAK SPACE}")
+    return f"{goal.shown(goal.exact)}{asides.band(goal.spread)}".replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _over(target: Target) -> str:
@@ -301,7 +316,8 @@ def _sure(answer: Answer) -> str:
 
 def unbroken(text: str) -> str:
     """With every unit in one piece with its number."""
-    return _UNIT.sub("\N{NO-BREAK SPACE}", text).replace("± ", "±\N{NO-BREAK SPACE}")
+    joined = _UNIT.sub("\N{NO-BREAK SPACE}", text).replace(" = ", "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}")
+    return joined.replace("± ", "±\N{NO-BREAK SPACE}")
 
 
 def _share(part: float) -> str:

@@ -61,9 +61,10 @@ def body(study: Study, kinds: Kinds) -> dict[str, Any]:
         "size": size if size in study.factors else drawn.size,
         "conducts": drawn.conducts,
         "thickness": thickness,
-        "base": drawn.base if below.isdisjoint(study.factors) else "",  # words of what slides would not follow them
+        "base": drawn.base if below.isdisjoint(study.factors) else "",  # words of what a slider moves would not follow
         "grounded": drawn.grounded,
         "exponent": "exponent" if "exponent" in study.factors else drawn.exponent,
+        "slides": "friction" if "friction" in study.factors else float(drawn.slides),
         "point": drawn.point,
         "pressing": pressing,
         "units": FACTORS[pressing].units,

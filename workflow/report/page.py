@@ -16,7 +16,7 @@ from workflow.dataset import draws
 from workflow.design.verdict import netcdf
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
-from workflow.language.titles import capital, title
+from workflow.language.titles import capital, in_words, title
 from workflow.learning.timing import by_quantity
 from workflow.report import beside, firstscreen, problem, ranked, sections, sentences, tables, tornado, whatif
 from workflow.report.figures.design_kinds import kinds
@@ -87,6 +87,8 @@ def page(
         "title": title,
         "capital": capital,
         "share": _share,
+        "spoken": in_words,
+        "unbroken": firstscreen.unbroken,
         "si": shown,
         "counted": counted,
     }
@@ -143,7 +145,7 @@ def page(
         content["datum_changes"] = solved["datum"]
         content["designs"] = [tables.design(answer) | told for answer, told in zip(answers, exact, strict=True)]
         content["answers"] = [
-            firstscreen.answered(study, *target, answer, told["contact"], told["around"])
+            firstscreen.answered(study, *target, answer, told["contact"], told["around"], told["on_datum"])
             for target, answer, told in zip(study.design.items(), answers, exact, strict=True)
         ]
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]

@@ -1,6 +1,8 @@
 """What moves what, the strongest first: the data of tornado charts and of the sentences above them."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,9 +12,10 @@ from workflow.design.verdict.answer import Answer
 from workflow.language import titles
 from workflow.language.numbers import number
 from workflow.report.tornado import Bar, Chart
-from workflow.study.categories import titled
+from workflow.study.categories import parted, titled
 
-_LEAST = 0.1  # percent that are told
+_LEAST = 0.1  # percent of a variance that are told
+_LITTLE = 0.001  # percent of a change that are told
 
 
 def sensitivities(sensitivity: xr.Dataset, outputs: Sequence[str]) -> list[Chart]:
@@ -23,9 +26,10 @@ def sensitivities(sensitivity: xr.Dataset, outputs: Sequence[str]) -> list[Chart
     sensitivity
         ``total`` and ``first_order`` over output and input.
     outputs
-        As the surrogate calls them, ``quantity`` or ``quantity[names]``.
+        As the surrogate calls them, ``quantity`` or ``quantity[names]``. Those of a quantity that come to the same in
+        all categories have one chart, under the first one's name.
     """
-    charts = []
+    charts: list[Chart] = []
     for output in outputs:
         own, bars = sensitivity.sel(output=output), []
         for name in map(str, own["input"].values):
@@ -33,12 +37,23 @@ def sensitivities(sensitivity: xr.Dataset, outputs: Sequence[str]) -> list[Chart
             told = f"{number(total, 2)} %" if total >= _LEAST else f"< {number(_LEAST, 1)} %"
             bars.append(Bar(name, titles.title(name), 0.0, total, told, min(max(alone, 0.0), total)))
         charts.append(Chart.of(output, titled(output), bars))
-    return charts
+    same: dict[str, list[Chart]] = {}
+    for chart in charts:
+        same.setdefault(parted(chart.name)[0], []).append(chart)
+    return [one for quantity, own in same.items() for one in _once(quantity, own)]
+
+
+def _once(quantity: str, charts: list[Chart]) -> list[Chart]:
+    """One chart of a quantity in the place of several whose bars say the same."""
+    told = {tuple((bar.name, bar.told) for bar in chart.bars) for chart in charts}
+    if len(told) > 1 or len(charts) == 1:
+        return charts
+    return [replace(charts[0], title=f"{titles.title(quantity)}, whatever the category")]
 
 
 def elasticities(answer: Answer) -> list[Chart]:
     """What 1 % more of each variable changes of every goal and limit, in percent, exact."""
-    charts = []
+    charts, titled_so = [], Counter(term.title for term in answer.terms)
     for k, term in enumerate(answer.terms):
         known = [
             (variable, variable.sensitivity.elasticity[k])
@@ -46,12 +61,19 @@ def elasticities(answer: Answer) -> list[Chart]:
             if variable.sensitivity.elasticity
         ]
         bars = [
-            Bar(variable.name, variable.title, min(value, 0.0), max(value, 0.0), f"{number(value, 2)} %")
+            Bar(variable.name, variable.title, min(value, 0.0), max(value, 0.0), _change(value))
             for variable, value in known
             if np.isfinite(value)
         ]
-        charts.append(Chart.of(term.name, term.title, bars))
+        title = term.words if titled_so[term.title] > 1 and term in answer.limits else term.title
+        charts.append(Chart.of(term.name, title, bars))
     return [chart for chart in charts if chart.bars]
+
+
+def _change(percent: float) -> str:
+    """A change in percent; what is next to none is said to be less than that."""
+    little = 0 < abs(percent) < _LITTLE
+    return f"< {number(_LITTLE, 1)} %" if little else f"{number(percent, 2)} %"
 
 
 def spans(rows: Sequence[Mapping[str, Any]]) -> list[Chart]:

@@ -11,7 +11,7 @@ from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, listed
 from workflow.report.tornado import Chart
-from workflow.study.categories import parted
+from workflow.study.categories import parted, titled
 from workflow.study.model import Study
 
 Row = Mapping[str, Any]
@@ -22,7 +22,8 @@ def reached(verdicts: Mapping[str, Verdict]) -> str:
     """Which targets are reachable: the first line of a page where some are not."""
     missed = [title for title, verdict in verdicts.items() if verdict.kind == UNREACHABLE]
     if not missed:
-        return f"{'The target is' if len(verdicts) == 1 else f'All {len(verdicts)} targets are'} reachable."
+        several = "Both" if len(verdicts) == 2 else f"All {len(verdicts)}"
+        return f"{'The target is' if len(verdicts) == 1 else f'{several} targets are'} reachable."
     verb = "is" if len(missed) == 1 else "are"
     return f"{capital(listed(missed))} {verb} not reachable ({len(missed)} of {len(verdicts)} targets)."
 
@@ -62,14 +63,14 @@ def surrogate(worst: Row, tolerance: float) -> str:
     tolerance : float, what was asked, over the range
     """
     met = "met" if worst["error"] <= tolerance else "not met"
-    of = f"of range ({titles.title(str(worst['name']))})"
+    of = f"of range ({titled(str(worst['name']))})"
     return f"Largest error {number(worst['error'], 2)} {of}: asked {number(tolerance, 2)}, {met}."
 
 
 def surface(rows: Sequence[Row]) -> str:
     """The field with the largest error."""
     worst = max(rows, key=lambda row: row["max_error"])
-    return f"Largest error of a field {number(worst['max_error'], 2)} of its range: {worst['name']}."
+    return f"Largest error of a field {number(worst['max_error'], 2)} of its range: {titles.title(worst['name'])}."
 
 
 def sensitivity(charts: Sequence[Chart]) -> str:

@@ -21,6 +21,7 @@ _VARIABLES = {
     SECOND: "color-mix(in srgb, #c98a3c 16%, var(--card))",
 }
 _IDS = re.compile(r'(\bid=")([^"]+)(")|(url\(#)([^)]+)(\))|(href="#)([^"]+)(")')
+_PART = re.compile(r'<svg class="part"[^>]*?(viewBox=.*?</svg>)', re.DOTALL)
 _SIZE = re.compile(r'<svg\b([^>]*?)\s(?:width|height)="[^"]*"')
 _WRAPPED = re.compile(r"<g>(<(?:use|path)\b[^>]*/>)</g>")
 _STROKE = re.compile(r"stroke: (#[0-9a-f]{6})")
@@ -40,7 +41,7 @@ def inlined(path: Path, alt: str) -> Markup:
 
 
 def element(text: str, name: str, alt: str, enlarged: float = 1.0) -> Markup:
-    """An SVG of our own making as an element of the page.
+    """An SVG of our own making as an element of the page; of several parts these, side by side where there is room.
 
     Parameters
     ----------
@@ -49,6 +50,10 @@ def element(text: str, name: str, alt: str, enlarged: float = 1.0) -> Markup:
     alt : str, what it shows, for who cannot see it
     enlarged : float, how many times as wide it may be as it is drawn
     """
+    parts = _PART.findall(text)
+    if len(parts) > 1:
+        told = (element(f"<svg {part}", f"{name}-{k}", alt, enlarged) for k, part in enumerate(parts))
+        return Markup('<div class="parts">{}</div>').format(Markup("").join(told))
     text = text[text.index("<svg") :]
     while (bare := _WRAPPED.sub(r"\1", text)) != text:  # groups of one, which say nothing of it
         text = bare

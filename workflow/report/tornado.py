@@ -69,30 +69,34 @@ class Chart:
 
 
 def draw(charts: Sequence[Chart]) -> str:
-    """All charts below each other, as SVG."""
+    """All charts below each other, as SVG; each is a part, which a page sets side by side (`workflow.report.svg`)."""
     heights = [_HEAD + _ROW * len(chart.bars) + 12 for chart in charts]
     room = max((_LETTER * len(bar.told) + 12 for chart in charts for bar in chart.bars), default=0)
     wide = _LEFT + _BARS + max(room, _RIGHT)
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {sum(heights)}" font-size="13" '
-        f'font-family="DejaVu Sans, sans-serif">',
-        f'<rect width="{wide}" height="{sum(heights)}" fill="{PAPER}"/>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {sum(heights)}">',
     ]
-    for k, chart in enumerate(charts):
-        parts += _chart(chart, sum(heights[:k]))
+    for k, (chart, height) in enumerate(zip(charts, heights, strict=True)):
+        parts += [
+            f'<svg class="part" y="{sum(heights[:k])}" width="{wide}" height="{height}" viewBox="0 0 {wide} {height}" '
+            f'font-size="13" font-family="DejaVu Sans, sans-serif">',
+            f'<rect width="{wide}" height="{height}" fill="{PAPER}"/>',
+            *_chart(chart),
+            "</svg>",
+        ]
     return "\n".join([*parts, "</svg>"]) + "\n"
 
 
-def _chart(chart: Chart, top: int) -> list[str]:
+def _chart(chart: Chart) -> list[str]:
     low, high = min(bar.low for bar in chart.bars), max(bar.high for bar in chart.bars)
     span, crossed = (high - low) or 1.0, low < 0 <= high
 
     def place(value: float) -> float:
         return _LEFT + _BARS * (value - low) / span
 
-    parts = [f'<text x="12" y="{top + 19}" fill="{INK}" font-weight="600">{escape(chart.title)}</text>']
+    parts = [f'<text x="12" y="19" fill="{INK}" font-weight="600">{escape(chart.title)}</text>']
     for k, bar in enumerate(chart.bars):
-        y = top + _HEAD + _ROW * k
+        y = _HEAD + _ROW * k
         start, end = place(bar.low), max(place(bar.high), place(bar.low) + 1)
         parts.append(f'<text x="{_LEFT - 8}" y="{y + 12}" fill="{INK}" text-anchor="end">{escape(bar.title)}</text>')
         light = f'<rect class="bar" data-factor="{escape(bar.name)}" x="{start:.1f}" y="{y}" width="{end - start:.1f}"'
@@ -103,6 +107,7 @@ def _chart(chart: Chart, top: int) -> list[str]:
         clear = max(end, place(0)) if crossed else end  # of the line at zero
         parts.append(f'<text x="{clear + 5:.1f}" y="{y + 12}" fill="{SOFT}" font-size="11">{escape(bar.told)}</text>')
     if crossed:
-        bottom = top + _HEAD + _ROW * len(chart.bars)
-        parts.append(f'<path d="M{place(0):.1f} {top + _HEAD - 4} V{bottom}" stroke="{INK}" fill="none"/>')
+        parts.append(
+            f'<path d="M{place(0):.1f} {_HEAD - 4} V{_HEAD + _ROW * len(chart.bars)}" stroke="{INK}" fill="none"/>'
+        )
     return parts

@@ -13,7 +13,8 @@ config = planned.study(snakemake)
 assert config.signal is not None  # the rule is of studies that have it
 if config.signal.case:
     own = beside.pressed(config)
-    shown = pressed.signal(own, config.signal, own.fixed).merge(pressed.held(own, config.signal))
+    shown = pressed.signal(own, config.signal, own.fixed)
+    shown = shown.merge(pressed.held(own, config.signal)).merge(pressed.spread(own, config.signal, own.fixed))
 else:
     answer = netcdf.read(Path(snakemake.input[0]))
     case = {**config.fixed, **answer.kinds, **answer.case}

@@ -57,7 +57,7 @@ def titled(output: str) -> str:
     'voltage per load: steel'
     """
     quantity, names = parted(output)
-    return titles.title(quantity) + (f": {names}" if names else "")
+    return titles.title(quantity) + (f": {names.replace('_', ' ')}" if names else "")
 
 
 def apart(data: xr.Dataset, categories: Mapping[str, Sequence[str]], quantities: Iterable[str]) -> xr.Dataset:

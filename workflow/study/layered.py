@@ -11,6 +11,7 @@ from solver import Layer, Material, MaterialError, Stack, find
 from solver.film.stack import RIGID
 from solver.material.laws import made
 from solver.names import BODY, COMPOSITES
+from workflow.language import titles
 from workflow.language.factors import FACTORS, OF_A_LAYER, own_kind
 from workflow.study.types import CompositeName, Number, Strict
 
@@ -95,7 +96,10 @@ class BodyLayer(Strict):
 
     def words(self) -> str:
         """The layer in words."""
-        given = {kind: value if isinstance(value, str) else f"{value:g}" for kind, value in self.numbers.items()}
+        given = {
+            kind: value if isinstance(value, str) else titles.value(kind, value, 4)
+            for kind, value in self.numbers.items()
+        }
         given |= {f"{field} interface": condition for field, condition in self.below if condition is not None}
         return ", ".join(
             [str(self.material or self.composite), *(f"{kind} = {value}" for kind, value in given.items())]

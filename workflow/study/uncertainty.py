@@ -5,7 +5,7 @@ prior standard deviation is what other published values of the material differ b
 elastic material has Young's modulus and Poisson's ratio instead; that has 0.02, added. One constant may be named too.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -33,6 +33,7 @@ FAMILIES: dict[str, tuple[str, ...]] = {
 USUAL, POISSON = 0.05, 0.02
 #: Prior standard deviation of the logarithm of one constant beside its family, at least.
 OWN = 0.03
+_STEP = 0.1  # of difference quotients, in prior standard deviations: what they leave out is 1e-5 of a derivative
 _MOST_OWN = 0.1  # of a scatter: variants that differ more are other materials
 _ELASTIC = {"modulus": FAMILIES["stiffness"], "poisson": FAMILIES["stiffness"]}
 _VACUUM = {"permittivity": VACUUM_PERMITTIVITY, "permeability": VACUUM_PERMEABILITY}
@@ -160,6 +161,34 @@ def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> St
             start = changed.get(constant.material, find(constant.material, study.own_materials))
             changed[constant.material] = constant.moved(start, float(value))
     return study.with_materials(changed)
+
+
+def effects(
+    study: Study, constants: list[Constant], values: Callable[[Study], NDArray[np.float64]]
+) -> NDArray[np.float64]:
+    """What one prior standard deviation of each constant makes of some values, relative to them, to first order.
+
+    Each constant is moved by itself, up and down by a tenth of its standard deviation.
+
+    Parameters
+    ----------
+    study : Study
+    constants : list of Constant, k of them
+    values : callable, gives the values of a study, (n,)
+
+    Returns
+    -------
+    ndarray, shape (n, k)
+        NaN for a value that is zero.
+    """
+    here = values(study)
+    found = np.empty((len(here), len(constants)))
+    for column, constant in enumerate(constants):
+        ends = [values(moved(study, [constant], np.array([z]))) for z in (_STEP, -_STEP)]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found[:, column] = (ends[0] - ends[1]) / (2 * _STEP) / here
+    found[~np.isfinite(found)] = np.nan
+    return found
 
 
 def concerned(study: Study, constant: Constant) -> dict[str, str]:

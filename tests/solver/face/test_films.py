@@ -122,6 +122,7 @@ def test_film_of_its_base_s_own_material_is_the_half_plane(name: str) -> None:
     punch |= PROFILES[name]
     charges = {"magnetic_charge": 1e-3} | ({} if name == "insulating" else {"charge": 2e-6})
     bonded = {"base": "BaTiO3-CoFe2O4 50:50", "interface_electric": "bonded", "interface_magnetic": "bonded"}
+    bonded["surroundings"] = "insulated"
     exact = solver.solve(punch | charges, POSITIONS, regular=True)
     found = solver.solve(punch | charges | bonded | {"thickness": 0.3e-3}, POSITIONS, regular=True)
     assert set(exact.data_vars) <= set(found.data_vars)
@@ -166,9 +167,12 @@ def test_similarity_and_answers_that_do_not_hang_on_their_neighbours() -> None:
 
 @pytest.mark.parametrize(("load", "friction"), [(1e3, 0.0), (1e5, 0.8), (3e7, 0.3)])
 def test_peak_pressure_is_the_largest_of_a_fine_scan(load: float, friction: float) -> None:
-    X = np.linspace(-0.999, 0.999, 4001)
-    out = solver.solve(FILM | {"load": load, "friction": friction, "material": "PZT-4"}, X)
-    largest = float(out["contact_pressure"].max())
+    X = np.linspace(-0.999, 0.999, 201)
+    case = FILM | {"load": load, "friction": friction, "material": "PZT-4"}
+    out = solver.solve(case, X)
+    top = float(X[np.argmax(out["contact_pressure"].values)])
+    near = solver.solve(case, np.clip(top + np.linspace(-0.02, 0.02, 81), -0.999, 0.999))
+    largest = float(max(out["contact_pressure"].max(), near["contact_pressure"].max()))
     assert largest * (1 - 1e-9) <= float(out["peak_pressure"]) <= largest * (1 + 1e-6)
 
 
@@ -246,8 +250,11 @@ REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSALS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.soak) if name == "two lengths" else name for name in REFUSALS]
+)
 def test_refused_by_name(name: str) -> None:
+    """Two lengths need tables of six windows; tests/solver/film/test_contact.py refuses them in one."""
     factors, words = REFUSALS[name]
     if "profile" in factors:
         factors = {k: v for k, v in factors.items() if k != "radius"}

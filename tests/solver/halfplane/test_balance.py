@@ -8,13 +8,13 @@ from hypothesis import given
 
 import solver
 from tests.solver.quadrature import Array, rule
-from tests.solver.strategies import PROPERTY, loads, materials
+from tests.solver.strategies import loads, materials, property_based
 
 _RULE = rule()
 _OUTSIDE = np.array([-1e6, -30.0, -2.0, -1 - 1e-12, 1 + 1e-12, 1.1, 5.0, 1e3])
 
 
-@PROPERTY
+@property_based
 @given(material=materials(), case=loads(friction=4.0))
 def test_tractions_carry_the_load_and_the_charges(material: solver.Material, case: dict[str, Any]) -> None:
     out = solver.solve({"material": material, **case}, _RULE.X, regular=True)
@@ -33,7 +33,7 @@ def test_tractions_carry_the_load_and_the_charges(material: solver.Material, cas
         assert signed == pytest.approx(case[charge], rel=1e-12, abs=1e-12 * absolute), name
 
 
-@PROPERTY
+@property_based
 @given(material=materials(), case=loads())
 def test_nothing_acts_on_the_free_surface(material: solver.Material, case: dict[str, Any]) -> None:
     out = solver.solve({"material": material, **case}, _OUTSIDE, regular=True)
@@ -42,7 +42,7 @@ def test_nothing_acts_on_the_free_surface(material: solver.Material, case: dict[
         assert not out[name].values.any(), name
 
 
-@PROPERTY
+@property_based
 @given(material=materials(), case=loads())
 def test_what_holds_at_every_point_of_the_contact(material: solver.Material, case: dict[str, Any]) -> None:
     """Coulomb's law, D_x = e15 sigma_xy / c44 and B_x likewise, pressure within its peak; field and regular form."""
@@ -63,7 +63,7 @@ def test_what_holds_at_every_point_of_the_contact(material: solver.Material, cas
         np.testing.assert_allclose(out[f"{name}_regular"], out[name] * np.sqrt(1 - X**2), rtol=1e-11, err_msg=name)
 
 
-@PROPERTY
+@property_based
 @given(material=materials(), case=loads())
 def test_edge_values_are_the_limits_of_the_fields(material: solver.Material, case: dict[str, Any]) -> None:
     out = solver.solve({"material": material, **case}, [-1 - 1e-15, -1 + 1e-15, 1 - 1e-15, 1 + 1e-15], regular=True)

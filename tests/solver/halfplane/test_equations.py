@@ -8,7 +8,7 @@ from hypothesis import given
 
 import solver
 from tests.solver.quadrature import Array, rule
-from tests.solver.strategies import PROPERTY, constants, loads
+from tests.solver.strategies import constants, loads, property_based
 from verification.oracles.surface_response import surface_response
 
 _RULE = rule()
@@ -35,7 +35,7 @@ def transforms_inside(regular: Array, here: Array) -> Array:
     return np.asarray((quotient @ _RULE.weight + here * np.log((1 - _INSIDE) / (1 + _INSIDE))) / np.pi)
 
 
-@PROPERTY
+@property_based
 @given(c=constants(), case=loads())
 def test_the_integral_equations_hold(c: dict[str, float], case: dict[str, Any]) -> None:
     surface = surface_response({"g11": 0.0, "g33": 0.0} | c)
@@ -48,7 +48,7 @@ def test_the_integral_equations_hold(c: dict[str, float], case: dict[str, Any]) 
     assert np.all(np.abs(residual) <= 1e-11 * size[:, None])
 
 
-@PROPERTY
+@property_based
 @given(c=constants(), case=loads())
 def test_fields_along_the_surface_follow_from_the_tractions(c: dict[str, float], case: dict[str, Any]) -> None:
     """sigma_xx, D_x and B_x by (2.1), a quadrature and the constitutive law alone, under the punch and beside it."""

@@ -8,13 +8,13 @@ from hypothesis import given
 from scipy.special import roots_jacobi
 
 import solver
-from tests.solver.strategies import PROPERTY, between, decades, loads, materials
+from tests.solver.strategies import between, decades, loads, materials, property_based
 
 YOUNG, POISSON = decades(6, 12), between(0.0, 0.49)
 X = np.array([-40.0, -1.5, -1 - 1e-3, -0.999, -0.4, 0.0, 0.6, 0.999, 1 + 1e-3, 2.5])
 
 
-@PROPERTY
+@property_based
 @given(young=YOUNG, poisson=POISSON, radius=decades(-3, 1), load=decades(0, 6))
 def test_hertz(young: float, poisson: float, radius: float, load: float) -> None:
     """Johnson (Contact Mechanics, 1985), sections 4.2 and 5.6: line contact without friction."""
@@ -36,7 +36,7 @@ def test_hertz(young: float, poisson: float, radius: float, load: float) -> None
         assert not out[name].values.any(), name
 
 
-@PROPERTY
+@property_based
 @given(young=YOUNG, poisson=POISSON, friction=between(0.01, 3.0))
 def test_isotropic_sliding(young: float, poisson: float, friction: float) -> None:
     """Guler and Erdogan (Int. J. Mech. Sci. 49, 2007): exponent and ends; sigma_xx by a Gauss-Jacobi quadrature."""
@@ -59,7 +59,7 @@ def test_isotropic_sliding(young: float, poisson: float, friction: float) -> Non
     np.testing.assert_allclose(out.stress_xx.values[away], sliding, rtol=1e-11)
 
 
-@PROPERTY
+@property_based
 @given(material=materials(), case=loads(), datum=decades(0, 2))
 def test_reciprocity_without_friction(material: solver.Material, case: dict[str, Any], datum: float) -> None:
     """d depth/dT = -V/P and d depth/dJ = -Psi/P, the right-hand sides without charges."""
@@ -77,7 +77,7 @@ def test_reciprocity_without_friction(material: solver.Material, case: dict[str,
         assert at_rest[stroke].item() == pytest.approx(at_rest[sensitivity].item(), rel=1e-10), stroke
 
 
-@PROPERTY
+@property_based
 @given(material=materials(), case=loads())
 def test_fields_decay_along_the_surface_as_one_over_distance(material: solver.Material, case: dict[str, Any]) -> None:
     far = np.array([-1e9, -1e7, 1e7, 1e9])
@@ -87,7 +87,7 @@ def test_fields_decay_along_the_surface_as_one_over_distance(material: solver.Ma
         np.testing.assert_allclose(moments, moments[0], rtol=1e-5, err_msg=name)
 
 
-@PROPERTY
+@property_based
 @given(material=materials(), case=loads(friction=1.0))
 def test_far_stress_is_flamant_s(material: solver.Material, case: dict[str, Any]) -> None:
     """Far out only the shear force tells: sigma_xx x -> -(edge stress slope), in the ratio of the resultants."""

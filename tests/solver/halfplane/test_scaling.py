@@ -8,7 +8,7 @@ from hypothesis import given
 
 import solver
 from tests.solver.cases import assert_same, closed_form
-from tests.solver.strategies import PROPERTY, between, decades, loads, materials
+from tests.solver.strategies import between, decades, loads, materials, property_based
 
 POSITIONS = (-4.0, -1.05, -0.9, 0.2, 0.97, 1.05)
 MECHANICAL: tuple[str, ...] = (
@@ -24,7 +24,7 @@ RATIOS = ("stroke_per_volt", "stroke_per_ampere", *TANGENTS_WITHOUT_CHARGES)
 LENGTHS = ("contact_trailing", "contact_leading")
 
 
-@PROPERTY
+@property_based
 @given(material=materials(), case=loads(), heavier=decades(-2, 2), rounder=decades(-2, 2))
 def test_lengths_and_stresses_are_powers_of_load_and_radius(
     material: solver.Material, case: dict[str, Any], heavier: float, rounder: float
@@ -50,7 +50,7 @@ def test_lengths_and_stresses_are_powers_of_load_and_radius(
         np.testing.assert_allclose(two[name], expected, rtol=1e-11, atol=1e-13 * power * size, err_msg=name)
 
 
-@PROPERTY
+@property_based
 @given(material=materials(), case=loads(), heavier=decades(-2, 2), further=decades(-2, 2))
 def test_potentials_move_by_a_logarithm_when_the_datum_does(
     material: solver.Material, case: dict[str, Any], heavier: float, further: float
@@ -73,7 +73,7 @@ def spread(one: xr.Dataset, name: str) -> float:
     return float(abs(one[name])) + (float(abs(one[tangent[name]])) * 1e6 if name in tangent else 0.0)
 
 
-@PROPERTY
+@property_based
 @given(material=materials(), case=loads(), times=between(-3, 3))
 def test_charges_enter_affinely_and_leave_the_pressure_alone(
     material: solver.Material, case: dict[str, Any], times: float
@@ -94,7 +94,7 @@ def test_charges_enter_affinely_and_leave_the_pressure_alone(
         np.testing.assert_allclose(some[name], expected, rtol=1e-11, atol=1e-13 * max(sizes), err_msg=name)
 
 
-@PROPERTY
+@property_based
 @given(material=materials(), case=loads())
 def test_charges_act_one_by_one(material: solver.Material, case: dict[str, Any]) -> None:
     grid = {"charge": [0.0, case["charge"]], "magnetic_charge": [0.0, case["magnetic_charge"]]}
@@ -107,7 +107,7 @@ def test_charges_act_one_by_one(material: solver.Material, case: dict[str, Any])
         np.testing.assert_allclose(mixed[name], corners[1, 0][name], rtol=1e-11, atol=1e-13 * largest, err_msg=name)
 
 
-@PROPERTY
+@property_based
 @given(case=loads())
 def test_a_composite_s_end_is_the_phase(case: dict[str, Any]) -> None:
     for fraction, name in ((0.0, "CoFe2O4"), (1.0, "BaTiO3")):

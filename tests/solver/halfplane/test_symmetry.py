@@ -8,7 +8,7 @@ from hypothesis import given
 
 import solver
 from tests.solver.cases import CHARGED, closed_form
-from tests.solver.strategies import PROPERTY, constants, loads, materials
+from tests.solver.strategies import constants, loads, materials, property_based
 from verification.cases import SIH_SONG
 from verification.cases import constants as plain
 from verification.oracles import precise
@@ -19,7 +19,7 @@ COUPLING = ("g11", "g33")
 ODD_IN_X = ("shear_traction", "electric_displacement_x", "magnetic_induction_x")
 
 
-@PROPERTY
+@property_based
 @given(material=materials(), case=loads())
 def test_mirror_without_friction(material: solver.Material, case: dict[str, Any]) -> None:
     out = solver.solve({"material": material, **case, "friction": 0.0}, POSITIONS)
@@ -58,7 +58,7 @@ def test_mirror_with_friction_against_the_oracle_sliding_the_other_way() -> None
     )
 
 
-@PROPERTY
+@property_based
 @given(c=constants(), case=loads())
 def test_reversed_poling_reverses_the_electric_and_magnetic_fields(c: dict[str, float], case: dict[str, Any]) -> None:
     assert_images(
@@ -69,7 +69,7 @@ def test_reversed_poling_reverses_the_electric_and_magnetic_fields(c: dict[str, 
     )  # fmt: skip
 
 
-@PROPERTY
+@property_based
 @given(c=constants(), case=loads())
 def test_the_sign_of_electric_charge_is_a_convention(c: dict[str, float], case: dict[str, Any]) -> None:
     assert_images(
@@ -113,7 +113,7 @@ PARTNERS |= {f"electric_displacement_{axis}": f"magnetic_induction_{axis}" for a
 PARTNERS |= {f"electric_edge_intensity_{edge}": f"magnetic_edge_intensity_{edge}" for edge in ("trailing", "leading")}
 
 
-@PROPERTY
+@property_based
 @given(c=constants(), case=loads())
 def test_electric_and_magnetic_fields_may_change_places(c: dict[str, float], case: dict[str, Any]) -> None:
     partners = dict(zip(("e31", "e33", "e15", "eps11", "eps33"), ("f31", "f33", "f15", "mu11", "mu33"), strict=True))

@@ -10,7 +10,7 @@ from numpy.polynomial import chebyshev
 
 import solver
 from tests.solver.cases import CHARGED
-from tests.solver.strategies import PROPERTY, decades, loads, materials
+from tests.solver.strategies import decades, loads, materials, property_based
 
 FIELDS = (
     ("charge", "voltage", "voltage_sensitivity", "charge_sensitivity", "stroke_per_volt", "blocked_load_per_volt"),
@@ -27,7 +27,7 @@ _NODES = np.cos(np.pi * (np.arange(12) + 0.5) / 12)
 _SPAN = 0.1  # loads within a tenth of the case's: twelve Chebyshev points leave 1e-14 of the function
 
 
-@PROPERTY
+@property_based
 @given(material=materials(), case=loads(), datum=decades(0, 2))
 def test_sensitivities_are_derivatives_and_balances_null_the_potential(
     material: solver.Material, case: dict[str, Any], datum: float
@@ -43,7 +43,7 @@ def test_sensitivities_are_derivatives_and_balances_null_the_potential(
         assert abs(nulled[potential].item()) <= 1e-13 * abs(at_bare[potential].item()), balance
 
 
-@PROPERTY
+@property_based
 @given(material=materials(), case=loads(), datum=decades(0, 2))
 def test_strokes_and_blocked_loads_are_derivatives(
     material: solver.Material, case: dict[str, Any], datum: float

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import solver
 from tests.solver.cases import closed_form
-from tests.solver.strategies import PROPERTY, constants, decades, loads
+from tests.solver.strategies import constants, decades, loads, property_based
 
 #: Exponents of metre, kilogram, second and ampere.
 SYMBOLS: dict[str, tuple[int, int, int, int]] = {
@@ -48,7 +48,7 @@ def factor(units: str, base: tuple[float, ...]) -> float:
     return out
 
 
-@PROPERTY
+@property_based
 @given(c=constants(), case=loads(), base=st.tuples(*[decades(-4, 4)] * 4))
 def test_results_do_not_depend_on_base_units(
     c: dict[str, float], case: dict[str, Any], base: tuple[float, ...]

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import solver
 from tests.solver.cases import assert_finite
-from tests.solver.strategies import PROPERTY, between, constants, loads, phases
+from tests.solver.strategies import between, constants, loads, phases, property_based
 
 POSITIONS = (-1e3, -1.001, -0.5, 0.999, 4.0)
 
@@ -24,7 +24,7 @@ def energies(c: dict[str, float]) -> list[np.typing.NDArray[np.float64]]:
     return [block / np.sqrt(np.outer(np.diag(block), np.diag(block))) for block in blocks]
 
 
-@PROPERTY
+@property_based
 @given(c=constants(), case=loads(friction=5.0))
 def test_admissible_materials_are_solved(c: dict[str, float], case: dict[str, Any]) -> None:
     out = solver.solve({"material": solver.Material.from_mapping(c), **case}, POSITIONS, regular=True)
@@ -38,7 +38,7 @@ def test_admissible_materials_are_solved(c: dict[str, float], case: dict[str, An
     assert 0 < lam < 1e3 / min(c["c11"], c["c33"], c["c44"])
 
 
-@PROPERTY
+@property_based
 @given(one=phases(), two=phases(), fraction=between(0, 1))
 def test_composites_of_admissible_phases_are_admissible(
     one: solver.Material, two: solver.Material, fraction: float
@@ -55,7 +55,7 @@ DIELECTRIC = ("eps11", "eps33", "g11", "g33", "mu11", "mu33")
 _BREAKABLE = {"c13": ("c11", "c33"), "c12": ("c11", "c11"), "g11": ("eps11", "mu11"), "g33": ("eps33", "mu33")}
 
 
-@PROPERTY
+@property_based
 @given(c=constants(), name=st.sampled_from(sorted(_BREAKABLE)), share=between(-1.5, 1.5))
 def test_the_check_is_that_of_the_eigenvalues(c: dict[str, float], name: str, share: float) -> None:
     """One off-diagonal constant anywhere within or beyond its bound: accepted exactly where the energy is positive."""
@@ -82,7 +82,7 @@ def test_the_bound_itself(name: str, sign: int) -> None:
         solver.Material.from_mapping(c | {name: bound * (1 + 1e-12)})
 
 
-@PROPERTY
+@property_based
 @given(c=constants(), name=st.sampled_from(["c11", "c33", "c44", "eps11", "eps33", "mu11", "mu33"]))
 def test_negative_diagonal_constants_are_refused_by_name(c: dict[str, float], name: str) -> None:
     with pytest.raises(solver.MaterialError, match=f"{name} = -"):

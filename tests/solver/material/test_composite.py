@@ -9,7 +9,7 @@ from hypothesis import given
 import solver
 from solver.material.constants import UNITS
 from tests.solver import micromechanics
-from tests.solver.strategies import PROPERTY, between, phases
+from tests.solver.strategies import between, phases, property_based
 from verification.oracles.half_plane import CONSTANTS
 
 BOTH = pytest.mark.parametrize("kind", ["fibrous", "laminate"])
@@ -52,7 +52,7 @@ def test_a_phase_with_every_constant_and_a_bare_elastic_one(kind: str) -> None:
 
 
 @BOTH
-@PROPERTY
+@property_based
 @given(one=phases(), two=phases(), fraction=between(0.0, 1.0))
 def test_composites_of_any_admissible_phases(
     kind: str, one: solver.Material, two: solver.Material, fraction: float

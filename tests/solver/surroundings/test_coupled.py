@@ -21,6 +21,7 @@ from verification.oracles.sample_materials import isotropic
 from verification.oracles.surface_response import surface_response
 
 
+@pytest.mark.soak  # the same at order 4, with fields inside: film_air of tests/verification/test_verification.py
 @pytest.mark.parametrize("elastic", [False, True])
 def test_finite_elements_of_body_gap_and_punch_agree(elastic: bool) -> None:
     """On steel their mesh ends far away; the load and V are those of order 6, whose own misses these are."""

@@ -29,6 +29,7 @@ FIBROUS: dict[str, Any] = {name: value for name, value in HALF.items() if name !
 CASES: dict[str, dict[str, Any]] = {"film": FILM | {"total_charge": 2e-10}, "half-space": FIBROUS}
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", CASES)
 def test_without_permittivity_they_are_those_without_air(name: str) -> None:
     bare, none = CASES[name] | {"surroundings": "insulated"}, CASES[name] | {"gap_permittivity": 1e-15}

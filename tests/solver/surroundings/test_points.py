@@ -43,6 +43,7 @@ def answer(case: Mapping[str, Any]) -> dict[str, float]:
     return {str(name): float(value) for name, value in solver.solve(case).data_vars.items()}
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("material", "thickness", "radius", "charge"), [(BTO, 1e-4, 1e-4, 1e-9), (POLYMER, 5e-5, 2e-4, 0.0)]
 )
@@ -65,6 +66,7 @@ def test_finite_elements_of_body_and_gap_agree(
     assert np.max(np.abs(phi[some] - other.voltage)) > 0.3 * abs(other.voltage)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("power", "tolerance"), [((1.0, 0.05), 1e-6), ((4.0, 1e9), 3e-8)])
 def test_finite_elements_below_a_cone_and_a_power_agree(power: tuple[float, float], tolerance: float) -> None:
     """With the gap's end given; a cone's kinked apex is harder on the elements."""

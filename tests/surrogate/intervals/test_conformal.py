@@ -33,6 +33,7 @@ def waves(x: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:
     }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("counts", [(10, 4, 4, 4, 2), (24, 8, 6, 8, 2)])
 @pytest.mark.parametrize("family", [functions.outputs, waves])
 def test_every_level_holds_marginally_and_95_percent_everywhere(

@@ -146,7 +146,7 @@ SHAPES: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("shape", SHAPES, ids=str)
 @pytest.mark.parametrize("name", films.FILMS)
 def test_films_are_the_solver_s(name: str, shape: dict[str, Any]) -> None:

@@ -158,7 +158,9 @@ def test_the_command_says_it_in_one_line(ran: Project) -> None:
 
 
 def test_results_must_be_there_and_of_this_study(ran: Project, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"holds no surrogate.nc; run `meecontact run none` first"):
+    with pytest.raises(
+        InputError, match=r"none: there is none; must be results/STUDY, or .*`meecontact run STUDY` makes one"
+    ):
         questions.results(tmp_path / "none")
     (tmp_path / "config").mkdir()
     text = (ran.folder / "config/small.yaml").read_text(encoding="utf-8").replace("high: 0.2,", "high: 0.21,")

@@ -64,12 +64,12 @@ def test_cases_for_calibration_reach_the_ends_of_groups(study: Study) -> None:
 
 
 def test_a_case_that_is_refused_is_named(study: Study) -> None:
-    axes = {"thickness": np.array([1e-6]), "load": 3e4, "radius": np.array([0.03, 0.05, 0.1]), "charge": 0.0}
+    axes = {"thickness": np.array([1e-3]), "load": 0.03, "radius": np.array([0.1, 0.05, 0.03]), "charge": 0.0}
     with pytest.raises(FactorError) as caught:
         factorial.exact(study, axes)
     said = str(caught.value)
-    assert "contact: wider than the resolved range" in said
-    last = "; the case is thickness = 1e-06 m, radius = 0.03 m, load = 30000 N m-1, charge = 0 C m-1, base = steel"
+    assert "contact: narrower than the resolved range" in said
+    last = "; the case is thickness = 0.001 m, radius = 0.03 m, load = 0.03 N m-1, charge = 0 C m-1, base = rigid"
     assert said.endswith(last)
     assert "\n" not in said
 

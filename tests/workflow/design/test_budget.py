@@ -73,7 +73,7 @@ def dense() -> xr.Dataset:
     over = {"volume_fraction": np.linspace(0.5, 0.8, 61), "friction": np.linspace(0.1, 0.4, 7)}
     fixed = {"composite": "fibrous", "load": 5e4}
     searched = solve({**fixed, **over, "radius": 0.05}, peaks=True)
-    whole = solve({**fixed, **over, "radius": np.geomspace(0.02, 0.15, 1000)})
+    whole = solve({**fixed, **over, "radius": np.geomspace(0.02, 0.15, 200)})
     for name in ("peak_von_mises", "peak_principal_tension"):
         whole[name] = searched[name] / searched["peak_pressure"] * whole["peak_pressure"]
     return whole

@@ -1,5 +1,6 @@
 """A press in time on a study's design, and the patch that is read, against plates and dividers of charge."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -112,6 +113,24 @@ BESIDE = STUDY.replace(
 )
 
 
+def _moved_by_hand(case: dict[str, Any]) -> float:
+    """Share of the charge per force by 5 % of every constant, 0.02 of steel's Poisson's ratio, each by itself."""
+    step, film, steel = 0.01, solver.find("PZT-4"), solver.find("steel")
+    families = (("c11", "c12", "c13", "c33", "c44"), ("e31", "e33", "e15"), ("eps11", "eps33"))
+    scaled = [{name: getattr(film, name) * (1 + 0.05 * step) for name in names} for names in families]
+    poisson = steel.c12 / (steel.c11 + steel.c12)
+    young = 2 * steel.c44 * (1 + poisson)
+    bases = [
+        solver.Material.isotropic(young * (1 + 0.05 * step), poisson),
+        solver.Material.isotropic(young, poisson + 0.02 * step),
+    ]
+    moved = [{"material": replace(film, **constants)} for constants in scaled]
+    moved += [{"base": replace(steel, **{name: getattr(base, name) for name in families[0]})} for base in bases]
+    start = float(solver.solve(case)["charge_sensitivity"])
+    changes = [float(solver.solve(case | one)["charge_sensitivity"]) / start - 1 for one in moved]
+    return float(np.linalg.norm(changes)) / step
+
+
 def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path: Path) -> None:
     study = study_of(tmp_path, BESIDE)
     assert isinstance(study.signal, Pressing)
@@ -132,6 +151,11 @@ def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path
     write_whole(shown, tmp_path / "signal.nc")
     told = tables.signal(tmp_path)
     assert told["output"] == pytest.approx(charge / 20e-12, rel=1e-5)  # open-loop gain 1e6
+    spread = pressed.spread(own, study.signal, own.fixed)
+    moved = _moved_by_hand(ball | {"force": 0.05})
+    assert float(spread["charge_spread"]) == pytest.approx(moved, rel=2e-3)  # forward quotients, their step a hundredth
+    assert float(spread["output_spread"]) == pytest.approx(moved, rel=2e-3)  # Q/C_f
+    told |= {str(name): float(value) for name, value in spread.items()}
     assert told["held"]["peak_pressure"] == pytest.approx(float(exact["peak_pressure"]), rel=1e-9)
     card = report.card(study, told, told["held"])
     assert card.title == "Steel ball, R = 5 mm, read by its amplifier"
@@ -143,6 +167,10 @@ def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path
     assert share > 1  # beyond what PZT-4 bears
     assert not card.good
     assert card.stops.startswith("Contact pressure of ")
+    band = f"{100 * moved:.2g}\N{NO-BREAK SPACE}%"
+    assert card.does.count(f"±\N{NO-BREAK SPACE}{band}") == 2
+    bare = report.card(study, told | {"charge_spread": np.nan, "output_spread": np.nan}, told["held"])
+    assert "±" not in bare.does
     half = report.card(study, told, {name: value / (2 * share) for name, value in told["held"].items()})
     assert half.good
     assert half.stops.startswith("Contact pressure is 50\N{NO-BREAK SPACE}% of the depoling stress of PZT-4, 83")

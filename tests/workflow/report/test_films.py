@@ -22,7 +22,7 @@ factors:
   volume_fraction: {low: 0.5, high: 0.6, levels: 3}
   thickness: {low: 2e-4, high: 3e-4, levels: 4, scale: log}
 surrogate: {outputs: [contact_trailing, contact_leading, pressure_exponent, peak_pressure, voltage, depth]}
-validation: {cases: 40, calibration: 200, tolerance: 1e-3}
+validation: {cases: 40, calibration: 60, tolerance: 1e-3}
 """
 
 

@@ -152,7 +152,7 @@ def moved(ran: Project, tmp_path_factory: pytest.TempPathFactory) -> dict[str, A
 @pytest.mark.parametrize("width", [1280, 500])
 def test_every_figure_is_drawn(looked: Callable[[int], dict[str, Any]], width: int) -> None:
     seen = looked(width)
-    kinds = [figure["name"] for figure in seen["figures"]]
+    kinds = [*dict.fromkeys(figure["name"] for figure in seen["figures"])]  # some have several parts
     shown = ("slices", "bars", "contact")
     targets = ("sensor", "impossible")
     devices = [f"figure-device-{name}" for name in targets]
@@ -220,6 +220,8 @@ def test_who_decides_reads_the_first_screen_only(
     assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane; R = .*", first["sensor build"])
     assert first["sensor does"].startswith("Voltage per load (ground 1 m away) ")
     assert first["sensor stops"] == "Tension behind the contact of 50 MPa stops it."
+    assert first["sensor beyond"].startswith("Tension behind the contact of 50 MPa exceeds the tensile strength of ")
+    assert "bending strength" not in first["sensor beyond"]  # its source, which is behind the "why"
     assert "Solved exactly; the surrogate was off by " in page(ran)
     assert first["impossible verdict"] == "not reachable"
     names = ("verdict", "build", "does", "stops", "breaks")

@@ -201,7 +201,9 @@ def test_the_stack_is_drawn_as_python_draws_it(seen: dict[str, Any], model: surr
     body = live.body(study, study.combinations[0])
     assert (body["size"], body["thickness"], body["base"]) == ("radius", None, "")
     one = Device(body["profile"], body["corner"], point["radius"], float(contact["contact_trailing"]),
-                 float(contact["contact_leading"]), point["load"], body["conducts"])  # fmt: skip
+                 float(contact["contact_leading"]), point["load"], body["conducts"],
+                 slides=point["friction"] > 0)  # fmt: skip
+    assert body["slides"] == "friction"
 
     def drawn(text: str) -> tuple[list[str], list[float]]:
         found = re.findall(r"<text[^>]*>([^<]*)", text)

@@ -8,6 +8,7 @@ import xarray as xr
 
 from storage.netcdf import write_whole
 from surrogate import GroupedGP
+from tests.studies import shipped
 from workflow.dataset import datacard, factorial, levels
 from workflow.learning import training
 from workflow.study import grouped, representatives
@@ -72,7 +73,7 @@ def test_stored_cases_have_the_values_of_the_groups(half_plane: Study) -> None:
 
 
 def test_a_corner_of_the_groups_is_one_case_and_tables_are_at_either_end() -> None:
-    film = load("config/film_sensor.yaml")
+    film = shipped("film_sensor")
     corners = representatives.corners(film)
     for name in ("volume_fraction", "friction"):
         low, high = film.axes[name].low, film.axes[name].high

@@ -33,7 +33,7 @@ factors:
   volume_fraction: {low: 0.48, high: 0.52, levels: 2}
 dataset: {slabs: 1, positions: {inside: 3, outside: 2}}
 surrogate: {outputs: [voltage, voltage_sensitivity, trailing_tension, depth]}
-validation: {cases: 20, calibration: 200, tolerance: 1e-3}
+validation: {cases: 20, calibration: 60, tolerance: 1e-3}
 design:
   thin:
     maximise: abs(voltage_sensitivity)
@@ -132,7 +132,7 @@ def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
 
 
 def test_a_body_tells_what_it_is(study: Study, slab: Path) -> None:
-    words = ["fibrous, thickness = 0.0002, volume_fraction = volume_fraction, electric interface = grounded",
+    words = ["fibrous, thickness = 200 µm, volume_fraction = volume_fraction, electric interface = grounded",
              "copper, thickness = copper_thickness"]  # fmt: skip
     assert read_whole(slab).attrs["body"] == " | ".join([*words, "base"])
     assert f"Layer 2: {words[1]}" in datacard.markdown(datacard.card(study, "layers", [slab], []))

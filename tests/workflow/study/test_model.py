@@ -19,6 +19,8 @@ from workflow.study.reading import InputError, read_material, read_yaml
 from workflow.study.sections import Effects
 
 QUICKSTART = Path("config/quickstart.yaml")
+#: Studies of which the solver takes seconds for the corners.
+SECONDS = ("film_actuator", "film_sensor", "parametric", "point_sensor")
 
 
 def refusal(tmp_path: Path, old: str, new: str) -> str:
@@ -39,7 +41,7 @@ def refusal(tmp_path: Path, old: str, new: str) -> str:
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=pytest.mark.soak) if name in ("parametric", "point_sensor") else name for name in NAMES],
+    [pytest.param(name, marks=pytest.mark.soak) if name in SECONDS else name for name in NAMES],
 )
 def test_every_study_of_the_project_loads(name: str) -> None:
     assert load(f"config/{name}.yaml").title

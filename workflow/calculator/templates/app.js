@@ -303,8 +303,8 @@ function begin() {
   addEventListener("hashchange", () => { restore(); changed(); });
   tell("print").addEventListener("click", () => print());
   tell("copy").addEventListener("click", async () => {
-    await navigator.clipboard.writeText(location.href);
-    tell("copied").textContent = "copied";
+    const copied = await navigator.clipboard?.writeText(location.href).then(() => true, () => false);
+    tell("copied").textContent = copied ? "copied" : "the link stands in the address bar";
   });
   changed();
 }

@@ -11,6 +11,7 @@ from workflow.design.asking import program
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.question import Question
 from workflow.design.asking.sources import Source
+from workflow.language import titles
 
 _SMALL = 1e-3  # share of its range below which an objective is no scale of its own
 _NOTHING = Optimum(np.empty(0), -np.inf, np.empty(0), False)
@@ -61,7 +62,7 @@ class Candidate:
     def words(self) -> str:
         """The choice in words: names as they are, numbers with theirs."""
         return ", ".join(
-            value if isinstance(value, str) else f"{key} = {value:g}"
+            value if isinstance(value, str) else f"{titles.title(key)} {titles.value(key, value, 4)}"
             for key, value in self.choice.items()
             if key in self.question.target.variables
         )

@@ -5,14 +5,14 @@ import numpy as np
 from workflow.design.asking.terms import BINDS
 from workflow.design.verdict.answer import Answer
 from workflow.design.verdict.figures import MOST_LOAD
-from workflow.design.verdict.term import ROUNDING
+from workflow.design.verdict.term import ROUNDING, Term
 from workflow.language import sizes, titles
 from workflow.language.constants import FIGURES
 from workflow.language.numbers import number, shown
 from workflow.language.titles import capital, listed
 
 _SAME = 1.005  # share of the load that is as good as none more
-SMALL = 1e-3  #: spread that is not told
+_SMALL = 1e-3  # spread that is not told
 _ERROR = 0.01  # in building a variable that has no tolerance
 
 
@@ -51,17 +51,28 @@ def tolerances(answer: Answer) -> list[str]:
 def spread(answer: Answer) -> str:
     """What the spread of the constants makes of a design, in a sentence; empty where nothing is known of it."""
     goal = answer.terms[0]
-    if not goal.spread > SMALL:
+    if not goal.spread > _SMALL:
         return ""
     most = answer.constants[int(np.nanargmax(np.abs(goal.effect)))]
     prior = most.prior.replace("+-", "± ")
     parts = [f"the goal by {_percent(goal.spread)} (most by {most.constant}, {prior})"]
     for limit in answer.limits:
-        if limit.spread > SMALL:
+        if limit.spread > _SMALL:
             binds = " (it binds: with other constants it may be broken)" if abs(limit.margin) < BINDS else ""
             parts.append(f"{limit.title} by {_percent(limit.spread)}{binds}")
     how = "one standard deviation: what published values differ by, 5 % at least; to first order"
     return f"The spread of the materials' constants ({how}) moves {listed(parts)}."
+
+
+def band(spread: float) -> str:
+    """What the spread of the constants makes of a value, to stand behind it; empty where that is nothing or not known.
+
+    Examples
+    --------
+    >>> band(0.073), band(float("nan"))
+    (' ± 7.3 %', '')
+    """
+    return f" {_percent(spread)}" if spread > _SMALL else ""
 
 
 def within(answer: Answer) -> str:
@@ -74,13 +85,19 @@ def within(answer: Answer) -> str:
     return f" ({listed(bands)})" if bands else ""
 
 
+def exceeded(answer: Answer) -> str:
+    """What of a design is beyond what its materials bear, without the sources; empty where nothing is."""
+    parts = [part for part in answer.flags.split("; ") if f"{part} (" in answer.beyond]
+    return f"{capital('; '.join(parts))}." if parts else ""
+
+
 def first_to_break(answer: Answer) -> str:
     """Which limit breaks first: within the tolerances, else as one variable is off by 1 %; empty without limits."""
     if not answer.limits or answer.broken:
         return ""
     if any(variable.tolerance for variable in answer.variables):
         first = min(answer.limits, key=lambda limit: limit.margin)
-        return f"Within the tolerances {first.title} is the first to break: {_left(first.margin)}."
+        return f"Within the tolerances {_first(first, first.margin)}."
     errors = [
         (limit.margin - _ERROR * abs(elasticity * limit.exact / limit.limit), variable, limit)
         for variable in answer.variables
@@ -91,14 +108,15 @@ def first_to_break(answer: Answer) -> str:
     if not errors:
         return ""
     margin, variable, first = min(errors, key=lambda error: error[0])
-    return f"1 % off in {variable.title}, {first.title} is the first to break: {_left(margin)}."
+    return f"1 % off in {variable.title}, {_first(first, margin)}."
 
 
-def _left(margin: float) -> str:
-    """What is left of a limit, as a share of it."""
-    if margin < -ROUNDING:
-        return f"{number(-100 * margin, 2)} % beyond"
-    return f"{number(100 * margin, 2)} % left" if margin > SMALL else "nothing left"
+def _first(limit: Term, margin: float) -> str:
+    """That a limit is the first to break, or comes nearest to it, and what is left of it, as a share of it."""
+    if margin > _SMALL:
+        return f"{limit.title} comes nearest to its limit: {number(100 * margin, 2)} % left"
+    left = f"{number(-100 * margin, 2)} % beyond" if margin < -ROUNDING else "nothing left"
+    return f"{limit.title} is the first to break: {left}"
 
 
 def _percent(share: float) -> str:

@@ -16,9 +16,6 @@ from workflow.design.verdict.term import Scenario
 from workflow.study import uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError
-from workflow.study.uncertainty import Constant
-
-_STEP = 0.1  # of difference quotients, in prior standard deviations: what they leave out is 1e-5 of a derivative
 
 
 @dataclass(frozen=True)
@@ -45,9 +42,9 @@ class Spread:
 def over(design: Designs, worst: Sequence[Scenario]) -> Spread:
     """First-order spread of the terms of one design by the constants of its materials.
 
-    Each constant, a family of them as :mod:`workflow.study.uncertainty` scales it, is moved by itself, up and down by
-    a tenth of its prior standard deviation, in the case that decides a term; the design stays as it is. Constants are
-    independent a priori, so that their effects add as squares. What a material bears is not moved.
+    Each constant, a family of them as :mod:`workflow.study.uncertainty` scales it, is moved by itself in the case that
+    decides a term; the design stays as it is. Constants are independent a priori, so that their effects add as squares.
+    What a material bears is not moved.
 
     Parameters
     ----------
@@ -70,12 +67,7 @@ def over(design: Designs, worst: Sequence[Scenario]) -> Spread:
     effects = np.full((len(question.terms), len(constants)), np.nan)
     told = [k for k, term in enumerate(question.terms) if _tells(question.study, term)]
     terms, cases = [question.terms[k] for k in told], [worst[k] for k in told]
-    here = _values(design, question.study, terms, cases)
-    for column, constant in enumerate(constants):
-        ends = [_values(design, _moved(question.study, constant, z), terms, cases) for z in (_STEP, -_STEP)]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            effects[told, column] = (ends[0] - ends[1]) / (2 * _STEP) / here
-    effects[~np.isfinite(effects)] = np.nan
+    effects[told] = uncertainty.effects(question.study, constants, lambda own: _values(design, own, terms, cases))
     return Spread(tuple(answer.Constant(constant.name, constant.prior) for constant in constants), effects)
 
 
@@ -83,10 +75,6 @@ def _tells(study: Study, term: Term) -> bool:
     """Whether one case tells what a term counts as, in less than seconds for every constant."""
     searched = study.kind.tabled and not ALL_PEAKS.keys().isdisjoint(term.expression.names())
     return isinstance(term.measure, WorstCase) and not searched
-
-
-def _moved(study: Study, constant: Constant, z: float) -> Study:
-    return uncertainty.moved(study, [constant], np.array([z]))
 
 
 def _values(design: Designs, study: Study, terms: Sequence[Term], cases: Sequence[Mapping[str, float]]) -> Array:

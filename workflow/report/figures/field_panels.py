@@ -130,7 +130,7 @@ def _field_panels(data: xr.Dataset, varied: str, names_of_values: list[str] | No
     styles = ["--" if text == HALF_PLANE else "-" for text in texts]
     colours[[style == "--" for style in styles]] = to_rgba(INK)
     line = "stress_xx" in data
-    names = [name for name in (SHOWN if line else POINT_FIELDS) if name in data]
+    names = [name for name in (SHOWN if line else POINT_FIELDS) if name in data and data[name].any()]  # not what is 0
     rows = -(-len(names) // _ACROSS)
     figure, axes = plt.subplots(rows, _ACROSS, figsize=(10.5, 2.8 * rows), squeeze=False)
     X = data["position"].values

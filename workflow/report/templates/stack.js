@@ -104,7 +104,7 @@ function stackWords(device, size) {
   const tip = ' marker-end="url(#stack-tip)"', { bad, soft, ink } = TINT;
   const parts = [
     stroke(middle, 4, middle, 38, bad, 1.6, tip), words(middle + 8, 16, said(device.load, device.units, 3), bad, "start"),
-    ...(device.point ? [] : [stroke(whole[0] + 56, 28, whole[0] + 4, 28, bad, 1.6, tip), words(whole[0] + 4, 18, "slides", bad, "start")]),
+    ...(!device.slides ? [] : [stroke(whole[0] + 56, 28, whole[0] + 4, 28, bad, 1.6, tip), words(whole[0] + 4, 18, "slides", bad, "start")]),
     sizeWords(device, size, middle, name + (ENDLESS.includes(device.profile) ? digits(device.size, 3) : said(device.size, "m", 3))),
     words(whole[0], height - 10, "to scale", soft, "start"), ...scaleBar(size.whole),
     words(near[0], height - 10, `the contact, at ${digits(size.near / size.whole, 2)} times that scale`, soft, "start"),
@@ -124,7 +124,7 @@ function stackWords(device, size) {
 }
 
 // The whole picture; `device` as in device.py: profile, corner, size, trailing, leading, load, conducts, thickness, base, grounded,
-// exponent, point; and the unit of the load.
+// exponent, slides, point; and the unit of the load.
 function stackPicture(device) {
   const size = measured(device);
   return [
@@ -141,7 +141,7 @@ function deviceAt(body, values) {
   const number = (one) => (typeof one === "string" ? values[one] : one);
   const [trailing, leading] = body.ends.map((name) => values[name]);
   return { ...body, size: number(body.size), exponent: number(body.exponent), thickness: number(body.thickness),
-    load: values[body.pressing], trailing, leading };
+    slides: number(body.slides) > 0, load: values[body.pressing], trailing, leading };
 }
 
 function showStack(panel, svg) {
