@@ -14,6 +14,7 @@ from solver.face.refusal import FactorError
 from solver.film.electroded import surface
 from solver.film.stack import Stack
 from solver.film.windows import Kind
+from solver.halfplane.surface import HalfPlane
 from solver.point.body import Film
 from solver.point.electrodes import electrode_quantities
 from solver.point.gradedinside import GradedInside
@@ -67,13 +68,6 @@ class OnPointFilm(OnPoints):
         if "friction" not in self.cases.values:
             return None
         stack = kind.film.stack()
-        if stack.top.graded:
-            if np.any(slides := self._friction[own]):
-                raise FactorError(
-                    f"friction: {np.max(slides):g} of a point contact on a film that is graded, whose first order in "
-                    "friction is not solved; must be 0"
-                )
-            return None
         k = -surface(stack)[0, 1:]
         coupling = contact_coupling(k, stack.scale, np.array(punch), np.array(kind.conducts))
         return Friction(self._friction[own], np.broadcast_to(coupling, (own.size, 3)), punch)
@@ -87,21 +81,25 @@ class OnPointFilm(OnPoints):
         return self._bodies.lacks_c12
 
     def _rim(self, places: Indices) -> Rim | None:
-        stack = next(_stack(part) for own, part in self._parts if own is places)
-        return None if self._lacks_c12 is not None or stack.electroded else Rim.of(stack.media[0].halfplane)
+        half = self._beside(places)
+        return None if half is None else Rim.of(half)
 
     def _stretch(self, places: Indices) -> Stretch | None:
+        half = self._beside(places)
+        return None if half is None else Stretch.of(half)
+
+    def _beside(self, places: Indices) -> HalfPlane | None:
+        """The half-plane of the top of cases of one body, as the surface beside their contacts is to be told by it."""
         stack = next(_stack(pressed) for own, pressed in self._parts if own is places)
-        if self._lacks_c12 is not None or stack.electroded or stack.top.graded:
-            return None
-        return Stretch.of(stack.media[0].halfplane)
+        told = self._lacks_c12 is None and not stack.electroded and not stack.top.graded
+        return stack.media[0].halfplane if told else None
 
     def _within(self, places: Indices, pressed: Pressed) -> Inside | GradedInside:
+        self._refuse_electroded("fields")
         stack = _stack(pressed)
         return GradedInside(stack) if stack.top.graded else self._inside(places, pressed)
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
-        self._refuse_electroded("fields")
         return Inside(_stack(pressed))
 
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
@@ -113,7 +111,8 @@ class OnPointFilm(OnPoints):
         regular : bool, whether the singular ones are wanted in regular form too
         """
         values = super().surface(positions, regular=regular)
-        if self._lacks_c12 is None and any(_stack(pressed).top.graded for _, pressed in self._parts):
+        graded = any(_stack(pressed).top.graded for _, pressed in self._parts)
+        if self._lacks_c12 is None and graded and not np.any(self._friction):  # else all fields are those inside
             inside = self.interior(positions, np.zeros(1), ["stress_xx", "stress_zz"])
             for name, own in (("radial_stress", "stress_xx"), ("hoop_stress", "stress_zz")):
                 values[name] = inside[own][..., 0, :]

@@ -9,6 +9,7 @@ The electrode's charge is ``Y_f t / Y_ff``, v of the tractions at the same place
 """
 
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
@@ -85,13 +86,50 @@ def difference(stack: Stack, k: Array) -> Array:
     added = waves(stack, k)[0].difference
     if not stack.electroded:
         return added
-    own = stack.media[0].compliance
+    return grounded(stack, added)
+
+
+def grounded(stack: Stack, added: Array) -> Array:
+    """Delta' of a surface that is grounded, from Delta of the bare one; (k, 4, 4).
+
+    Parameters
+    ----------
+    stack : Stack
+    added : ndarray, shape (k, 4, 4), Delta
+    """
+    D, own = _shared(stack, added), stack.media[0].compliance[_PHI, _PHI]
+    return _without_phi(D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (own + D[:, _PHI, _PHI])[:, None, None])
+
+
+def grounded_tails(stack: Stack, tails: Array) -> Array:
+    """Those of Delta' in powers of 1/k, from those of Delta; (order, 4, 4).
+
+    Parameters
+    ----------
+    stack : Stack
+    tails : ndarray, shape (order, 4, 4), Y1, Y2, ...
+    """
+    D, own = _shared(stack, tails), stack.media[0].compliance[_PHI, _PHI]
+    inverse, found = [1 / own], np.array(D)  # of p + D_ff, from order 0 on
+    for order in range(1, len(D)):
+        inverse.append(-sum(D[i - 1, _PHI, _PHI] * inverse[order - i] for i in range(1, order + 1)) / own)
+    for first, second in product(range(1, len(D) + 1), repeat=2):
+        for third in range(len(D) + 1 - first - second):
+            both = np.outer(D[first - 1, _PHI], D[second - 1, _PHI])
+            found[first + second + third - 1] -= both * inverse[third]
+    return _without_phi(found)
+
+
+def _shared(stack: Stack, added: Array) -> Array:
+    """D = P Delta P^T; (..., 4, 4)."""
     share = np.eye(4)
-    share[:, _PHI] -= own[_PHI] / own[_PHI, _PHI] - share[:, _PHI]
-    D = share @ added @ share.T
-    grounded = D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (own[_PHI, _PHI] + D[:, _PHI, _PHI])[:, None, None]
-    grounded[:, _PHI, :] = grounded[:, :, _PHI] = 0.0
-    return np.asarray(grounded)
+    share[:, _PHI] -= local(stack)
+    return np.asarray(share @ added @ share.T)
+
+
+def _without_phi(values: Array) -> Array:
+    values[:, _PHI, :] = values[:, :, _PHI] = 0.0
+    return values
 
 
 def lowest(stack: Stack) -> Array:

@@ -6,7 +6,8 @@ fields inside; its limit at k = 0, the charge of an electrode without end, follo
 form.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from solver.arrays import Array, ComplexArray
 from solver.film.electroded import beyond_local, local
 from solver.film.fourier import falling
+from solver.film.grading import extrapolated, staircase
 from solver.film.kernel import strip, wavenumbers
 from solver.film.reading import FarError
 from solver.film.reflection import waves
@@ -23,6 +25,7 @@ from solver.film.within import below
 _TOP, _PHI = -1, 2  # the surface among the interfaces; phi among (x, y, phi, psi)
 _FARTHEST = 2000.0  # distance over the width of the strip: bounded time
 _KEPT = 128  # transfers: 0.1 MB each
+_STEPS = (8, 16, 32, 64)  # of a graded layer: rows to 1e-9 of the largest
 
 
 def electrodes(stack: Stack) -> list[tuple[int, ...]]:
@@ -48,14 +51,14 @@ class Electrode:
     Parameters
     ----------
     stack
-        Homogeneous layers on a base.
+        Layers on a base.
     number
         Of the electrode, 1 for the uppermost.
 
     Raises
     ------
     StackError
-        A number that no electrode has; a graded layer, a base that insulates the magnetic field.
+        A number that no electrode has; a base that insulates the magnetic field.
     """
 
     stack: Stack
@@ -67,9 +70,10 @@ class Electrode:
             raise StackError(
                 f"collector: {self.number} is not one of the {count} electrodes of this body, from the top"
             )
-        if self.stack.top.graded or self.stack.insulated:
-            what = "a graded layer" if self.stack.top.graded else "a base that insulates the magnetic field"
-            raise StackError(f"collector: electrodes are not given in a stack with {what}")
+        if self.stack.insulated:
+            raise StackError(
+                "collector: electrodes are not given in a stack with a base that insulates the magnetic field"
+            )
 
     @property
     def interfaces(self) -> tuple[int, ...]:
@@ -86,6 +90,8 @@ class Electrode:
         """Exponent of the slowest decay of transfers [m]: they fall like exp(-k width)."""
         if self.on_top:
             return strip(self.stack)
+        if self.stack.top.graded:
+            return self._stepped(_STEPS[0]).width
         above = range(self.interfaces[0] + 1)
         return float(sum(self.stack.layers[i].thickness * float(self.stack.media[i].slowest) for i in above))
 
@@ -101,6 +107,8 @@ class Electrode:
     @property
     def capacitance(self) -> float:
         """To the next electrodes per area [F m-2], of plates whose layers are free to thicken and not to widen."""
+        if self.stack.top.graded:
+            return 1 / float(self._extrapolated(lambda one: np.array(1 / one.capacitance)))
         scale, total = float(self.stack.scale[_PHI]), 0.0
         for layers in self.between:
             own = [(self.stack.layers[i].thickness, self.stack.media[i].system[_PHI, 4 + _PHI]) for i in layers]
@@ -131,6 +139,10 @@ class Electrode:
 
         On top what is :attr:`local` is left out, and sigma_yy is 0.
         """
+        if self.stack.top.graded:
+            if self.on_top:
+                raise StackError("patch_size: of the electrode on top of a film that is graded is not given")
+            return self._extrapolated(lambda one: one.rows(k))
         if self.on_top:
             return np.stack([beyond_local(self.stack, k), np.zeros((k.size, 4))], 1)
         layers = waves(self.stack, k)
@@ -161,6 +173,8 @@ class Electrode:
     @cached_property
     def whole(self) -> Array:
         """Charge of the electrode without end per total (sigma_yy, D_y, B_y) at the surface; (3,)."""
+        if self.stack.top.graded:
+            return self._extrapolated(lambda one: one.whole)
         t, charge = np.eye(4)[:, 1:], np.zeros(3)
         held = ((_PHI,) if self.stack.electroded else (), *self.stack.grounded)
         for number, (A, C) in enumerate(_small(self.stack), _TOP):
@@ -173,6 +187,14 @@ class Electrode:
     def stroke(self) -> float:
         """Depth per volt of the whole electrode [m V-1]: reciprocal to its charge per force."""
         return -float(self.whole[0] * self.stack.scale[1] / self.stack.scale[2])
+
+    def _stepped(self, count: int) -> "Electrode":
+        """The same in a graded layer's staircase, whose steps meet without electrodes."""
+        return replace(self, stack=staircase(self.stack, count))
+
+    def _extrapolated(self, answer: Callable[["Electrode"], Array]) -> Array:
+        """Below a graded layer, by staircases: what gets down there decays, and sees no detail of the surface."""
+        return extrapolated(lambda count: answer(self._stepped(count)), _STEPS)
 
 
 @lru_cache(_KEPT)

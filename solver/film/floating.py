@@ -48,6 +48,8 @@ def stiffness(stack: Stack, number: int, k: Array) -> tuple[Array, float]:
     StackError
         An electrode on top or a metal, which has no gaps that are bare.
     """
+    if stack.top.graded:
+        raise StackError("floating_neighbours: of a film that is graded are not given")
     electrode = Electrode(stack, number)
     beside = [stack.conductors[i] for place in electrode.interfaces for i in (place, place + 1)]
     if electrode.on_top or any(beside):

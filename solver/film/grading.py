@@ -20,6 +20,7 @@ from scipy.special import gammainc
 from approximation.chebyshev import coefficients, gauss_points
 from approximation.piecewise import Piecewise
 from solver.arrays import Array
+from solver.film.electroded import grounded, grounded_tails
 from solver.film.fourier import FLIP, Medium, falling
 from solver.film.reflection import body_below
 from solver.film.stack import Layer, Stack, StackError
@@ -89,7 +90,21 @@ def staircase(stack: Stack, count: int) -> Stack:
     upper = [Layer(layer.profile(np.array((i + 0.5) / count)), thickness, "bonded", "bonded") for i in range(count - 1)]
     electric, magnetic = ("grounded" if component in last else "bonded" for component in (2, 3))
     lowest = Layer(layer.profile(np.array(1 - 0.5 / count)), thickness, electric, magnetic)
-    return Stack((*upper, lowest, *stack.layers[1:]), stack.base, stack.speed)
+    return Stack((*upper, lowest, *stack.layers[1:]), stack.base, stack.speed, stack.electroded, layer.material)
+
+
+def extrapolated(by_count: Callable[[int], Array], counts: tuple[int, ...]) -> Array:
+    """What staircases tend to, in even powers of their steps (Romberg).
+
+    Parameters
+    ----------
+    by_count : callable, gives the answer of a staircase of so many steps
+    counts : tuple of int, numbers of steps, each twice the one before
+    """
+    table = [by_count(count) for count in counts]
+    for order in range(1, len(table)):
+        table = [fine + (fine - coarse) / (4**order - 1) for coarse, fine in pairwise(table)]
+    return table[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,10 +172,8 @@ class GradedMedium:
         k : ndarray, shape (k,), wavenumbers
         below : ndarray, shape (k, 4, 4), response of the body below
         """
-        table = [self._staircase(k, below, count) for count in _SUBLAYERS]
-        for order in range(1, len(table)):
-            table = [fine + (fine - coarse) / (4**order - 1) for coarse, fine in pairwise(table)]
-        return table[0] - self.at(np.zeros(()))[0]
+        found = extrapolated(lambda count: self._staircase(k, below, count), _SUBLAYERS)
+        return found - self.at(np.zeros(()))[0]
 
     def _staircase(self, k: Array, below: Array, count: int) -> Array:
         """Y_top by homogeneous sublayers of the materials at their middles; (k, 4, 4)."""
@@ -181,7 +194,7 @@ class GradedMedium:
 
 @dataclass(frozen=True, eq=False)
 class GradedResponse:
-    """Delta(k) of a stack with a graded top layer, tabulated once over wavenumbers.
+    """Delta(k) of a stack with a graded top layer as a punch meets it, tabulated once over wavenumbers.
 
     Parameters
     ----------
@@ -201,15 +214,20 @@ class GradedResponse:
             raise StackError("layers: the top layer is not graded")
         return GradedMedium(layer, self.stack.scale, self.stack.speed)
 
-    @property
+    @cached_property
     def tails(self) -> Array:
         """Y1 to Y4; (4, 4, 4)."""
-        return self._medium.tails
+        own = self._medium.tails
+        return grounded_tails(self.stack, own) if self.stack.electroded else own
+
+    def _solved(self, k: Array) -> Array:
+        own = self._medium.difference(k, body_below(self.stack, k))
+        return grounded(self.stack, own) if self.stack.electroded else own
 
     @cached_property
     def _table(self) -> Piecewise:
         """Delta on the panels; (k, 4, 4)."""
-        return Piecewise.of(lambda k: self._medium.difference(k, body_below(self.stack, k)), self.ends, _PANEL)
+        return Piecewise.of(self._solved, self.ends, _PANEL)
 
     def difference(self, k: Array) -> Array:
         """Delta at wavenumbers; beyond the panels by its tails; (k, 4, 4)."""
@@ -245,6 +263,20 @@ def local_tails(x: Array, width: float) -> Array:
     t = x / width
     log, angle = np.log1p(t**-2) / 2, np.arctan(1 / t)
     scaled = np.array([log, 1 - t * angle, 0.25 - t**2 * log / 2, 1 / 18 - t**2 / 6 * (1 - t * angle)])
+    return np.asarray(scaled * width ** np.arange(_TAILS)[:, None])
+
+
+def local_sines(x: Array, width: float) -> Array:
+    """Sine transforms of the same, (1/Gamma(j)) int_0^b v^(j-1) x / (v^2 + x^2) dv; (4, x).
+
+    Parameters
+    ----------
+    x : ndarray, shape (x,), > 0 [m]
+    width : float, b [m]
+    """
+    t = x / width
+    log, angle = np.log1p(t**-2) / 2, np.arctan(1 / t)
+    scaled = np.array([angle, t * log, t / 2 * (1 - t * angle), t / 6 * (0.5 - t**2 * log)])
     return np.asarray(scaled * width ** np.arange(_TAILS)[:, None])
 
 

@@ -59,11 +59,6 @@ class Interior:
     def _stack(self) -> Stack:
         return self.tractions.system.kernel.stack
 
-    @property
-    def _units(self) -> Array:
-        """Units of tractions of the body over those of the system; (4, 1)."""
-        return np.asarray(self.body.scale / self._stack.scale)[:, None]
-
     def fields(self, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
         """Fields of ``solver.halfplane.interior.LINEAR``, SI; (member, field, y, x, column).
 
@@ -110,7 +105,7 @@ class Interior:
         h, width = tractions.half_lengths, strip(stack)
         k, weights = self._wavenumbers(X)
         near = float(weights / k @ np.exp(-k * width))  # the datum of the integrals is the width
-        totals = tractions.totals.real * self._units
+        totals = tractions.totals.real
         to_datum = np.log(np.broadcast_to(datum, h.shape) / width)[:, None, None]
         body = self._body_at(-Y * h[:, None])
         for number, far in enumerate(_far(stack, totals)):
@@ -178,7 +173,7 @@ class Interior:
             layers = waves(stack, k[here])
             for start in range(0, h.size, share):
                 some = slice(start, start + share)
-                top = self.tractions.part(some).in_fourier_space(k[here]) * self._units
+                top = self.tractions.part(some).in_fourier_space(k[here])
                 found = self._waves(layers, k[here], top, depth[some], body[some], rows)
                 found *= shares[here, None, None, None]
                 x = X[some] if len(X) > 1 else X
@@ -226,7 +221,7 @@ class Interior:
             z = np.empty(shape, np.complex128)  # x - c and the rate times the depth, over h
             z.real = X[:, None, :] + rate.imag * Y[..., None]
             z.imag = np.abs(rate.real * Y)[..., None]
-            H = self.tractions.on_plane(z.reshape(shape[0], -1), integrated=integrated) * self._units[..., None, None]
+            H = self.tractions.on_plane(z.reshape(shape[0], -1), integrated=integrated)
             H[0] *= 1j
             out = out + ((-1j * own @ part) @ H.reshape(4, -1)).real
         whole = out.reshape(len(rows), -1, *shape[1:], self.tractions.pressures.shape[-1])

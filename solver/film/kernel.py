@@ -34,7 +34,8 @@ POTENTIAL = CHANNEL + 10
 POTENTIAL_SHEAR = SHEAR + 10
 
 _ODD = np.array([True] * 6 + [False] * 3 + [True] + [False] * 6 + [True] * 3)  # parity of K, then of U
-_DECAYED = 34.0  # exponent at the largest wavenumber: e^-34 is below rounding
+#: Exponent at the largest wavenumber: e^-34 is below rounding.
+DECAYED = 34.0
 _GROWTH, _GROWN = 2.5, 1.35  # of the panels in k, and in x
 _NODES = 16  # a panel in k, beside those that the phase needs
 _PHASE = 150.0  # the most of a panel: small rules are cheap to find
@@ -220,7 +221,7 @@ def strip(stack: Stack) -> float:
 
 def graded_strip(stack: Stack) -> float:
     """Width whose exponential ends where the remainder of a graded layer, which decays like k^-4, is small."""
-    return _DECAYED * stack.top.thickness / _GRADED_END
+    return DECAYED * stack.top.thickness / _GRADED_END
 
 
 def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
@@ -261,7 +262,7 @@ def _ended_at(stack: Stack, width: float, x: Array, long: float = _ENDED) -> flo
     if least <= long * stack.thickness:
         return None
     end = (_END + 6 * _SLOPE) / least
-    return end if end < _DECAYED / width else None
+    return end if end < DECAYED / width else None
 
 
 def tapered(stack: Stack, width: float, x: Array, long: float = _ENDED) -> tuple[Array, Array, Array]:
@@ -277,7 +278,7 @@ def tapered(stack: Stack, width: float, x: Array, long: float = _ENDED) -> tuple
         Thicknesses from which distances are long.
     """
     end = _ended_at(stack, width, x, long)
-    k, weights = wavenumbers(stack, float(np.max(x)), width if end is None else _DECAYED / end)
+    k, weights = wavenumbers(stack, float(np.max(x)), width if end is None else DECAYED / end)
     taper = np.ones_like(k) if end is None else erfc((k * float(np.min(x)) - _END) / _SLOPE) / 2
     return k, weights, taper
 
@@ -294,9 +295,9 @@ def panels(stack: Stack, width: float) -> Array:
     size = np.abs(bodies)
     least = float(np.min(np.min(size, 0) / np.max(size, 0)))
     ends = [0.0, 0.1 * least / stack.thickness]
-    while ends[-1] < _DECAYED / width:
+    while ends[-1] < DECAYED / width:
         ends.append(ends[-1] * _GROWTH)
-    ends[-1] = _DECAYED / width
+    ends[-1] = DECAYED / width
     return np.array(ends)
 
 

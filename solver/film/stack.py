@@ -103,6 +103,8 @@ class Stack:
         Steady speed V >= 0 of the contact along x [m/s]; any but 0 needs the densities.
     electroded
         Whether the surface is a grounded electrode without stiffness, which the punch then presses.
+    unit
+        The material whose units the stack has; None: that of the top layer.
 
     Examples
     --------
@@ -126,6 +128,7 @@ class Stack:
     base: Material | str = RIGID
     speed: float = 0.0
     electroded: bool = False
+    unit: Material | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(self.layers))
@@ -135,8 +138,6 @@ class Stack:
             object.__setattr__(self, "base", _base(self.base))
         if not isinstance(self.base, str):
             _require_single(self.base, "base")
-        if self.electroded and self.layers[0].graded:
-            raise StackError("electrode: 'top' is not allowed on a graded layer")
         *upper, lowest = self.layers
         if any(layer.graded for layer in self.layers[1:]):
             raise StackError("layers: only the top layer can be graded")
@@ -203,14 +204,13 @@ class Stack:
 
     @cached_property
     def scale(self) -> Array:
-        """Units of the stack, those of the top material; (4,)."""
-        return self.media[0].halfplane.scale
+        """Units of the stack, those of its unit; (4,)."""
+        return Medium(self.unit or self.top.material, np.ones(4)).halfplane.scale
 
     @cached_property
     def media(self) -> tuple[Medium, ...]:
         """The layers' materials in the units of the stack."""
-        scale = Medium(self.top.material, np.ones(4)).halfplane.scale
-        return tuple(Medium(layer.material, scale, self.speed) for layer in self.layers)
+        return tuple(Medium(layer.material, self.scale, self.speed) for layer in self.layers)
 
     @cached_property
     def base_medium(self) -> Medium | None:
@@ -221,7 +221,7 @@ class Stack:
         if base.conductor and 3 in self.grounded[-1] and not (base.f31 or base.f33 or base.f15):
             vacuum = np.array(VACUUM_PERMEABILITY)  # no flux gets there: its permeability has no part, not by a bit
             base = replace(base, mu11=vacuum, mu33=vacuum)
-        return Medium(base, self.media[0].scale, self.speed)
+        return Medium(base, self.scale, self.speed)
 
 
 def _metres(thickness: str) -> float:

@@ -78,7 +78,8 @@ class Density:
         """(1/pi) PV int_-1^1 phi(s) / (b - s) ds; (column, 3, b).
 
         What friction makes of a density: its Hilbert transform. That of the strengths, which has a logarithm at the
-        edge, is there below a disc alone: the pressure of other punches has none.
+        edge, is there below a disc alone: the pressure of other punches has none. Without what stands on pieces, see
+        :mod:`solver.point.gradedsliding`.
         """
         steep = np.arctanh(np.minimum(b, 1 - 1e-16))
         if self.shape.flat:
@@ -89,7 +90,7 @@ class Density:
     def _turned_series(self, b: Array, steep: Array) -> Array:
         """pi/2 of what the layers add; (column, 3, b)."""
         count = self._count
-        if count:
+        if count and self.pieces is None:
             degree = 2 * count - 2
             P = np.polynomial.legendre.legvander(b, max(degree, 1))
             D = np.zeros((max(degree, 1) + 1, b.size))  # Q_n - P_n artanh, of the same recurrence

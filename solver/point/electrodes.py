@@ -125,6 +125,11 @@ class _Read:
         if slides and self.electrode.on_top:
             raise StackError("friction: of a point contact on patches of the electrode on top; must be 0")
         self.k, self.weights, self.rows = transfers(stack, number, octave)
+        whole = Rubbed(contact).tractions.part(places) if slides or stack.top.graded else None
+        self.rubbed = whole if slides else None
+        self.dense = whole.density if whole is not None and stack.top.graded else None
+        if self.dense is not None:
+            return
         causes, shape = contact.state.causes[places], film.shape
         added = window.tractions(np.log(self.radius), causes)
         count = added.shape[-1]
@@ -133,7 +138,6 @@ class _Read:
         self.terms = np.einsum("ind,cd->cin", halfspace_terms(film.kind.compliance, shape, count), causes)
         self.terms[..., : added.shape[-1]] += added
         self.tractions = Below(contact, places, added)
-        self.rubbed = Rubbed(contact).tractions.part(places) if slides else None
 
     def quantities(self) -> dict[str, Array]:
         """By name, SI; (case,) each."""
@@ -175,7 +179,7 @@ class _Read:
     def _turned(self, rubbed: Tractions, distance: Array) -> Array:
         """What friction adds to charges [C] of patches in distances, odd in these; (case,)."""
         found = np.zeros_like(distance)
-        at = hankel.nodes(parts=int(np.max(self.radius) * self.k[-1] / _PHASE) + 4, kinked=True)
+        at = self._nodes
         step = max(_BLOCK // (at.b.size * self.k.size), 1)
         for start in range(0, found.size, step):
             some = np.arange(start, min(start + step, found.size))
@@ -189,6 +193,10 @@ class _Read:
             wave = -self._wave(some, distance, slope=True) / self.k
             found[some] = 2 * np.pi * self.radius[some] ** 2 * np.sum(carried * wave * self.weights, -1)
         return np.asarray(found * self.thickness**2 / self.scale[2])
+
+    @property
+    def _nodes(self) -> hankel.Nodes:
+        return hankel.nodes(parts=int(np.max(self.radius) * self.k[-1] / _PHASE) + 4, kinked=True)
 
     def _charge(self, distance: Array, *, slope: bool) -> Array:
         """Charges [C] of patches in distances, or their derivatives by these; without friction."""
@@ -255,12 +263,20 @@ class _Read:
 
     def _integrated(self, row: int, wave: Callable[[Indices], Array]) -> Array:
         """int (row of the transfers . tractions) wave dk over the charge's unit; (case,)."""
-        count = self.terms.shape[-1]
+        count = self._nodes.b.size if self.dense is not None else self.terms.shape[-1]
         found, step = np.empty(self.radius.size), max(_BLOCK // (count * self.k.size), 1)
         for start in range(0, found.size, step):
             some = np.arange(start, min(start + step, found.size))
-            orders = even_orders(self.radius[some, None] * self.k, count)
-            tractions = 2 * np.pi * np.einsum("cin,nck->cik", self.terms[some], orders, optimize=True)
-            carried = np.einsum("cik,ki->ck", tractions, self.rows[:, row, 1:])
+            carried = np.einsum("cik,ki->ck", self._waves(some), self.rows[:, row, 1:])
             found[some] = np.sum(carried * wave(some) * self.weights, -1)
-        return np.asarray(found * self.size * self.radius / self.scale[2])
+        return np.asarray(2 * np.pi * found * self.size * self.radius / self.scale[2])
+
+    def _waves(self, some: Indices) -> Array:
+        """Transforms of the tractions of some cases, over C a^(e+1) 2 pi; (some, 3, k)."""
+        phases = self.radius[some, None] * self.k
+        if self.dense is None:
+            orders = even_orders(phases, self.terms.shape[-1])
+            return np.asarray(np.einsum("cin,nck->cik", self.terms[some], orders, optimize=True))
+        at, unit = self._nodes, (self.size / self.radius / self.thickness**2)[some, None, None]
+        values = self.dense.part(some).at(at.b) * at.weights / unit
+        return np.asarray(values @ np.cos(at.b[:, None] * phases[:, None]))

@@ -4,7 +4,7 @@ Displacements, potentials and tractions meet at the steps; what fields take of t
 tractions on top are those of the graded film.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
@@ -40,7 +40,7 @@ class GradedInside:
         return staircase(self.stack, _SUBLAYERS)
 
     def fields(self, tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
-        """As :meth:`Inside.fields`; friction is none.
+        """As :meth:`Inside.fields`.
 
         Parameters
         ----------
@@ -59,5 +59,4 @@ class GradedInside:
     def _by(self, count: int, tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
         body, top = staircase(self.stack, count), self.stack.top
         assert isinstance(top, Graded)
-        own = replace(tractions, density=tractions.density.times(body.scale[1:] / self.stack.scale[1:]))
-        return Inside(body, graded=top).fields(own, X, Y, names)
+        return Inside(body, graded=top).fields(tractions, X, Y, names)

@@ -28,9 +28,41 @@ _KEPT = 256  # sets of places
 
 
 @cache
-def pieces(*, kinked: bool) -> Pieces:
-    """Made once: what kernels are integrated by is the same of every film."""
-    return Pieces(kinked)
+def pieces(*, kinked: bool, odd: bool = False) -> Pieces:
+    """Made once: what kernels are integrated by is the same of every film.
+
+    Parameters
+    ----------
+    kinked : bool, whether the profile of the punch is no polynomial of r^2
+    odd : bool, whether densities are odd
+    """
+    return Pieces(kinked, odd)
+
+
+def pieces_below(stack: Stack, shape: Shape, *, odd: bool = False) -> Pieces | None:
+    """On which densities of a film stand where its top is graded; None: they are of Legendre functions.
+
+    Parameters
+    ----------
+    stack : Stack, the film
+    shape : Shape, the punch
+    odd : bool, whether densities are odd
+    """
+    return pieces(kinked=shape.exponent % 2 != 0, odd=odd) if stack.top.graded else None
+
+
+def coupled(pairs: Array, conducts: BoolArray) -> Array:
+    """Of the pairs (place, ..., 6), without what couples fields that the punch does not conduct; (3, place, 3, ...).
+
+    Parameters
+    ----------
+    pairs : ndarray, shape (place, ..., 6), of ``solver.point.spread.PAIRS``
+    conducts : ndarray of bool, shape (2,), of the electric and the magnetic field
+    """
+    whole = np.empty((*pairs.shape[:-1], 3, 3))
+    for pair, (i, j) in enumerate(PAIRS):
+        whole[..., i - 1, j - 1] = whole[..., j - 1, i - 1] = pairs[..., pair]
+    return np.moveaxis(conducted(whole, conducts), (-2, -1), (0, 2))
 
 
 @lru_cache(_KEPT)
@@ -115,13 +147,8 @@ class GradedTerms:
     def _at(self, radius: float) -> Array:
         """At one radius; (3, n, 4)."""
         count, reach = self._pieces.count, 2 * float(np.max(self.radii))
-        kernels = spread(self.stack, reach).at(radius * self._pieces.distances)
-        layers = np.empty((3, 3, count + 1, count))
-        whole = radius / 2 * self._pieces.integrated(kernels)
-        for pair, (i, j) in enumerate(PAIRS):
-            layers[i - 1, j - 1] = layers[j - 1, i - 1] = whole[..., pair]
-        ahead = conducted(np.moveaxis(layers, (0, 1), (-2, -1)), self.conducts)  # (place, node, 3, 3)
-        layers = np.moveaxis(ahead, (-2, -1), (0, 2))  # (3, place, 3, node)
+        kernels = spread(self.stack, reach).at(radius * np.abs(self._pieces.points.distances))
+        layers = coupled(radius / 2 * self._pieces.integrated(kernels), self.conducts)  # (3, place, 3, node)
         own = np.einsum("ij,mn->imjn", np.pi / 2 * self.compliance, np.eye(count))
         system = (own + layers[:, :count]).reshape(3 * count, 3 * count)
         right = -np.einsum("imjn,jnd->imd", layers, self._halfspace, optimize=True)

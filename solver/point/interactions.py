@@ -10,12 +10,14 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.electroded import difference
-from solver.film.kernel import strip, wavenumbers
+from solver.film.kernel import DECAYED, strip, wavenumbers
 from solver.film.reflection import sideways
 from solver.film.stack import Stack, StackError
 from solver.point.bessel import even_orders
 
 _BLOCK = 2_000_000  # values of the Bessel functions held at once
+_SIZES, _ROWS = 2, 36  # groups of radii an octave, and rows of symmetric products at a time
+_LEAST, _STEPS = 44.0, 6  # exponent of what is below rounding, and steps of the iteration that finds where
 
 
 def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
@@ -40,21 +42,46 @@ def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
     if stack.top.graded:
         raise StackError("layers: interactions of Legendre functions need layers that are not graded")
     found: Array = np.zeros((radii.size, 3, 3, count, count))
-    octave = np.floor(np.log2(radii / np.max(radii)))
-    for height in np.unique(octave):  # a narrow contact needs fewer wavenumbers
-        alike = np.flatnonzero(octave == height)
-        k, weights = wavenumbers(stack, 2 * float(np.max(radii[alike])), strip(stack))
+    width = strip(stack)
+    sizes = np.floor(_SIZES * np.log2(1 + radii / width))
+    for size in np.unique(sizes):  # a narrow contact needs fewer wavenumbers
+        alike = np.flatnonzero(sizes == size)
+        reach = float(np.max(radii[alike]))
+        k, weights = wavenumbers(stack, 2 * reach, width * DECAYED / _decayed(reach / width))
         added = weights * np.moveaxis(difference(stack, k)[:, 1:, 1:], 0, -1)
         step = max(_BLOCK // (count * k.size), 1)
         for start in range(0, alike.size, step):
             some = alike[start : start + step]
             orders = np.moveaxis(even_orders(radii[some, None] * k, count, odd), 0, 1)  # (radius, n, k)
             for i, j in _coupled(added):
-                found[some, i, j] = (orders * added[i, j]) @ np.swapaxes(orders, -1, -2)
-                found[some, j, i] = found[some, i, j]
+                found[some, i, j] = found[some, j, i] = _products(orders, added[i, j])
         if not odd and (spread := sideways(stack)):
             found[alike, 2, 2, 0, 0] -= np.sum(weights * spread / k * np.exp(-k * stack.thickness / 2))
     return np.asarray(found * radii[:, None, None, None, None])
+
+
+def _decayed(ratio: float) -> float:
+    """Exponent s at the largest wavenumber, where e^-s / (s ratio)^2 is below rounding: j_2m j_2n falls like k^-2.
+
+    Parameters
+    ----------
+    ratio : float, the radius over the width in which Delta decays
+    """
+    exponent = DECAYED
+    for _ in range(_STEPS):
+        exponent = min(DECAYED, max(_LEAST - 2 * np.log(max(exponent * ratio, 1.0)), 1.0))
+    return float(exponent)
+
+
+def _products(orders: Array, weights: Array) -> Array:
+    """Sums of products of the functions (radius, n, k), symmetric: from the diagonal on; (radius, n, n)."""
+    count = orders.shape[1]
+    found, weighted = np.empty((len(orders), count, count)), orders * weights
+    for first in range(0, count, _ROWS):
+        rows = slice(first, first + _ROWS)
+        found[:, rows, first:] = weighted[:, rows] @ np.swapaxes(orders[:, first:], -1, -2)
+        found[:, first:, rows] = np.swapaxes(found[:, rows, first:], -1, -2)
+    return found
 
 
 def _coupled(added: Array) -> list[tuple[int, int]]:

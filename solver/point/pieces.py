@@ -3,16 +3,18 @@
 A density phi(b), 0 <= b <= 1, is a polynomial of u on each of three pieces: of b itself about the centre, even, and
 beside it, and of u = (1 - b)^(1/3) up to the edge, where (1 - b) log(1 - b) is nearly smooth in u. A profile that is
 kinked at its apex has such a piece about the centre, too. A kernel that is singular at a distance of 0 is integrated by
-nodes that crowd there.
+nodes that crowd there. What friction makes of a density is odd in b, and stands at the same nodes.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import csr_array
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 
 _INNER, _OUTER = 0.48, 0.85  # where the pieces meet, and no pressure is sampled
@@ -23,6 +25,7 @@ _STEP, _STEPS, _FAR_STEPS = 3.0, 8, 2  # of the distances that nodes crowd in; a
 _CROWD, _INMOST, _POWER = 20, 24, 4.0  # nodes of a step, and of the one at the singularity, v^power there
 
 
+@cache
 def _gauss(count: int) -> tuple[Array, Array]:
     """Nodes and weights on 0 to 1."""
     x, w = np.polynomial.legendre.leggauss(count)
@@ -41,6 +44,8 @@ class Piece:
         Number of nodes.
     even
         Whether the piece reaches to its mirror image and its polynomials are even.
+    odd
+        Whether those are odd instead.
     """
 
     start: float
@@ -48,6 +53,7 @@ class Piece:
     power: float
     count: int
     even: bool = False
+    odd: bool = False
 
     @cached_property
     def nodes(self) -> Array:
@@ -77,8 +83,10 @@ class Piece:
         """Legendre coefficients of the polynomials that are 1 at one node; (degree + 1, node)."""
         if not self.even:
             return np.asarray(np.linalg.inv(np.polynomial.legendre.legvander(2 * self.nodes - 1, self.count - 1)))
-        found = np.zeros((2 * self.count - 1, self.count))
-        found[::2] = np.linalg.inv(np.polynomial.legendre.legvander(self.nodes, 2 * self.count - 2)[:, ::2])
+        found = np.zeros((2 * self.count, self.count))
+        found[self.odd :: 2] = np.linalg.inv(
+            np.polynomial.legendre.legvander(self.nodes, 2 * self.count - 1)[:, self.odd :: 2]
+        )
         return found
 
     def shares(self, u: Array) -> Array:
@@ -112,6 +120,34 @@ def _crowded(at: float, low: float, steps: int) -> tuple[Array, Array]:
     return np.concatenate(nodes), np.concatenate(weights)
 
 
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Where a kernel of b - b' is asked for, of all places b.
+
+    Attributes
+    ----------
+    places
+        Numbers of the places; (point,).
+    distances, sources
+        b - b', to its own digits, and b'; (point,) each.
+    weights
+        Of int db'; (point,).
+    """
+
+    places: Indices
+    distances: Array
+    sources: Array
+    weights: Array
+
+    @classmethod
+    def joined(cls, parts: Sequence["Points"]) -> "Points":
+        """Those of all parts."""
+        return cls(
+            np.concatenate([part.places for part in parts]),
+            *(np.concatenate([getattr(part, name) for part in parts]) for name in ("distances", "sources", "weights")),
+        )
+
+
 @dataclass(frozen=True)
 class Pieces:
     """The pieces of a contact.
@@ -120,14 +156,17 @@ class Pieces:
     ----------
     kinked
         Whether the profile of the punch is no polynomial of r^2.
+    odd
+        Whether densities are odd in b, in place of even.
     """
 
     kinked: bool = False
+    odd: bool = False
 
     @cached_property
     def pieces(self) -> tuple[Piece, ...]:
         """From the centre to the edge."""
-        apex = Piece(0.0, _INNER, _APEX, _ROUGH) if self.kinked else Piece(0.0, _INNER, 1.0, _SMOOTH, even=True)
+        apex = Piece(0.0, _INNER, _APEX, _ROUGH) if self.kinked else Piece(0.0, _INNER, 1.0, _SMOOTH, True, self.odd)
         return apex, Piece(_INNER, _OUTER - _INNER, 1.0, _SMOOTH), Piece(1.0, _OUTER - 1, _EDGE, _ROUGH)
 
     @property
@@ -160,35 +199,35 @@ class Pieces:
         return found
 
     @cached_property
-    def _rule(self) -> tuple[Array, csr_array]:
-        """Distances at which a kernel is asked for, of all places, and what it sums to; (point,), (place node, point).
+    def _rule(self) -> tuple["Points", csr_array]:
+        """Where kernels are asked for, of all places, and what they sum to; (point,), (place node, point).
 
         The places are the nodes, and the edge behind them.
         """
-        distances, values, columns, rows = [], [], [], []
+        parts, values, columns, rows = list[Points](), [], [], []
         points = place = 0
         for number, own in enumerate(self.pieces):
             for at in (*own.nodes.tolist(), *([0.0] if own is self.pieces[-1] else [])):
                 for other, (piece, span) in enumerate(zip(self.pieces, self._columns, strict=True)):
                     for mirrored in (False,) if piece.even else (False, True):
-                        away, shares = _towards(own, at, piece, same=number == other, mirrored=mirrored)
-                        distances.append(away)
-                        values.append(shares.ravel())
-                        columns.append(np.repeat(points + np.arange(away.size), piece.count))
-                        rows.append(np.tile(place * self.count + np.arange(span.start, span.stop), away.size))
-                        points += away.size
+                        part, shares = _towards(own, at, piece, same=number == other, mirrored=mirrored, place=place)
+                        parts.append(part)
+                        values.append((-shares if mirrored and self.odd else shares).ravel())
+                        columns.append(np.repeat(points + np.arange(part.places.size), piece.count))
+                        rows.append(np.tile(place * self.count + np.arange(span.start, span.stop), part.places.size))
+                        points += part.places.size
                 place += 1
         where = np.concatenate(rows), np.concatenate(columns)
         matrix = csr_array((np.concatenate(values), where), shape=(place * self.count, points))
-        return np.concatenate(distances), matrix
+        return Points.joined(parts), matrix
 
     @property
-    def distances(self) -> Array:
-        """Where :meth:`integrated` needs a kernel, over the contact's radius; (point,)."""
+    def points(self) -> "Points":
+        """Where :meth:`integrated` needs a kernel."""
         return self._rule[0]
 
     def integrated(self, kernels: Array) -> Array:
-        """int_-1^1 kernel(b - b') phi(b') db', phi(-b) = phi(b), from kernels at the distances; (node + 1, node, c).
+        """int_-1^1 kernel(b - b') phi(b') db' of densities of this parity, from kernels at points; (node + 1, node, c).
 
         Parameters
         ----------
@@ -197,15 +236,33 @@ class Pieces:
         """
         return np.asarray(self._rule[1] @ kernels).reshape(self.count + 1, self.count, -1)
 
-    def bounded(self, x: Array) -> Array:
-        """Shares of the nodes and of phi(1) in int_r^1 phi'(b) db / sqrt(b^2 - r^2), r^2 = 1 - x^2; (x, node + 1).
+    def summed(self, kernels: Array) -> Array:
+        """int_-1^1 of what is known at the points: a kernel times a density; (node + 1, c).
 
-        Where the pieces meet their polynomials differ by what is neglected: that step belongs to the derivative. The
-        centre of a kinked profile, where rounding would grow, is taken at r = 1e-6.
+        Parameters
+        ----------
+        kernels
+            (point, c).
         """
-        return np.array([self._bounded_at(top) for top in x.tolist()])
+        points = self.points
+        found = np.zeros((self.count + 1, kernels.shape[1]))
+        np.add.at(found, points.places, points.weights[:, None] * kernels)
+        return found
 
-    def _bounded_at(self, top: float) -> Array:
+    def bounded(self, x: Array, power: int = 0) -> Array:
+        """Shares of the nodes and of phi(1) in int_r^1 phi'(b) b^power db / sqrt(b^2 - r^2); (x, node + 1).
+
+        r^2 = 1 - x^2. Where the pieces meet their polynomials differ by what is neglected: that step belongs to the
+        derivative. The centre of a kinked profile, where rounding would grow, is taken at r = 1e-6.
+
+        Parameters
+        ----------
+        x : ndarray, shape (x,), sqrt(1 - r^2/a^2)
+        power : int, of b
+        """
+        return np.array([self._bounded_at(top, power) for top in x.tolist()])
+
+    def _bounded_at(self, top: float, power: int) -> Array:
         square = max((1 - top) * (1 + top), _CENTRE**2 if self.kinked else 0.0)
         r = np.sqrt(square)
         found, (x, w) = np.zeros(self.count + 1), _gauss(_INMOST)
@@ -223,36 +280,38 @@ class Pieces:
                     weights = weights / piece.slope(u)
                 else:
                     u = first + (last - first) * x
-                    weights = abs(last - first) * w / np.sqrt(piece.b(u) ** 2 - square)
-                found[span] += np.sign(piece.stretch) * (weights @ piece.derived(u))
-        return found + self._steps_at(square)
+                    b = piece.b(u)
+                    weights = abs(last - first) * w / np.sqrt(b**2 - square)
+                found[span] += np.sign(piece.stretch) * ((weights * b**power) @ piece.derived(u))
+        return found + self._steps_at(square, power)
 
-    def _steps_at(self, square: float) -> Array:
+    def _steps_at(self, square: float, power: int) -> Array:
         """What steps between the pieces, and at the edge, have of it."""
         found = np.zeros(self.count + 1)
         found[-1] = 1 / np.sqrt(1 - square)
         for piece, span in zip(self.pieces, self._columns, strict=True):
             for end, sign in ((0.0, np.sign(piece.stretch)), (1.0, -np.sign(piece.stretch))):
-                apart = float(piece.b(np.array(end))) ** 2 - square
+                b = float(piece.b(np.array(end)))
+                apart = b**2 - square
                 if apart > 0 and not (end == 0 and piece.start == 0):
-                    found[span] += sign * piece.shares(np.array([end]))[0] / np.sqrt(apart)
+                    found[span] += sign * b**power * piece.shares(np.array([end]))[0] / np.sqrt(apart)
         return found
 
 
-def _towards(own: Piece, at: float, piece: Piece, *, same: bool, mirrored: bool) -> tuple[Array, Array]:
-    """Distances from a place u of one piece to nodes on another or its mirror image, and shares times weights."""
-    place = own.b(np.array(at))
+def _towards(own: Piece, at: float, piece: Piece, *, same: bool, mirrored: bool, place: int) -> tuple[Points, Array]:
+    """From a place u of one piece to nodes on another or its mirror image, and shares times weights."""
+    b = own.b(np.array(at))
     if mirrored:
-        nearest, steps = (float(piece.u(-place)), _FAR_STEPS if piece.start else _STEPS)
+        nearest, steps = (float(piece.u(-b)), _FAR_STEPS if piece.start else _STEPS)
     else:
-        nearest, steps = at if same else float(piece.u(place)), _STEPS
+        nearest, steps = at if same else float(piece.u(b)), _STEPS
     u, weights = _crowded(nearest, -1.0 if piece.even else 0.0, steps)
-    if mirrored:
-        away = place + piece.b(u)
-    elif not same:
-        away = np.abs(place - np.sign(u) * piece.b(u))
+    sources = np.sign(u) * piece.b(u) * (-1 if mirrored else 1)
+    if mirrored or not same:
+        away = b - sources
     elif piece.even:
-        away = np.abs(piece.stretch * (u - at))
+        away = piece.stretch * (at - u)
     else:
-        away = np.abs(piece.stretch * (u**piece.power - at**piece.power))
-    return away, (weights * piece.slope(u))[:, None] * piece.shares(u)
+        away = piece.stretch * (at**piece.power - u**piece.power)
+    weights = weights * piece.slope(u)
+    return Points(np.full(u.size, place), away, sources, weights), weights[:, None] * piece.shares(u)

@@ -61,7 +61,7 @@ def sliding_quantities(pressed: Pressed, rim: Rim | None) -> dict[str, Array]:
     pressed
         Cases with friction.
     rim
-        The surface beside their contacts; None without c12.
+        The surface beside their contacts; None without c12, and on a film that is graded.
 
     Raises
     ------

@@ -9,6 +9,8 @@ from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
 from solver.point.profile import Shape
 
+_EDGE = np.ones(1)
+
 
 @dataclass(frozen=True, eq=False)
 class Response:
@@ -61,6 +63,22 @@ class Response:
             shift[..., None, None] * moved[..., None] * b ** (self.shape.exponent - 1)
             - along[..., None] * turned[..., None, :]
         )
+
+    def settled(self, turned: Array, series: Array, edges: Array) -> Array:
+        """c/a and coefficients of what layers add to psi, where the pressure is smooth at the edge; (cause, 1 + 3 n).
+
+        Parameters
+        ----------
+        turned : ndarray, shape (cause,), H[phi_sigma] at the edge, of what is closed
+        series : ndarray, shape (3, n, cause + 1), coefficients per cause, and of a unit shift
+        edges : ndarray, shape (cause + 1,), what layers add to sigma_yy at the edge
+        """
+        shift = np.zeros_like(turned)
+        if not self.shape.flat:  # else it stays where it is
+            own = self.closed(turned[:, None], _EDGE, np.zeros(turned.size))[:, 0, 0]
+            shift = -(own + edges[:-1]) / (edges[-1] + self.closed(np.zeros((1, 1)), _EDGE, np.ones(1))[0, 0, 0])
+        both = np.moveaxis(series[..., :-1] + series[..., -1:] * shift, -1, 0)
+        return np.concatenate([shift[:, None], both.reshape(shift.size, -1)], 1)
 
 
 def contact_coupling(coupling: Array, scale: Array, punch: Array | float, conducts: BoolArray) -> Array:

@@ -21,11 +21,12 @@ from solver.halfplane.precision import PrecisionWarning
 from solver.point import hankel
 from solver.point.body import Film
 from solver.point.density import Density
-from solver.point.gradedterms import pieces
+from solver.point.gradedterms import pieces_below
+from solver.point.pieces import Pieces
 from solver.point.pressed import Contact, Friction, Pressed
-from solver.point.response import Response, legendre
+from solver.point.response import Response
 from solver.point.rim import Rim, edge_sums
-from solver.point.slidingtable import sliding_window
+from solver.point.slidingtable import sliding_window, turns
 from solver.point.tractions import Tractions
 
 _MOST_FRICTION, _MOST_ANGLE = 0.6, 0.2  # beyond which a warning tells the size of what is neglected
@@ -57,8 +58,13 @@ class Rubbed:
         form = np.broadcast_to(-2 / np.pi * inverse[..., :, 0], contact.state.strengths.shape)
         series = _series(contact) if isinstance(body, Film) else np.zeros((*form.shape, 0))
         unit = self._unit[:, None]
-        own = pieces(kinked=body.shape.exponent % 2 != 0) if _graded(contact) else None
+        own = self._pieces(odd=False)
         return Density(body.shape, contact.state.strengths * unit, form * unit, series * unit[..., None], own)
+
+    def _pieces(self, *, odd: bool) -> Pieces | None:
+        """On which densities stand where the top is graded."""
+        body = self.contact.pressed.body
+        return pieces_below(body.kind.film.stack(), body.shape, odd=odd) if isinstance(body, Film) else None
 
     @property
     def ratio(self) -> Array:
@@ -126,7 +132,7 @@ class Rubbed:
         (shift, series), unit = self._added, self._unit
         turned = self.density.part(some).turned(b)[:, 0]
         own = self._response.part(some).closed(turned, b, (shift * unit)[some])
-        own = own + series[some] @ legendre(b, series.shape[-1]).T
+        own = own + series[some] @ turns(self._pieces(odd=True), b, series.shape[-1]).T
         return np.asarray(self._friction.coefficient[some, None, None] * own)
 
     @property
@@ -180,11 +186,6 @@ def warn_of_order(pressed: Pressed) -> None:
             FirstOrderWarning,
             stacklevel=2,
         )
-
-
-def _graded(contact: Contact) -> bool:
-    body = contact.pressed.body
-    return isinstance(body, Film) and body.kind.film.stack().top.graded
 
 
 def _series(contact: Contact) -> Array:

@@ -8,7 +8,7 @@ psi the density of sigma_yy, smooth at the edge but for a logarithm of its slope
 shrink towards the edge; a table of p1 stands beside those of a window.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -21,8 +21,9 @@ from solver.arrays import Array
 from solver.halfplane.potentials import LINE, LINE_WEIGHTS
 from solver.point.body import Film
 from solver.point.density import Density, second_kind_rates, turned_form_rates
+from solver.point.gradedsliding import odd_rates
 from solver.point.pressed import Contact, Friction
-from solver.point.pressure import added_forms, halfspace_form
+from solver.point.pressure import halfspace_form
 from solver.point.profile import Shape
 from solver.point.response import Response, legendre_rates
 from solver.point.slidingtable import SlidingWindow, sliding_window
@@ -130,8 +131,12 @@ def turned_pressures(response: Response, density: Density, shift: Array, series:
     """
     along, unit = response.answers
     moved, form = _own(density.shape)
-    even, more = _added(density.shape, density.signed.shape[-1], series.shape[-1])
-    turned = density.form[:, :1] * form + density.signed[:, 0] @ even
+    turned = density.form[:, :1] * form
+    if density.pieces is None:
+        even, more = _added(density.shape, density.signed.shape[-1], series.shape[-1])
+        turned = turned + density.signed[:, 0] @ even
+    else:
+        more = odd_rates(replace(density.pieces, odd=True), tuple(ray_of(density.shape).x.tolist())).T
     own = (shift * unit[..., channel])[:, None] * moved - along[..., channel, None] * turned
     return np.asarray(own + series @ more)
 
@@ -221,7 +226,7 @@ def _pressures(contact: Contact, friction: Friction, some: Indices) -> tuple[Arr
             chosen = some[own]
             log_ratio, causes = np.log(contact.radius[chosen] / body.thickness[chosen]), contact.state.causes[chosen]
             series = of.tractions(log_ratio, causes)[:, 0]
-            middle[own] -= series @ added_forms(ray.x, series.shape[-1]).T
+            middle[own] -= series @ of.terms.forms(ray.x).T
             table = _turned_window(sliding_window(of.kind, of.number, friction.punch))
             turned[own] = table.read(log_ratio, causes[:, 1:])
     return middle, eta * turned

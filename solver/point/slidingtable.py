@@ -17,7 +17,10 @@ from solver.film.electroded import difference, surface
 from solver.film.kernel import strip, wavenumbers
 from solver.point import hankel
 from solver.point.density import Density
+from solver.point.gradedsliding import GradedLayers, odd_shares
+from solver.point.gradedterms import pieces_below
 from solver.point.inside import Inside
+from solver.point.pieces import Pieces
 from solver.point.response import Response, contact_coupling, legendre
 from solver.point.table import PointKind, Window, window
 from solver.point.tractions import Tractions
@@ -60,6 +63,11 @@ class SlidingWindow:
         """c/a and Legendre coefficients per (V, Psi, g) and eta, at the nodes; (node, 3, 1 + 3 n)."""
         kind = self.window.kind
         stack, radii = kind.film.stack(), np.exp(self.window.nodes)
+        stiffness = kind.stiffness(self.window.read(self.window.nodes))
+        every = [(self._causes(number, stiffness.edges[number]), a) for number, a in enumerate(radii.tolist())]
+        if stack.top.graded:
+            below = GradedLayers(stack, np.array(kind.conducts), kind.shape, 2 * float(np.max(radii)))
+            return np.array([below.solved(self.response, causes, a) for causes, a in every])
         k, weights = wavenumbers(stack, 2 * float(np.max(radii)), strip(stack))
         there = np.array([True, *kind.conducts])
         added = difference(stack, k)
@@ -69,14 +77,9 @@ class SlidingWindow:
             np.where(there[:, None] & there, added[:, 1:, 1:], 0.0),
             np.where(there, added[:, 1:, 0], 0.0),
         )
-        stiffness = kind.stiffness(self.window.read(self.window.nodes))
         reach = float(np.max(radii)) / min(float(stack.media[0].slowest), 1.0)
         count = _FIRST + int(_MORE * np.sqrt(reach))
-        found = [
-            layers.solved(self.response, self._causes(number, stiffness.edges[number]), radius, count)
-            for number, radius in enumerate(radii.tolist())
-        ]
-        return np.array(found)
+        return np.array([layers.solved(self.response, causes, a, count) for causes, a in every])
 
     @property
     def solutions(self) -> Iterator[tuple[Density, Array, Array]]:
@@ -97,7 +100,7 @@ class SlidingWindow:
             strengths[:, 0] = 0.0
         form = causes[:, 3:] * (-2 / np.pi * np.linalg.inv(kind.compliance)[:, 0])
         series = np.einsum("ind,cd->cin", self.window.added[number], causes)
-        return Density(kind.shape, strengths, form, series)
+        return Density(kind.shape, strengths, form, series, pieces_below(kind.film.stack(), kind.shape))
 
     def read(self, log_radius: Array) -> Array:
         """At radii within the window; (case, 3, 1 + 3 n)."""
@@ -146,7 +149,19 @@ class _Slid:
         """psi; (column, 3, b)."""
         series = self.solved[columns, 1:].reshape(columns.size, 3, -1)
         own = self.response.closed(self.causes.part(columns).turned(b)[:, 0], b, self.solved[columns, 0])
-        return np.asarray(own + series @ legendre(b, series.shape[-1]).T)
+        return np.asarray(own + series @ turns(None, b, series.shape[-1]).T)
+
+
+def turns(of: Pieces | None, b: Array, count: int) -> Array:
+    """What the coefficients of what layers add to psi stand for at b; (b, n).
+
+    Parameters
+    ----------
+    of : Pieces or None, odd ones on which they stand; None: of Legendre polynomials
+    b : ndarray, shape (b,), 0 to 1
+    count : int, number of coefficients
+    """
+    return legendre(b, count) if of is None else odd_shares(of, b)
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,14 +213,7 @@ class Layers:
         right = -np.einsum("ick,k,kn->inc", carried, shares, sines, optimize=True)
         values = np.linalg.solve(whole, right.reshape(3 * count, -1)).reshape(3, count, -1)
         series = (2 * np.arange(count) + 1)[:, None] * (legendre(b, count).T * weights) @ values  # (3, n, cause)
-        if response.shape.flat:  # it stays where it is
-            still = np.moveaxis(series[..., :-1], -1, 0).reshape(len(turned), -1)
-            return np.concatenate([np.zeros((len(turned), 1)), still], 1)
-        edges = np.sum(series[0], 0)  # P_n(1) = 1
-        edges[:-1] += response.closed(causes.turned(_EDGE)[:, 0], _EDGE, np.zeros(len(turned)))[:, 0, 0]
-        shift = -edges[:-1] / (edges[-1] + response.closed(np.zeros((1, 1)), _EDGE, np.ones(1))[0, 0, 0])
-        both = np.moveaxis(series[..., :-1] + series[..., -1:] * shift, -1, 0)
-        return np.concatenate([shift[:, None], both.reshape(len(shift), -1)], 1)
+        return response.settled(causes.turned(_EDGE)[:, 0, 0], series, np.sum(series[0], 0))  # P_n(1) = 1
 
 
 @lru_cache(_KEPT)

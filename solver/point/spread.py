@@ -9,7 +9,7 @@ of the six pairs of (y, phi, psi), Delta = Y_top - Y0. Friction sigma_xy = eta s
 
 Far away only the beginning of Delta matters: a smooth end is put to it, of a width that the distance does not see.
 Under a graded layer Lambda = sum_j Y_j rho_j(x) + T(x): rho_j are closed and hold what is singular at x = 0, T stands
-in the table.
+in the table; Lambda_x likewise.
 """
 
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ import numpy as np
 from approximation.arrays import Indices
 from approximation.piecewise import Piecewise
 from solver.arrays import Array
-from solver.film.grading import GradedResponse, local_tails
+from solver.film.grading import local_sines, local_tails
 from solver.film.kernel import DEGREE, ENTRIES, FINEST, graded_response, graded_strip, growing, octave, strip, tapered
 from solver.film.reflection import waves
 from solver.film.stack import Stack
@@ -29,40 +29,41 @@ from solver.film.stack import Stack
 PAIRS = ENTRIES[:6]
 _SHEARED = ENTRIES[6:9]
 
-_FAR = 1e4  # strips from which what is left falls like 1/x^2
+_FAR = 1e4  # strips from which what is left falls like 1/x^2, of Lambda_x like 1/x
 _MOST = 4_000_000  # values of one block of a transform
 _TAILS = 4
 
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """Lambda over the distance.
+    """Lambda or Lambda_x over the distance.
 
     Attributes
     ----------
     table
-        Lambda, or T under a graded layer, of the pairs; (distance, 6).
+        Either, under a graded layer without what is closed of it, of its pairs; (distance, pair).
     width
         b of rho_j, see :func:`solver.film.grading.local_tails`.
     tails
-        Y_j of the pairs under a graded layer; (4, 6).
-    falling
-        Power of the distance by which it falls far away.
+        Y_j of the pairs under a graded layer; (4, pair).
+    odd
+        Whether it is Lambda_x.
     """
 
     table: Piecewise
     width: float
     tails: Array | None = None
-    falling: int = 2
+    odd: bool = False
 
     def at(self, x: Array) -> Array:
-        """Lambda at distances x >= 0; (..., pair)."""
+        """Lambda or Lambda_x at distances x >= 0; (..., pair)."""
         reach = self.table.ends[-1]
         found = self.table.at(np.minimum(x, reach))
         beyond = x > reach
-        found[beyond] *= (reach / x[beyond, None]) ** self.falling
+        found[beyond] *= (reach / x[beyond, None]) ** (1 if self.odd else 2)
         if self.tails is not None:
-            found += (local_tails(x.ravel(), self.width).T @ self.tails).reshape(found.shape)
+            local = local_sines if self.odd else local_tails
+            found += (local(x.ravel(), self.width).T @ self.tails).reshape(found.shape)
         return found
 
     def of(self, pairs: Indices) -> "Spread":
@@ -87,48 +88,43 @@ def spread(stack: Stack, reach: float | None = None) -> Spread:
     StackError
         A profile that is not smooth.
     """
-    width, graded = strip(stack), graded_response(stack) if stack.top.graded else None
-    ends = growing(width, reach or _FAR * width, halvings=FINEST if graded else 0)
-    table = Piecewise.of(lambda x: _transformed(stack, graded, x), ends, DEGREE + 1, octave(ends, width))
-    return Spread(table, width, np.stack([graded.tails[:, i, j] for i, j in PAIRS], -1) if graded else None)
+    return _tabled(stack, reach, odd=False)
 
 
 @lru_cache(32)
-def sheared(stack: Stack) -> Spread:
-    """Lambda_x of (y, phi, psi) at distances x >= 0, odd in them; not of graded layers.
+def sheared(stack: Stack, reach: float | None = None) -> Spread:
+    """Lambda_x of (y, phi, psi) at distances x >= 0, odd in them.
 
     Parameters
     ----------
-    stack : Stack, layers and base
+    stack, reach : as of :func:`spread`
+
+    Raises
+    ------
+    StackError
+        A profile that is not smooth.
     """
-    width = strip(stack)
-    ends = growing(width, _FAR * width)
-
-    def turned(x: Array) -> Array:
-        k, weights, taper = tapered(stack, width, x)
-        difference = waves(stack, k)[0].difference
-        rows = np.stack([weights * taper * difference[:, i, j] for i, j in _SHEARED], -1)
-        return _summed(np.sin, x, k, rows)
-
-    return Spread(Piecewise.of(turned, ends, DEGREE + 1, octave(ends, width)), width, falling=1)
+    return _tabled(stack, reach, odd=True)
 
 
-def _transformed(stack: Stack, graded: GradedResponse | None, x: Array) -> Array:
-    """Lambda, or T under a graded layer, at distances that are not far apart; (x, 6)."""
-    width = strip(stack)
-    if graded is None:
-        k, weights, taper = tapered(stack, width, x)
-        difference = waves(stack, k)[0].difference
-    else:
-        k, weights, taper = tapered(stack, graded_strip(stack), x, long=1.0)
-        difference = graded.decayed(k, width, _TAILS)
-    rows = np.stack([weights * taper * difference[:, i, j] for i, j in PAIRS], -1)
-    return _summed(np.cos, x, k, rows)
+def _tabled(stack: Stack, reach: float | None, *, odd: bool) -> Spread:
+    width, graded = strip(stack), graded_response(stack) if stack.top.graded else None
+    pairs, wave = (_SHEARED, np.sin) if odd else (PAIRS, np.cos)
 
+    def transformed(x: Array) -> Array:
+        """At distances that are not far apart; (x, pair)."""
+        if graded is None:
+            k, weights, taper = tapered(stack, width, x)
+            values = waves(stack, k)[0].difference
+        else:
+            k, weights, taper = tapered(stack, graded_strip(stack), x, long=1.0)
+            values = graded.decayed(k, width, _TAILS)
+        rows = np.stack([weights * taper * values[:, i, j] for i, j in pairs], -1)
+        found, step = np.empty((x.size, len(pairs))), max(_MOST // k.size, 1)
+        for start in range(0, x.size, step):
+            found[start : start + step] = wave(x[start : start + step, None] * k) @ rows
+        return found
 
-def _summed(wave: np.ufunc, x: Array, k: Array, rows: Array) -> Array:
-    """Rows (k, n) times waves of kx, block by block; (x, n)."""
-    found, step = np.empty((x.size, rows.shape[1])), max(_MOST // k.size, 1)
-    for start in range(0, x.size, step):
-        found[start : start + step] = wave(x[start : start + step, None] * k) @ rows
-    return found
+    ends = growing(width, reach or _FAR * width, halvings=FINEST if graded else 0)
+    table = Piecewise.of(transformed, ends, DEGREE + 1, octave(ends, width))
+    return Spread(table, width, np.stack([graded.tails[:, i, j] for i, j in pairs], -1) if graded else None, odd)

@@ -59,9 +59,14 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | Non
     SurroundingsError
         A punch or a body that the theory of air does not cover.
     """
-    cases = [_of_case(case, contact, rim) for case, contact in _cases(pressed, permittivity, end)]
+    ratio = pressed.charged.radius / pressed.length
+    # those of like radius share tables
+    posed = sorted(_cases(pressed, permittivity, end), key=lambda one: float(ratio[one[0].place]))
+    cases = [_of_case(case, contacts, rim) for case, contacts in posed]
     warn_of_charges(max(case.pop(_REACH, 0.0) for case in cases))
-    return {name: np.array([case[name] for case in cases]) for name in cases[0] if all(name in case for case in cases)}
+    names = [name for name in cases[0] if all(name in case for case in cases)]
+    back = np.argsort([case.place for case, _ in posed])
+    return {name: np.array([case[name] for case in cases])[back] for name in names}
 
 
 def solved(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple["Case", PointState, RingOperators]]:

@@ -166,6 +166,15 @@ class RingOperators:
             found[rows.within(place), profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
         return found
 
+    def over(self, log_radii: Array) -> Array:
+        """The same at several log a; (radius, row, column).
+
+        Parameters
+        ----------
+        log_radii : ndarray, shape (radius,), log a in the unit of the body's lengths
+        """
+        return np.stack([self.at(float(np.exp(at))) for at in log_radii])
+
     def series(self, radius: float) -> Array:
         """Coefficients in f_n (points, 4) of the tractions but for the profile's closed part; (channel, n, column)."""
         below = Below.of(radius / self.width)

@@ -67,8 +67,8 @@ class Tabled(Places, Protocol):
     def exact(self) -> RingOperators:
         """The operators."""
 
-    def at(self, radius: float) -> Array:
-        """Outputs of every cause and density; (row, column)."""
+    def over(self, log_radii: Array) -> Array:
+        """Outputs of every cause and density at several log a; (radius, row, column)."""
 
 
 class RingsByRadius(Places, Protocol):
@@ -117,7 +117,7 @@ class RingTable(Read):
     @cached_property
     def values(self) -> tuple[Array, Array]:
         """Outputs at the radii, flat: those up to the pressures, and those below the contact; (node, ...)."""
-        found = np.stack([self.operators.at(float(np.exp(at))) for at in self.interval.points])
+        found = self.operators.over(self.interval.points)
         split = self.rows.pressure.start
         return found[:, :split].reshape(len(found), -1), found[:, split:].reshape(len(found), -1)
 
@@ -125,10 +125,16 @@ class RingTable(Read):
         """Whether a radius lies between the ends."""
         return self.interval.low <= log_radius <= self.interval.high
 
-    def at(self, radius: float) -> Array:
-        """Outputs of every cause and density; (row, column)."""
-        local = self._polynomials(float(np.log(radius)))[0]
-        return np.concatenate([local @ part for part in self.values]).reshape(self.rows.count, -1)
+    def over(self, log_radii: Array) -> Array:
+        """Outputs of every cause and density at several log a; (radius, row, column).
+
+        Parameters
+        ----------
+        log_radii : ndarray, shape (radius,), log a in the unit of the body's lengths
+        """
+        local = self.interval.polynomials(log_radii, clipped=False) @ self._series[0]
+        found = np.concatenate([local @ part for part in self.values], 1)
+        return found.reshape(log_radii.size, self.rows.count, -1)
 
     def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
         """The rows up to the pressures, and their derivatives in log a; (row, column) each.

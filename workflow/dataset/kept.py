@@ -33,8 +33,8 @@ from workflow.study.refusals import Solved, labelled
 FOLDER, MOST_BYTES = ".solved", 2**31
 _OF_CASES, _TALLIES = "cases", "taken"
 _DAY = 86400.0
-#: Cases of a list that the solver is asked for at once, where none needs tables of its own.
-AT_A_TIME = 20
+#: Cases of a list that the solver is asked for at once, where none needs tables of its own: they share some.
+AT_A_TIME = 50
 
 _Part = dict[str, slice]
 

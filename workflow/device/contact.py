@@ -186,7 +186,17 @@ def film(case: Mapping[str, Any], material: Material) -> Stack:
     ----------
     case : mapping, SI, every factor
     material : Material, that of the film
+
+    Raises
+    ------
+    FactorError
+        An electrode that is read, of a film that is graded.
     """
+    if "collector" in case and "base_volume_fraction" in case:
+        raise FactorError(
+            f"base_volume_fraction: {float(case['base_volume_fraction']):g} of a film whose electrode a device reads; "
+            "its capacitance is not given there: take a material or a volume_fraction alone"
+        )
     return Stack([Layer(material, float(case["thickness"]))], electroded=case.get("electrode") == "top")
 
 

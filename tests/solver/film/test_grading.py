@@ -11,11 +11,13 @@ from scipy.special import gammaln, jv
 import solver
 from solver.arrays import Array
 from solver.film.basis import Basis
+from solver.film.electroded import surface as surface_of
+from solver.film.electrodes import Electrode
 from solver.film.fourier import Medium
 from solver.film.grading import Graded, GradedMedium
 from solver.film.interior import Interior, interior_fields
-from solver.film.kernel import kernel
-from solver.film.reflection import waves
+from solver.film.kernel import graded_response, kernel
+from solver.film.reflection import held, waves
 from solver.film.rough import Rough
 from solver.film.stack import Layer, Stack, StackError
 from solver.film.surface import surface_fields
@@ -68,13 +70,51 @@ def test_exponential_grading_has_its_exact_exponents() -> None:
         np.testing.assert_allclose(Y, exact, atol=1e-8 * np.max(np.abs(exact)))
 
 
-def test_tails_are_those_of_the_response() -> None:
-    stack = Stack((Graded(exponential, 1.0),))
-    medium = GradedMedium(stack.top, stack.scale)  # type: ignore[arg-type]
+@pytest.mark.parametrize("covered", [False, True])
+def test_electrodes_get_what_exact_exponents_say(*, covered: bool) -> None:
+    """What that on the base gets per traction at the surface, and how the surface answers where one covers it."""
+    stack, k = Stack((Graded(exponential, 1.0),), electroded=covered), np.array([0.03, 0.3, 1.0, 3.0])
+    rows, response = Electrode(stack, 1 + covered).rows(k), graded_response(stack).difference(k) + surface_of(stack)
+    surface, bend = Medium(FIBROUS, stack.scale), 0.4 * np.diag([1.0] * 4 + [-1.0] * 4)
+    for wavenumber, row, found in zip(k, rows, response, strict=True):
+        whole = expm(wavenumber * surface.system + bend)
+        down, exact = np.exp(-0.4) * np.linalg.inv(whole[4:, 4:]), whole[:4, 4:] @ np.linalg.inv(whole[4:, 4:])
+        if covered:  # D_y at the surface is what keeps phi at zero
+            onto = np.eye(4)
+            onto[2] = np.where(np.arange(4) == 2, 0.0, -exact[2] / exact[2, 2])
+            down, exact = down @ onto, held(exact, (2,))
+            found[2, 2] = 0.0  # kept apart
+        np.testing.assert_allclose(row, down[[2, 1]], atol=1e-8 * np.max(np.abs(down)))
+        np.testing.assert_allclose(found, exact, atol=1e-8 * np.max(np.abs(exact)))
+
+
+def test_electrodes_without_end_have_what_the_depth_averages() -> None:
+    """Of (u', phi', psi') = A (sigma, D, 0), with no voltage between both: D = -int A_ps / int A_pp sigma."""
+    stack = Stack((Graded(linear, 1.0),), electroded=True)
+
+    def inverse(depth: float, column: int) -> float:
+        return float(np.linalg.inv(linear(np.array(depth)).generalised_stiffness()[2][1:, 1:])[1, column])
+
+    exact = -quad(inverse, 0, 1, (0,), epsabs=0, epsrel=1e-12)[0] / quad(inverse, 0, 1, (1,), epsabs=0, epsrel=1e-12)[0]
+    charges = [Electrode(stack, number).whole[0] * stack.scale[1] / stack.scale[2] for number in (1, 2)]
+    assert [charges[1], -charges[0]] == pytest.approx([exact, exact], rel=1e-11)
+
+
+def test_a_roller_on_a_covered_film_graded_by_nothing_has_all_that_one_on_a_layer_has() -> None:
+    film: dict[str, object] = {"radius": 0.05, "load": 2e4, "friction": 0.3, "datum": 0.1, "thickness": 2e-4}
+    film |= {"volume_fraction": 0.5, "base": "steel", "electrode": "top", "magnetic": "insulating"}
+    film |= {"collector": 2, "patch_size": 1e-4, "patch_position": 3e-5}
+    exact, found = solver.solve(film), solver.solve(film | {"base_volume_fraction": 0.5})
+    assert set(exact) == set(found)
+    for name, value in exact.items():
+        assert float(found[name]) == pytest.approx(float(value), rel=1e-9), name
+
+
+@pytest.mark.parametrize("covered", [False, True])
+def test_tails_are_those_of_the_response(*, covered: bool) -> None:
+    response = graded_response(Stack((Graded(exponential, 1.0),), electroded=covered))
     k = np.array([200.0, 400.0])
-    left = medium.difference(k, np.zeros((2, 4, 4))) - sum(
-        medium.tails[j] / k[:, None, None] ** (j + 1) for j in range(3)
-    )
+    left = response.difference(k) - sum(response.tails[j] / k[:, None, None] ** (j + 1) for j in range(3))
     size = np.max(np.abs(left), axis=(1, 2)) * k**4
     assert size[1] == pytest.approx(size[0], rel=0.1)
 

@@ -200,7 +200,7 @@ def test_spread_of_a_constant_profile_is_that_of_a_layer() -> None:
 def test_pieces_integrate_logarithms_and_read_what_is_singular_at_the_edge(*, kinked: bool) -> None:
     pieces = Pieces(kinked)
     b, places = pieces.nodes, np.append(pieces.nodes, 1.0)
-    found = pieces.integrated(np.log(pieces.distances)[:, None])[..., 0] @ (1 - b**2)
+    found = pieces.integrated(np.log(np.abs(pieces.points.distances))[:, None])[..., 0] @ (1 - b**2)
     plain = xlogy(1 + places, 1 + places) + xlogy(1 - places, 1 - places) - 2  # int log|b - s| ds
     squared = xlogy(1 + places**3, 1 + places) + xlogy(1 - places**3, 1 - places) - 2 / 3 - 2 * places**2
     np.testing.assert_allclose(found, plain - squared / 3, atol=2e-12)
@@ -223,12 +223,15 @@ def test_two_ways_to_a_graded_film_are_one() -> None:
 
 
 REFUSED = {
-    "friction": (
-        {"friction": 0.3},
-        "friction: 0.3 of a point contact on a film that is graded, whose first order in friction is not solved; must",
-    ),
     "air": ({"surroundings": "air"}, "surroundings: 'air' is not allowed: the film is graded, whose displacements"),
-    "electrode": ({"collector": 1}, "collector: electrodes are not given in a stack with a graded layer"),
+    "a patch on top": (
+        {"collector": 1, "electrode": "top", "patch_size": 1e-4},
+        "patch_size: of the electrode on top of a film that is graded is not given",
+    ),
+    "neighbours that float": (
+        {"collector": 1, "electric": "insulating", "patch_size": 1e-4, "patch_pitch": 2e-4, "floating_neighbours": 1},
+        "floating_neighbours: of a film that is graded are not given",
+    ),
     "flux": (
         {"interface_magnetic": "insulated", "base": "rigid"},
         "interface_magnetic: 'insulated' is not allowed below",

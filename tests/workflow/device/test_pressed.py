@@ -99,6 +99,8 @@ def test_plates_have_a_film_on_each_side_and_a_metal_between() -> None:
     covered = Stack([Layer(PVDF, 1e-5), Layer(glass, 2e-5)], electroded=True)
     in_turn = 1 / (1e-5 / permittivity(PVDF) + 2e-5 / permittivity(glass))
     assert Electrode(covered, 1).capacitance == pytest.approx(in_turn, rel=1e-12)
+    with pytest.raises(solver.FactorError, match=r"^base_volume_fraction: 0\.8 of a film whose electrode"):
+        film({"collector": 1, "thickness": 1e-4, "base_volume_fraction": 0.8}, PVDF)
 
 
 BESIDE = STUDY.replace(
