@@ -32,7 +32,7 @@ COMPARED = {
 }
 #: The same of fields, each over its largest, under a rigid punch: what air changes most.
 FIELDS_COMPARED = {
-    "beside": ("potential of the surface beside the contact, over the voltage", 1e-6),
+    "beside": ("potential of the surface beside the contact, over the voltage", 3e-6),
     "inside": ("stresses and D half way down the film, below the contact and beside it", 1e-6),
 }
 X = np.array([-1.6, -0.6, 0.3, 1.4])

@@ -8,7 +8,7 @@ w = (1 - X)^A (1 + X)^B, k0 = A + B. With tan(theta) = eta kap / lam and A = 1/2
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.special import beta, roots_jacobi
@@ -216,8 +216,9 @@ class Basis:
         return np.asarray((weight * mean) @ self.pressure_factor(S))
 
 
+@lru_cache(256)
 def gauss_jacobi(count: int, one: float, other: float) -> tuple[Array, Array]:
-    """Gauss's rule of weight (1 - X)^one (1 + X)^other: nodes and weights.
+    """Gauss's rule of weight (1 - X)^one (1 + X)^other: nodes and weights, which cannot be written to.
 
     Parameters
     ----------
@@ -228,6 +229,8 @@ def gauss_jacobi(count: int, one: float, other: float) -> tuple[Array, Array]:
         invalid="ignore", divide="ignore"
     ):  # SciPy divides by 0 where one + other = -1, in a place that it then replaces
         X, weights = roots_jacobi(count, one, other)
+    for array in (X, weights):
+        array.flags.writeable = False
     return X, weights
 
 
