@@ -61,7 +61,7 @@ def solve_interior(
     --------
     >>> film = {"material": "BaTiO3", "thickness": 0.5e-3, "base": "rigid", "radius": 0.05, "load": 1e5}
     >>> round(float(solve_interior(film, [0.0], [-1.0], fields=["stress_yy"])["stress_yy"].squeeze()) / 1e6, 3)
-    -221.241
+    -221.335
     """
     cases = Cases(checked(factors), materials, phases)
     grid_x, grid_y = _grid(x, y)

@@ -116,7 +116,7 @@ class Stack:
     >>> film.top.material.name, round(film.thickness, 6), film.rigid, film.insulated
     ('BaTiO3', 0.0006, False, False)
     >>> round(float(solver.solve({"body": film, "radius": 0.05, "load": 1e4})["voltage"]), 2)
-    -85.55
+    -53.72
 
     Raises
     ------

@@ -175,7 +175,7 @@ def rerun(before: Study, after: Study) -> set[str]:
 
 
 SOLVED = {"slab", "batch", "cases", "calibration", "further"}
-LEARNED = {"surrogate", "validation", "levels"}
+LEARNED = {"surrogate", "own_surrogate", "validation", "levels"}
 TARGETS = {"target sensor", "target actuator", "figure_design sensor", "figure_design actuator"}
 PAGE = {"report", "solved"}
 

@@ -154,7 +154,9 @@ def test_a_ball_in_air_has_groups_and_figures_of_its_own(tmp_path: Path) -> None
     found = [ball.solved(solve, {**ball.fixed, **case}) for case in (one, two)]
     for name in ball.quantities:
         by = 1.7 ** QUANTITY_WEIGHTS[name].size
-        assert float(found[1][name]) == pytest.approx(by * float(found[0][name]), rel=1e-10, abs=0)
+        assert float(found[1][name]) == pytest.approx(
+            by * float(found[0][name]), rel=1e-9, abs=0
+        )  # rounding, next to the edge
     with pytest.raises(InputError, match=r"is in no group.*make radius / thickness a group"):
         study(BALL.replace("  radius / thickness: {levels: 2}\n", ""), tmp_path)
 
