@@ -25,7 +25,7 @@ from solver.surroundings.rules import GRADED, Rules, gauss, spans
 LEVEL, GROWING = (2,), (0, 1, 2)
 
 #: Ends of the panels in theta next to the edge: charges vary on the scale on which the gap opens.
-_EDGE = (0.0, 0.0006, 0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 0.78, 1.0)
+_EDGE = (0.0, 0.0006, 0.005, 0.03, 0.12, 0.3, 0.6, 1.0)
 _BEYOND = (1.4, 1.9)  # ends of the next ones
 _WIDTH = 0.9  # of the panels beyond
 CLOSE = float(np.cosh(_EDGE[-1]))  # X at which those next to the edge end
