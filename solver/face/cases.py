@@ -24,6 +24,7 @@ from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
 from solver.names import CHOICES, FACTORS, PROFILES
+from solver.threads import one_thread
 
 _OF_A_KIND = ("profile", "corner")  # one of each at a time; what varies is solved part by part
 
@@ -167,7 +168,8 @@ class Cases:
         title : str, of the solution
         part : callable, solves the cases of one kind
         """
-        return self._by_kind(part).assign_attrs(attributes(title, self.arrays, self.phases))
+        with one_thread():
+            return self._by_kind(part).assign_attrs(attributes(title, self.arrays, self.phases))
 
     def _by_kind(self, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
         """The part of each profile, corner, surroundings and body, put together along what they vary on."""
