@@ -17,11 +17,11 @@ help:  ## list the targets
 run: .venv/$(if $(shell grep -s '^verification:' "config/$(STUDY).yaml"),dev,run).stamp  ## run one study to its report: make run [STUDY=quickstart] [CORES=all]
 	@$(BIN)/meecontact run "$(STUDY)" --cores "$(CORES)" --profile "$(PROFILE)"
 
-check: .venv/dev.stamp  ## linters, types, import contracts and the tests that need no program and no fit; a minute and a half
+check: .venv/dev.stamp  ## linters, types, import contracts and the tests that need no program and no fit; three minutes
 	@$(MAKE) --no-print-directory lint
 	$(BIN)/python -m pytest -n auto -m "unit and not soak"
 
-test: .venv/dev.stamp .venv/referees.stamp  ## linters, types, import contract and every test
+test: .venv/dev.stamp .venv/referees.stamp  ## linters, types, import contract and every test; nine minutes on two cores
 	@$(MAKE) --no-print-directory lint
 	$(BIN)/python -m pytest -n auto
 
