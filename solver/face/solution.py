@@ -40,6 +40,8 @@ def solve(
         (``datum``: 1 m; ``electric`` and ``magnetic``: conducting). A case with a ``thickness`` is a film on its
         ``base``, graded with a ``base_volume_fraction``, see ``solver.names.OF_A_FILM``; NaN and empty names mean that
         a case has none. Instead of material, film and base a ``body`` may be given: a :class:`Stack`, or a list.
+        Beside a film's contact is air, where that can be, unless ``surroundings`` is ``insulated``: voltages and
+        capacitances are others by factors.
     positions
         Surface positions X = (x - c)/h, or r/a of a point contact, dimensionless, any but +-1.
     materials
