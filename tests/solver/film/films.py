@@ -1,19 +1,14 @@
 """Stacks and contacts that the tests of films share."""
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 import solver
 from solver.arrays import Array
 from solver.film.contact import FilmContact
-from solver.film.quantities import driven
 from solver.film.stack import Layer, Stack
 from solver.film.table import Table, table
-from solver.halfplane.contact import Contact
 from solver.halfplane.profile import Profile
-from solver.halfplane.response import Response
 
 BTO, CFO, STEEL = solver.find("BaTiO3"), solver.find("CoFe2O4"), solver.find("steel")
 SILICON = solver.find("silicon")
@@ -48,23 +43,3 @@ def cylinder(
     """A cylinder of radius 50 mm that conducts both fields."""
     of = table(stack, friction, least=0.05, most=12.0, nodes=24, accuracy=accuracy)
     return contact(of, Profile.cylinder(np.array(0.05)), load, charges, datum)
-
-
-def require_closed_form(film: FilmContact, exact: Contact, response: Response) -> None:
-    """All that a film which lies on its own material answers, beside the closed form."""
-    pairs = [(film.trailing, exact.trailing), (film.leading, exact.leading), (film.depth, response.depth)]
-    for edge, smooth in zip((1.0, -1.0), exact.profile.smooth, strict=True):
-        if smooth:
-            pairs.append((film.edge_intensity(edge)[0], exact.edge_intensity(edge).ravel()))
-            pairs.append((film.edge_stress(edge), exact.edge_stress(edge)))
-    idle = replace(film, charges=np.zeros_like(film.charges))
-    for field in np.flatnonzero(exact.sliding.conducts).tolist():
-        j, short = 1 + field, np.zeros_like(film.charges)
-        short[:, field] = response.short_circuit(field) * film.load
-        moved = idle.potential(field) - replace(film, charges=short).potential(field)
-        pairs += [(film.potential(field), response.potential(field)), (moved, idle.potential(field))]
-        tangents = idle.tangents[:, j, 0], *driven(film.tangents, j)
-        closed = response.sensitivity(field), response.stroke(field), response.blocked_load(field)
-        pairs += zip(tangents, closed, strict=True)
-    for one, other in pairs:
-        np.testing.assert_allclose(np.ravel(one), np.ravel(other), rtol=1e-11)
