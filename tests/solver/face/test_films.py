@@ -9,6 +9,7 @@ import xarray as xr
 import solver
 from solver.film.stack import Layer, Stack
 from solver.names import ALL_PEAKS, EVERY_FILM_QUANTITY, EVERY_QUANTITY, FILM_PEAKS, FILM_QUANTITIES, QUANTITIES
+from tests.solver.cases import assert_alike
 from tests.solver.film.films import FIBROUS, cylinder
 
 FILM: dict[str, Any] = {
@@ -151,6 +152,7 @@ def test_peak_pressure_is_the_largest_of_a_fine_scan(load: float, friction: floa
 
 
 def test_films_and_half_planes_in_one_table() -> None:
+    punch: dict[str, Any] = {"material": "PZT-4", "radius": 0.05, "friction": 0.2}
     cases = xr.Dataset(
         {
             "thickness": ("case", [np.nan, 0.2e-3, np.nan, 1e-3]),
@@ -160,15 +162,13 @@ def test_films_and_half_planes_in_one_table() -> None:
             "base_poisson": ("case", [np.nan, np.nan, np.nan, 0.3]),
             "load": ("case", [1e5, 1e5, 2e5, 2e5]),
         }
-    ).assign(material="PZT-4", radius=0.05, friction=0.2)
+    ).assign(punch)
     out = solver.solve(cases, POSITIONS)
-    half = solver.solve({"material": "PZT-4", "radius": 0.05, "friction": 0.2, "load": [1e5, 2e5]}, POSITIONS)
+    half = solver.solve(punch | {"load": [1e5, 2e5]}, POSITIONS)
     for key, value in half.data_vars.items():  # bit for bit
         np.testing.assert_array_equal(out[key][[0, 2]], np.broadcast_to(value, out[key][[0, 2]].shape))
-    named = solver.solve({"material": "PZT-4", "radius": 0.05, "friction": 0.2, "load": 2e5, "thickness": 1e-3,
-                          "surroundings": "insulated", "base": "steel"}, POSITIONS)  # fmt: skip
-    for key in half.data_vars:
-        np.testing.assert_allclose(out[key][3], named[key], rtol=1e-12, err_msg=str(key))
+    named = solver.solve(FILM | punch | {"load": 2e5, "thickness": 1e-3, "base": "steel"}, POSITIONS)
+    assert_alike(out.isel(case=3), named, 1e-12, map(str, half))
     assert not set(FILM_QUANTITIES) & set(out.data_vars)
 
 
@@ -192,17 +192,6 @@ def test_bases_of_the_library_carry_a_film(base: str) -> None:
     material = solver.find(base)
     assert material.source
     assert material.note
-    out = solver.solve(
-        {"material": "PZT-4", "thickness": 1e-4, "surroundings": "insulated", "base": base, "radius": 0.01, "load": 1e4}
-    )
-    rigid = solver.solve(
-        {
-            "material": "PZT-4",
-            "thickness": 1e-4,
-            "surroundings": "insulated",
-            "base": "rigid",
-            "radius": 0.01,
-            "load": 1e4,
-        }
-    )
+    film = FILM | {"material": "PZT-4", "thickness": 1e-4, "radius": 0.01, "load": 1e4}
+    out, rigid = solver.solve(film | {"base": base}), solver.solve(film)
     assert float(out["contact_trailing"]) > float(rigid["contact_trailing"])

@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg import expm
 
 import solver
 from solver.arrays import Array
@@ -43,3 +44,17 @@ def cylinder(
     """A cylinder of radius 50 mm that conducts both fields."""
     of = table(stack, friction, least=0.05, most=12.0, nodes=24, accuracy=accuracy)
     return contact(of, Profile.cylinder(np.array(0.05)), load, charges, datum)
+
+
+def by_exponentials(stack: Stack, wave: float) -> tuple[Array, Array]:
+    """[k u; t] on top, and k phi below every layer from the lowest on, of a stack whose layers lie on electrodes.
+
+    Of the base's tractions (4) and of the charges of the electrodes, the lowest first; (8, n) and (layer, n).
+    """
+    assert stack.base_medium is not None
+    columns, phi = np.concatenate([stack.base_medium.compliance, np.eye(4)]), []
+    for layer, medium in zip(stack.layers[::-1], stack.media[::-1], strict=True):
+        columns = np.concatenate([columns, np.eye(8)[:, [6]]], 1)
+        phi.append(np.pad(columns[2], (0, 4 + len(stack.layers) - columns.shape[1])))
+        columns = expm(wave * layer.thickness * medium.system) @ columns
+    return columns, np.array(phi)

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 import xarray as xr
 from scipy.interpolate import BarycentricInterpolator
-from scipy.linalg import expm
 
 import solver
 from solver.arrays import Array
 from solver.film.electrodes import Electrode, electrodes
 from solver.film.stack import Layer, Stack
-from tests.solver.film.films import BTO, FIBROUS, SILICON
+from tests.solver.film.films import BTO, FIBROUS, SILICON, by_exponentials
 
 PVDF, PZT, PDMS, GLASS, COPPER = (solver.find(name) for name in ("PVDF", "PZT-4", "PDMS", "glass", "copper"))
 BARE: dict[str, Any] = {"surroundings": "insulated"}
@@ -157,14 +156,8 @@ def test_a_patch_s_charge_is_reciprocal_to_what_its_voltage_moves() -> None:
     """u_y of the surface per phi of an electrode, by matrix exponentials of each layer, is the charge per sigma_yy."""
     k = np.array([1e3, 3e3, 1e4])
     rows = Electrode(ACTIVE, 2).rows(k)[:, 0]
-    for wave, row in zip(k, rows, strict=True):
-        assert ACTIVE.base_medium is not None
-        # [k u; t] going up, of the base's tractions (4) and of the charges of three electrodes (3)
-        columns, phi = np.concatenate([ACTIVE.base_medium.compliance, np.eye(4)]), []
-        for layer, medium in zip(ACTIVE.layers[::-1], ACTIVE.media[::-1], strict=True):
-            columns = np.concatenate([columns, np.eye(8)[:, [6]]], 1)
-            phi.append(np.pad(columns[2], (0, 7 - columns.shape[1])))
-            columns = expm(wave * layer.thickness * medium.system) @ columns
+    for wave, row in zip(k.tolist(), rows, strict=True):
+        columns, phi = by_exponentials(ACTIVE, wave)
         system = np.concatenate([columns[4:], phi])  # no traction on top, and phi of electrodes 3, 2, 1
         driven = np.eye(7)[5]  # of electrode 2: k phi in these units
         moved = columns[1] @ np.linalg.solve(system, driven)

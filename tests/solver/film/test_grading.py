@@ -13,6 +13,7 @@ from solver.arrays import Array
 from solver.film.basis import Basis
 from solver.film.electroded import surface as surface_of
 from solver.film.electrodes import Electrode
+from solver.film.floating import stiffness
 from solver.film.fourier import Medium
 from solver.film.grading import Graded, GradedMedium
 from solver.film.interior import Interior, interior_fields
@@ -270,6 +271,10 @@ def test_bad_gradings_are_refused_by_name(make: object, said: str | None) -> Non
         kernel(Stack((made,)) if isinstance(made := make(), Layer) else made, 1.0)
 
 
-def test_waves_of_a_graded_layer_are_refused() -> None:
+def test_what_is_not_given_of_graded_layers_is_refused() -> None:
     with pytest.raises(StackError, match="not graded"):
         waves(LINEAR, np.ones(1))
+    with pytest.raises(StackError, match="patch_size: of the electrode on top of a film that is graded is not given"):
+        Electrode(FALLING[True], 1).rows(np.ones(1))
+    with pytest.raises(StackError, match="floating_neighbours: of a film that is graded are not given"):
+        stiffness(LINEAR, 1, np.ones(1))
