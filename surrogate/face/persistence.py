@@ -14,7 +14,8 @@ from storage.sealed import FormatError
 from surrogate.data.inputs import Input, stored_inputs
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.face.engines import ENGINES, engine, members_of
-from surrogate.face.model import SMALLEST, GaussianProcess
+from surrogate.face.labelled import SMALLEST
+from surrogate.face.model import GaussianProcess
 from surrogate.face.region import Region
 from surrogate.face.sizes import check_sizes
 from surrogate.intervals.calibration import Calibration
