@@ -1,11 +1,11 @@
 """Answers at physical points: block by block, their errors scaled and distributed as held-out cases say."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 
-from approximation.arrays import Array
-from surrogate.data.inputs import unit_coordinates
+from approximation.arrays import Array, blocks
+from surrogate.data.inputs import physical_points, unit_coordinates
 from surrogate.face.core import Core
 from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
@@ -38,7 +38,7 @@ class Physical(Core):
         """
         mean = np.empty((len(self.outputs_), len(X)))
         std = np.empty_like(mean) if with_std else None
-        for block in _slices(len(X)):
+        for block in blocks(len(X), BLOCK):
             mean[:, block], deviation = self.mean_std(X[block], with_std)
             if std is not None and deviation is not None:
                 std[:, block] = deviation
@@ -88,7 +88,7 @@ class Physical(Core):
         ndarray, shape (d, p, n)
         """
         slopes = np.empty((len(self.inputs_), len(self.outputs_), len(X)))
-        for block in _slices(len(X)):
+        for block in blocks(len(X), BLOCK):
             slopes[..., block] = scaled(unit_coordinates(self.inputs_, X[block]))
         return np.asarray(slopes * self.unit_slopes(X))
 
@@ -98,7 +98,7 @@ class Physical(Core):
 
     def physical(self, t: Array) -> Array:
         """Return the physical points of scaled coordinates, (d, n): (n, d)."""
-        return np.stack([own.from_unit(row) for own, row in zip(self.inputs_, t, strict=True)], axis=1)
+        return physical_points(self.inputs_, t)
 
     def slope_stds(self, t: Array) -> Array:
         """Return the calibrated standard deviations of the derivatives by scaled coordinates (d, B): (d, p, B)."""
@@ -132,10 +132,6 @@ class Physical(Core):
         return np.ones((self.parts, len(self.outputs_))) if self.calibration_ is None else self.calibration_.weights
 
 
-def _slices(count: int) -> Iterator[slice]:
-    return (slice(start, start + BLOCK) for start in range(0, count, BLOCK))
-
-
 def in_blocks(t: Array, asked: Callable[[Array], Array]) -> Array:
     """Return what many points give, (p, n), asked for in blocks.
 
@@ -144,4 +140,4 @@ def in_blocks(t: Array, asked: Callable[[Array], Array]) -> Array:
     t : ndarray, shape (d, n), scaled coordinates
     asked : callable, (d, B) -> (p, B)
     """
-    return np.concatenate([asked(t[:, block]) for block in _slices(t.shape[1])], axis=1)
+    return np.concatenate([asked(t[:, block]) for block in blocks(t.shape[1], BLOCK)], axis=1)
