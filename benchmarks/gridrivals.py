@@ -19,14 +19,8 @@ GridFit = Callable[[Sequence[Array], Array], Predict]
 _NOISE = 1e-10
 
 
-def chebyshev(levels: Sequence[Array], values: Array) -> Predict:
-    """The tensor polynomial through all cases; the transform belongs to the fit.
-
-    Parameters
-    ----------
-    levels : sequence of ndarray, shape (n_f,), of every factor in [-1, 1]
-    values : ndarray, shape (n_1, ..., n_d, p), the outputs
-    """
+def _chebyshev(levels: Sequence[Array], values: Array) -> Predict:
+    """The tensor polynomial through all cases; the transform belongs to the fit."""
     kept = reduce(coefficients, range(len(levels)), values)
 
     def predict(at: Array, with_std: bool) -> tuple[Array, None]:
@@ -114,7 +108,7 @@ def _transformed(values: Array, bases: Sequence[Array]) -> Array:
 
 
 GRID_RIVALS: dict[str, GridFit] = {
-    "tensor Chebyshev interpolation": chebyshev,
+    "tensor Chebyshev interpolation": _chebyshev,
     "cubic grid spline (scipy NdBSpline)": _cubic_spline,
     "Kronecker RBF GP (numpy)": kronecker,
 }
