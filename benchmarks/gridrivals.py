@@ -4,12 +4,11 @@ from collections.abc import Callable, Sequence
 from functools import reduce
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
 from scipy.interpolate import NdBSpline, make_interp_spline
 from scipy.optimize import minimize
 
 from approximation.arrays import Array
-from approximation.chebyshev import coefficients
+from approximation.chebyshev import coefficients, polynomials
 from benchmarks.rivals import Predict
 from surrogate.use.baseline import contracted
 
@@ -24,7 +23,7 @@ def _chebyshev(levels: Sequence[Array], values: Array) -> Predict:
     kept = reduce(coefficients, range(len(levels)), values)
 
     def predict(at: Array, with_std: bool) -> tuple[Array, None]:
-        rows = [chebvander(column, len(own) - 1) for column, own in zip(at.T, levels, strict=True)]
+        rows = [polynomials(column, len(own)).T for column, own in zip(at.T, levels, strict=True)]
         return contracted(kept, rows), None
 
     return predict

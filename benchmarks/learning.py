@@ -149,12 +149,12 @@ class Device:
 
     def read(self) -> tuple[Measurements, set[int]]:
         """What is measured, and the rows that hold an outlier."""
-        random, one = np.random.default_rng((self.seed, 4)), self.scenario
+        random, scenario = np.random.default_rng((self.seed, 4)), self.scenario
         row, output = np.nonzero(random.uniform(size=(self.rows, 2)) < 0.9)
         error = ERROR * SIZES[output]
-        value = self.truth[row, output] + one.errors * error * random.normal(size=len(row))
-        value *= 1 + np.where(output == 0, one.gain * random.normal(), 0.0)
-        off = random.choice(len(row), one.outliers, replace=False)
+        value = self.truth[row, output] + scenario.errors * error * random.normal(size=len(row))
+        value *= 1 + np.where(output == 0, scenario.gain * random.normal(), 0.0)
+        off = random.choice(len(row), scenario.outliers, replace=False)
         value[off] += error[off] * random.choice([-1, 1], len(off)) * random.uniform(6, 20, len(off))
         return Measurements(self.points[: self.rows], row, output, value, error), set(row[off].tolist())
 

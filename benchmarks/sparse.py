@@ -70,7 +70,7 @@ def sparse_grid(solve: Callable[[Array], Array], dimensions: int, most: int) -> 
         for k in range(dimensions):
             new = tuple(level + (axis == k) for axis, level in enumerate(indices[best]))
             below = [tuple(n - (axis == j) for axis, n in enumerate(new)) for j in range(dimensions) if new[j]]
-            if max(new) < _LEVELS and new not in known and all(one in done for one in below):
+            if max(new) < _LEVELS and new not in known and all(index in done for index in below):
                 point = leja_points[list(new)][None]
                 # a point of the same degree or more in all dimensions is no other's predecessor: surpluses stay
                 surpluses.append(solve(point)[0] - at(point)[0])

@@ -245,7 +245,7 @@ class _Local:
         z: Array = np.append(x, level)
         for _ in range(_ROUNDS):
             stop = _Stop(z)
-            found = scipy.optimize.minimize(
+            search = scipy.optimize.minimize(
                 height,
                 z,
                 jac=height_slope,
@@ -255,7 +255,7 @@ class _Local:
                 callback=stop.check,
                 options={"maxiter": 100, "ftol": _CONVERGED},
             )
-            before, z = z, _settled(np.asarray(found.x), d, margins, margins_slope)
+            before, z = z, _settled(np.asarray(search.x), d, margins, margins_slope)
             if np.abs(z - before).max() <= _STANDS or not stop.stalled:
                 break
         return np.asarray(z[:d])
