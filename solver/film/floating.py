@@ -20,9 +20,9 @@ from scipy.special import jv
 from solver.arrays import Array, ComplexArray
 from solver.film.electrodes import Electrode
 from solver.film.fourier import FLIP, falling
-from solver.film.kernel import wavenumbers
 from solver.film.reflection import held, waves
 from solver.film.stack import Stack, StackError
+from solver.film.wavenumbers import wavenumbers
 
 _PHI = 2  # of (x, y, phi, psi)
 _NODES = 64  # of Chebyshev's rule for two gaps that do not touch
