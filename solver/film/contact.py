@@ -11,6 +11,7 @@ import numpy as np
 
 from solver.arrays import Array, dot
 from solver.film import outputs
+from solver.film.basis import mean_rule
 from solver.film.causes import Causes, Loading
 from solver.film.electroded import lowest
 from solver.film.press import extent
@@ -285,7 +286,5 @@ def mean_power(centre: Array, n: int) -> Array:
     centre : ndarray, shape (case,), c/h
     n : int
     """
-    count = n // 2 + 4
-    angle = np.pi * np.arange(1, count + 1) / (count + 1)
-    weights = 8 / 3 * np.sin(angle) ** 4 / (count + 1)
-    return np.asarray((np.cos(angle) + centre[:, None]) ** n @ weights)
+    X, weights = mean_rule(n // 2 + 4)
+    return np.asarray((X + centre[:, None]) ** n @ weights)

@@ -18,7 +18,7 @@ from scipy.special import betainc
 
 from approximation.chebyshev import coefficients, gauss_points
 from solver.arrays import Array
-from solver.film.basis import Basis, jacobi
+from solver.film.basis import Basis, double_exponential, jacobi
 
 #: Types of integrals: sgn, its product with (X - S) and (X - S)^2; the same of log; the same of 1.
 SIGN, LOG, PLAIN = 0, 3, 6
@@ -40,11 +40,7 @@ class Rough:
     def _rule(self) -> tuple[Array, Array, Array, Array]:
         """X, 1 - X, 1 + X and weights of a double exponential rule on [-1, 1]."""
         A, B = self.basis.exponents
-        end = np.arcsinh(40 / (np.pi * min(1 - A, 1 - B, 1 + A, 1 + B)))
-        steps = np.linspace(-end, end, 301 + 8 * self.basis.terms)
-        below, above = 2 / (1 + np.exp(-np.pi * np.sinh(steps))), 2 / (1 + np.exp(np.pi * np.sinh(steps)))
-        weights = (steps[1] - steps[0]) * np.pi / 2 * np.cosh(steps) * below * above
-        return (below - above) / 2, above, below, np.asarray(weights)
+        return double_exponential(min(1 - A, 1 - B, 1 + A, 1 + B), 301 + 8 * self.basis.terms)
 
     @cached_property
     def projected(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
