@@ -138,17 +138,16 @@ class OnFilm(Body):
         if covered or kind.stack().conductors[0]:  # the electrode on top has the potential, not the punch
             refuse_charge(self.cases)  # a stack refuses what its base does not have before anything is computed
             kind = replace(kind, conducts=(False, bool(magnetic)))
-        if speed > 0 and not speed < (limit := self._critical(kind)):
-            raise CaseError(f"speed: {speed:g} m/s is not below the first critical speed of the film, {limit:.6g} m/s")
+        if speed > 0:
+            try:
+                limit = critical(kind)
+            except MaterialError as error:
+                raise FactorError(f"speed: {error}") from None
+            if not speed < limit:
+                raise CaseError(
+                    f"speed: {speed:g} m/s is not below the first critical speed of the film, {limit:.6g} m/s"
+                )
         return replace(kind, speed=speed)
-
-    @staticmethod
-    def _critical(kind: Kind) -> float:
-        """First critical speed [m/s]."""
-        try:
-            return critical(kind)
-        except MaterialError as error:
-            raise FactorError(f"speed: {error}") from None
 
     def _chosen(self, values: Any, places: Indices) -> Array:
         """Values of the cases at some places; (place,)."""

@@ -5,27 +5,24 @@ With q(k) the rows of an electrode times the transforms of the tractions, a stri
 antiderivatives F of these give: Im F of what presses, Re F of what is sheared.
 """
 
-from functools import cached_property, lru_cache
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from functools import cached_property, partial
+from typing import ClassVar
 
 import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray, joined
 from solver.film.contact import FilmContact
-from solver.film.electrodes import Electrode, transfers
+from solver.film.electrodes import Electrode, FarError, octave_of, transfers
 from solver.film.floating import Strips, strips
-from solver.film.reading import Collected, Reading
+from solver.film.reading import Reading
 from solver.film.similar import Films
-from solver.film.tractions import TractionTable
-from solver.film.windows import Kind, window
+from solver.film.stack import StackError
+from solver.film.windows import Kind, traction_window
 
 _BLOCK = 200_000  # transforms of cases at wavenumbers held at once
-_TABLES = 64  # kept: 0.1 MB each
-
-
-@lru_cache(_TABLES)
-def _tractions(kind: Kind, number: int) -> TractionTable:
-    return TractionTable(window(kind, number))
 
 
 def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
@@ -44,56 +41,139 @@ def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
     """
     reading.refused(conducts=films.kind.conducts[0])
     reading, parts = reading.over(films.thickness), list[tuple[Indices, dict[str, Array]]]()
-    for places, number, contact in films.parts:
-        own, thickness = reading.part(places), films.thickness[places]
-
-        def answer(
-            some: Indices, number: int, octave: int, of: int = number, contact: FilmContact = contact,
-            own: Reading = own, thickness: Array = thickness,
-        ) -> dict[str, Array]:  # fmt: skip
-            return _Read(films, of, contact, own.part(some), some, number, octave).quantities(thickness[some])
-
-        parts.append((places, own.together(answer, contact.half_width)))
+    for places, window, contact in films.parts:
+        own = reading.part(places)
+        read = partial(_OfLine, films.kind, window, contact, own, films.thickness[places])
+        parts.append((places, together(own, read, contact.half_width)))
     return joined(parts, films.load.size)
 
 
-class _Read:
+def together(reading: Reading, read: Callable[[Indices, int, int], "Collected"], extent: Array) -> dict[str, Array]:
+    """Outputs of cases by electrode and by octave of distances, those that all have.
+
+    Parameters
+    ----------
+    reading
+        Of the cases, lengths over the top layer's thickness.
+    read
+        What some cases bring to an electrode of a number, for an octave of distances.
+    extent
+        Of the contacts from their middle; (case,).
+
+    Raises
+    ------
+    StackError
+        A patch that reaches farther than is resolved.
+    """
+    octaves, parts = octave_of(reading.reach + extent), list[tuple[Indices, dict[str, Array]]]()
+    for number in np.unique(reading.collector).tolist():
+        for octave in np.unique(octaves).tolist():
+            some = np.flatnonzero((reading.collector == number) & (octaves == octave))
+            if not some.size:
+                continue
+            try:
+                parts.append((some, read(some, int(number), octave).quantities()))
+            except FarError as error:
+                size = "" if reading.size is None else f"{reading.size[some].max():.3g} thicknesses of the top layer; "
+                raise StackError(f"patch_size: {size}{error}") from None
+    return joined(parts, extent.size)
+
+
+class Collected(ABC):
+    """What contacts of either kind bring to one electrode and to patches of it; (case,) each.
+
+    Parameters
+    ----------
+    electrode
+        That is read.
+    reading
+        Its patches.
+    force
+        What presses.
+    loads
+        Force and charges, SI; (case, 3).
+    """
+
+    #: Names of the capacitance of a patch that floats, and of its voltage per force.
+    floats: ClassVar[tuple[str, str]]
+
+    def __init__(self, electrode: Electrode, reading: Reading, force: Array, loads: Array) -> None:
+        self.electrode, self.reading, self.force, self.scale = electrode, reading, force, electrode.stack.scale
+        self._whole = -np.einsum("j,cj->c", electrode.whole, loads * self.scale[1:]) / self.scale[2]
+
+    def quantities(self) -> dict[str, Array]:
+        """Those of ``solver.names.ELECTRODE_QUANTITIES``, and of patches that float; by name, SI."""
+        reading, force = self.reading, self.force
+        out = {
+            "electrode_charge_per_force": self._whole / force,
+            "electrode_stroke_per_volt": np.full_like(force, self.electrode.stroke),
+        }
+        if not self.electrode.on_top:
+            out["electrode_pressure"] = self._pressure()
+        if reading.size is not None:
+            out["patch_charge_per_force"] = self._patch(reading.position) / force
+        if reading.pitch is not None:
+            out["crosstalk"] = self._patch(reading.pitch) / self._patch(np.zeros_like(reading.pitch))
+            out["patch_charge_gradient"] = -2 * self._gradient(reading.pitch / 2) / force
+        if reading.floating is not None:
+            capacitance, voltage = self.floats
+            out[capacitance] = self._capacitance()
+            out[voltage] = -out["patch_charge_per_force"] / out[capacitance]
+        return out
+
+    @abstractmethod
+    def _pressure(self) -> Array:
+        """On the electrode below the middle of the contact [Pa]."""
+
+    @abstractmethod
+    def _patch(self, distance: Array) -> Array:
+        """Charges of patches whose middles are at distances (case,) over the top layer's thickness."""
+
+    @abstractmethod
+    def _gradient(self, distance: Array) -> Array:
+        """Their derivatives by the distance [m]."""
+
+    @abstractmethod
+    def _capacitance(self) -> Array:
+        """Of patches beside others that float."""
+
+
+class _OfLine(Collected):
     """Cases of one window and electrode whose distances are of like size; lengths over the top layer's thickness."""
 
+    floats = ("patch_capacitance", "patch_voltage_per_load")
+
     def __init__(
-        self, films: Films, of: int, contact: FilmContact, reading: Reading, some: Indices, number: int, octave: int
-    ) -> None:
-        stack, self.reading = films.kind.stack(), reading
-        self.electrode = electrode = Electrode(stack, number)
-        self.load = contact.load[some]
-        loads = np.concatenate([contact.load[:, None], contact.charges], -1)[some]
-        self.whole = -np.einsum("j,cj->c", electrode.whole, loads * stack.scale[1:]) / stack.scale[2]
-        if electrode.on_top and reading.size is None:
+        self, kind: Kind, window: int, contact: FilmContact, reading: Reading, thickness: Array,
+        some: Indices, number: int, octave: int,
+    ) -> None:  # fmt: skip
+        stack, loads = kind.stack(), np.concatenate([contact.load[:, None], contact.charges], -1)[some]
+        super().__init__(Electrode(stack, number), reading.part(some), contact.load[some], loads)
+        self.thickness = thickness[some]
+        if self.electrode.on_top and reading.size is None:
             return
         self.k, self.weights, rows = transfers(stack, number, octave)
-        self.scale = stack.scale
-        self.tractions = _tractions(films.kind, of).read(contact).part(some)
+        self.tractions = traction_window(kind, window).read(contact).part(some)
         self.carried: ComplexArray = np.empty((some.size, 2, self.k.size), np.complex128)
         step = max(_BLOCK // self.k.size, 1)
         for start in range(0, some.size, step):
             here = slice(start, start + step)
-            found = self.tractions.part(here).in_fourier_space(self.k)[..., 0]
-            self.carried[here] = np.einsum("ckt,krt->crk", found, rows) / stack.scale[2]
+            transforms = self.tractions.part(here).in_fourier_space(self.k)[..., 0]
+            self.carried[here] = np.einsum("ckt,krt->crk", transforms, rows) / stack.scale[2]
 
-    def quantities(self, thickness: Array) -> dict[str, Array]:
-        """By name, SI; (case,) each."""
-        out = {"electrode_charge_per_force": self.whole / self.load}
-        out["electrode_stroke_per_volt"] = np.full_like(self.load, self.electrode.stroke)
-        if not self.electrode.on_top:
-            pressure = -np.sum(self.carried[:, 1].real * self.weights, -1) / np.pi
-            out["electrode_pressure"] = pressure * self.scale[2] / self.scale[1]
-        collected = Collected(self.reading, lambda at: self._strip(at, 0), lambda at: self._strip(at, 1) / thickness)
-        out |= collected.quantities(self.load)
-        if self.reading.floating is not None:
-            of_case, rows = self._rows
-            out["patch_capacitance"] = np.array([row.capacitance for row in rows])[of_case]
-            out["patch_voltage_per_load"] = -out["patch_charge_per_force"] / out["patch_capacitance"]
-        return out
+    def _pressure(self) -> Array:
+        pressure = -np.sum(self.carried[:, 1].real * self.weights, -1) / np.pi
+        return np.asarray(pressure * self.scale[2] / self.scale[1])
+
+    def _patch(self, distance: Array) -> Array:
+        return self._strip(distance, 0)
+
+    def _gradient(self, distance: Array) -> Array:
+        return self._strip(distance, 1) / self.thickness
+
+    def _capacitance(self) -> Array:
+        of_case, rows = self._rows
+        return np.array([row.capacitance for row in rows])[of_case]
 
     def _strip(self, distance: Array, order: int) -> Array:
         """Charges of strips, or their derivatives by the distance; (case,)."""

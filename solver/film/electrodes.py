@@ -12,11 +12,11 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray
 from solver.film.electroded import beyond_local, local
 from solver.film.fourier import falling
 from solver.film.grading import extrapolated, staircase
-from solver.film.reading import FarError
 from solver.film.reflection import waves
 from solver.film.stack import Stack, StackError
 from solver.film.wavenumbers import strip, wavenumbers
@@ -26,6 +26,10 @@ _TOP, _PHI = -1, 2  # the surface among the interfaces; phi among (x, y, phi, ps
 _FARTHEST = 2000.0  # distance over the width of the strip: bounded time
 _KEPT = 128  # transfers: 0.1 MB each
 _STEPS = (8, 16, 32, 64)  # of a graded layer: rows to 1e-9 of the largest
+
+
+class FarError(StackError):
+    """A patch that reaches farther than is resolved; what is said of it stands behind its size."""
 
 
 def electrodes(stack: Stack) -> list[tuple[int, ...]]:
@@ -208,6 +212,11 @@ def transfers(stack: Stack, number: int, octave: int) -> tuple[Array, Array, Arr
     octave : int, for distances up to 2^octave times the thickness of the top layer
     """
     return Electrode(stack, number).transfers(2.0**octave * stack.top.thickness)
+
+
+def octave_of(reach: Array) -> Indices:
+    """Least power of two, from 1 on, of distances over the thickness of the top layer; as ``reach``."""
+    return np.asarray(np.ceil(np.log2(np.maximum(reach, 1.0))), dtype=np.intp)
 
 
 def _small(stack: Stack) -> list[tuple[Array, Array]]:

@@ -22,7 +22,7 @@ from approximation.piecewise import Piecewise
 from solver.arrays import Array
 from solver.film.electroded import grounded, grounded_tails
 from solver.film.fourier import FLIP, Medium, falling
-from solver.film.reflection import body_below, difference
+from solver.film.reflection import body_below
 from solver.film.stack import Layer, Stack, StackError
 from solver.material.constants import Material
 
@@ -186,8 +186,10 @@ class GradedMedium:
         for i in range(count - 1, -1, -1):
             own, G = self.at(window * (ends[:, i] + ends[:, i + 1]) / 2)
             E = falling(G, k * window * (ends[:, i + 1] - ends[:, i]))
-            Y = own + difference(own, (FLIP * E) @ np.linalg.solve(FLIP * own + Y, own - Y) @ E)
-        return Y
+            F = (FLIP * E) @ np.linalg.solve(FLIP * own + Y, own - Y) @ E
+            both = np.swapaxes(F, -1, -2)
+            Y = own - (own + FLIP * own) @ np.swapaxes(np.linalg.solve(np.eye(4) + both, both), -1, -2)
+        return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
 
 
 @dataclass(frozen=True, eq=False)

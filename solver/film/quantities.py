@@ -1,6 +1,6 @@
 """Every quantity of films by its name: those of a half-plane that a contact has, and those that only a film has."""
 
-from collections.abc import Callable, Iterator, Sequence, Set
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +15,7 @@ from solver.film.similar import Films
 from solver.film.stack import StackError
 from solver.film.table import RangeError
 from solver.film.windows import Kind, peak_window
+from solver.halfplane.quantities import at_edges
 from solver.names import RESPONSES
 
 _STEPS = 20
@@ -41,26 +42,17 @@ def quantities(films: Films) -> dict[str, Array]:
     smooth = films.kind.smooth
     if all(smooth):
         out["peak_pressure"] = gather(peak_pressure)
-    for name, stress, edge, is_smooth in (
-        ("trailing", "trailing_tension", 1.0, smooth[0]),
-        ("leading", "leading_compression", -1.0, smooth[1]),
-    ):
-        if is_smooth:
-            if not films.kind.electroded:
-                out[stress] = gather(_at(FilmContact.edge_stress, edge))
-            intensity = np.sqrt(h)[:, None] * gather(_at(FilmContact.edge_intensity, edge))
-            out[f"electric_edge_intensity_{name}"] = intensity[:, 0]
-            out[f"magnetic_edge_intensity_{name}"] = intensity[:, 1]
+    out |= at_edges(
+        smooth,
+        None if films.kind.electroded else lambda edge: gather(lambda c: c.edge_stress(edge)),
+        lambda edge: np.sqrt(h)[:, None] * gather(lambda c: c.edge_intensity(edge)),
+    )
     for field, conducts in enumerate(films.kind.conducts):
         if conducts:
             out |= _responses(films, field)
     if "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (h * films.kind.above_ground)
     return out
-
-
-def _at(output: Callable[[FilmContact, float], Array], edge: float) -> Callable[[FilmContact], Array]:
-    return lambda contact: output(contact, edge)
 
 
 def _responses(films: Films, field: int) -> dict[str, Array]:

@@ -99,7 +99,7 @@ def _recursion(stack: Stack, k: Array, first: int) -> tuple[Array, list[LayerWav
         reflection: Array = np.asarray(np.linalg.solve(A, B), dtype=np.float64)
         E = falling(medium.decay, k * thickness)
         round_trip = (FLIP * E) @ reflection @ E
-        added = difference(own, round_trip)
+        added = _difference(own, round_trip)
         if np.any(long):
             lowest = number == len(stack.layers) - 1
             through = _transfer(medium, k[long] * thickness)
@@ -109,14 +109,8 @@ def _recursion(stack: Stack, k: Array, first: int) -> tuple[Array, list[LayerWav
     return Y, waves[::-1]
 
 
-def difference(own: Array, round_trip: Array) -> Array:
-    """Y_top - Y0 = -(Y0 + S Y0 S) F (I + F)^-1, from the transposed system; (k, 4, 4), symmetric.
-
-    Parameters
-    ----------
-    own : ndarray, shape (..., 4, 4), Y0
-    round_trip : ndarray, shape (k, 4, 4), F
-    """
+def _difference(own: Array, round_trip: Array) -> Array:
+    """Y_top - Y0 = -(Y0 + S Y0 S) F (I + F)^-1, from the transposed system; (k, 4, 4), symmetric."""
     both = np.swapaxes(round_trip, -1, -2)
     answer = np.swapaxes(np.linalg.solve(np.eye(4) + both, both), -1, -2)
     Y = -(own + FLIP * own) @ answer

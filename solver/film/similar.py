@@ -19,7 +19,7 @@ from solver.film.contact import FilmContact
 from solver.film.electroded import met
 from solver.film.press import LengthsError, load_at_nodes
 from solver.film.table import LEAST, MOST, RangeError, Table, told
-from solver.film.windows import FIRST, LAST, Kind, number_of, rough_window, window
+from solver.film.windows import FIRST, LAST, Kind, number_of, window
 from solver.halfplane.contact import Contact
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
@@ -142,7 +142,7 @@ class Films:
             own = window(self.kind, number)
             lengths, enough = [own.half_lengths], [self._enough(places, own)]
             for other in {*range(max(number - _BELOW, FIRST), min(number + _ABOVE, LAST) + 1)} - {number}:
-                rough = rough_window(self.kind, other)
+                rough = window(self.kind, other, rough=True)
                 apart = (rough.half_lengths * _APART < own.lower) | (rough.half_lengths > own.upper * _APART)
                 lengths.append(rough.half_lengths[apart])
                 enough.append(self._enough(places, rough)[:, apart])
