@@ -11,7 +11,7 @@ from solver.body import KINDS
 from solver.face.cases import Cases
 from solver.face.filmfactors import kinds_of, refuse
 from solver.face.refusal import FactorError
-from solver.film.reading import Reading
+from solver.film.electrodereading import Reading
 from solver.names import CHOICES, FACTORS, OF_AN_ELECTRODE
 
 _NEEDS = {

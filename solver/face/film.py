@@ -14,8 +14,8 @@ from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import CaseError, FactorError
-from solver.film.collected import electrode_quantities
-from solver.film.inside import inside
+from solver.film.electrodecharge import electrode_quantities
+from solver.film.interiorfields import interior_fields
 from solver.film.quantities import curves, peaks, quantities
 from solver.film.similar import Films
 from solver.film.surface import fields
@@ -98,7 +98,7 @@ class OnFilm(Body):
         return fields(films, positions)
 
     def _inside(self, films: Films, _: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-        return inside(films, x, y, names)
+        return interior_fields(films, x, y, names)
 
     def _of_groups(self, output: Callable[[Films, Indices], dict[str, Array]]) -> dict[str, Array]:
         """Outputs of the films of every group; these are made anew: tables of thousands of stacks are not kept."""

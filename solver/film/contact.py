@@ -12,9 +12,9 @@ import numpy as np
 from solver.arrays import Array, dot
 from solver.film import outputs
 from solver.film.basis import mean_rule
-from solver.film.causes import Causes, Loading
 from solver.film.electroded import lowest
-from solver.film.press import extent
+from solver.film.extent import extent
+from solver.film.loading import Causes, Loading
 from solver.film.table import Table
 from solver.halfplane.profile import Profile
 

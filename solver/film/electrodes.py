@@ -17,10 +17,10 @@ from solver.arrays import Array, ComplexArray
 from solver.film.electroded import beyond_local, local
 from solver.film.fourier import falling
 from solver.film.grading import extrapolated, staircase
+from solver.film.layerwaves import below
 from solver.film.reflection import waves
 from solver.film.stack import Stack, StackError
 from solver.film.wavenumbers import strip, wavenumbers
-from solver.film.within import below
 
 _TOP, _PHI = -1, 2  # the surface among the interfaces; phi among (x, y, phi, psi)
 _FARTHEST = 2000.0  # distance over the width of the strip: bounded time

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.film.fourier import Medium
 from solver.film.grading import Graded, staircase
+from solver.film.layerwaves import TURN, below, layer_waves, modal
 from solver.film.reflection import LayerWaves, held, waves
 from solver.film.stack import Stack, StackError
 from solver.film.tractions import Tractions
 from solver.film.wavenumbers import strip
-from solver.film.within import TURN, below, layer_waves, modal
 from solver.halfplane.interior import LINEAR, field_rows
 from solver.halfplane.potentials import POTENTIALS
 

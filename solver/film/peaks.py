@@ -16,8 +16,8 @@ from solver.arrays import Array, joined
 from solver.curves import PRINCIPAL, REGIONS, SHEAR, VON_MISES
 from solver.film.contact import FilmContact
 from solver.film.interior import Interior
-from solver.film.net import DEPTH, Net, Nets
 from solver.film.stack import StackError
+from solver.film.stressnets import DEPTH, Net, Nets
 from solver.film.table import RangeError, Table
 from solver.film.tractions import Tractions
 

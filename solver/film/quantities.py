@@ -8,11 +8,11 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array, joined
 from solver.film.contact import FilmContact
-from solver.film.crest import peak_pressure
-from solver.film.net import DEPTH
+from solver.film.peakpressure import peak_pressure
 from solver.film.peaks import PEAKS_OF, PeakTable
 from solver.film.similar import Films
 from solver.film.stack import StackError
+from solver.film.stressnets import DEPTH
 from solver.film.table import RangeError
 from solver.film.windows import Kind, peak_window
 from solver.halfplane.quantities import at_edges

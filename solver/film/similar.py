@@ -14,10 +14,10 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, joined, selected
-from solver.film.causes import Loading
 from solver.film.contact import FilmContact
 from solver.film.electroded import met
-from solver.film.press import LengthsError, load_at_nodes
+from solver.film.extent import LengthsError, load_at_nodes
+from solver.film.loading import Loading
 from solver.film.table import LEAST, MOST, RangeError, Table, told
 from solver.film.windows import FIRST, LAST, Kind, number_of, window
 from solver.halfplane.contact import Contact

@@ -10,11 +10,11 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.film.grading import Graded
-from solver.film.net import DEPTH
 from solver.film.peaks import PeakTable
 from solver.film.powerlaw import Constants, constants_of, material_from
 from solver.film.speed import critical_speed
 from solver.film.stack import RIGID, Layer, Stack
+from solver.film.stressnets import DEPTH
 from solver.film.table import LEAST, MOST, Table, table
 from solver.film.tractions import TractionTable
 from solver.halfplane.punch import Punch

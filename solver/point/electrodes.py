@@ -18,9 +18,9 @@ from scipy.special import j0, j1
 
 from approximation.arrays import Indices
 from solver.arrays import Array, joined
-from solver.film.collected import Collected, together
+from solver.film.electrodecharge import Collected, together
+from solver.film.electrodereading import RECTANGLE, RING, STRIP, Reading
 from solver.film.electrodes import Electrode, transfers
-from solver.film.reading import RECTANGLE, RING, STRIP, Reading
 from solver.film.stack import StackError
 from solver.point import hankel
 from solver.point.bessel import even_orders

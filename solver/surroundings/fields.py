@@ -12,11 +12,11 @@ from solver.curves import PRINCIPAL, REGIONS, VON_MISES
 from solver.fields import FIELDS
 from solver.film import quantities as film
 from solver.film.contact import FilmContact
-from solver.film.inside import in_blocks
 from solver.film.interior import Interior, fields_of
-from solver.film.net import Net, Nets, of_whole
+from solver.film.interiorfields import in_blocks
 from solver.film.peaks import PeakTable
 from solver.film.similar import Films
+from solver.film.stressnets import Net, Nets, of_whole
 from solver.halfplane.curves import lines as region_lines
 from solver.halfplane.curves import named
 from solver.halfplane.interior import LINEAR

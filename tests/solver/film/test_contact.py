@@ -5,7 +5,7 @@ import pytest
 
 import solver
 from solver.film.contact import FilmContact
-from solver.film.press import LengthsError, TensionError
+from solver.film.extent import LengthsError, TensionError
 from solver.film.stack import Layer, Stack
 from solver.film.table import RangeError, Table, table
 from solver.halfplane.contact import Contact

@@ -8,9 +8,9 @@ import pytest
 import solver
 from solver.arrays import Array
 from solver.film.contact import FilmContact
-from solver.film.net import DEPTH
 from solver.film.peaks import PeakTable
 from solver.film.stack import Layer, Stack, StackError
+from solver.film.stressnets import DEPTH
 from solver.film.table import RangeError, table
 from solver.halfplane.profile import Profile
 from solver.names import FILM_PEAKS

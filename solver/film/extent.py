@@ -7,7 +7,7 @@ what is not one contact without tension within the resolved range is refused by 
 import numpy as np
 
 from solver.arrays import Array, dot
-from solver.film.causes import Loading
+from solver.film.loading import Loading
 from solver.film.outputs import BALANCE, LOAD, PRESSURE
 from solver.film.table import RangeError, Table
 from solver.halfplane.pressing import ContactError

@@ -15,9 +15,9 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray, joined
 from solver.film.contact import FilmContact
+from solver.film.electrodereading import Reading
 from solver.film.electrodes import Electrode, FarError, octave_of, transfers
 from solver.film.floating import Strips, strips
-from solver.film.reading import Reading
 from solver.film.similar import Films
 from solver.film.stack import StackError
 from solver.film.windows import Kind, traction_window

@@ -14,7 +14,7 @@ _ALONG, _POINTS = 256, 4096  # positions along x, and points, at a time
 _VALUES = 1 << 16  # points times cases at a time
 
 
-def inside(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
+def interior_fields(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
     """Fields of ``solver.halfplane.interior.LINEAR`` and potentials, NaN in a rigid base; (case, field, y, x).
 
     Parameters
