@@ -199,26 +199,26 @@ class Basis:
     def sign_moments(self) -> Array:
         """Integrals of w P_j times the mean of sgn(X - S) / 2 over X; (pressures,): by a double exponential rule."""
         A, B = self.exponents
-        S, one, other, weight = double_exponential(min(A + 1, B + 1), 241 + 8 * self.terms)
-        weight = weight * one**A * other**B
-        angle = np.arctan2(S, np.sqrt(one * other))
+        S, to_trailing, to_leading, weight = double_exponential(min(A + 1, B + 1), 241 + 8 * self.terms)
+        weight = weight * to_trailing**A * to_leading**B
+        angle = np.arctan2(S, np.sqrt(to_trailing * to_leading))
         mean = -(angle + 2 / 3 * np.sin(2 * angle) + np.sin(4 * angle) / 12) / np.pi
         return np.asarray((weight * mean) @ self.pressure_factor(S))
 
 
 @lru_cache(256)
-def gauss_jacobi(count: int, one: float, other: float) -> tuple[Array, Array]:
-    """Gauss's rule of weight (1 - X)^one (1 + X)^other: nodes and weights, which cannot be written to.
+def gauss_jacobi(count: int, A: float, B: float) -> tuple[Array, Array]:
+    """Gauss's rule of weight (1 - X)^A (1 + X)^B: nodes and weights, which cannot be written to.
 
     Parameters
     ----------
     count : int, number of nodes
-    one, other : float, > -1
+    A, B : float, > -1
     """
     with np.errstate(
         invalid="ignore", divide="ignore"
-    ):  # SciPy divides by 0 where one + other = -1, in a place that it then replaces
-        X, weights = roots_jacobi(count, one, other)
+    ):  # SciPy divides by 0 where A + B = -1, in a place that it then replaces
+        X, weights = roots_jacobi(count, A, B)
     for array in (X, weights):
         array.flags.writeable = False
     return X, weights

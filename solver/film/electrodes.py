@@ -112,7 +112,7 @@ class Electrode:
     def capacitance(self) -> float:
         """To the next electrodes per area [F m-2], of plates whose layers are free to thicken and not to widen."""
         if self.stack.top.graded:
-            return 1 / float(self._extrapolated(lambda one: np.array(1 / one.capacitance)))
+            return 1 / float(self._extrapolated(lambda stepped: np.array(1 / stepped.capacitance)))
         scale, total = float(self.stack.scale[_PHI]), 0.0
         for layers in self.between:
             own = [(self.stack.layers[i].thickness, self.stack.media[i].system[_PHI, 4 + _PHI]) for i in layers]
@@ -146,7 +146,7 @@ class Electrode:
         if self.stack.top.graded:
             if self.on_top:
                 raise StackError("patch_size: of the electrode on top of a film that is graded is not given")
-            return self._extrapolated(lambda one: one.rows(k))
+            return self._extrapolated(lambda stepped: stepped.rows(k))
         if self.on_top:
             return np.stack([beyond_local(self.stack, k), np.zeros((k.size, 4))], 1)
         layers = waves(self.stack, k)
@@ -178,7 +178,7 @@ class Electrode:
     def whole(self) -> Array:
         """Charge of the electrode without end per total (sigma_yy, D_y, B_y) at the surface; (3,)."""
         if self.stack.top.graded:
-            return self._extrapolated(lambda one: one.whole)
+            return self._extrapolated(lambda stepped: stepped.whole)
         t, charge = np.eye(4)[:, 1:], np.zeros(3)
         held = ((_PHI,) if self.stack.electroded else (), *self.stack.grounded)
         for number, (A, C) in enumerate(_small(self.stack), _TOP):

@@ -37,8 +37,8 @@ def interior_fields(films: Films, x: Array, y: Array, names: tuple[str, ...]) ->
         for start in range(0, places.size, together):
             some = slice(start, start + together)
             for rows, columns in blocks:
-                found = fields_of(tractions.part(some), x[columns], y[rows], names, datum[some])
-                out[places[some], :, rows, columns] = found
+                values = fields_of(tractions.part(some), x[columns], y[rows], names, datum[some])
+                out[places[some], :, rows, columns] = values
     for number, name in enumerate(names):
         if name in POTENTIALS:
             out[:, number] *= films.thickness[:, None, None]

@@ -182,18 +182,18 @@ def _resolved(
     def values(x: Array) -> Array:
         return _transforms(stack, width, x) if graded is None else _graded(graded, width, x)
 
-    found = Piecewise.of(values, ends, DEGREE + 1, octaves)
+    channels = Piecewise.of(values, ends, DEGREE + 1, octaves)
     for _ in range(_HALVINGS):
-        large = _undecayed(found.series, least)
+        large = _undecayed(channels.series, least)
         if not np.any(large):
-            return found
-        found = found.halved(values, large)
-    if np.any(_undecayed(found.series, least)):
+            return channels
+        channels = channels.halved(values, large)
+    if np.any(_undecayed(channels.series, least)):
         raise StackError(
             "kernel: its table does not resolve this stack: layers too different in thickness or stiffness "
             "(or a speed next to the critical one)"
         )
-    return found
+    return channels
 
 
 def _undecayed(series: Array, least: float) -> BoolArray:

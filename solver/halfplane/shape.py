@@ -116,9 +116,9 @@ class Shape:
     def first_moment(self) -> Array:
         """Integral of X S; (...)."""
         head, tail = self._laurent
-        one = self._chebyshev[..., 1] if self._chebyshev.shape[-1] > 1 else 0.0
+        first = self._chebyshev[..., 1] if self._chebyshev.shape[-1] > 1 else 0.0
         mirrored = head[..., 1] if head.shape[-1] > 1 else 0.0
-        return np.asarray(self._sign * np.pi / 2 * (one + self.angle.delta * (tail[..., 0] + mirrored)))
+        return np.asarray(self._sign * np.pi / 2 * (first + self.angle.delta * (tail[..., 0] + mirrored)))
 
     @cached_property
     def logarithmic_moment(self) -> Array:

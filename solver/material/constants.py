@@ -233,7 +233,7 @@ class Material:
         """
         several = (self, *self.variants())
         values = {name: [float(getattr(variant, name)) for variant in several] for name in UNITS}
-        return {name: (min(found), max(found)) for name, found in values.items() if min(found) < max(found)}
+        return {name: (min(own), max(own)) for name, own in values.items() if min(own) < max(own)}
 
     def plain(self) -> dict[str, Any]:
         """The mapping that :meth:`from_mapping` reads back to the last bit, of a material without case axes."""
