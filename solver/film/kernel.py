@@ -222,15 +222,10 @@ def _transforms(stack: Stack, width: float, x: Array) -> Array:
     offset = (datum * weights / k).sum(-1)
     if (end := ended_at(stack, width, x)) is not None:  # beyond, the datum's part alone is left
         offset += np.array([regular[i, j] for i, j in ENTRIES[:6]]) * float(exp1(end * width))
-    out = np.empty((x.size, 19))
-    for block in range(0, x.size, step := max(_MOST // k.size, 1)):
-        some = slice(block, block + step)
-        phase = x[some, None] * k
-        sines, cosines = np.sin(phase) @ by_sine, np.cos(phase) @ by_cosine
-        out[some, [*range(6), TANGENTIAL]] = -sines[:, :7]
-        out[some, 6:9] = -cosines[:, :3]
-        out[some, 10:16] = cosines[:, 3:] + offset
-        out[some, 16:19] = -sines[:, 7:]
+    sines, cosines = _summed(x, k, by_sine, by_cosine)
+    out = np.concatenate(
+        [-sines[:, :6], -cosines[:, :3], -sines[:, 6:7], cosines[:, 3:] + offset, -sines[:, 7:]], axis=1
+    )
     out /= np.pi
     # the part c_B/k of a stack that passes its flux on sideways, in closed form
     angle = np.arctan(x / width)
@@ -245,12 +240,17 @@ def _graded(response: GradedResponse, width: float, x: Array) -> Array:
     rows = np.array([(weights[:, None, None] * response.decayed(k, width))[:, i, j] for i, j in ENTRIES]).T
     tails = np.array([response.tails[:3, i, j] for i, j in ENTRIES]).T  # (order, channel)
     sines, cosines = smooth_tails(x, width)
-    out = np.zeros((x.size, 19))
-    odd = _ODD[:10]
-    for block in range(0, x.size, step := max(_MOST // k.size, 1)):
-        some = slice(block, block + step)
-        phase = x[some, None] * k
-        out[some, np.flatnonzero(odd)] = np.sin(phase) @ rows[:, odd]
-        out[some, np.flatnonzero(~odd)] = np.cos(phase) @ rows[:, ~odd]
-    out[:, :10] += np.where(odd, sines.T @ tails, cosines.T @ tails)
+    out, odd = np.zeros((x.size, 19)), np.flatnonzero(_ODD[:10])
+    even = np.setdiff1d(np.arange(10), odd)
+    out[:, odd], out[:, even] = _summed(x, k, rows[:, odd], rows[:, even])
+    out[:, :10] += np.where(_ODD[:10], sines.T @ tails, cosines.T @ tails)
     return -out / np.pi
+
+
+def _summed(x: Array, k: Array, by_sine: Array, by_cosine: Array) -> tuple[Array, Array]:
+    """Sums over wavenumbers of rows (k, row) times sin kx and times cos kx; (x, row) each."""
+    sines, cosines = (np.empty((x.size, rows.shape[1])) for rows in (by_sine, by_cosine))
+    for start in range(0, x.size, step := max(_MOST // k.size, 1)):
+        phase = x[start : start + step, None] * k
+        sines[start : start + step], cosines[start : start + step] = np.sin(phase) @ by_sine, np.cos(phase) @ by_cosine
+    return sines, cosines
