@@ -83,7 +83,7 @@ class Loading:
         half, centre : ndarray, shape (case,) or (case, node), half-length h and c/h
         """
         axes = (slice(None), *(None,) * (half.ndim - 1))
-        powers, by_width, by_centre = slopes(np.moveaxis(self.slope[axes], -1, 0), half, centre)
+        powers, by_width, by_centre = slopes([*np.moveaxis(self.slope[axes], -1, 0)], half, centre)
         loads = self.loads[axes] / half[..., None]
         carried = loads[..., [1, 2, 0]] if self.order == -1 else loads[..., 1:]
         first = max(self.order, 0)

@@ -15,7 +15,7 @@ from solver.film.powerlaw import Constants, constants_of, material_from
 from solver.film.speed import critical_speed
 from solver.film.stack import RIGID, Layer, Stack
 from solver.film.stressnets import DEPTH
-from solver.film.table import LEAST, MOST, Table, table
+from solver.film.table import LEAST, MOST, LengthsError, RangeError, Table, table, told
 from solver.film.tractions import TractionTable
 from solver.halfplane.punch import Punch
 from solver.material.constants import Material
@@ -203,3 +203,55 @@ def number_of(ratio: Array) -> Indices:
     """The window that holds half-lengths over the thickness; any shape."""
     number = np.floor(_A_DECADE * np.log10(ratio))
     return np.asarray(np.clip(number, FIRST, LAST), dtype=np.intp)
+
+
+def searched(
+    guess: Array, beside: Callable[[Indices, int], Indices], thickness: Array, size: str, load: str
+) -> Indices:
+    """The window of every contact, from a guess on; (case,).
+
+    Parameters
+    ----------
+    guess : ndarray, shape (case,), half-length or radius over the thickness
+    beside : callable, says of places of cases and a window whether the contacts are below (-1), above (1) or within (0)
+    thickness : ndarray, shape (case,), of the top layers [m]
+    size, load : str, what is sought and what is carried, in words
+
+    Raises
+    ------
+    RangeError
+        A contact that is not resolved.
+    LengthsError
+        No contact of one size carries the load.
+    """
+    numbers = number_of(guess)
+    asked = np.arange(numbers.size)
+    for _ in range(LAST - FIRST + 2):
+        moved = np.zeros(asked.size, dtype=np.intp)
+        for number in np.unique(numbers[asked]).tolist():
+            here = numbers[asked] == number
+            moved[here] = beside(asked[here], number)
+        asked, moved = asked[moved != 0], moved[moved != 0]
+        if not asked.size:
+            return numbers
+        numbers[asked] += moved
+        if np.any((numbers < FIRST) | (numbers > LAST)):
+            raise beyond(bool(np.any(numbers < FIRST)), thickness, size)
+    raise LengthsError(
+        f"contact: no contact of one {size.split('-')[-1]} carries the {load} (charges too large for it)"
+    )
+
+
+def beyond(narrower: bool, thickness: Array, size: str) -> RangeError:
+    """What refuses contacts that are narrower, or else wider, than what is resolved.
+
+    Parameters
+    ----------
+    narrower : bool
+    thickness : ndarray, of the top layers [m]
+    size : str, ``half-length`` or ``radius``
+    """
+    how = "narrower" if narrower else "wider"
+    return RangeError(
+        f"contact: {how} than the resolved range, {LEAST:g} to {MOST:g} of {size} over thickness ({told(thickness)})"
+    )
