@@ -16,7 +16,6 @@ from approximation.arrays import Array
 from benchmarks.timing import least, timed
 from solver.curves import FOLLOWS, REGIONS, described
 from solver.film.contact import FilmContact
-from solver.film.curves import region_curves
 from solver.film.peaks import PeakTable
 from solver.film.stack import RIGID, Layer, Stack
 from solver.film.table import table
@@ -60,19 +59,11 @@ def _solved(base: str, region: str, place: Sequence[float], G: Array, charges: A
         whole, Profile.cylinder(np.full(G.shape, RADIUS)), load, load[:, None] * charges, np.ones(G.shape)
     )
     of, unit = PeakTable(whole), load / THICKNESS
-    found = {name: curve if name.endswith("position") else curve / unit[:, None]
-             for name, curve in region_curves(of, contact, region).items()}  # fmt: skip
+    fields = of.curves(contact, region)
+    found = {name: curve if name.endswith("position") else curve / unit[:, None] for name, curve in fields.items()}
     found |= {"mean_pressure": THICKNESS / (2 * contact.half_width), "half_length": contact.half_width}
-    if region == "interface":
-        peaks = of.interface(contact)
-        exact = dict(
-            zip(_OUTPUTS[region], (peaks.shear / unit, peaks.shear_position, peaks.tension / unit), strict=True)
-        )
-    else:
-        body_peaks = of.film(contact)
-        exact = dict(
-            zip(_OUTPUTS[region], (body_peaks.von_mises / unit, body_peaks.principal_tension / unit), strict=True)
-        )
+    peaks = of.peaks(contact, region)
+    exact = {name: peaks[name] if name.endswith("position") else peaks[name] / unit for name in _OUTPUTS[region]}
     return found | exact
 
 
