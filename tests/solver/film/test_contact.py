@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from solver.film.contact import FilmContact
-from solver.film.press import LengthsError, TensionError
+from solver.film.extent import TensionError
 from solver.film.stack import Layer, Stack
-from solver.film.table import RangeError, Table, table
+from solver.film.table import LengthsError, RangeError, Table, table
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from tests.solver.film.films import (
