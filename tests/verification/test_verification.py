@@ -87,6 +87,7 @@ def test_finite_elements_of_points_converge_and_a_wrong_answer_is_red(monkeypatc
     assert points.elements("rigid", 6) > 1e-3
 
 
+@pytest.mark.soak
 def test_finite_elements_of_films_converge() -> None:
     assert {curve.figure for curve in findings("film_elements", False).curves} == {"film_elements"}
     film = film_cases.Solved(film_cases.CASES["composite on a rigid base, charged"])

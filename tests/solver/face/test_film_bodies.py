@@ -34,6 +34,7 @@ def test_a_power_law_is_a_power_of_depth() -> None:
         np.testing.assert_allclose(getattr(law(depth), name), getattr(expected, name), rtol=1e-14)
 
 
+@pytest.mark.soak  # the same of a table of its own: test_contact_on_a_graded_film_is_read_from_a_table
 def test_fields_inside_a_graded_film_meet_its_surface_and_its_base() -> None:
     film = LINEAR
     out = solver.solve(film, [0.5])

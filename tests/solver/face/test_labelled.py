@@ -102,7 +102,7 @@ def test_each_case_of_a_factorial_is_the_case_alone() -> None:
 
 
 def test_each_material_of_a_list_is_the_material_alone() -> None:
-    names = list(solver.materials())
+    names = list(solver.materials())[::4]
     out = solver.solve({"material": names, **CHARGED, "friction": [0.0, 0.7]}, POSITIONS)
     assert out.voltage.dims == ("material", "friction")
     for name in names:

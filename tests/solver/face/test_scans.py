@@ -20,14 +20,14 @@ FILMS: dict[str, dict[str, Any]] = {
     "AlN on polyimide": LINE | BARE | {
         "material": "AlN", "base": "polyimide", "thickness": 2e-6, "friction": 0.1, "load": 1e2, "radius": 1e-3
     },
+    "in air": LINE | AIR | {"material": "PZT-4", "base": "steel", "thickness": 2e-4, "friction": 0.2, "load": 2e4},
     "PVDF on polyimide": LINE | BARE | {
         "material": "PVDF", "base": "polyimide", "thickness": 5e-5, "friction": 0.3, "load": 1e3
     },
+    "ball": BALL | BARE | {"material": "BaTiO3", "base": "steel", "thickness": 1e-4, "friction": 0.3, "force": 10.0},
     "PZT-4 on steel": LINE | BARE | {
         "material": "PZT-4", "base": "steel", "thickness": 5e-3, "friction": 0.3, "load": 1e3
     },
-    "in air": LINE | AIR | {"material": "PZT-4", "base": "steel", "thickness": 2e-4, "friction": 0.2, "load": 2e4},
-    "ball": BALL | BARE | {"material": "BaTiO3", "base": "steel", "thickness": 1e-4, "friction": 0.3, "force": 10.0},
     "ball in air": BALL | AIR | {"material": "BaTiO3", "base": "steel", "thickness": 1e-4, "force": 37.0},
 }  # fmt: skip
 
@@ -44,8 +44,8 @@ def scanned(edge: float, count: int, farthest: float) -> Array:
     return np.unique(np.concatenate([-beside, np.linspace(-0.999, 0.999, count), beside]))
 
 
-@pytest.mark.sampled(4)
-@pytest.mark.parametrize("name", ["BaTiO3 on steel", *list(FILMS)[-3:], *list(FILMS)[1:4]])
+@pytest.mark.sampled(3)
+@pytest.mark.parametrize("name", FILMS)
 def test_films(name: str) -> None:
     """Bare lines to sixty thicknesses beside the contact, the others to three."""
     case, far = FILMS[name], name not in ("in air", "ball", "ball in air")
@@ -61,6 +61,8 @@ def test_films(name: str) -> None:
     for peak, value in largest.items():
         assert max(value, 0.0) <= float(found[peak]) * (1 + 1e-7), peak
         assert max(value, 0.0) >= float(found[peak]) * (1 - within), peak  # the net's points lie beside the top
+    if name == "BaTiO3 on steel":  # six thicknesses beside the contact; -0.46 MPa where two half-lengths were searched
+        assert float(found["base_peak_principal_tension"]) == pytest.approx(20.96e6, rel=5e-4)
     place = float(found["interface_shear_position"])
     there = abs(float(solver.solve_interior(case, [place], [-deep / h], fields=["stress_xy"])["stress_xy"].squeeze()))
     assert there == pytest.approx(float(found["interface_shear"]), rel=1e-6)

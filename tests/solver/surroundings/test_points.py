@@ -65,7 +65,7 @@ def test_finite_elements_of_body_and_gap_agree(
     assert np.max(np.abs(phi[some] - other.voltage)) > 0.3 * abs(other.voltage)
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.soak
 @pytest.mark.parametrize(("power", "tolerance"), [((1.0, 0.05), 1e-6), ((4.0, 1e9), 3e-8)])
 def test_finite_elements_below_a_cone_and_a_power_agree(power: tuple[float, float], tolerance: float) -> None:
     """With the gap's end given; a cone's kinked apex is harder on the elements."""

@@ -100,8 +100,8 @@ def corrected(found: Learnt, rows: Measurements) -> CorrectedGP:
     return CorrectedGP(nominal(), effect, CONSTANTS, found.about, found.draws, rows, np.zeros(2), "what it taught")
 
 
-# of four, whose shares scatter by 0.105, 0.033 and 0.12 from device to device, three standard deviations more
-@pytest.mark.parametrize(("count", "slack"), [(4, 3.0), pytest.param(200, 0.0, marks=pytest.mark.soak)])
+# of two, whose shares scatter by 0.105, 0.033 and 0.12 from device to device, three standard deviations more
+@pytest.mark.parametrize(("count", "slack"), [(2, 3.0), pytest.param(200, 0.0, marks=pytest.mark.soak)])
 def test_intervals_hold_on_synthetic_devices(count: int, slack: float) -> None:
     # discrepancies from none to ten times the noise; 20 truths a device of each output that nobody has measured
     truths, rows, constants = [], [], []
