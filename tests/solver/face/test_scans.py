@@ -31,6 +31,9 @@ FILMS: dict[str, dict[str, Any]] = {
     "ball in air": BALL | AIR | {"material": "BaTiO3", "base": "steel", "thickness": 1e-4, "force": 37.0},
 }  # fmt: skip
 
+#: Points across, thicknesses beside the contact, depths and what the net may miss, of what takes longer inside.
+NETS = {"in air": (61, 60.0, 12, 0.05), "ball": (31, 3.0, 12, 0.05), "ball in air": (31, 3.0, 12, 0.05)}
+
 
 def half_length(found: xr.Dataset) -> float:
     if "contact_radius" in found:
@@ -48,10 +51,11 @@ def scanned(edge: float, count: int, farthest: float) -> Array:
 @pytest.mark.parametrize("name", FILMS)
 def test_films(name: str) -> None:
     """Bare lines to sixty thicknesses beside the contact, the others to three."""
-    case, far = FILMS[name], name not in ("in air", "ball", "ball in air")
+    case = FILMS[name]
+    count, farthest, layers, within = NETS.get(name, (161, 60.0, 24, 0.02))
     found = solver.solve(case, peaks=True)
     h, deep = half_length(found), case["thickness"]
-    X, layers, within = (scanned(deep / h, 161, 60.0), 24, 0.02) if far else (scanned(deep / h, 19, 3.0), 8, 0.05)
+    X = scanned(deep / h, count, farthest)
     on = solver.solve_interior(case, X, [-deep / h], fields=["stress_xy", "stress_yy"])
     largest = {"interface_shear": float(abs(on["stress_xy"]).max()), "interface_tension": float(on["stress_yy"].max())}
     for body, top, bottom in (("film", 0.1 * h, deep), ("base", deep * (1 + 1e-9), 4 * (deep + h))):
@@ -60,7 +64,8 @@ def test_films(name: str) -> None:
         largest |= {f"{body}_peak_{field}": float(inside[field].max()) for field in fields}
     for peak, value in largest.items():
         assert max(value, 0.0) <= float(found[peak]) * (1 + 1e-7), peak
-        assert max(value, 0.0) >= float(found[peak]) * (1 - within), peak  # the net's points lie beside the top
+        least = 1e-6 * float(found["interface_shear"])  # far away some pull is left of nothing
+        assert max(value, 0.0) >= float(found[peak]) * (1 - within) - least, peak  # the net's points lie beside the top
     if name == "BaTiO3 on steel":  # six thicknesses beside the contact; -0.46 MPa where two half-lengths were searched
         assert float(found["base_peak_principal_tension"]) == pytest.approx(20.96e6, rel=5e-4)
     place = float(found["interface_shear_position"])
