@@ -5,7 +5,7 @@ from typing import TypeVar
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.materials import material_of
-from workflow.study import punches, surroundings
+from workflow.study import defaults
 from workflow.study.contents import Contents
 
 Whole = TypeVar("Whole", bound=Contents)
@@ -24,8 +24,7 @@ def pressed(study: Whole) -> Whole:
             "device": study.signal.device or study.device,
         }
     )
-    punches.settle(own)
-    surroundings.settle(own)
+    defaults.settle(own)
     return own
 
 

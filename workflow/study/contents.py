@@ -34,11 +34,7 @@ class Contents(Keys):
     _origin: Origin = PrivateAttr()
     _absent: frozenset[str] = PrivateAttr()
     _hanging: frozenset[str] = PrivateAttr(default=frozenset())
-    #: Whether the surroundings were chosen for the study, and why they are not air.
-    _settled: bool = PrivateAttr(default=False)
-    #: Whether the punch was chosen for the study.
-    _pressed: bool = PrivateAttr(default=False)
-    _why_insulated: str = PrivateAttr(default="")
+    _defaults: tuple[str, ...] = PrivateAttr(default=())
 
     @property
     def path(self) -> Path:
@@ -49,6 +45,15 @@ class Contents(Keys):
     def own_materials(self) -> dict[str, Material]:
         """The study's own materials by name."""
         return self._origin.materials
+
+    @property
+    def defaults(self) -> tuple[str, ...]:
+        """What was chosen for the study, which does not say it, and why: a line each."""
+        return self._defaults
+
+    def tell_default(self, line: str) -> None:
+        """Keep a line of `defaults`."""
+        self._defaults = (*self._defaults, line)
 
     @property
     def absent(self) -> frozenset[str]:
