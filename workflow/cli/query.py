@@ -17,7 +17,7 @@ from surrogate import GaussianProcess
 from workflow.cli import predictions
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.pointtable import predicted
-from workflow.cli.words import pairs, say, trained
+from workflow.cli.words import place, say, trained
 from workflow.dataset import factorial
 from workflow.language.numbers import prefixed
 from workflow.study import location
@@ -45,7 +45,7 @@ def query(options: argparse.Namespace) -> None:
         options.output = output(options.output, *inputs)
     if options.at is not None:
         units = {name: axis.units for name, axis in model.box.items()}
-        values = {name: np.array([value]) for name, value in pairs(options.at, units).items()}
+        values = {name: np.array([value]) for name, value in place(options.at, units).items()}
         table = Table("--at", values, np.empty(0, dtype=np.int64))
     else:
         table = read_cases(options.table)

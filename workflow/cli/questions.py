@@ -13,7 +13,7 @@ from solver.names import ALL_QUANTITIES, CHOICES
 from surrogate import GaussianProcess, Input, load
 from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
 from workflow.cli import predictions
-from workflow.cli.words import quantity, trained
+from workflow.cli.words import named, quantity, trained
 from workflow.dataset import factorial
 from workflow.design.search import targets
 from workflow.design.told.words import verdict
@@ -79,14 +79,16 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
     asked: dict[str, Any] = {
         "maximise": list(words.get("maximise") or []),
         "minimise": list(words.get("minimise") or []),
-        "over": {name: _variable(name, text) for name, text in _named("--over", words.get("over"))},
-        "at": {name: _value(f"--at: {name}", name, text) for name, text in _named("--at", words.get("at"))},
+        "over": {name: _variable(name, text) for name, text in named("--over", words.get("over")).items()},
+        "at": {name: _value(f"--at: {name}", name, text) for name, text in named("--at", words.get("at")).items()},
         "worst_case": {
             name: _interval(f"--worst-case: {name}", name, text)
-            for name, text in _named("--worst-case", words.get("worst_case"))
+            for name, text in named("--worst-case", words.get("worst_case")).items()
         },
-        "uncertain": {name: _distribution(name, text) for name, text in _named("--uncertain", words.get("uncertain"))},
-        "tolerance": dict(_named("--tolerance", words.get("tolerance"))),
+        "uncertain": {
+            name: _distribution(name, text) for name, text in named("--uncertain", words.get("uncertain")).items()
+        },
+        "tolerance": named("--tolerance", words.get("tolerance")),
         "subject_to": list(words.get("limit") or []),
     }
     robust = words.get("robust")
@@ -172,9 +174,9 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
         Names, numbers or a form that are not understood; measurements that no case of the box explains.
     """
     study, model = results(folder)
-    pairs = _named("--measured", words.get("measured"))
+    measured = named("--measured", words.get("measured"))
     values, errors = [], []
-    for name, text in pairs:
+    for name, text in measured.items():
         value, error = _measured(name, text)
         values.append(value)
         errors.append(error)
@@ -182,20 +184,20 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
             raise InputError(
                 f"--measured: {name}: {text!r}: an error must be within {SMALLEST_ERROR:g} to {LARGEST_ERROR:g}"
             )
-    infer = [name for name, _ in _named("--infer", words.get("infer"))]
+    infer = list(named("--infer", words.get("infer")))
     at: dict[str, float | str] = {name: _usual(study, name) for name in study.categories}
-    at |= {name: _value(f"--at: {name}", name, text) for name, text in _named("--at", words.get("at"))}
+    at |= {name: _value(f"--at: {name}", name, text) for name, text in named("--at", words.get("at")).items()}
     try:
         for name, given in at.items():
             check_values(study, "--at", name, [given])
-        named = {name: str(at.pop(name)) for name in study.categories}
+        kinds = {name: str(at.pop(name)) for name in study.categories}
         held = {name: float(value) for name, value in at.items()}
-        asked = [_learned(study, name, named) for name, _ in pairs]
+        asked = [_learned(study, name, kinds) for name in measured]
         inversion = Inversion(model.only(asked) if study.kind.tabled else model, infer, asked, held)
     except ValueError as error:
         raise InputError(f"invert: {error}") from None
     estimate = inversion.estimate(np.array(values), np.array(errors))
-    if estimate.misfit > _IMPOSSIBLE + len(pairs):
+    if estimate.misfit > _IMPOSSIBLE + len(measured):
         raise InputError(
             f"invert: no case within the study's ranges gives these measurements (misfit {estimate.misfit:.3g})"
         )
@@ -244,28 +246,6 @@ def _units(name: str) -> str:
     """Units of a factor or quantity; none of a name that is not known, which is told later."""
     known = FACTORS.get(name) or ALL_QUANTITIES.get(name)
     return known.units if known else "1"
-
-
-def _named(option: str, words: Sequence[str] | None) -> list[tuple[str, str]]:
-    """``name`` or ``name=text`` of every part between commas outside brackets."""
-    parts = [part for word in words or [] for part in _split(word)]
-    pairs = [(name.strip(), text.strip()) for name, _, text in (part.partition("=") for part in parts)]
-    names = [name for name, _ in pairs]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"{option}: {name}: given twice")
-    return pairs
-
-
-def _split(word: str) -> list[str]:
-    parts, depth = [""], 0
-    for character in word:
-        depth += (character == "(") - (character == ")")
-        if character == "," and depth == 0:
-            parts.append("")
-        else:
-            parts[-1] += character
-    return parts
 
 
 def _variable(name: str, text: str) -> dict[str, Any]:
