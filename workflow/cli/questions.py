@@ -218,7 +218,7 @@ def _told(axis: Input, mean: float, low: float, high: float, *, si: bool) -> str
     if axis.to_unit(high) - axis.to_unit(low) > _UNTOLD * 2:  # the range is [-1, 1]
         within = f"the study's range is {shown(axis.low, units)} to {shown(axis.high, units)}"
         return f"{axis.name} cannot be told from this: {within}"
-    return f"{axis.name:16s} {predictions.with_units(mean, low, high, units, si=si)}"
+    return f"{axis.name:16s} {predictions.shown(mean, low, high, units, si=si)}"
 
 
 def _measured(name: str, text: str) -> tuple[float, float]:

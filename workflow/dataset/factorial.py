@@ -11,12 +11,12 @@ from solver import FactorError, solve, solve_curves
 from solver.names import ALL_QUANTITIES
 from surrogate import Grouping, Input, chebyshev_levels
 from surrogate.data.points import EVEN
-from workflow.dataset import draws, refused, similar
+from workflow.dataset import draws, similar
 from workflow.dataset.kept import Kept
 from workflow.language.factors import FACTORS
 from workflow.study import categories, representatives
 from workflow.study.model import Study
-from workflow.study.refusals import AllRefusedError, answered
+from workflow.study.refusals import AllRefusedError, answered, refused
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
@@ -202,15 +202,26 @@ def exact(
     except AllRefusedError:
         raise
     except FactorError as error:
-        raise refused.named(study, asked, factors, error) from None
+        raise _named(study, *refused(asked, factors, error)) from None
     if over:
         along = {name: _axis(study, name, axes[name]) for name in over}
-        solved = solved.assign_coords(along).transpose(*dict.fromkeys(one.dims[0] for one in along.values()), ...)
+        solved = solved.assign_coords(along).transpose(*dict.fromkeys(axis.dims[0] for axis in along.values()), ...)
     return solved.drop_vars([name for name, quantity in ALL_QUANTITIES.items() if quantity.sparse and name in solved])
+
+
+def _named(study: Study, case: Mapping[str, Any], reason: FactorError) -> FactorError:
+    """The refusal of one case, with the factors and categories that tell it from others."""
+    given = [
+        f"{name} = {case[name]:.6g} {FACTORS[name].units}".removesuffix(" 1") if name in study.factors
+        else f"{name} = {case[name]}"
+        for name in (*study.factors, *study.categories)
+        if name in case
+    ]  # fmt: skip
+    return type(reason)(f"{reason}; the case is {', '.join(given)}") if given else reason
 
 
 def _axis(study: Study, name: str, values: Any) -> xr.Variable:
     """Values of a group over the dimension that they have, or over its own."""
-    one, dim = study.products[name], values.dims if isinstance(values, xr.DataArray) else name
-    attrs = {"units": one.units, "long_name": FACTORS[name].long_name if one.lone else one.text}
+    product, dim = study.products[name], values.dims if isinstance(values, xr.DataArray) else name
+    attrs = {"units": product.units, "long_name": FACTORS[name].long_name if product.lone else product.text}
     return xr.Variable(dim, np.asarray(values), attrs)

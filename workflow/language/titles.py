@@ -93,7 +93,7 @@ def in_words(text: str) -> str:
     return told.replace(" / ", " over ") if not _OTHERS.search(text) else told
 
 
-def stated(statement: statements.Objective | statements.Limit) -> str:
+def stated(statement: statements.Statement) -> str:
     """What is wanted or bounded, in words, and what a deviation is taken over.
 
     Examples
@@ -126,12 +126,12 @@ def _superlative(goal: statements.Objective) -> str:
     return words if words.startswith(most) else f"{most} {words}"
 
 
-def units(statement: statements.Objective | statements.Limit, si: str) -> str:
+def units(statement: statements.Statement, si: str) -> str:
     """The unit in which a statement's values are told, for their own in SI: deviations are shares.
 
     Parameters
     ----------
-    statement : Objective or Limit
+    statement : Statement
     si : str, the unit of its values in SI
 
     Examples

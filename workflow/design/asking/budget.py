@@ -51,43 +51,27 @@ def asked(question: Question) -> bool:
     return any(names(question, term) for term in question.terms)
 
 
-class Hybrid:
+class _Hybrid(Source):
     """The exact solver but for what is costly, which comes from the surrogate."""
 
-    step: float | None = Exact.step
+    step = Exact.step
 
     def __init__(self, exact: Exact, predicted: Predicted, costly: frozenset[str]) -> None:
         self._exact, self._predicted, self._costly = exact, predicted, costly
         self.edge = exact.edge
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Quantities by name.
-
-        Parameters
-        ----------
-        factors : dict of str to ndarray, over (points, scenarios), SI
-        names : sequence of str, the quantities
-        """
         searched = [name for name in names if name in self._costly]
         closed = [name for name in names if name not in self._costly]
         out = self._exact.values(factors, closed) if closed else {}
         return out | (self._predicted.values(factors, searched) if searched else {})
-
-    def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
-        """Not given, as those of the exact solver.
-
-        Parameters
-        ----------
-        factors, names, over : as of `Source.slopes`
-        """
-        return self._exact.slopes(factors, names, over)
 
 
 def affordable(designs: Designs) -> Source:
     """What stands for the exact solver where a question asks for many cases, as in difference quotients."""
     if not asked(designs.question):
         return designs.exact
-    return Hybrid(designs.exact, designs.predicted, designs.question.study.costly)
+    return _Hybrid(designs.exact, designs.predicted, designs.question.study.costly)
 
 
 def safety(question: Question, usual: float) -> float:

@@ -1,7 +1,7 @@
 """Where a design question takes its quantities from: the surrogate, or the exact solver."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Protocol
 
 import numpy as np
 import xarray as xr
@@ -27,14 +27,15 @@ def shape(factors: Factors) -> tuple[int, ...]:
     return np.broadcast_shapes(*(values.shape for values in factors.values()))
 
 
-class Source(Protocol):
+class Source(ABC):
     """Quantities of factors."""
 
-    #: Step of difference quotients in scaled coordinates; None: the derivatives are analytic.
-    step: float | None
+    #: Step of difference quotients in scaled coordinates; None: `slopes` has the derivatives.
+    step: float | None = None
     #: The edge beyond which the solver refuses cases; None where it refuses none.
-    edge: Edge | None
+    edge: Edge | None = None
 
+    @abstractmethod
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """Quantities by name, (points, scenarios) each.
 
@@ -53,9 +54,10 @@ class Source(Protocol):
         names : sequence of str, the quantities
         over : sequence of str, the factors by which they are differentiated
         """
+        raise NotImplementedError("difference quotients take the place of derivatives")
 
 
-class Exact:
+class Exact(Source):
     """The exact solver of a study.
 
     Parameters
@@ -66,7 +68,7 @@ class Exact:
         A surrogate with an edge, which stands for the cases that the solver refuses: a search passes such on its way.
     """
 
-    step: float | None = 1e-6
+    step = 1e-6
 
     def __init__(self, study: Study, beyond: "Predicted | None" = None) -> None:
         self._study = study
@@ -119,21 +121,9 @@ class Exact:
         solved = self._study.solved(solve_interior, {**self._study.fixed, **axes}, [0.0], _DEPTHS, fields=parts)
         return float(np.hypot(*(solved[part].values for part in parts)).max())
 
-    def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
-        """Not given: the question differentiates by difference quotients.
 
-        Parameters
-        ----------
-        factors, names, over : as of `Source.slopes`
-        """
-        raise NotImplementedError("the exact solver gives no derivatives")
-
-
-class Predicted:
+class Predicted(Source):
     """The surrogate, for one combination of the study's categories."""
-
-    step: float | None = None
-    edge: Edge | None = None
 
     def __init__(self, model: GaussianProcess, kinds: Kinds | None = None) -> None:
         self.edge = None if model.region_ is None else Edge(model.region_, model.inputs_)

@@ -158,11 +158,7 @@ class Answer:
     @property
     def goal(self) -> str:
         """What is asked for, as the study writes it."""
-        stated = [term.statement for term in self.objectives]
-        return " and ".join(
-            f"{'maximise' if isinstance(statement, Objective) and statement.maximise else 'minimise'} {statement}"
-            for statement in stated
-        )
+        return " and ".join(f"{goal.statement.key} {goal.name}" for goal in self.objectives)
 
     @property
     def kinds(self) -> dict[str, str]:
