@@ -177,18 +177,17 @@ def value(name: str, number: float, digits: int = 3) -> str:
     return shown(number, (FACTORS[name] if name in FACTORS else ALL_QUANTITIES[name]).units, digits)
 
 
-def span(name: str, low: float, high: float, digits: int = 3) -> str:
-    """The ends of a factor's range; zero needs no unit.
+def span(name: str, low: float, high: float) -> str:
+    """A factor with the ends of its range; zero needs no unit.
 
     Parameters
     ----------
     name : str, the factor
     low, high : float, SI
-    digits : int, significant ones
 
     Examples
     --------
     >>> span("radius", 0.0, 0.05), span("friction", 0.1, 0.4)
-    ('0 to 50 mm', '0.1 to 0.4')
+    ('radius 0 to 50 mm', 'friction 0.1 to 0.4')
     """
-    return f"{value(name, low, digits) if low else 0} to {value(name, high, digits)}"
+    return f"{title(name)} {value(name, low) if low else 0} to {value(name, high)}"

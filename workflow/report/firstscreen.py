@@ -286,13 +286,8 @@ def _with_band(goal: Term) -> str:
 
 def _over(target: Target) -> str:
     """Over which conditions a goal counts, and how."""
-    spans = dict(target.worst_case) | {
-        name: list(distribution.support) for name, distribution in target.uncertain.items()
-    }
-    if not spans:
-        return ""
-    low_to_high = [f"{titles.title(name)} {titles.span(name, low, high)}" for name, (low, high) in spans.items()]
-    return f", {target.statistic.told} over {' and '.join(low_to_high)}"
+    spans = [titles.span(name, *ends) for name, ends in target.ranges.items()]
+    return f", {target.statistic.told} over {' and '.join(spans)}" if spans else ""
 
 
 def cost(found: Answer) -> str:

@@ -94,12 +94,15 @@ def dataset(folder: Path, hangs: frozenset[str], told: Collection[str]) -> dict[
 
 def surface(path: Path) -> list[dict[str, Any]]:
     """Errors and intervals of the fields under the punch."""
-    data = read_whole(path)
-    keys = ("max_error", "rmse", *_INTERVALS)
+    return _rows(read_whole(path), "output", ("max_error", "rmse", *_INTERVALS))
+
+
+def _rows(data: xr.Dataset, dim: str, keys: Sequence[str]) -> list[dict[str, Any]]:
+    """Numbers along a dimension, a row a ``name`` of it."""
+    columns = {key: data[key].transpose(dim).values.tolist() for key in keys}
     return [
-        {"name": str(name), **{key: float(row[key]) for key in keys}}
-        for name in data["output"].values
-        for row in [data.sel(output=name)]
+        {"name": str(name), **{key: float(column[place]) for key, column in columns.items()}}
+        for place, name in enumerate(data[dim].values)
     ]
 
 
@@ -136,17 +139,10 @@ def validation(folder: Path, study: Study) -> dict[str, Any]:
     """
     data = read_whole(folder / "validation.nc").sel(output=coupling.outputs(study))
     tolerance = float(data.attrs["tolerance"])
-    rows: list[dict[str, Any]] = [
-        {
-            "name": str(name),
-            "error": float(row["max_error"]),
-            "rmse": float(row["rmse"]),
-            "baseline": float(row["baseline_max_error"]) if "baseline_max_error" in row else None,
-            "r2": float(row["r2"]),
-            **{key: float(row[key]) for key in _INTERVALS},
-        }
-        for name in data["output"].values
-        for row in [data.sel(output=name)]
+    of_interpolation = ["baseline_max_error"] if "baseline_max_error" in data else []
+    rows = [
+        row | {"error": row["max_error"], "baseline": row.get("baseline_max_error")}
+        for row in _rows(data, "output", ("max_error", "rmse", "r2", *of_interpolation, *_INTERVALS))
     ]
     worst = max(rows, key=lambda row: row["error"])
     along = data["axis" if "axis" in data.dims else "input"].values
@@ -234,16 +230,7 @@ def readout(name: str, path: Path) -> dict[str, Any]:
     path : Path, its file
     """
     data = read_whole(path)
-    rows = [
-        {
-            "name": str(factor),
-            "coverage": float(row["coverage"]),
-            "width": float(row["width"]),
-            "left": float(row["left"]),
-        }
-        for factor in data["factor"].values
-        for row in [data.sel(factor=factor)]
-    ]
+    rows = _rows(data, "factor", ("coverage", "width", "left"))
     return {"name": name, "rows": rows, "cases": data.sizes["case"]}
 
 

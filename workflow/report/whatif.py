@@ -161,10 +161,7 @@ def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str
                 "held": not term.broken,
             }
         )
-    ranges = target.worst_case | {
-        factor: list(distribution.support) for factor, distribution in target.uncertain.items()
-    }
-    over = [f"{titles.title(factor)} {titles.span(factor, low, high)}" for factor, (low, high) in ranges.items()]
+    over = [titles.span(factor, *ends) for factor, ends in target.ranges.items()]
     if target.tolerance:
         over.append(f"the tolerances of {titles.listed([titles.title(name) for name in target.tolerance])}")
     return {

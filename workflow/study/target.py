@@ -137,6 +137,12 @@ class Target(Strict):
         }
 
     @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Ends of what a design does not choose, but for tolerances: worst cases, then supports of distributions."""
+        supports = {name: distribution.support for name, distribution in self.uncertain.items()}
+        return {name: (low, high) for name, (low, high) in self.worst_case.items()} | supports
+
+    @property
     def random(self) -> list[str]:
         """What is drawn where a limit or a statistic asks for draws: uncertain factors, and tolerances, uniformly."""
         return [*self.uncertain, *self.tolerance]
