@@ -14,7 +14,7 @@ from storage.netcdf import read_whole, write_whole
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.data.points import EVEN
 from workflow.dataset import factorial, holes
-from workflow.dataset.kept import Kept
+from workflow.dataset.casecache import CaseCache
 from workflow.run.joblog import log
 from workflow.study import partition
 from workflow.study.model import Study
@@ -112,7 +112,7 @@ def slabs(study: Study, path: str | Path) -> int:
     return min(partition.count(study), -(-read_whole(Path(path)).sizes.get("case", 0) // TOGETHER))
 
 
-def write_slab(study: Study, path_of_cases: Path, index: int, path: Path, kept: Kept | None = None) -> None:
+def write_slab(study: Study, path_of_cases: Path, index: int, path: Path, cache: CaseCache | None = None) -> None:
     """Solve a part of a round's cases exactly, and write them; those that the solver refuses are masked.
 
     Parameters
@@ -120,13 +120,13 @@ def write_slab(study: Study, path_of_cases: Path, index: int, path: Path, kept: 
     study : Study
     path_of_cases, path : Path, the file of the round's cases, and the one to write
     index : int, number of the part, from 0
-    kept : Kept, what was solved before; None: nothing
+    cache : CaseCache, of what was solved before; None: none
     """
     cases = read_whole(path_of_cases)
     places = np.arange(cases.sizes["case"]) // TOGETHER
     part = np.isin(places, np.array_split(np.unique(places), slabs(study, path_of_cases))[index])
     points = {name: xr.DataArray(cases[name].values[part], dims="case") for name in study.factors}
-    solved = factorial.exact(study, points, holes=np.inf, kept=kept)
+    solved = factorial.exact(study, points, holes=np.inf, cache=cache)
     write_whole(solved.assign_coords({EVEN: ("case", np.full(solved.sizes["case"], -1, np.int8))}), path)
 
 

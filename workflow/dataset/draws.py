@@ -8,7 +8,7 @@ import xarray as xr
 
 from approximation.arrays import Array
 from surrogate import Input
-from workflow.dataset.kept import AT_A_TIME
+from workflow.dataset.casecache import AT_A_TIME
 from workflow.study.model import Study
 from workflow.study.sections import Axis
 

@@ -12,7 +12,7 @@ from solver.names import ALL_QUANTITIES
 from surrogate import Grouping, Input, chebyshev_levels
 from surrogate.data.points import EVEN
 from workflow.dataset import draws, similar
-from workflow.dataset.kept import Kept
+from workflow.dataset.casecache import CaseCache
 from workflow.language.factors import FACTORS
 from workflow.study import categories, representatives
 from workflow.study.model import Study
@@ -109,7 +109,7 @@ def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
     }
 
 
-def cases(study: Study, name: str, kept: Kept | None = None) -> xr.Dataset:
+def cases(study: Study, name: str, cache: CaseCache | None = None) -> xr.Dataset:
     """Random exact cases of one of `SAMPLES`, over dimension ``case`` and the categories.
 
     Those for calibration have the curves that the surrogate learns, where it can correct them. Those that the solver
@@ -119,15 +119,15 @@ def cases(study: Study, name: str, kept: Kept | None = None) -> xr.Dataset:
     ----------
     study : Study
     name : str, that of the sample
-    kept : Kept, what was solved before; None: nothing
+    cache : CaseCache, of what was solved before; None: none
     """
     number, key = SAMPLES[name]
     ends = name == "calibration" and bool(study.groups) and not study.regions
     drawn, even = draws.sample(study, getattr(study.validation, key), (study.validation.seed, number), ends)
     if not ends:
-        return exact(study, drawn, curves=name == "calibration" and not study.groups, holes=np.inf, kept=kept)
+        return exact(study, drawn, curves=name == "calibration" and not study.groups, holes=np.inf, cache=cache)
     told = {"long_name": "1 where a case is spread evenly over the box, 0 where it is drawn towards its ends"}
-    return exact(study, drawn, holes=np.inf, kept=kept).assign_coords({EVEN: ("case", even, told)})
+    return exact(study, drawn, holes=np.inf, cache=cache).assign_coords({EVEN: ("case", even, told)})
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
@@ -151,7 +151,7 @@ def exact(
     regular: bool = False,
     curves: bool = False,
     holes: float | None = None,
-    kept: Kept | None = None,
+    cache: CaseCache | None = None,
 ) -> xr.Dataset:
     """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
@@ -167,7 +167,7 @@ def exact(
     regular : bool, whether the regular parts of the surface fields are wanted
     curves : bool, whether the curves that the surrogate learns are wanted
     holes : float, the most cases that may be refused, which are then masked (`workflow.study.refusals`); None: none
-    kept : Kept, what was solved before; None: nothing
+    cache : CaseCache, of what was solved before; None: none
 
     Raises
     ------
@@ -196,7 +196,7 @@ def exact(
 
     options = {"peaks": sorted(searched), "regular": regular, "regions": study.regions if curves else []}
     options |= {"positions": None if positions is None else list(map(float, positions))}
-    asked = whole if kept is None else kept.around(study, whole, options)
+    asked = whole if cache is None else cache.around(study, whole, options)
     try:
         solved = asked(factors) if holes is None else answered(asked, factors, holes)
     except AllRefusedError:

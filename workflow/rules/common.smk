@@ -7,7 +7,7 @@ import sys
 from functools import cache
 from itertools import count
 
-from workflow.dataset import asked, batches, kept
+from workflow.dataset import asked, batches, casecache
 from workflow.design.told import unreached
 from workflow.report import sections as page_sections
 from workflow.run import crate, lock, provenance, sources
