@@ -1,4 +1,4 @@
-"""``meecontact learn``: measured rows correct a study's surrogate, and what they have taught is said in words."""
+"""``meecontact learn``: measured rows correct a study's surrogate, and what they tell is said in words."""
 
 import argparse
 import json
@@ -74,7 +74,7 @@ def learn(options: argparse.Namespace) -> None:
     from surrogate.transforms.measured.corrected import CorrectedGP
     from workflow.cli import questions
     from workflow.cli.measuredtable import read_measured
-    from workflow.learning import measured, plan
+    from workflow.learning import correction, plan
     from workflow.study import uncertainty
 
     trained(options.on)
@@ -93,7 +93,7 @@ def learn(options: argparse.Namespace) -> None:
     if options.plan is not None:
         plan.check(model, options.plan, wanted, known, errors, box, at)
     try:
-        corrected, taught = measured.learn(study, model, rows, asked, say, instruments)
+        corrected, summary = correction.learn(study, model, rows, asked, say, instruments)
         further = (
             plan.plan(corrected, options.plan, wanted or known, errors, box, at, instruments)
             if options.plan is not None
@@ -102,8 +102,8 @@ def learn(options: argparse.Namespace) -> None:
     except InputError as error:
         raise InputError(f"{options.measured}: {error}") from None
     save(corrected, path)
-    plain = taught.plain | ({"plan": further.plain} if further else {})
-    lines = taught.lines + (further.lines if further else [])
+    plain = summary.plain | ({"plan": further.plain} if further else {})
+    lines = summary.lines + (further.lines if further else [])
     print(json.dumps(plain, indent=2, allow_nan=False) if options.json else "\n".join(map(one_line, lines)))
     say(f"wrote {path}: `meecontact query {path}` answers with it")
 

@@ -22,11 +22,11 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.language.sizes import size
 from workflow.language.spelling import nearest
-from workflow.learning import widened
+from workflow.learning import wider_box
 from workflow.study import location
 from workflow.study import model as studies
-from workflow.study.asked import check_target, check_values
 from workflow.study.categories import output
+from workflow.study.consistency import check_target, check_values
 from workflow.study.messages import first_problem
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -142,12 +142,12 @@ def ask(
     """
     study, model = results(folder)
     asked, notes = target(study, words), []
-    if wider := widened.beyond(study, asked):
-        keep = widened.lines(study, wider)
+    if wider := wider_box.beyond(study, asked):
+        keep = wider_box.lines(study, wider)
         notes = [f"the ranges are wider than the study's and were solved anew for this question; to keep them: {keep}"]
         tell("solving the wider ranges anew")
-        study = widened.made(study, asked, wider)
-        model = widened.learned(_checked(study, asked))
+        study = wider_box.made(study, asked, wider)
+        model = wider_box.learned(_checked(study, asked))
     else:
         _checked(study, asked)
     answer = targets.answer(study, "question", asked, model, tell)

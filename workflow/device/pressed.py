@@ -91,7 +91,7 @@ def held(study: Study, pressing: Pressing) -> xr.Dataset:
     Parameters
     ----------
     study
-        Of one case, as `workflow.study.beside.pressed` makes it.
+        Of one case, as `workflow.study.signal_case.of` makes it.
     pressing
         How hard.
     """

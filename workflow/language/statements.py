@@ -12,12 +12,12 @@ from math import isfinite
 
 from solver import units
 from workflow.language import grammar
-from workflow.language.constants import BORNE, Meeting
+from workflow.language.constants import ALLOWABLES, Meeting
 from workflow.language.expressions import Expression
 
 _LIMIT = re.compile(
     r"(?P<left>.+?)\s*(?P<sign><=|>=|<|>)\s*(?P<value>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.]))?\s*"
-    rf"(?P<unit>.*?)\s*(?:\b(?:of\s+)?(?P<borne>{'|'.join(BORNE)}))?"
+    rf"(?P<unit>.*?)\s*(?:\b(?:of\s+)?(?P<allowable>{'|'.join(ALLOWABLES)}))?"
     r"(?:\s*\bwith\s+probability\s+(?P<probability>\d*\.?\d+))?\s*"
 )
 _DEVIATION = re.compile(
@@ -85,7 +85,7 @@ class Limit(Statement):
         Share of the uncertain cases that must keep it; None: every case.
     unitless
         Whether the bound was written without a unit although the expression has one: it is read in SI.
-    borne
+    allowable
         The name of what a material bears, if that is the bound.
     """
 
@@ -95,7 +95,7 @@ class Limit(Statement):
     upper: bool
     probability: float | None = None
     unitless: bool = False
-    borne: str = ""
+    allowable: str = ""
 
     @property
     def sign(self) -> float:
@@ -159,7 +159,7 @@ def limit(text: str, meeting: Meeting = "line") -> Limit:
     if len(text) > grammar.LONGEST:
         raise ValueError(f"a limit of {len(text)} characters is longer than {grammar.LONGEST}")
     match = _LIMIT.fullmatch(text)
-    if match is None or (match["value"] is None and not match["borne"]):
+    if match is None or (match["value"] is None and not match["allowable"]):
         raise ValueError(f"{text!r} is not of the form: expression <= number [unit] [with probability p]")
     inner, over = _unwrapped(match["left"])
     expression, wrapped = grammar.parse(inner, meeting), over is not None
@@ -168,9 +168,9 @@ def limit(text: str, meeting: Meeting = "line") -> Limit:
     except ValueError as error:
         raise ValueError(f"{text!r}: {error}") from None
     expected = units.Unit.none() if wrapped else expression.unit()
-    borne = match["borne"] or ""
-    if borne:
-        _check_borne(text, borne, unit, expected)
+    allowable = match["allowable"] or ""
+    if allowable:
+        _check_allowable(text, allowable, unit, expected)
     elif match["unit"] and expected is not None and not unit.fits(expected):
         shown = str(expected) if wrapped else expression.lone() or str(expected)
         raise ValueError(f"{text!r}: unit mismatch: the limit is in {match['unit']}, the expression in {shown}")
@@ -182,9 +182,9 @@ def limit(text: str, meeting: Meeting = "line") -> Limit:
         raise ValueError(f"{text!r}: probability {probability:g} is not from 0.5 to below 1")
     if wrapped and (probability is not None or "<" not in match["sign"] or value <= 0):
         raise ValueError(f"{text!r}: a deviation takes a positive upper bound and no probability")
-    if borne and not value > 0:
-        raise ValueError(f"{text!r}: {value:g} of {borne} is no bound; must be a positive share")
-    bare = not match["unit"] and not borne and value != 0
+    if allowable and not value > 0:
+        raise ValueError(f"{text!r}: {value:g} of {allowable} is no bound; must be a positive share")
+    bare = not match["unit"] and not allowable and value != 0
     unitless = bare and expected is not None and not expected.fits(units.Unit.none())
     return Limit(
         text=_spaced(text),
@@ -197,15 +197,14 @@ def limit(text: str, meeting: Meeting = "line") -> Limit:
         upper="<" in match["sign"],
         probability=probability,
         unitless=unitless,
-        borne=borne,
+        allowable=allowable,
     )
 
 
-def _check_borne(text: str, borne: str, unit: units.Unit, expected: units.Unit | None) -> None:
+def _check_allowable(text: str, allowable: str, unit: units.Unit, expected: units.Unit | None) -> None:
     """Whether a share of what a material bears may bound an expression."""
     if not unit.fits(units.Unit.none()):
-        raise ValueError(f"{text!r}: {str(unit)!r} before {borne}: must be a pure number or %")
-    if expected is None or not expected.fits(units.parse(BORNE[borne].units)):
-        raise ValueError(
-            f"{text!r}: unit mismatch: {borne} is in {BORNE[borne].units}, the expression in {expected or 1}"
-        )
+        raise ValueError(f"{text!r}: {str(unit)!r} before {allowable}: must be a pure number or %")
+    if expected is None or not expected.fits(units.parse(ALLOWABLES[allowable].units)):
+        own = ALLOWABLES[allowable].units
+        raise ValueError(f"{text!r}: unit mismatch: {allowable} is in {own}, the expression in {expected or 1}")

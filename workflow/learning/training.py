@@ -16,8 +16,8 @@ from surrogate.intervals.sharing import sharing
 from surrogate.levels import counts, lines
 from surrogate.transforms.transformed import groups_of
 from surrogate.use import edge, validation
-from workflow.dataset import asked, batches, draws, factorial, holes
-from workflow.learning import curves, filled
+from workflow.dataset import batches, draws, factorial, holes, infill
+from workflow.learning import curves, imputation
 from workflow.run.joblog import log
 from workflow.study.model import Study
 from workflow.study.refusals import REASON, REFUSAL
@@ -45,7 +45,7 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     study : Study
     quantities : Dataset, over the axes and categories, or over the crossed places
     """
-    data, by = filled.whole(study, curves.learned(study, quantities)), None
+    data, by = imputation.imputed(study, curves.learned(study, quantities)), None
     if study.groups:
         data = factorial.with_factors(study, data)
         by = factorial.grouping(study, data)
@@ -123,7 +123,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
         many that are answered lie where it does not: attributes ``refused``, ``refused_inside``, ``answered_outside``.
     """
     points, cases, refused = answered(study, cases, model)
-    cases, quantities = factorial.learned(study, cases), filled.whole(study, factorial.learned(study, quantities))
+    cases, quantities = factorial.learned(study, cases), imputation.imputed(study, factorial.learned(study, quantities))
     by = groups_of(model)
     reduced = factorial.scaled(study, quantities, by)
     if study.crossed:
@@ -200,7 +200,7 @@ def calibrated(study: Study, model: GaussianProcess, quantities: xr.Dataset, cas
     return model.calibrate(curves.learned(study, cases))
 
 
-def widest(study: Study, model: GaussianProcess, number: int) -> asked.Place:
+def widest(study: Study, model: GaussianProcess, number: int) -> infill.Place:
     """Where 95 % intervals are widest, of random cases: mean over the outputs, each over its own mean width.
 
     Parameters
@@ -219,7 +219,7 @@ def widest(study: Study, model: GaussianProcess, number: int) -> asked.Place:
     most = np.argsort(-share, kind="stable")[: max(1, len(X) // _WIDEST)]
     spread = np.ptp(model.predict_array(X), axis=0)
     doubt = float((wide[most] / np.where(spread > 0, spread, 1.0)).max() / 2)
-    return asked.Place("widest intervals", doubt, dict(zip(study.factors, X[most].T, strict=True)))
+    return infill.Place("widest intervals", doubt, dict(zip(study.factors, X[most].T, strict=True)))
 
 
 def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases: xr.Dataset) -> Region | None:

@@ -18,7 +18,7 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, in_words, title
 from workflow.learning.timing import by_quantity
-from workflow.report import beside, firstscreen, problem, ranked, sections, sentences, tables, tornado, whatif
+from workflow.report import firstscreen, problem, ranked, sections, sentences, signal_card, tables, tornado, whatif
 from workflow.report.figures.design_kinds import kinds
 from workflow.report.svg import element, inlined
 from workflow.study import coupling
@@ -155,7 +155,7 @@ def page(
         content["whatif_json"] = whatif.as_json(content["whatif"])
     if study.signal:
         content["signal"] = pressed = tables.signal(folder)
-        content["beside"] = beside.card(study, pressed, pressed["held"]) if study.signal.case else None
+        content["beside"] = signal_card.card(study, pressed, pressed["held"]) if study.signal.case else None
     if study.effects:
         drawn = tornado.draw(ranked.spans(content["effects_table"]))
         content["spans"] = element(drawn, "spans", "what each factor changes, the strongest first", 1.6)

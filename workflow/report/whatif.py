@@ -21,7 +21,7 @@ from workflow.language import grammar, titles
 from workflow.language.constants import FIGURES_BY
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS
-from workflow.report import live
+from workflow.report import whatif_drawing
 from workflow.study import coupling
 from workflow.study.categories import Kinds, output
 from workflow.study.datum import HANGING, meaning
@@ -78,8 +78,8 @@ def content(
             {"values": case, "kind": kind, **_target(study.narrowed(study.combinations[kind]), name, target, design)}
             for (name, target), design, case, kind in zip(study.design.items(), designs, values, places, strict=True)
         ],
-        "stack": live.drawable(study),
-        **live.fields(study, fields),
+        "stack": whatif_drawing.drawable(study),
+        **whatif_drawing.fields(study, fields),
         "kind": places[0] if places else 0,
         "start": [
             float(np.clip(own.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, own in model.box.items()
@@ -127,8 +127,8 @@ def _kind(study: Study, model: GaussianProcess, kinds: Kinds) -> dict[str, Any]:
         "names": kinds,
         "allowances": assessment.allowances(study, Predicted(model, kinds), study.outputs),
         "columns": [model.outputs_.index(output(name, kinds)) for name in coupling.told(study)],
-        "pressure": live.closed_pressure(study, kinds),
-        "body": live.body(study, kinds) if live.drawable(study) else None,
+        "pressure": whatif_drawing.closed_pressure(study, kinds),
+        "body": whatif_drawing.body(study, kinds) if whatif_drawing.drawable(study) else None,
     }
 
 

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from workflow.dataset import asked, casecache
+from workflow.dataset import casecache, infill
 from workflow.run import joblog
 from workflow.study import planned
 
 snakemake = joblog.start(globals())
 config = planned.study(snakemake)
 with casecache.of(snakemake) as cache:
-    asked.write_slab(config, Path(snakemake.input[0]), int(snakemake.wildcards.slab), Path(snakemake.output[0]), cache)
+    infill.write_slab(config, Path(snakemake.input[0]), int(snakemake.wildcards.slab), Path(snakemake.output[0]), cache)

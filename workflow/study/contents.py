@@ -16,10 +16,10 @@ from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
 from workflow.language import titles
-from workflow.language.constants import BORNE, DEVICE, Meeting
+from workflow.language.constants import ALLOWABLES, DEVICE, Meeting
 from workflow.language.factors import FACTORS
 from workflow.study import grouped, layered
-from workflow.study.borne import MADE_OF, Borne, borne
+from workflow.study.allowable import MADE_OF, Allowable, allowable
 from workflow.study.categories import Kinds, combinations, output
 from workflow.study.device import Device
 from workflow.study.digest import PHYSICS, digest
@@ -290,7 +290,7 @@ class Contents(Keys):
         top = self.body[0].numbers.get(name) if self.body else None
         return self.fixed.get(name, FACTORS[name].default if top is None else top)
 
-    def bears(self, name: str) -> Borne:
+    def allowable(self, name: str) -> Allowable:
         """What the top material or the base bears, of a study whose body has no open category.
 
         Raises
@@ -301,7 +301,7 @@ class Contents(Keys):
         given: dict[str, Any] = dict(self.fixed)
         if self.body:
             given |= {key: value for key, value in self.body[0] if key in MADE_OF and isinstance(value, str | float)}
-        return borne(name, given, self.own_materials, self.phases)
+        return allowable(name, given, self.own_materials, self.phases)
 
     def constant(self, name: str) -> float:
         """One of ``CONSTANTS``, of a study whose body has no open category.
@@ -311,8 +311,8 @@ class Contents(Keys):
         ValueError
             Nothing is known of it.
         """
-        if name in BORNE:
-            return self.bears(name).value
+        if name in ALLOWABLES:
+            return self.allowable(name).value
         constants = self.device.constants if self.device else {}
         if name not in constants:
             part = "device" if name in Device.model_fields else "device: amplifier"

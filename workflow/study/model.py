@@ -13,7 +13,7 @@ from pydantic import ValidationError, model_validator
 from solver import Material
 from solver.film.powerlaw import SMOOTH
 from workflow.study import defaults, layered
-from workflow.study.asked import check_quantities
+from workflow.study.consistency import check_quantities
 from workflow.study.contents import Contents
 from workflow.study.keys import Origin
 from workflow.study.location import location

@@ -263,7 +263,7 @@ class Target(Strict):
 
     def constants(self) -> list[str]:
         """Names of constants in objectives and limits, and of what bounds limits."""
-        bounds = [limit.borne for limit in self.limits if limit.borne]
+        bounds = [limit.allowable for limit in self.limits if limit.allowable]
         return list(dict.fromkeys([*(name for name in self.names() if name in CONSTANTS), *bounds]))
 
     def names(self) -> list[str]:

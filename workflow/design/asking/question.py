@@ -81,7 +81,7 @@ class Question:
             limited(
                 limit,
                 self.scales.get(str(limit), 1.0),
-                limit.value * (self.study.constant(limit.borne) if limit.borne else 1.0),
+                limit.value * (self.study.constant(limit.allowable) if limit.allowable else 1.0),
                 self._deviation(limit),
                 drawn=drawn,
             )

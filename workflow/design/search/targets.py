@@ -11,7 +11,7 @@ from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem
 from surrogate.search.pareto import Front
-from workflow.dataset.asked import Place
+from workflow.dataset.infill import Place
 from workflow.design.asking import budget, program
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.question import Question, ask

@@ -11,7 +11,7 @@ from workflow.study.contents import Contents
 Whole = TypeVar("Whole", bound=Contents)
 
 
-def pressed(study: Whole) -> Whole:
+def of(study: Whole) -> Whole:
     """The study of that contact alone: its factors are fixed, and air is beside it where a device has it by default."""
     assert study.signal is not None
     bare = {name: key.get_default(call_default_factory=True) for name, key in type(study).model_fields.items()}
@@ -31,7 +31,7 @@ def pressed(study: Whole) -> Whole:
 def check(study: Contents) -> None:
     """Raise ValueError, in one line, unless the factors are those of a contact that an amplifier may read."""
     assert study.signal is not None
-    own = pressed(study)
+    own = of(study)
     try:
         force = own.kind.loads.force
         material_of(Cases(checked({force: study.signal.force, **own.fixed}), own.own_materials, study.phases))

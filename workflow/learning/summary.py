@@ -1,4 +1,4 @@
-"""What measured rows have taught, in words and as plain data."""
+"""What measured rows tell, in words and as plain data."""
 
 from dataclasses import dataclass
 from typing import Any, Self
@@ -42,8 +42,8 @@ def understated(found: Learnt, output: int) -> bool:
 
 
 @dataclass(frozen=True)
-class Taught:
-    """What measured rows have taught.
+class Summary:
+    """What measured rows tell.
 
     Attributes
     ----------

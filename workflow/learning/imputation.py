@@ -14,7 +14,7 @@ from workflow.dataset import factorial
 from workflow.study.model import Study
 
 
-def whole(study: Study, data: xr.Dataset) -> xr.Dataset:
+def imputed(study: Study, data: xr.Dataset) -> xr.Dataset:
     """What the surrogate learns over its axes, NaN filled in; the same data where nothing is NaN, and of no factorial.
 
     Kernels follow from the quantities; curves are filled in by the same. Of a study with groups, quantities of one sign
@@ -63,7 +63,7 @@ def _between_kinks(study: Study, inputs: Sequence[Input]) -> Iterator[tuple[dict
 
 
 def _part(study: Study, data: xr.Dataset, inputs: Sequence[Input]) -> xr.Dataset:
-    """As `whole`, of a factorial that one process learns."""
+    """As `imputed`, of a factorial that one process learns."""
     holes = {str(name): _missing(study, array) for name, array in data.data_vars.items()}
     if not any(flags.any() for flags in holes.values()):
         return data

@@ -13,7 +13,7 @@ from surrogate.transforms.measured.corrected import CorrectedGP
 from surrogate.use import learning
 from workflow.learning.effects import Effects
 from workflow.learning.instruments import Instrument, shown
-from workflow.learning.taught import Taught
+from workflow.learning.summary import Summary
 from workflow.study import uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -30,7 +30,7 @@ def learn(
     constants: list[Constant],
     say: Callable[[str], None] = lambda message: None,
     instruments: Sequence[Instrument] = (),
-) -> tuple[CorrectedGP, Taught]:
+) -> tuple[CorrectedGP, Summary]:
     """Correct a study's surrogate by measured rows.
 
     Parameters
@@ -48,8 +48,8 @@ def learn(
 
     Returns
     -------
-    CorrectedGP, Taught
-        The corrected surrogate, and what the rows have taught.
+    CorrectedGP, Summary
+        The corrected surrogate, and what the rows tell.
 
     Raises
     ------
@@ -88,12 +88,12 @@ def learn(
         posterior = learning.learn(forward, rows, model.inputs_, len(unknown), spread, single)
     except (learning.NotSettledError, MaterialError) as error:
         raise InputError(str(error)) from None
-    taught = Taught.of(posterior, rows, unknown, single, model, mean)
+    summary = Summary.of(posterior, rows, unknown, single, model, mean)
     names = {constant.name: constant.prior for constant in unknown}
     surrogate = CorrectedGP(
-        model, latest[0], names, posterior.about, posterior.draws, rows, effects.error, "\n".join(taught.lines)
+        model, latest[0], names, posterior.about, posterior.draws, rows, effects.error, "\n".join(summary.lines)
     )
-    return surrogate, taught
+    return surrogate, summary
 
 
 def _check_size(model: GaussianProcess, rows: Measurements, mean: Array) -> None:
