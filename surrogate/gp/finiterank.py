@@ -16,9 +16,11 @@ import scipy  # scipy.optimize, slow to import, when something is fitted
 import xarray as xr
 from scipy.linalg import eigh
 from scipy.linalg.blas import dsyrk
+from typing_extensions import override
 
 from approximation import chebyshev
 from approximation.arrays import Array, Indices
+from surrogate.face.posterior import Posterior
 from surrogate.gp.poisson import Decay, most_likely
 
 #: Cases from which the decay of the kernel is learnt; the cost of a step grows with their cube.
@@ -32,7 +34,7 @@ ROUNDING = 1e-14
 
 
 @dataclass(frozen=True)
-class FiniteRank:
+class FiniteRank(Posterior):
     """The posterior of all outputs.
 
     Attributes
@@ -107,32 +109,22 @@ class FiniteRank:
         coefficients = directions @ rest.weights(spectrum, noise / signal)
         return cls(indices, coefficients, directions, spectrum, signal, noise, offset, scale)
 
+    @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return the mean and the weighted variance of a new case, its noise included: (p, B) each.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (2, p), of the process's variance and of the noise's; None: no variance
-        """
+        """Return mean and weighted variance of a new case, its noise included: (p, B) each."""
         features = _features(self.indices, t)
         mean = self._physical(self.coefficients.T @ features) + self.offset[:, None]
         if weights is None:
             return mean, None
         return mean, self._posterior(features, weights[0]) + (weights[1] * self.noise * self.scale**2)[:, None]
 
+    @override
     def slopes(self, t: Array) -> Array:
-        """Return the derivatives of the means by the scaled coordinates, (d, p, B)."""
         return np.stack([self._physical(self.coefficients.T @ features) for features in self._derived(t)])
 
+    @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, in which the noise has no part, (d, p, B).
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (2, p), of which the first counts
-        """
+        """Return the weighted variances of these derivatives, (d, p, B); noise has no part in them."""
         return np.stack([self._posterior(features, weights[0]) for features in self._derived(t)])
 
     def state(self) -> xr.Dataset:

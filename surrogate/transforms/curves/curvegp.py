@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 import xarray as xr
+from typing_extensions import override
 
 from approximation.arrays import Array, Indices
 from surrogate.data.inputs import Input
@@ -184,19 +185,9 @@ class CurveGP(Transformed):
         return smooth.outputs_[int(rows[best])]
 
     # -- answers -------------------------------------------------------------------------------------------------------
-    @property
-    def parts(self) -> int:
-        """Number of parts of the variance: those of the process."""
-        return self.smooth_.parts
-
+    @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return means and, with weights, variances as those of the witnesses: (p, B) each.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
-        """
+        """Return means and, with weights, variances as those of the witnesses: (p, B) each."""
         smooth, _ = self.smooth_.mean_variance(t, None)
         mean = self._followed(smooth)
         if weights is None:
@@ -219,8 +210,8 @@ class CurveGP(Transformed):
                     out[self.outputs.index(name), some] = value * links.size(name, smooth[:, some])
         return out
 
+    @override
     def slopes(self, t: Array) -> Array:
-        """Return the derivatives of the outputs by the scaled inputs (d, B): (d, p, B)."""
         smooth, _ = self.smooth_.mean_variance(t, None)
         slopes, links = self.smooth_.slopes(t), self._links
         out = np.empty((len(t), len(self.outputs), t.shape[1]))
@@ -244,14 +235,9 @@ class CurveGP(Transformed):
                     out[:, k, some] = slope
         return out
 
+    @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of the derivatives, (d, p, B), as those of the witnesses.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance
-        """
+        """Return the weighted variances of these derivatives, (d, p, B), as those of the witnesses."""
         smooth, _ = self.smooth_.mean_variance(t, None)
         return self._witness.slope_variances(t, weights) * self._links.spread(smooth) ** 2
 
@@ -307,14 +293,9 @@ class CurveGP(Transformed):
         arrays = following(self.curves, self.bases_, self.largest)
         return xr.Dataset(arrays, attrs={"error": self.error, "logarithms": int(self.logarithms)})
 
+    @override
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the model of a stored state, without the process that it is around.
-
-        Parameters
-        ----------
-        stored, inputs, outputs : as of `Core.restore`, with its errors
-        """
         curves, bases, largest = followed(stored, list(outputs))
         known = bool(stored.attrs["logarithms"]), float(stored.attrs["error"])
         model = cls(_unfitted, curves, largest, list(outputs), outputs, *known)
