@@ -55,12 +55,12 @@ def _with_ends(study: Study, drawn: dict[str, xr.DataArray], seed: Sequence[int]
 
 def _shares(study: Study, before: Study) -> dict[str, tuple[float, float]]:
     """Where the ends of the box of before lie, by factor, as shares of the range of now."""
-    found = {}
+    shares = {}
     for name, axis in study.factors.items():
         own, old = Input(name, axis.low, axis.high, axis.scale), before.factors[name]
         low, high = (float((own.to_unit(end) + 1) / 2) for end in (old.low, old.high))
-        found[name] = low, high
-    return found
+        shares[name] = low, high
+    return shares
 
 
 def _beyond(
@@ -73,16 +73,16 @@ def _beyond(
     shared = np.array([name in study.tabled for name in names])
     rows: list[Array] = []
     for _ in range(-(-count // together)):
-        found = np.empty((0, len(names)))
-        while len(found) < together:
+        cases = np.empty((0, len(names)))
+        while len(cases) < together:
             u = random.uniform(size=(together, len(names)))
-            if len(found):
-                u[:, shared] = found[0, shared]
+            if len(cases):
+                u[:, shared] = cases[0, shared]
             else:  # a place as likely as its cases beyond that part are
                 u[1:, :] = u[0]
             beyond = ((u < low) | (u > high)).any(axis=1)
-            found = np.concatenate([found, u[beyond] if len(found) else u[beyond][:1]])
-        rows.append(found[:together])
+            cases = np.concatenate([cases, u[beyond] if len(cases) else u[beyond][:1]])
+        rows.append(cases[:together])
     u = np.concatenate(rows)[:count].T
     return {
         name: xr.DataArray(_along(name, study.factors[name], own), dims="case")

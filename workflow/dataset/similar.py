@@ -134,7 +134,7 @@ def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> di
 def _within(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> tuple[Array, tuple[Indices, ...]]:
     """At places of the box: scales of outputs (output, place), and the next level of every axis."""
     unit = 2 * sobol_points(_PLACES, len(grouping.inputs)).T - 1
-    points = np.stack([one.from_unit(t) for one, t in zip(grouping.inputs, unit, strict=True)], -1)
+    points = np.stack([input_.from_unit(t) for input_, t in zip(grouping.inputs, unit, strict=True)], -1)
     at = grouping.products.values(points)
     levels = [learned[axis.name].values for axis in grouping.axes]
     nearest = tuple(np.abs(own[:, None] - x).argmin(0) for own, x in zip(levels, at.T, strict=True))

@@ -58,7 +58,7 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
         pressing.force,
         length=_length(study),
         materials=study.own_materials,
-        solved=lambda one: study.solved(solve, one),
+        solved=lambda cases: study.solved(solve, cases),
         body=body,
     )
     circuit = Circuit.of(numbers, material)
@@ -122,7 +122,7 @@ def spread(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
             np.array([pressing.force]),
             length=_length(own),
             materials=own.own_materials,
-            solved=lambda one: own.solved(solve, one),
+            solved=lambda cases: own.solved(solve, cases),
             body=body,
         )
         circuit = Circuit.of(own.device.constants, material)

@@ -89,7 +89,7 @@ def in_words(text: str) -> str:
     >>> in_words("contact_trailing + contact_leading")
     'width of the contact'
     """
-    told = _NAME.sub(lambda found: title(found[0]), _WIDTH.sub("width of the contact", _SIZE.sub(r"\1", text)))
+    told = _NAME.sub(lambda match: title(match[0]), _WIDTH.sub("width of the contact", _SIZE.sub(r"\1", text)))
     return told.replace(" / ", " over ") if not _OTHERS.search(text) else told
 
 

@@ -37,7 +37,7 @@ def imputed(study: Study, data: xr.Dataset) -> xr.Dataset:
     inputs = factorial.axis_inputs(study)
     if not study.kinks:
         return _part(study, data, inputs)
-    found = data.copy(deep=True)
+    filled = data.copy(deep=True)
     for place, own in _between_kinks(study, inputs):
         part = data.isel(place)
         if any(part[name].isnull().all() for name in part.data_vars):
@@ -46,8 +46,8 @@ def imputed(study: Study, data: xr.Dataset) -> xr.Dataset:
             raise ValueError(f"all cases between kinks are refused: {told}")
         part = _part(study, part, own)
         for name, array in part.data_vars.items():
-            found[name].loc[{axis: part[axis].values for axis in place}] = array
-    return found
+            filled[name].loc[{axis: part[axis].values for axis in place}] = array
+    return filled
 
 
 def _between_kinks(study: Study, inputs: Sequence[Input]) -> Iterator[tuple[dict[str, slice], list[Input]]]:
@@ -72,12 +72,12 @@ def _part(study: Study, data: xr.Dataset, inputs: Sequence[Input]) -> xr.Dataset
     signs = {name: _sign(array.values) if study.groups else 0 for name, array in plain.items()}
     bent = xr.Dataset({name: np.log(array * signs[name]) if signs[name] else array for name, array in plain.items()})
     coords = {name: data[name].values for name in axes}
-    found, model = missing.filled(
+    filled, model = missing.filled(
         lambda: GridGP(study.surrogate.kernel, inputs),
         bent.assign_coords(coords),
         {name: holes[name] for name in plain},
     )
-    values = {name: np.exp(found[name].values) * signs[name] if signs[name] else found[name].values for name in plain}
+    values = {name: np.exp(filled[name].values) * signs[name] if signs[name] else filled[name].values for name in plain}
     return data.assign(
         {name: (plain[name].dims, array, data[name].attrs) for name, array in values.items()}
         | {

@@ -86,7 +86,7 @@ def answered(
     study: Study,
     name: str,
     target: Target,
-    found: Answer,
+    answer: Answer,
     contact: Mapping[str, float],
     around: Mapping[str, Any],
     on_datum: Sequence[Mapping[str, Any]] = (),
@@ -95,7 +95,7 @@ def answered(
 
     Parameters
     ----------
-    study, name, target, found
+    study, name, target, answer
         The study, the target by its name, and the target's answer.
     contact
         Ends of the contact of its design [m], by name.
@@ -105,24 +105,24 @@ def answered(
         What depends on the datum, as `workflow.report.datum_effect.of_design` gives it: a goal that does not move names
         none.
     """
-    own, told = study.narrowed(found.kinds), verdict(found)
-    case: Case = {**study.fixed, **found.kinds, **found.case}
+    own, told = study.narrowed(answer.kinds), verdict(answer)
+    case: Case = {**study.fixed, **answer.kinds, **answer.case}
     built = in_words(own, case)
-    still = {str(one["name"]) for one in on_datum if not one["moves"]}
+    still = {str(row["name"]) for row in on_datum if not row["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
-    why = (told.beyond, told.advice, told.idle, told.tolerance or cost(found), told.device, _sure(found),
-           asides.spread(found), surroundings.told(around), told.sources)  # fmt: skip
+    why = (told.beyond, told.advice, told.idle, told.tolerance or cost(answer), told.device, _sure(answer),
+           asides.spread(answer), surroundings.told(around), told.sources)  # fmt: skip
     title = study.titles[name]
     return Screen(
         name=name,
         title=title,
-        code=found.goal,
-        build=unbroken(built + asides.within(found)),
-        does=unbroken(_good(target, found, hanging(own), still, reference)),
+        code=answer.goal,
+        build=unbroken(built + asides.within(answer)),
+        does=unbroken(_good(target, answer, hanging(own), still, reference)),
         doubt=doubted(own),
-        beyond=unbroken(asides.exceeded(found)),
+        beyond=unbroken(asides.exceeded(answer)),
         stops=unbroken(capital(told.stops)),
-        breaks=unbroken(asides.first_to_break(found)),
+        breaks=unbroken(asides.first_to_break(answer)),
         why=tuple(unbroken(reason) for reason in why if reason),
         verdict=told,
         drawing=element(
@@ -290,10 +290,10 @@ def _over(target: Target) -> str:
     return f", {target.statistic.told} over {' and '.join(spans)}" if spans else ""
 
 
-def cost(found: Answer) -> str:
+def cost(answer: Answer) -> str:
     """What the tolerances cost, and an error of 1 % in every other variable that matters."""
-    parts = asides.tolerances(found)
-    for variable in found.variables:
+    parts = asides.tolerances(answer)
+    for variable in answer.variables:
         error = variable.sensitivity
         if variable.chosen and error.matters and error.cost > 0 and not variable.tolerance:
             parts.append(f"1 % of {variable.title} costs {_share(error.cost)}")

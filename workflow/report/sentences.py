@@ -155,7 +155,7 @@ def checks(group: Row) -> str:
     text = f"{green} of {len(group['checks'])} checks are green"
     if not known:
         return f"{text}."
-    nearest = max(known, key=lambda one: one["error"] / one["tolerance"])
+    nearest = max(known, key=lambda check: check["error"] / check["tolerance"])
     share = number(100 * nearest["error"] / nearest["tolerance"], 2)
     return f"{text}; the largest error is {share} % of its tolerance ({nearest['name']})."
 

@@ -67,9 +67,9 @@ def allowable(
     kind = str(given.get("composite", CHOICES["composite"][0]))
     if kind not in MIXTURES:
         return _least(limit, [made(kind, (), 0.0)], "")
-    one, two = (find(phase, materials) for phase in phases)
+    first, second = (find(phase, materials) for phase in phases)
     fraction = given.get("volume_fraction")
-    parts = [one] if fraction == 1 else [two] if fraction == 0 else [one, two]
+    parts = [first] if fraction == 1 else [second] if fraction == 0 else [first, second]
     return _least(limit, parts, kind)
 
 

@@ -260,10 +260,10 @@ class Contents(Keys):
     @property
     def titles(self) -> dict[str, str]:
         """Title of every target: the study's, or what is asked for, with the target's name where several ask that."""
-        found = {name: target.title or titles.wanted(target.objectives) for name, target in self.design.items()}
-        several = Counter(found.values())
+        words = {name: target.title or titles.wanted(target.objectives) for name, target in self.design.items()}
+        several = Counter(words.values())
         return {
-            name: f"{word} ({name.replace('_', ' ')})" if several[word] > 1 else word for name, word in found.items()
+            name: f"{word} ({name.replace('_', ' ')})" if several[word] > 1 else word for name, word in words.items()
         }
 
     def solved(

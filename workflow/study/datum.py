@@ -50,9 +50,11 @@ def hanging(study: Contents) -> frozenset[str]:
     fixed = {name: value for name, value in study.fixed.items() if name != "datum"}
     cases = {**fixed, **study.categories, **here, "datum": datum}
     solved = study.solved(solve, cases)
-    found = {name: solved[name].transpose("datum", ...).values for name in HANGING if name in solved}
+    solved_values = {name: solved[name].transpose("datum", ...).values for name in HANGING if name in solved}
     return frozenset(
-        name for name, values in found.items() if np.any(np.abs(np.diff(values, axis=0)) > _SAME * np.abs(values[0]))
+        name
+        for name, values in solved_values.items()
+        if np.any(np.abs(np.diff(values, axis=0)) > _SAME * np.abs(values[0]))
     )
 
 

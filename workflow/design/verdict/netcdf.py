@@ -143,10 +143,10 @@ def dataset(answer: Answer) -> xr.Dataset:
         data["spread"] = ("term", [term.spread for term in terms])
     if answer.overload:
         data |= vars(answer.overload)
-    if found := answer.tolerated:
+    if tolerated := answer.tolerated:
         for key, name in _TOLERATED.items():
-            data[key] = ("factor", [getattr(found, name).get(factor, np.nan) for factor in names])
-        data |= {"nominal_exact": found.exact, "nominal_choice": found.choice}
+            data[key] = ("factor", [getattr(tolerated, name).get(factor, np.nan) for factor in names])
+        data |= {"nominal_exact": tolerated.exact, "nominal_choice": tolerated.choice}
     for rows in filter(None, (getattr(answer, key) for key in _ROWS)):
         (dimension, labels), *columns = _columns(rows)
         coords[dimension] = labels

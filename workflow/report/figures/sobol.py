@@ -66,9 +66,12 @@ def main_effects(sensitivity: xr.Dataset, told: Sequence[str], of_interest: Sequ
     return figure
 
 
-def _curve(ax: Axes, one: xr.Dataset, name: str, size: float) -> None:
-    value, effect = one["value"].values / factor_scale(name, one["value"].values)[0], one["main_effect"].values / size
-    reach = _BAND * one["main_effect_std"].values / size
+def _curve(ax: Axes, curve: xr.Dataset, name: str, size: float) -> None:
+    value, effect = (
+        curve["value"].values / factor_scale(name, curve["value"].values)[0],
+        curve["main_effect"].values / size,
+    )
+    reach = _BAND * curve["main_effect_std"].values / size
     ax.fill_between(value, effect - reach, effect + reach, color=BLUE, alpha=0.25, lw=0)
     ax.plot(value, effect, color=BLUE, lw=1.4)
     ax.axhline(0, color="black", lw=0.5)
