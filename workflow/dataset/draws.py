@@ -34,17 +34,28 @@ def sample(study: Study, count: int, seed: Sequence[int], ends: bool) -> _Drawn:
     seed : sequence of int, of the random generator
     ends : bool, whether as many again are drawn towards the ends
     """
-    before = study.before
-    if before is None:
+    smaller = before(study)
+    if smaller is None:
         return _with_ends(study, points(study, count, seed), seed, ends)
-    old, even = sample(before, count, seed, ends)
-    shares = _shares(study, before)
+    old, even = sample(smaller, count, seed, ends)
+    shares = _shares(study, smaller)
     size = TOGETHER * (1 + ends) if study.tabled else AT_A_TIME
     taken = int(np.prod([high - low for low, high in shares.values()]) * even.size) // size * size
     further = _beyond(study, count - int(even[:taken].sum()), (*seed, 2), shares)
     new, new_even = _with_ends(study, further, (*seed, 3), ends)
     both = {name: xr.concat([old[name][:taken], new[name]], "case") for name in study.factors}
     return both, np.concatenate([even[:taken], new_even])
+
+
+def before(study: Study) -> Study | None:
+    """The study over the box that it has grown from; None where that is none or as large."""
+    ends = {name: axis.grown_from or [axis.low, axis.high] for name, axis in study.factors.items()}
+    axes = {
+        name: axis.model_copy(update={"low": ends[name][0], "high": ends[name][1], "grown_from": None})
+        for name, axis in study.factors.items()
+    }
+    same = all((axes[name].low, axes[name].high) == (axis.low, axis.high) for name, axis in study.factors.items())
+    return None if same else study.model_copy(update={"factors": axes})
 
 
 def _with_ends(study: Study, drawn: dict[str, xr.DataArray], seed: Sequence[int], ends: bool) -> _Drawn:

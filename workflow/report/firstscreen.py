@@ -22,7 +22,6 @@ from workflow.language.titles import capital, listed
 from workflow.report import device, surroundings
 from workflow.report.svg import element
 from workflow.study import coupling
-from workflow.study.datum import hanging
 from workflow.study.model import Study
 from workflow.study.target import Target
 
@@ -102,13 +101,12 @@ def answered(
     around
         What other surroundings would change, as `workflow.report.surroundings.compared` gives it.
     on_datum
-        What depends on the datum, as `workflow.report.datum_effect.of_design` gives it: a goal that does not move names
-        none.
+        What depends on the datum, as `workflow.report.datum_effect.of_design` gives it: a goal that moves names it.
     """
     own, told = study.narrowed(answer.kinds), verdict(answer)
     case: Case = {**study.fixed, **answer.kinds, **answer.case}
     built = in_words(own, case)
-    still = {str(row["name"]) for row in on_datum if not row["moves"]}
+    moving = {str(row["name"]) for row in on_datum if row["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
     why = (told.beyond, told.advice, told.idle, told.tolerance or cost(answer), told.device, _sure(answer),
            asides.spread(answer), surroundings.told(around), told.sources)  # fmt: skip
@@ -118,7 +116,7 @@ def answered(
         title=title,
         code=answer.goal,
         build=unbroken(built + asides.within(answer)),
-        does=unbroken(_good(target, answer, hanging(own), still, reference)),
+        does=unbroken(_good(target, answer, moving, reference)),
         doubt=doubted(own),
         beyond=unbroken(asides.exceeded(answer)),
         stops=unbroken(capital(told.stops)),
@@ -262,14 +260,10 @@ def _round(profile: str, case: Case) -> str:
     return made + words[profile].format(titles.value(size, float(case[size]), 3))
 
 
-def _good(target: Target, answer: Answer, hangs: frozenset[str], still: Collection[str], reference: float) -> str:
+def _good(target: Target, answer: Answer, moving: Collection[str], reference: float) -> str:
     """What a design does: every goal's value with its band, its datum if that moves it, and over what."""
     datum = f" (ground {titles.value('datum', reference)} away)"
-    parts = [
-        f"{goal.title}{'' if goal.name in still or hangs.isdisjoint(goal.statement.expression.names()) else datum} "
-        f"{_with_band(goal)}"
-        for goal in answer.objectives
-    ]
+    parts = [f"{goal.title}{datum if goal.name in moving else ''} {_with_band(goal)}" for goal in answer.objectives]
     together = ", the compromise of both" if len(parts) == 2 else ", the compromise of all" if len(parts) > 2 else ""
     names = {name for goal in answer.objectives for name in goal.statement.expression.names()}
     if names <= {*answer.case}:  # a factor as a goal

@@ -11,6 +11,7 @@ from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, listed
 from workflow.report.tornado import Chart
+from workflow.study import coupling
 from workflow.study.categories import parted, titled
 from workflow.study.model import Study
 
@@ -48,8 +49,7 @@ def dataset(study: Study, cases: int, rows: Sequence[Row]) -> str:
     cases : int, number of cases
     rows : sequence of mapping, the quantities, as `tables.dataset` gives them
     """
-    interesting = [parted(name)[0] for name in study.of_interest]
-    row = next((row for name in interesting for row in rows if row["name"] == name), rows[0])
+    row = next((row for name in coupling.wanted(study) for row in rows if row["name"] == name), rows[0])
     ends = (shown(row[end], row["units"], 3) for end in ("low", "high"))
     return f"{counted(cases)} exact cases; over them {titles.title(str(row['name']))} goes from {' to '.join(ends)}."
 

@@ -1,7 +1,7 @@
 """What the page's tables hold, from the files of a run."""
 
 import json
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,6 @@ from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from surrogate.use.validation import ideal
 from workflow.dataset import factorial
-from workflow.dataset.slabs import CARD
 from workflow.design.verdict.answer import Answer
 from workflow.device.pressed import HELD
 from workflow.language import titles
@@ -58,22 +57,21 @@ def verification(folder: Path) -> dict[str, Any]:
 REFUSED = ("drawn", "refused", "refused_inside", "answered_outside")
 
 
-def dataset(folder: Path, hangs: frozenset[str], told: Collection[str]) -> dict[str, Any]:
+def dataset(folder: Path, card: Mapping[str, Any], told: Collection[str]) -> dict[str, Any]:
     """Range of every quantity that is told, and size of the data set.
 
     Parameters
     ----------
     folder : Path, the study's results
-    hangs : frozenset of str, quantities that depend on the datum
+    card : mapping, the data card
     told : collection of str, quantities that the page tells of
     """
     data = read_whole(folder / "quantities.nc")
-    card = json.loads((folder / CARD).read_text(encoding="utf-8"))
     rows = [
         {
             "name": str(name),
             "units": ALL_QUANTITIES[str(name)].units,
-            "long_name": meaning(str(name), hangs),
+            "long_name": meaning(str(name), card["on_datum"]),
             "low": float(array.min()),
             "high": float(array.max()),
         }

@@ -169,18 +169,6 @@ class Contents(Keys):
         return {name: list(axis.kinks) for name, axis in self.factors.items() if axis.kinks}
 
     @property
-    def before(self) -> Self | None:
-        """The same over the box that it has grown from; None where that is none or as large."""
-        old = {name: axis.grown_from or [axis.low, axis.high] for name, axis in self.factors.items()}
-        if all(ends == [self.factors[name].low, self.factors[name].high] for name, ends in old.items()):
-            return None
-        axes = {
-            name: axis.model_copy(update={"low": old[name][0], "high": old[name][1], "grown_from": None})
-            for name, axis in self.factors.items()
-        }
-        return self.model_copy(update={"factors": axes})
-
-    @property
     def block(self) -> int:
         """Number of cases at a place of the crossed axes."""
         return self.cases // prod(self.axes[name].levels or 1 for name in self.crossed)
@@ -240,22 +228,6 @@ class Contents(Keys):
     def learned(self) -> list[str]:
         """What the surrogate calls them: those of every combination of categories."""
         return [output(name, combination) for combination in self.combinations for name in self.outputs]
-
-    @property
-    def of_interest(self) -> list[str]:
-        """What the designs ask for of it, or else all."""
-        asked = [name for target in self.design.values() for name in target.names() if name in self.outputs]
-        return [
-            output(name, combination) for name in dict.fromkeys(asked) for combination in self.combinations
-        ] or self.learned
-
-    @property
-    def aims(self) -> list[str]:
-        """What the goals of its designs are made of, of it; without designs, its first two quantities."""
-        goals = [goal.expression for target in self.design.values() for goal in target.objectives]
-        asked = dict.fromkeys(name for goal in goals for name in goal.names())
-        outputs = [name for name in asked if name in self.outputs] or self.outputs[:2]
-        return [output(name, combination) for name in outputs for combination in self.combinations]
 
     @property
     def titles(self) -> dict[str, str]:

@@ -1,5 +1,7 @@
 """The datum of a study: the arbitrary length of a half-plane's logarithmic potentials, and what depends on it."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from solver import solve
@@ -58,13 +60,13 @@ def hanging(study: Contents) -> frozenset[str]:
     )
 
 
-def meaning(name: str, hanging: frozenset[str]) -> str:
+def meaning(name: str, hanging: Collection[str]) -> str:
     """What a quantity is, relative to the datum only where it depends on it.
 
     Parameters
     ----------
     name : str, the quantity
-    hanging : frozenset of str, quantities that depend on the datum
+    hanging : collection of str, quantities that depend on the datum
     """
     words = ALL_QUANTITIES[name].long_name
     return words if name in hanging else words.removesuffix(_RELATIVE)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from approximation.arrays import Array, Indices
 from workflow.design.asking.designs import Designs
@@ -60,6 +61,7 @@ class _Hybrid(Source):
         self._exact, self._predicted, self._costly = exact, predicted, costly
         self.edge = exact.edge
 
+    @override
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         searched = [name for name in names if name in self._costly]
         closed = [name for name in names if name not in self._costly]

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
+from typing_extensions import override
 
 from approximation.arrays import Array
 from solver import CaseError, solve_interior
@@ -17,6 +18,7 @@ from workflow.study.categories import Kinds, output
 from workflow.study.model import Study
 from workflow.study.refusals import REFUSAL, AllRefusedError
 
+_DIMS = ("point", "scenario")
 _DEPTHS = np.linspace(-2.0, 0.0, 17)  # in half-widths, where the field below the contact is judged
 #: Factors by name over (points, scenarios); an axis that does not change a factor has length one.
 Factors = dict[str, Array]
@@ -80,15 +82,9 @@ class Exact(Source):
         """Every quantity that the study's cases have."""
         return self._study.quantities
 
+    @override
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Quantities by name; factors that share a dimension are evaluated together.
-
-        Parameters
-        ----------
-        factors : dict of str to ndarray, over (points, scenarios), SI
-        names : sequence of str, the quantities
-        """
-        axes = {name: _labelled(values) for name, values in factors.items()}
+        axes = _labelled(factors)
         peaks = [name for name in names if name in ALL_PEAKS]
         if self._beyond is None:
             return _values(factorial.exact(self._study, axes, peaks=peaks), names)
@@ -104,9 +100,8 @@ class Exact(Source):
 
     def refusal(self, factors: Factors) -> str:
         """Why the solver refuses some case; empty where it refuses none."""
-        axes = {name: _labelled(values) for name, values in factors.items()}
         try:
-            factorial.exact(self._study, axes, peaks=[])
+            factorial.exact(self._study, _labelled(factors), peaks=[])
         except CaseError as error:
             return str(error)
         return ""
@@ -116,9 +111,10 @@ class Exact(Source):
 
         Below its edges, where a conducting punch ends, the field has no bound.
         """
-        axes = {name: _labelled(values) for name, values in factors.items()}
         parts = ("electric_field_x", "electric_field_y")
-        solved = self._study.solved(solve_interior, {**self._study.fixed, **axes}, [0.0], _DEPTHS, fields=parts)
+        solved = self._study.solved(
+            solve_interior, {**self._study.fixed, **_labelled(factors)}, [0.0], _DEPTHS, fields=parts
+        )
         return float(np.hypot(*(solved[part].values for part in parts)).max())
 
 
@@ -131,14 +127,8 @@ class Predicted(Source):
         self._kinds = kinds or {}
         self._parts: dict[tuple[str, ...], GaussianProcess] = {}
 
+    @override
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Means by name.
-
-        Parameters
-        ----------
-        factors : dict of str to ndarray, over (points, scenarios), SI
-        names : sequence of str, the quantities
-        """
         X, whole = self._points(factors)
         model = self._of(names)
         mean = model.predict_array(X)
@@ -170,13 +160,8 @@ class Predicted(Source):
         deviation, ends = (model.ends_of_sum(X[told], own[told], level) for level in (ONE_STD, None))
         return float(np.ptp(deviation)) / 2, float(np.abs(ends).max())
 
+    @override
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
-        """Derivatives of the means.
-
-        Parameters
-        ----------
-        factors, names, over : as of `Source.slopes`
-        """
         X, _ = self._points(factors)
         inputs = list(self._model.box)
         model = self._of(names)
@@ -202,12 +187,15 @@ class Predicted(Source):
 
 def _values(solved: xr.Dataset, names: Sequence[str]) -> dict[str, Array]:
     """Quantities of solved cases, (points, scenarios) each, or of length one along what does not change them."""
-    lacking = [dim for dim in ("point", "scenario") if dim not in solved.dims]
-    arrays = {name: solved[name].expand_dims(lacking) for name in names}
-    return {name: array.transpose("point", "scenario").values for name, array in arrays.items()}
+    lacking = [dim for dim in _DIMS if dim not in solved.dims]
+    return {name: solved[name].expand_dims(lacking).transpose(*_DIMS).values for name in names}
 
 
-def _labelled(factor: Array) -> xr.DataArray:
-    """With the dimensions that it changes along."""
-    kept = [dim for dim, size in zip(("point", "scenario"), factor.shape, strict=True) if size > 1]
-    return xr.DataArray(factor.squeeze(), dims=kept)
+def _labelled(factors: Factors) -> dict[str, xr.DataArray]:
+    """Factors with the dimensions that each changes along."""
+    return {
+        name: xr.DataArray(
+            values.squeeze(), dims=[dim for dim, size in zip(_DIMS, values.shape, strict=True) if size > 1]
+        )
+        for name, values in factors.items()
+    }
