@@ -10,7 +10,7 @@ from surrogate.intervals.distribution import NOMINAL
 from workflow.language.numbers import prefixed
 
 #: Figures of a number whose interval says nothing of them, and the fewest and most that an interval asks for.
-_FIGURES, _FEWEST, _MOST = 10, 4, 15
+_DIGITS, _FEWEST, _MOST = 10, 4, 15
 
 
 def predicted(
@@ -75,13 +75,13 @@ def shown(
     """
     scale, text = (1.0, units) if si else prefixed(max(abs(lower), abs(upper)), units)
     value, lower, upper = value / scale, lower / scale, upper / scale
-    count = _figures(max(abs(lower), abs(upper)), (upper - lower) / 2)
+    count = _digits(max(abs(lower), abs(upper)), (upper - lower) / 2)
     zeros = "#" if upper > lower else ""  # an exact value has no digits to keep
     middle, low, high = (f"{number:{zeros}.{count}g}".rstrip(".") for number in (value, lower, upper))
     return f"{f'{middle} [{low}, {high}] {text}'.rstrip()} ({100 * level:g} %)"
 
 
-def _figures(size: float, half_width: float) -> int:
+def _digits(size: float, half_width: float) -> int:
     if not (isfinite(size) and half_width > 0):
-        return _FIGURES
+        return _DIGITS
     return min(max(floor(log10(size)) - floor(log10(half_width)) + 2, _FEWEST), _MOST)

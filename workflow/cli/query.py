@@ -95,7 +95,7 @@ def study_of(model: GaussianProcess, given: str) -> studies.Study:
 def _with_exact(answer: xr.Dataset, model: GaussianProcess, table: Table, study: studies.Study) -> xr.Dataset:
     """The answer with ``<output>_exact`` beside every output."""
     points = {name: xr.DataArray(values, dims="point") for name, values in table.columns.items()}
-    exact = factorial.learned(study, factorial.exact(study, points))
+    exact = factorial.training_data(study, factorial.exact(study, points))
     return answer.assign({f"{name}_exact": exact[name] for name in model.outputs_})
 
 

@@ -55,7 +55,7 @@ def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProc
     study = studies.load(location.of_results(folder))
     model = load(surrogate)
     as_now = model.made_from_ == study.physics
-    if not as_now or list(model.box.values()) != factorial.inputs(study) or list(model.outputs_) != study.learned:
+    if not as_now or list(model.box.values()) != factorial.inputs(study) or list(model.outputs_) != study.output_names:
         raise InputError(f"{surrogate}: was made from another state of the study; run `meecontact run {folder.name}`")
     return study, model
 
@@ -147,13 +147,13 @@ def ask(
         notes = [f"the ranges are wider than the study's and were solved anew for this question; to keep them: {keep}"]
         tell("solving the wider ranges anew")
         study = wider_box.made(study, asked, wider)
-        model = wider_box.learned(_checked(study, asked))
+        model = wider_box.fitted(_checked(study, asked))
     else:
         _checked(study, asked)
     answer = targets.answer(study, "question", asked, model, tell)
     answer = replace(answer, flags="; ".join([*filter(None, [answer.flags]), *notes]))
     if not answer.feasible:
-        at = [f"{name} = {kind}" for name, kind in answer.kinds.items()]
+        at = [f"{name} = {kind}" for name, kind in answer.combination.items()]
         at += [f"{variable.name} = {variable.value:.6g}" for variable in answer.variables]
         raise InputError(f"design: {answer.status}, at {', '.join(at)}. {verdict(answer)}")
     return answer
@@ -190,9 +190,9 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
     try:
         for name, given in at.items():
             check_values(study, "--at", name, [given])
-        kinds = {name: str(at.pop(name)) for name in study.categories}
+        combination = {name: str(at.pop(name)) for name in study.categories}
         held = {name: float(value) for name, value in at.items()}
-        asked = [_learned(study, name, kinds) for name in measured]
+        asked = [_learned(study, name, combination) for name in measured]
         inversion = Inversion(model.only(asked) if study.kind.tabled else model, infer, asked, held)
     except ValueError as error:
         raise InputError(f"invert: {error}") from None
@@ -205,11 +205,11 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
     return "\n".join(_told(model.box[name], *numbers, si=si) for name, *numbers in rows)
 
 
-def _learned(study: Study, name: str, kinds: Mapping[str, str]) -> str:
+def _learned(study: Study, name: str, combination: Mapping[str, str]) -> str:
     """The surrogate's output of a measured quantity."""
     if name not in study.outputs:
         raise InputError(f"--measured: {name}: is not learned by the study; {nearest(name, list(study.outputs))}")
-    return output(name, kinds)
+    return output(name, combination)
 
 
 def _told(axis: Input, mean: float, low: float, high: float, *, si: bool) -> str:

@@ -88,7 +88,7 @@ def axes(study: Study) -> dict[str, np.ndarray[Any, np.dtype[Any]]]:
     return levels(study) | {name: np.array(names) for name, names in study.categories.items()}
 
 
-def learned(study: Study, data: xr.Dataset) -> xr.Dataset:
+def training_data(study: Study, data: xr.Dataset) -> xr.Dataset:
     """Cases of the study as the surrogate learns them: every output over the continuous factors or ``case`` alone.
 
     Parameters
@@ -182,7 +182,7 @@ def exact(
     over = list(study.products) if grouped else []
     own = representatives.factors(study, {name: axes[name] for name in over}) if over else {}
     rest = {name: values for name, values in axes.items() if name not in over}
-    rest |= {name: kinds for name, kinds in study.categories.items() if name not in axes}
+    rest |= {name: names for name, names in study.categories.items() if name not in axes}
     factors = {**study.fixed, **own, **rest}
 
     searched = study.searched if peaks is None else peaks

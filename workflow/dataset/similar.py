@@ -12,7 +12,7 @@ from solver import solve
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers
 from surrogate import Group, Grouping, Input, Scaling
 from surrogate.levels.counts import decays
-from workflow.study.categories import Kinds, output
+from workflow.study.categories import Combination, output
 from workflow.study.datum import length
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -160,13 +160,13 @@ def scale(study: Study, quantity: str) -> dict[str, float]:
     return {name: power for name, power in powers.items() if name in study.factors and power}
 
 
-def _coefficient(study: Study, name: str, kinds: Kinds) -> float:
+def _coefficient(study: Study, name: str, combination: Combination) -> float:
     """What the logarithm of a length is multiplied by in a quantity that the groups tell but for the datum."""
     if name not in study.added:
         return 0.0
     datum = length(study)
     if datum is None:
         return 0.0
-    here = {**{key: value for key, value in study.fixed.items() if key != "datum"}, **middles(study), **kinds}
+    here = {**{key: value for key, value in study.fixed.items() if key != "datum"}, **middles(study), **combination}
     values = study.solved(solve, {**here, "datum": datum * np.array([1.0, np.e])})[name].values
     return float(values[1] - values[0])

@@ -132,7 +132,9 @@ def spread(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
         constants = uncertainty.uncertain(study)
     except InputError:  # a material whose constants follow its composition
         constants = []
-    whole = np.sqrt((uncertainty.effects(study, constants, told) ** 2).sum(1)) if constants else np.full(2, np.nan)
+    whole = (
+        np.sqrt((uncertainty.sensitivities(study, constants, told) ** 2).sum(1)) if constants else np.full(2, np.nan)
+    )
     said = "share by which the spread of the constants moves"
     return xr.Dataset(
         {

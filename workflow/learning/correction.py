@@ -11,7 +11,7 @@ from surrogate.data.measurements import MOST_ROWS, Measurements
 from surrogate.intervals.distribution import NOMINAL, Normal
 from surrogate.transforms.measured.corrected import CorrectedGP
 from surrogate.use import learning
-from workflow.learning.effects import Effects
+from workflow.learning.constant_effects import ConstantEffects
 from workflow.learning.instruments import Instrument, shown
 from workflow.learning.summary import Summary
 from workflow.study import uncertainty
@@ -69,7 +69,7 @@ def learn(
             raise InputError(f"--instrument: {device.name}: no row holds a measured {device.quantity}")
     singles = uncertainty.own(study, constants)
     every, count = [*constants, *singles], len(constants) + len(singles)
-    effects = Effects(study, model, every, say, [instrument.name for instrument in instruments])
+    effects = ConstantEffects(study, model, every, say, [instrument.name for instrument in instruments])
     own = np.maximum(upper - nominal, nominal - lower)[rows.row, rows.output] / Normal().ends(NOMINAL)[1, 0]
     spread = np.hypot(own, effects.error[rows.output])
     latest: list[GaussianProcess] = []

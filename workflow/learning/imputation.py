@@ -25,7 +25,7 @@ def imputed(study: Study, data: xr.Dataset) -> xr.Dataset:
     study
         Whose data set it is.
     data
-        Every variable over the axes, curves over further dimensions too: `workflow.learning.curves.learned`.
+        Every variable over the axes, curves over further dimensions too: `workflow.learning.curves.training_data`.
 
     Raises
     ------

@@ -96,10 +96,10 @@ def made(study: Study, target: Target, wider: Mapping[str, tuple[float, float]])
     )
 
 
-def learned(study: Study) -> GaussianProcess:
+def fitted(study: Study) -> GaussianProcess:
     """A surrogate of a study that was made here, from exact cases."""
     model = training.fit(study, factorial.exact(study, factorial.axes(study), curves=True))
-    model.calibrate(curves.learned(study, factorial.cases(study, "calibration")))
+    model.calibrate(curves.training_data(study, factorial.cases(study, "calibration")))
     return model
 
 

@@ -54,7 +54,7 @@ def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, An
     target : Target
     answer : Answer, to the target
     """
-    own = study.narrowed(answer.kinds)
+    own = study.narrowed(answer.combination)
     hangs, rows = hanging(own), []
     constants = {name: own.constant(name) for name in target.constants()}
     for term in answer.terms:
@@ -82,7 +82,7 @@ def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
     answer : Answer, to one of its targets
     """
     limits = [limit for limit in answer.limits if "trailing_tension" in limit.statement.expression.names()]
-    own = study.narrowed(answer.kinds)
+    own = study.narrowed(answer.combination)
     if not limits or own.kind.air or own.kind.contact == "point":
         return None
     solved = factorial.exact(own, dict(limits[0].worst), [_EDGE], peaks=(), regular=True)

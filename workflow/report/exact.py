@@ -41,14 +41,14 @@ def contact(study: Study, answer: Answer) -> dict[str, float]:
     study : Study
     answer : Answer, to one of its targets
     """
-    solved = factorial.exact(study.narrowed(answer.kinds), dict(answer.case), peaks=())
+    solved = factorial.exact(study.narrowed(answer.combination), dict(answer.case), peaks=())
     return {name: float(solved[name]) for name in study.kind.ends}
 
 
 def _of_design(study: Study, target: Target, answer: Answer) -> dict[str, Any]:
     return {
         "contact": contact(study, answer),
-        "around": surroundings.compared(study.narrowed(answer.kinds), answer.case),
+        "around": surroundings.compared(study.narrowed(answer.combination), answer.case),
         "on_datum": datum_effect.of_design(study, target, answer),
         "edge": datum_effect.singular_zone(study, answer),
     }

@@ -103,8 +103,8 @@ def answered(
     on_datum
         What depends on the datum, as `workflow.report.datum_effect.of_design` gives it: a goal that moves names it.
     """
-    own, told = study.narrowed(answer.kinds), verdict(answer)
-    case: Case = {**study.fixed, **answer.kinds, **answer.case}
+    own, told = study.narrowed(answer.combination), verdict(answer)
+    case: Case = {**study.fixed, **answer.combination, **answer.case}
     built = in_words(own, case)
     moving = {str(row["name"]) for row in on_datum if row["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))

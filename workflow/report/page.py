@@ -20,7 +20,7 @@ from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, in_words, title
 from workflow.learning.timing import by_quantity
 from workflow.report import firstscreen, problem, ranked, sections, sentences, signal_card, tables, tornado, whatif
-from workflow.report.figures.design_kinds import kinds
+from workflow.report.figures import design_figures
 from workflow.report.svg import element, inlined
 from workflow.study import coupling
 from workflow.study.datum import HANGING, length
@@ -81,7 +81,7 @@ def page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.globals |= {"kinds": kinds}
+    environment.globals |= {"figures_of": design_figures.names}
     environment.filters |= {
         "number": number,
         "seconds": _seconds,

@@ -96,9 +96,9 @@ def sensitivity(charts: Sequence[Chart]) -> str:
 
 def _depending(name: str, shares: Iterable[str], *, whole: bool) -> str:
     """A quantity, and the categories that are meant where these are not all."""
-    kinds, quantity = list(shares), titles.title(name) if name in ALL_QUANTITIES else name
-    more = [f"{len(kinds) - _MOST_NAMED} more"] if len(kinds) > _MOST_NAMED else []
-    return quantity if whole else f"{quantity} of {listed([*kinds[:_MOST_NAMED], *more])}"
+    names, quantity = list(shares), titles.title(name) if name in ALL_QUANTITIES else name
+    more = [f"{len(names) - _MOST_NAMED} more"] if len(names) > _MOST_NAMED else []
+    return quantity if whole else f"{quantity} of {listed([*names[:_MOST_NAMED], *more])}"
 
 
 def _size(shares: Collection[float]) -> str:

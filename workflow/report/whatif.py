@@ -23,7 +23,7 @@ from workflow.language.expressions import Call, Expression, Name, Number, Operat
 from workflow.language.factors import FACTORS
 from workflow.report import whatif_drawing
 from workflow.study import coupling
-from workflow.study.categories import Kinds, output
+from workflow.study.categories import Combination, output
 from workflow.study.datum import HANGING, meaning
 from workflow.study.model import Study
 from workflow.study.target import Target
@@ -59,7 +59,7 @@ def content(
     if stored is None:
         return None
     values = [answer.case for answer in designs]
-    places = [study.combinations.index(answer.kinds) for answer in designs]
+    places = [study.combinations.index(answer.combination) for answer in designs]
     start = values[0] if values else {}
     return {
         "surrogate": stored if _combines(study, designs) else {key: stored[key] for key in stored if key != "together"},
@@ -72,7 +72,7 @@ def content(
         "titles": {name: titles.title(name) for name in study.factors},
         "categories": study.categories,
         "kinds": [_kind(study, model, kind) for kind in study.combinations],
-        "ranges": _ranges(study, model, factorial.learned(study, quantities)),
+        "ranges": _ranges(study, model, factorial.training_data(study, quantities)),
         "fixed": _held(study),
         "cases": [
             {"values": case, "kind": kind, **_target(study.narrowed(study.combinations[kind]), name, target, design)}
@@ -121,14 +121,14 @@ def _ranges(study: Study, model: GaussianProcess, learned: xr.Dataset) -> list[l
     return [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_]
 
 
-def _kind(study: Study, model: GaussianProcess, kinds: Kinds) -> dict[str, Any]:
+def _kind(study: Study, model: GaussianProcess, combination: Combination) -> dict[str, Any]:
     """One combination of the categories: the surrogate's columns for it, and whether it shows a pressure."""
     return {
-        "names": kinds,
-        "allowances": assessment.allowances(study, Predicted(model, kinds), study.outputs),
-        "columns": [model.outputs_.index(output(name, kinds)) for name in coupling.told(study)],
-        "pressure": whatif_drawing.closed_pressure(study, kinds),
-        "body": whatif_drawing.body(study, kinds) if whatif_drawing.drawable(study) else None,
+        "names": combination,
+        "allowances": assessment.allowances(study, Predicted(model, combination), study.outputs),
+        "columns": [model.outputs_.index(output(name, combination)) for name in coupling.told(study)],
+        "pressure": whatif_drawing.closed_pressure(study, combination),
+        "body": whatif_drawing.body(study, combination) if whatif_drawing.drawable(study) else None,
     }
 
 

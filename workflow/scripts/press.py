@@ -17,6 +17,6 @@ if config.signal.case:
     shown = shown.merge(pressed.held(own, config.signal)).merge(pressed.spread(own, config.signal, own.fixed))
 else:
     answer = netcdf.read(Path(snakemake.input[0]))
-    case = {**config.fixed, **answer.kinds, **answer.case}
-    shown = pressed.signal(config.narrowed(answer.kinds), config.signal, case)
+    case = {**config.fixed, **answer.combination, **answer.case}
+    shown = pressed.signal(config.narrowed(answer.combination), config.signal, case)
 write_whole(shown, Path(snakemake.output[0]))

@@ -20,7 +20,7 @@ from workflow.language.constants import ALLOWABLES, DEVICE, Meeting
 from workflow.language.factors import FACTORS
 from workflow.study import grouped, layered
 from workflow.study.allowable import MADE_OF, Allowable, allowable
-from workflow.study.categories import Kinds, combinations, output
+from workflow.study.categories import Combination, combinations, output
 from workflow.study.device import Device
 from workflow.study.digest import PHYSICS, digest
 from workflow.study.keys import Keys, Origin
@@ -174,7 +174,7 @@ class Contents(Keys):
         return self.cases // prod(self.axes[name].levels or 1 for name in self.crossed)
 
     @property
-    def combinations(self) -> list[Kinds]:
+    def combinations(self) -> list[Combination]:
         """Every combination of the categories' names."""
         return combinations(self.categories)
 
@@ -225,7 +225,7 @@ class Contents(Keys):
         return list(dict.fromkeys(followed))
 
     @property
-    def learned(self) -> list[str]:
+    def output_names(self) -> list[str]:
         """What the surrogate calls them: those of every combination of categories."""
         return [output(name, combination) for combination in self.combinations for name in self.outputs]
 
@@ -291,10 +291,10 @@ class Contents(Keys):
             raise ValueError(f"{part}: {name}: missing; must be a number with a unit [{DEVICE[name].units}]")
         return constants[name]
 
-    def narrowed(self, kinds: Mapping[str, str]) -> Self:
+    def narrowed(self, combination: Mapping[str, str]) -> Self:
         """The study with some of its categories held at a name."""
-        rest = {name: names for name, names in self.categories.items() if name not in kinds}
-        return self.model_copy(update={"fixed": {**self.fixed, **kinds}, "categories": rest})
+        rest = {name: names for name, names in self.categories.items() if name not in combination}
+        return self.model_copy(update={"fixed": {**self.fixed, **combination}, "categories": rest})
 
     def with_materials(self, materials: Mapping[str, Material]) -> Self:
         """The study with other constants under the names of some materials; its quantities stay those that it has."""

@@ -90,7 +90,9 @@ def _asked(study: Contents) -> list[str]:
 
 def of_interest(study: Contents) -> list[str]:
     """The same as the surrogate calls it, of every combination of the categories."""
-    return [output(name, combination) for name in _asked(study) for combination in study.combinations] or study.learned
+    return [
+        output(name, combination) for name in _asked(study) for combination in study.combinations
+    ] or study.output_names
 
 
 def aims(study: Contents) -> list[str]:

@@ -77,7 +77,7 @@ def _lacking(study: Contents) -> str:
     if len({profile.contact for profile in profiles}) != 1:
         return "its punches are of more than one kind"
     factors: dict[str, object] = {**dict.fromkeys(study.factors), **study.fixed}
-    reasons = (airless({**factors, **kinds}) for kinds in study.combinations)
+    reasons = (airless({**factors, **combination}) for combination in study.combinations)
     return next(filter(None, reasons), "") or _asks_for_more(study)
 
 

@@ -163,7 +163,7 @@ def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> St
     return study.with_materials(changed)
 
 
-def effects(
+def sensitivities(
     study: Study, constants: list[Constant], values: Callable[[Study], NDArray[np.float64]]
 ) -> NDArray[np.float64]:
     """What one prior standard deviation of each constant makes of some values, relative to them, to first order.
@@ -182,13 +182,13 @@ def effects(
         NaN for a value that is zero.
     """
     here = values(study)
-    effects = np.empty((len(here), len(constants)))
+    shares = np.empty((len(here), len(constants)))
     for column, constant in enumerate(constants):
         ends = [values(moved(study, [constant], np.array([z]))) for z in (_STEP, -_STEP)]
         with np.errstate(divide="ignore", invalid="ignore"):
-            effects[:, column] = (ends[0] - ends[1]) / (2 * _STEP) / here
-    effects[~np.isfinite(effects)] = np.nan
-    return effects
+            shares[:, column] = (ends[0] - ends[1]) / (2 * _STEP) / here
+    shares[~np.isfinite(shares)] = np.nan
+    return shares
 
 
 def concerned(study: Study, constant: Constant) -> dict[str, str]:

@@ -36,8 +36,8 @@ def study_of(text: str, folder: Path) -> tuple[Study, GridGP]:
     path = folder / "study.yaml"
     path.write_text(text, encoding="utf-8")
     study = load(path)
-    data = factorial.learned(study, factorial.exact(study, factorial.axes(study)))
-    model = GridGP(inputs=factorial.inputs(study), outputs=study.learned).fit(data)
+    data = factorial.training_data(study, factorial.exact(study, factorial.axes(study)))
+    model = GridGP(inputs=factorial.inputs(study), outputs=study.output_names).fit(data)
     model.made_from_ = study.physics
     return study, model
 
@@ -55,7 +55,7 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, GridGP]:
 def truth(study: Study, model: GridGP, known: list[Constant], z: Array, count: int, seed: int) -> tuple[Array, Array]:
     """Random points (n, d) and all exact outputs there (n, p), constants moved."""
     points = draws.points(study, count, (seed,))
-    exact = factorial.learned(study, factorial.exact(uncertainty.moved(study, known, z), points))
+    exact = factorial.training_data(study, factorial.exact(uncertainty.moved(study, known, z), points))
     X = np.stack([points[name].values for name in model.box], -1)
     return X, np.stack([exact[name].values for name in model.outputs_], -1)
 

@@ -57,7 +57,7 @@ def test_a_wider_question_is_answered_exactly(study: Study) -> None:
     own = wider_box.made(study, target, wider)
     assert (own.factors["volume_fraction"].levels, own.factors["radius"].levels) == (15, 6)
     assert own.outputs == ["trailing_tension", "voltage_sensitivity"]
-    found = targets.answer(own, "mine", target, wider_box.learned(own))
+    found = targets.answer(own, "mine", target, wider_box.fitted(own))
     over = {"volume_fraction": np.linspace(0.5, 0.8, 301), "radius": np.geomspace(0.05, 0.2, 301)}
     exact = solve({**over, "composite": "fibrous", "load": 1e4, "friction": 0.2})
     dense = abs(exact["voltage_sensitivity"]).where(exact["trailing_tension"] <= 40e6).max()
@@ -98,7 +98,7 @@ def test_groups_widen_with_their_factors(tmp_path: Path) -> None:
     assert {text: one.levels for text, one in own.groups.items()} == {
         "volume_fraction": 18, "friction": 3, "load * radius": 8,
     }  # fmt: skip
-    found = targets.answer(own, "mine", target, wider_box.learned(own))
+    found = targets.answer(own, "mine", target, wider_box.fitted(own))
     over = {"volume_fraction": np.linspace(0.5, 0.8, 101), "radius": np.geomspace(0.05, 0.4, 101)}
     exact = solve({**over, "friction": np.linspace(0.1, 0.3, 5), "composite": "fibrous", "load": 1e4})
     goal, tension = abs(exact["voltage_sensitivity"]).min("friction"), exact["trailing_tension"].max("friction")

@@ -50,7 +50,7 @@ def half_plane(tmp_path_factory: pytest.TempPathFactory) -> Study:
 def model(half_plane: Study) -> GroupedGP:
     made = training.fit(half_plane, factorial.exact(half_plane, factorial.axes(half_plane)))
     assert isinstance(made, GroupedGP)
-    return made.calibrate(factorial.learned(half_plane, factorial.cases(half_plane, "calibration")))
+    return made.calibrate(factorial.training_data(half_plane, factorial.cases(half_plane, "calibration")))
 
 
 def test_axes_are_the_groups_over_the_box(half_plane: Study) -> None:
@@ -100,7 +100,7 @@ def test_logarithms_are_chosen_by_decay_and_refused_of_signs(tmp_path: Path) -> 
     wide = wide.replace("datum: 0.5", "datum: 1.0")
     half_plane = study(wide, tmp_path)
     data = factorial.exact(half_plane, factorial.axes(half_plane))
-    learned = factorial.with_factors(half_plane, factorial.learned(half_plane, data))
+    learned = factorial.with_factors(half_plane, factorial.training_data(half_plane, data))
     chosen = factorial.grouping(half_plane, learned)
     assert chosen.scalings["blocked_load_per_volt"].logarithm == -1
     assert chosen.scalings["depth"].logarithm == 0

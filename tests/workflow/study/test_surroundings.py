@@ -54,7 +54,7 @@ def test_cases_have_the_quantities_of_contacts_in_air(alone: Study) -> None:
 def test_what_only_some_surroundings_have_is_lacked(both: Study) -> None:
     assert both.surroundings == ["insulated", "air"]
     assert both.absent >= {*GAP_QUANTITIES, "electric_edge_intensity_trailing", "capacitance"}
-    assert "voltage[air]" in both.learned
+    assert "voltage[air]" in both.output_names
     assert both.narrowed({"surroundings": "insulated"}).kind.air is False
 
 

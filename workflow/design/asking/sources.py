@@ -14,7 +14,7 @@ from surrogate import CurveGP, GaussianProcess
 from surrogate.intervals.distribution import ONE_STD
 from workflow.dataset import factorial
 from workflow.design.asking.edge import Edge
-from workflow.study.categories import Kinds, output
+from workflow.study.categories import Combination, output
 from workflow.study.model import Study
 from workflow.study.refusals import REFUSAL, AllRefusedError
 
@@ -121,10 +121,10 @@ class Exact(Source):
 class Predicted(Source):
     """The surrogate, for one combination of the study's categories."""
 
-    def __init__(self, model: GaussianProcess, kinds: Kinds | None = None) -> None:
+    def __init__(self, model: GaussianProcess, combination: Combination | None = None) -> None:
         self.edge = None if model.region_ is None else Edge(model.region_, model.inputs_)
         self._model = model.everywhere()
-        self._kinds = kinds or {}
+        self._combination = combination or {}
         self._parts: dict[tuple[str, ...], GaussianProcess] = {}
 
     @override
@@ -172,13 +172,13 @@ class Predicted(Source):
         """The model of these quantities, of one if there are none: what follows from curves costs a search each."""
         if not isinstance(self._model, CurveGP):
             return self._model
-        asked = tuple(dict.fromkeys(output(name, self._kinds) for name in names)) or self._model.outputs_[-1:]
+        asked = tuple(dict.fromkeys(output(name, self._combination) for name in names)) or self._model.outputs_[-1:]
         if asked not in self._parts:
             self._parts[asked] = self._model.only(asked)
         return self._parts[asked]
 
     def _column(self, name: str, model: GaussianProcess) -> int:
-        return model.outputs_.index(output(name, self._kinds))
+        return model.outputs_.index(output(name, self._combination))
 
     def _points(self, factors: Factors) -> tuple[Array, tuple[int, ...]]:
         whole = np.zeros(shape(factors))

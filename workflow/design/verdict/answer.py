@@ -161,7 +161,7 @@ class Answer:
         return " and ".join(f"{goal.statement.key} {goal.name}" for goal in self.objectives)
 
     @property
-    def kinds(self) -> dict[str, str]:
+    def combination(self) -> dict[str, str]:
         """What stands for every category."""
         return {category.category: category.kind for category in self.categories}
 

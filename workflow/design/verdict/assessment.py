@@ -15,7 +15,7 @@ from workflow.design.asking.question import Question
 from workflow.design.asking.scenarios import Scenarios
 from workflow.design.asking.sources import Predicted, Source, shape
 from workflow.design.asking.terms import Key, Term
-from workflow.design.verdict import figures, linearity, perturbation, spread
+from workflow.design.verdict import linearity, merit, perturbation, spread
 from workflow.design.verdict.answer import Answer, Range
 from workflow.design.verdict.term import Scenario
 from workflow.design.verdict.term import Term as JudgedTerm
@@ -132,10 +132,10 @@ def judge(design: Designs) -> Answer:
         beyond="; ".join(f"{words} ({reason})" for words, reason in beyond),
         flags="; ".join(notes),
         statistic=str(question.target.statistic),
-        figures=figures.over(design, corner),
+        figures=merit.over(design, corner),
         constants=spreads.constants,
     )
-    return replace(out, overload=figures.first_limit(design, worst)) if out.feasible else out
+    return replace(out, overload=merit.first_limit(design, worst)) if out.feasible else out
 
 
 def _terms(
