@@ -63,7 +63,7 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
 
 
 def learn(options: argparse.Namespace) -> None:
-    """Learn from measured rows, write the corrected surrogate and print what was learnt, as the options say.
+    """Learn from measured rows, write the corrected surrogate and print what was learned, as the options say.
 
     Raises
     ------

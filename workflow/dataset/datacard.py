@@ -36,14 +36,14 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
     """
     lacking = _refused(study, slabs)
     files = [_file(path, PLACE if study.crossed else next(iter(study.axes))) for path in slabs]
-    variables = {own: _merged([file["variables"][own] for file in files]) for own in files[0]["variables"]}
+    variables = {key: _merged([file["variables"][key] for file in files]) for key in files[0]["variables"]}
     seconds = [_seconds(path) for path in benchmarks if path.is_file()]
     return {
         "title": study.title,
         "study": name,
         "cases": study.block * sum(file["levels"] for file in files) if study.crossed else study.cases,
         "crossed": study.crossed,
-        "factors": {own: axis.model_dump() for own, axis in study.factors.items()},
+        "factors": {key: axis.model_dump() for key, axis in study.factors.items()},
         "groups": _groups(study),
         "categories": study.categories,
         "fixed": study.fixed,

@@ -57,7 +57,7 @@ def grouping(study: Study, learned: xr.Dataset | None = None) -> Grouping:
 
 
 def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
-    """What is learnt of the factorial over its axes: the outputs, or with groups the outputs over their scales.
+    """What is learned of the factorial over its axes: the outputs, or with groups the outputs over their scales.
 
     Parameters
     ----------

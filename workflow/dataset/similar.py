@@ -28,7 +28,7 @@ _LENGTHS = ("thickness", "radius", "width", "datum", "slope")
 def grouping(
     study: Study, inputs: Sequence[Input], axes: Sequence[Input], weights: Mapping[str, str] | None = None
 ) -> Grouping:
-    """How the study's outputs follow from what is learnt over its groups.
+    """How the study's outputs follow from what is learned over its groups.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def _group(study: Study, axis: Input, names: Sequence[str]) -> Group:
 
 
 def with_logarithms(grouping: Grouping, study: Study, learned: xr.Dataset) -> Grouping:
-    """The grouping with the logarithms that are learnt: those that the study names, or that decay faster.
+    """The grouping with the logarithms that are learned: those that the study names, or that decay faster.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def _replaced(grouping: Grouping, signs: Mapping[str, int]) -> Grouping:
 def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> dict[str, float]:
     """Predicted error of every output within the box, over its range there.
 
-    What is learnt may span decades that the box never brings together with a large scale, or always does: an error
+    What is learned may span decades that the box never brings together with a large scale, or always does: an error
     over its range says little of that of the output.
     """
     if not names:
@@ -137,7 +137,7 @@ def _within(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> tu
     points = np.stack([input_.from_unit(t) for input_, t in zip(grouping.inputs, unit, strict=True)], -1)
     at = grouping.products.values(points)
     levels = [learned[axis.name].values for axis in grouping.axes]
-    nearest = tuple(np.abs(own[:, None] - x).argmin(0) for own, x in zip(levels, at.T, strict=True))
+    nearest = tuple(np.abs(along[:, None] - x).argmin(0) for along, x in zip(levels, at.T, strict=True))
     return grouping.scales(names).values(points), nearest
 
 

@@ -1,4 +1,4 @@
-"""What uncertain constants do to a study's quantities: exact differences on a small factorial, learnt as a surrogate.
+"""What uncertain constants do to a study's quantities: exact differences on a small factorial, learned as a surrogate.
 
 Effects are a tenth of what they change, or less, so that a tenth of the factorial's accuracy is enough. Of films every
 level of a tabled factor costs tables of the solver, for every constant.

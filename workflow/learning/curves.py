@@ -123,7 +123,7 @@ def training_data(study: Study, data: xr.Dataset) -> xr.Dataset:
 
 
 def _names(study: Study) -> list[str]:
-    """Variables of the slabs that are output_name beside quantities: sizes, and the fields of all regions."""
+    """Variables of the slabs that are learned beside quantities: sizes, and the fields of all regions."""
     return [*_sizes(study), *(name for region in study.regions for name in described(region))]
 
 

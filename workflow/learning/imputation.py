@@ -53,13 +53,15 @@ def imputed(study: Study, data: xr.Dataset) -> xr.Dataset:
 def _between_kinks(study: Study, inputs: Sequence[Input]) -> Iterator[tuple[dict[str, slice], list[Input]]]:
     """Every part of the factorial between kinks: where it lies in it, and its axes."""
     parts = []
-    for own in inputs:
-        axis = study.axes[own.name]
+    for input_ in inputs:
+        axis = study.axes[input_.name]
         count = axis.levels or 0
         ends = enumerate(pairwise(axis.ends))
-        parts.append([(slice(k * count, (k + 1) * count), replace(own, low=low, high=high)) for k, (low, high) in ends])
+        parts.append(
+            [(slice(k * count, (k + 1) * count), replace(input_, low=low, high=high)) for k, (low, high) in ends]
+        )
     for chosen in product(*parts):
-        yield {own.name: place for place, own in chosen}, [own for _, own in chosen]
+        yield {input_.name: place for place, input_ in chosen}, [input_ for _, input_ in chosen]
 
 
 def _part(study: Study, data: xr.Dataset, inputs: Sequence[Input]) -> xr.Dataset:

@@ -77,7 +77,7 @@ def check(
     box: Mapping[str, tuple[float, float]],
     at: Mapping[str, float],
 ) -> None:
-    """Raise InputError, before anything is learnt, for a plan that a surrogate with these unknowns cannot give.
+    """Raise InputError, before anything is learned, for a plan that a surrogate with these unknowns cannot give.
 
     That is none or too many measurements, names that it has not, or ends outside of its trained box.
 

@@ -16,7 +16,7 @@ from workflow.study.uncertainty import Constant
 
 Unknown = Constant | Instrument
 
-#: Posterior over prior standard deviation: above it nothing was learnt, below it a combination is well known.
+#: Posterior over prior standard deviation: above it nothing was learned, below it a combination is well known.
 UNTOLD, TOLD = 0.8, 0.5
 #: Odds for an explanation from which on it is real, and up to which none was seen.
 REAL, UNSEEN = 20.0, 3.0
@@ -63,7 +63,7 @@ class Summary:
         model: GaussianProcess,
         nominal: Array,
     ) -> Self:
-        """What was learnt from measured rows.
+        """What was learned from measured rows.
 
         Parameters
         ----------

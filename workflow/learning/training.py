@@ -156,7 +156,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
 
 def _smooth(study: Study, data: xr.Dataset) -> tuple[xr.Dataset, list[Input]]:
     """The factorial and its axes below the first kink of every one: all of it where there is none."""
-    inputs = [replace(own, high=study.axes[own.name].ends[1]) for own in factorial.axis_inputs(study)]
+    inputs = [replace(input_, high=study.axes[input_.name].ends[1]) for input_ in factorial.axis_inputs(study)]
     return data.isel({name: slice(axis.levels) for name, axis in study.axes.items()}), inputs
 
 

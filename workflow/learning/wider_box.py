@@ -1,4 +1,4 @@
-"""A study whose ranges are wider than its surrogate's: made and learnt anew for one question."""
+"""A study whose ranges are wider than its surrogate's: made and learned anew for one question."""
 
 from collections.abc import Mapping
 from math import ceil, prod

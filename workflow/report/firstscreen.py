@@ -131,11 +131,11 @@ def answered(
 
 def doubted(study: Study) -> str:
     """What the library doubts of the materials in use, in words; empty where it doubts nothing."""
-    parts = [
-        f"{listed(sorted({name for own in body.alternatives for name in own.constants})) or 'all'} of {body.name}"
-        for body in coupling.materials(study)
-        if body.note.startswith("doubt")
-    ]
+    parts = []
+    for material in coupling.materials(study):
+        if material.note.startswith("doubt"):
+            constants = {name for variant in material.alternatives for name in variant.constants}
+            parts.append(f"{listed(sorted(constants)) or 'all'} of {material.name}")
     return f"in doubt: {listed(parts)}" if parts else ""
 
 

@@ -85,7 +85,7 @@ def _check_readout(study: Contents, where: str, readout: Readout) -> None:
 
 
 def check_target(study: Contents, where: str, target: Target) -> None:
-    """Raise ValueError unless a target asks for every factor once, within its range, and for learnt outputs.
+    """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs.
 
     Parameters
     ----------
@@ -112,9 +112,9 @@ def check_target(study: Contents, where: str, target: Target) -> None:
     for name in target.tolerance:
         _check_tolerance(study, f"{where}: tolerance: {name}", name, target)
     for name in target.constants():
-        for own in study.chosen(target):
+        for narrowed in study.chosen(target):
             try:
-                own.constant(name)
+                narrowed.constant(name)
             except ValueError as error:
                 raise ValueError(f"{where}: {error}") from None
 

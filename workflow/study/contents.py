@@ -217,7 +217,7 @@ class Contents(Keys):
         """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
 
         None where it stands on a cross approximation, which knows no largest stresses, and under points, whose largest
-        stresses are learnt as other quantities are.
+        stresses are learned as other quantities are.
         """
         if self.crossed or not self.surrogate.curves or not self.kind.regions:
             return []

@@ -189,7 +189,9 @@ def _check_share(study: Contents) -> None:
     count = _SCOUTS_OF_TABLES if study.tabled else _SCOUTS
     shares = 2 * sobol_points(count, len(study.factors)).T - 1
     inputs = [Input(name, axis.low, axis.high, axis.scale) for name, axis in study.factors.items()]
-    places = {own.name: xr.DataArray(own.from_unit(t), dims="place") for own, t in zip(inputs, shares, strict=True)}
+    places = {
+        input_.name: xr.DataArray(input_.from_unit(t), dims="place") for input_, t in zip(inputs, shares, strict=True)
+    }
     least = MOST + _DEVIATIONS * np.sqrt(MOST * (1 - MOST) / count)
     try:
         answered(partial(study.solved, solve), {**study.fixed, **study.categories, **places}, least * count)

@@ -87,8 +87,7 @@ def within(answer: Answer) -> str:
 
 def exceeded(answer: Answer) -> str:
     """What of a design is beyond what its materials bear, without the sources; empty where nothing is."""
-    parts = [part for part in answer.flags.split("; ") if f"{part} (" in answer.beyond]
-    return f"{capital('; '.join(parts))}." if parts else ""
+    return f"{capital('; '.join(answer.exceeded))}." if answer.exceeded else ""
 
 
 def first_to_break(answer: Answer) -> str:

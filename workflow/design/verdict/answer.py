@@ -100,8 +100,9 @@ class Answer:
         Every factor of the factorial.
     ranges
         Of every quantity.
-    beyond, flags
-        What is beyond what the materials bear, in words with sources; that, and what else is to be known.
+    beyond, exceeded, flags
+        What is beyond what the materials bear, in words with sources, and without, each; that, and what else is to be
+        known.
     target
         Name of the target.
     statistic
@@ -124,6 +125,7 @@ class Answer:
     variables: tuple[Variable, ...]
     ranges: tuple[Range, ...] = ()
     beyond: str = ""
+    exceeded: tuple[str, ...] = ()
     flags: str = ""
     target: str = ""
     statistic: str = ""

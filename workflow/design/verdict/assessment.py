@@ -130,6 +130,7 @@ def judge(design: Designs) -> Answer:
         variables=_variables(design, exact, worst[0]),
         ranges=tuple(Range(name, float(values.min()), float(values.max())) for name, values in corner.items()),
         beyond="; ".join(f"{words} ({reason})" for words, reason in beyond),
+        exceeded=tuple(words for words, _ in beyond),
         flags="; ".join(notes),
         statistic=str(question.target.statistic),
         figures=merit.over(design, corner),

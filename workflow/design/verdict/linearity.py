@@ -71,12 +71,15 @@ def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None
     """
     bounds = _bounds(study, corner, below)
     lines = [
-        (f"{own.words} of {shown(own.size, own.units, 3)} exceeds the {own.at_most}", own.allowable.source)
-        for own in bounds
-        if own.share > 1
+        (
+            f"{bounded.words} of {shown(bounded.size, bounded.units, 3)} exceeds the {bounded.at_most}",
+            bounded.allowable.source,
+        )
+        for bounded in bounds
+        if bounded.share > 1
     ]
     words, size = _largest("nominal_field", corner, study.kind.ends, below)
-    if {own.name for own in bounds}.isdisjoint(_FIELDS) and size > _CERAMIC_FIELD:
+    if {bounded.name for bounded in bounds}.isdisjoint(_FIELDS) and size > _CERAMIC_FIELD:
         usual = f"{shown(_CERAMIC_FIELD, 'V m-1', 3)}, beyond which ferroelectric ceramics are not linear"
         unknown = "the library has no coercive or breakdown field of the material"
         lines.append((f"{words} of {shown(size, 'V m-1', 3)} exceeds {usual}", unknown))
@@ -93,7 +96,7 @@ def nearest(study: Study, corner: Mapping[str, Array]) -> Bound | None:
     corner
         Quantities of the case, exactly.
     """
-    return max(_bounds(study, corner, None), key=lambda own: own.share, default=None)
+    return max(_bounds(study, corner, None), key=lambda bounded: bounded.share, default=None)
 
 
 def _bounds(study: Study, corner: Mapping[str, Array], below: float | None) -> list[Bound]:

@@ -210,6 +210,8 @@ def answer_of(data: xr.Dataset) -> Answer:
     ]
     rest: dict[str, Any] = {key: tuple(_members(data, row)) for key, row in _ROWS.items()}
     rest |= {key: str(data[key].item()) for key in ("beyond", "flags", "target")}
+    # a file says it within both others
+    rest["exceeded"] = tuple(part for part in rest["flags"].split("; ") if f"{part} (" in rest["beyond"])
     rest |= {key: str(data.attrs[key]) for key in ("statistic", "polish", "source")}
     return Answer(
         tuple(terms),
