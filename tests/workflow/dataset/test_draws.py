@@ -33,9 +33,10 @@ def loaded(path: Path, text: str) -> Study:
 @pytest.mark.parametrize("ends", [False, True])
 def test_cases_of_a_grown_box_are_even_and_those_of_before_stay(tmp_path: Path, ends: bool) -> None:
     study = loaded(tmp_path / "grown.yaml", STUDY)
-    assert draws.before(study) is not None
+    before = draws.before(study)
+    assert before is not None
     found, even = draws.sample(study, 4000, (3, 2), ends)
-    old, old_even = draws.sample(draws.before(study), 4000, (3, 2), ends)
+    old, old_even = draws.sample(before, 4000, (3, 2), ends)
     assert int(even.sum()) == 4000
     assert even.size == 4000 * (1 + ends)
     # as many as the volume of the box of before is, in whole places
