@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from typing_extensions import override
 
-from approximation.arrays import Array, Indices
+from approximation.arrays import Array, Indices, blocks
 from surrogate.data.inputs import Input
 from surrogate.face.model import GaussianProcess
 from surrogate.face.physical import in_blocks
@@ -199,8 +199,7 @@ class CurveGP(Transformed):
         out, links = np.empty((len(self.outputs), smooth.shape[1])), self._links
         for k, row in links.plain:
             out[k] = smooth[row]
-        for start in range(0, smooth.shape[1], _BLOCK):
-            some = slice(start, start + _BLOCK)
+        for some in blocks(smooth.shape[1], _BLOCK):
             for number, measure, names in links.searches():
                 scores, land = smooth[links.scores[number], some], self._landscapes[number]
                 summit = land.summit(scores, measure)
@@ -220,8 +219,7 @@ class CurveGP(Transformed):
         mean = self._followed(smooth)
         for number, measure, names in links.searches():
             rows, land = links.scores[number], self._landscapes[number]
-            for start in range(0, t.shape[1], _BLOCK):
-                some = slice(start, start + _BLOCK)
+            for some in blocks(t.shape[1], _BLOCK):
                 summit = land.summit(smooth[rows, some], measure)
                 for name in names:
                     by_score = land.sensitivity(smooth[rows, some], measure, summit, self.largest[name].place)
