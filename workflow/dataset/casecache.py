@@ -1,8 +1,8 @@
 """A cache of solved cases of all studies: kept by their content beside all results, and taken from there.
 
-A piece is what the solver is asked for at once: of films all cases at one place of the factors that need tables, else
-those at one level of the data set's first axis, or some of a list. It is asked for alone whether it is kept or not, so
-that no bit of a result depends on what is. Cases that cost microseconds are not kept: to read one takes as long.
+A piece is what the solver is asked for at once: the cases of films that share their tables, else the cases at one level
+of the data set's first axis, or some of a list. Every piece is solved alone, with a cache or without, so that no bit of
+a result depends on what the cache holds. Cases that cost microseconds are not kept: to read one takes as long.
 """
 
 import hashlib

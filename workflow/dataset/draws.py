@@ -24,8 +24,8 @@ _Drawn = tuple[dict[str, xr.DataArray], np.ndarray[Any, np.dtype[np.int8]]]
 def sample(study: Study, count: int, seed: Sequence[int], ends: bool) -> _Drawn:
     """Random factors of a sample over ``case``, and which are even: 1, those towards the ends of the box 0.
 
-    Of a box that has grown, so many come from the sample of the box of before as its share of the volume is, piece by
-    piece as the solver is asked for them: these may have been solved. The others lie beyond it.
+    Of a box that has grown, the sample of the earlier box gives as large a share of the cases as that box has of the
+    volume, in whole pieces of the cache: these may have been solved. The other cases lie outside the earlier box.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def _shares(study: Study, before: Study) -> dict[str, tuple[float, float]]:
 def _beyond(
     study: Study, count: int, seed: Sequence[int], shares: Mapping[str, tuple[float, float]]
 ) -> dict[str, xr.DataArray]:
-    """Random factors that do not lie in a part of the box; those that films have tables of are shared."""
+    """Random factors outside a part of the box; cases of films share the factors that need tables."""
     random = np.random.default_rng(list(seed))
     names, together = list(study.factors), TOGETHER if study.tabled else 1
     low, high = np.array(list(shares.values())).T
@@ -104,8 +104,7 @@ def _beyond(
 def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETHER) -> dict[str, xr.DataArray]:
     """Random factors over dimension ``case``, uniform in the axes' own scales.
 
-    Few as the places of the factors are for which the solver makes tables, each lies in a part of its own of every such
-    axis.
+    A factor that needs tables takes few values: its axis is cut into equal parts, and each value lies in one of them.
 
     Parameters
     ----------
@@ -130,8 +129,8 @@ def towards_ends(
 ) -> tuple[dict[str, xr.DataArray], np.ndarray[Any, np.dtype[np.int8]]]:
     """Random factors with as many again that lie towards the ends, and which of them are the former: 1, others 0.
 
-    Groups have their ends in corners of the factors' box, which even cases hardly reach. All that share the factors
-    for which the solver makes tables follow one another.
+    Groups have their ends in corners of the factors' box, which even cases hardly reach. Cases that share tables follow
+    one another.
 
     Parameters
     ----------

@@ -53,8 +53,8 @@ def names(study: Study) -> list[str]:
 def near(study: Study, place: Place, number: int) -> dict[str, xr.DataArray]:
     """Random factors of a round's cases over dimension ``case``, near cases on which a place rests.
 
-    Where one factor is the same in all cases of the place, cases differ in it by `AROUND` only; along its other factors
-    they are spread over the place's range, and as far beyond. Of films, some cases share what needs tables of its own.
+    Each is drawn within `AROUND` of a random case of the place. Of films, `TOGETHER` cases share the factors that need
+    tables.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """The data set of a study on disk: slabs written block by block, a card that describes them, opened lazily as one.
 
-A block is part of one level of the first axis, so neither a job's memory nor a bit of the results depends on how the
-levels are shared out among slabs.
+A block is part of one level of the first axis: neither the memory of a job nor a bit of the results depends on the
+number of slabs.
 """
 
 import json

@@ -15,10 +15,10 @@ from workflow.study.model import Study
 
 
 def imputed(study: Study, data: xr.Dataset) -> xr.Dataset:
-    """What the surrogate learns over its axes, NaN filled in; the same data where nothing is NaN, and of no factorial.
+    """What the surrogate learns over its axes, with NaN filled in; unchanged without NaN, and of no factorial.
 
-    Kernels follow from the quantities; curves are filled in by the same. Of a study with groups, quantities of one sign
-    are filled in by their logarithms, so that they keep it.
+    The kernels are fitted to the quantities, and fill in curves too. Of a study with groups, quantities of one sign are
+    filled in by their logarithms, so that they keep the sign.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ def beyond(study: Study, target: Target) -> dict[str, tuple[float, float]]:
 
 
 def lines(study: Study, wider: Mapping[str, tuple[float, float]]) -> str:
-    """The lines of the study that would have to be changed, in words.
+    """Which lines of the study to change, in words.
 
     Parameters
     ----------

@@ -79,9 +79,8 @@ class Contents(Keys):
     def stores_fields(self) -> bool:
         """Whether the data set holds surface fields, and the page draws them.
 
-        A cross approximation has no factorial to show them over, and those of points that slide take the solver
-        milliseconds a case, to which they are left. Those in air, which take as long as the contact itself, are stored
-        where positions are asked for.
+        A cross approximation has no factorial to show them over. Fields of sliding points are left to the solver, which
+        takes milliseconds a case. Fields in air take as long as the contact: they are stored where positions are given.
         """
         asked = "positions" in self.dataset.model_fields_set
         return not self.crossed and (asked or not self.kind.air) and not self.slides
@@ -115,7 +114,7 @@ class Contents(Keys):
     def axes(self) -> dict[str, Axis]:
         """The axes of the factorial in the order of its data set: the factors, or the groups that take their place.
 
-        Of films those come first for which the solver makes tables, so that a block of cases needs few of these.
+        Axes that need tables of films come first, so that a block of cases needs few tables.
         """
         own = grouped.axes(self.groups, self.factors, self.numbers) if self.groups else self.factors
         return {name: own[name] for name in dict.fromkeys([*self.tabled, *own]) if name in own}
@@ -136,8 +135,8 @@ class Contents(Keys):
     def crossed(self) -> list[str]:
         """The axes in which a cross approximation asks for places; none where the whole factorial is solved.
 
-        Of films those that need tables of their own, else all. Those of the most levels come first, where ranks are
-        small.
+        These are the axes that need tables of films, or else all. The axes with the most levels come first: ranks are
+        small there.
         """
         method, axes = self.surrogate.method, self.axes
         if method == "factorial" or (method == "auto" and self.cases <= self.dataset.budget):
@@ -216,8 +215,8 @@ class Contents(Keys):
     def regions(self) -> list[str]:
         """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
 
-        None where it stands on a cross approximation, which knows no largest stresses, and under points, whose largest
-        stresses are learned as other quantities are.
+        None of a cross approximation, which has no largest stresses, nor under points, whose largest stresses are
+        learned as other quantities are.
         """
         if self.crossed or not self.surrogate.curves or not self.kind.regions:
             return []

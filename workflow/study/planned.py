@@ -1,7 +1,7 @@
 """The study that a job was planned with: as it was when its run began, whatever has been edited since.
 
-Snakemake reads a study once and records its digests; a job that read the file again would file the answers to one
-study under the digest of another, and the next run would find nothing to be done.
+Snakemake reads a study once and records its digests. A job that read an edited file would file the answers to the new
+study under the digest of the old one, and the next run would find nothing to be done.
 """
 
 from pathlib import Path

@@ -12,7 +12,7 @@ Whole = TypeVar("Whole", bound=Contents)
 
 
 def of(study: Whole) -> Whole:
-    """The study of that contact alone: its factors are fixed, and air is beside it where a device has it by default."""
+    """The study of that contact alone: all of its factors are fixed, and it has the defaults of a study."""
     assert study.signal is not None
     bare = {name: key.get_default(call_default_factory=True) for name, key in type(study).model_fields.items()}
     own = study.model_copy(

@@ -117,11 +117,10 @@ class Counted:
 def count_exactly(design: Designs, term: Term) -> Counted:
     """What a term counts as at one design over the many scenarios of the verdict, those that decide solved exactly.
 
-    The surrogate says which these are; they are solved, and so are those that decide then or may do so by the errors
-    that the surrogate has shown, until none is left. Scenarios that in a mean weigh a thousandth together are not
-    solved, so that a mean or a deviation errs by a thousandth of the surrogate's own errors. Where a great many decide,
-    as in a mean, all of the few scenarios of the search are solved instead, and the surrogate says what the many
-    change.
+    The surrogate says which scenarios decide. They are solved; then those are solved that decide now, or may decide by
+    the errors that the surrogate has shown, until none is left. Scenarios that weigh a thousandth of a mean together
+    are not solved: a mean errs by a thousandth of the surrogate's own errors. Where very many scenarios decide, the few
+    of the search are solved instead, and the surrogate says what the many change.
 
     Parameters
     ----------

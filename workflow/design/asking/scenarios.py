@@ -71,7 +71,7 @@ def corners(target: Target, nodes: Mapping[int, int]) -> Scenarios:
 
 
 def along(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Scenarios:
-    """The same, in groups: the draws of each are the nodes of some names, all others stand still.
+    """The same in groups: within a group only some names change, over their nodes, which are its draws.
 
     Parameters
     ----------
