@@ -19,7 +19,7 @@ from workflow.language import titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number
 from workflow.language.titles import capital, listed
-from workflow.report import device, surroundings
+from workflow.report import device, other_surroundings
 from workflow.report.svg import element
 from workflow.study import coupling
 from workflow.study.model import Study
@@ -99,7 +99,7 @@ def answered(
     contact
         Ends of the contact of its design [m], by name.
     around
-        What other surroundings would change, as `workflow.report.surroundings.compared` gives it.
+        What other surroundings would change, as `workflow.report.other_surroundings.compared` gives it.
     on_datum
         What depends on the datum, as `workflow.report.datum_effect.of_design` gives it: a goal that moves names it.
     """
@@ -109,7 +109,7 @@ def answered(
     moving = {str(row["name"]) for row in on_datum if row["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
     why = (told.beyond, told.advice, told.idle, told.tolerance or cost(answer), told.device, _sure(answer),
-           asides.spread(answer), surroundings.told(around), told.sources)  # fmt: skip
+           asides.spread(answer), other_surroundings.told(around), told.sources)  # fmt: skip
     title = study.titles[name]
     return Screen(
         name=name,

@@ -17,7 +17,7 @@ from workflow.design.verdict.answer import Answer
 from workflow.device.pressed import HELD
 from workflow.language import titles
 from workflow.report import sentences
-from workflow.report.verdict import findings
+from workflow.report.verification import findings
 from workflow.study import coupling
 from workflow.study.categories import titled
 from workflow.study.datum import meaning
