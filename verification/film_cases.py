@@ -104,8 +104,8 @@ class Solved:
     def quantities(self, datum: float) -> Answers:
         """Quantities by name, the largest tractions of the lowest interface among them."""
         contact = self.contact
-        peaks = PeakTable(contact.table).interface(contact)
-        extremes = {"interface_shear": peaks.shear[0], "interface_tension": peaks.tension[0]}
+        peaks = PeakTable(contact.table).peaks(contact, "interface")
+        extremes = {name: peaks[name][0] for name in ("interface_shear", "interface_tension")}
         if not self.stacked:
             found = solver.solve(self.case | {"datum": datum})
             return {str(name): value.values for name, value in found.items()} | extremes

@@ -16,9 +16,9 @@ from scipy.interpolate import CubicSpline
 from scipy.sparse.linalg import LinearOperator, gmres
 from scipy.special import j0, j1
 
-from solver.film.kernel import strip, wavenumbers
 from solver.film.reflection import waves
 from solver.film.stack import Stack
+from solver.film.wavenumbers import strip, wavenumbers
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
 
