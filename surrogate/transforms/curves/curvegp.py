@@ -255,7 +255,7 @@ class CurveGP(Transformed):
     def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
         """Correct what is smooth, the curves too where the cases have them; a process over groups stays as it is.
 
-        Held-out cases hardly reach the ends of the groups' ranges, where what they tell of its error would be a guess.
+        Few held-out cases lie near the ends of the groups' ranges: a correction there would be a guess.
 
         Parameters
         ----------
