@@ -15,10 +15,10 @@ from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.names import RESPONSES
 from solver.surroundings.coupled import AirContact
 from solver.surroundings.largest import gap_field, peak_density, peak_pressure
-from solver.surroundings.operators import EDGE, grid_of
+from solver.surroundings.operators import EDGE
 from solver.surroundings.refusal import lacking, require
 from solver.surroundings.state import State
-from solver.surroundings.table import AirTable, farthest
+from solver.surroundings.table import AirTable, farthest, grid_of
 
 _NODES = 12  # half-lengths of a window: 1e-7 between them
 _TABLES = 16  # kept: 10 MB each at most
