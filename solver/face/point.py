@@ -22,7 +22,7 @@ from solver.point.profile import DISC, Shape
 from solver.point.quantities import quantities, sliding_quantities
 from solver.point.rim import Rim
 from solver.point.sliding import Rubbed, warn_of_order
-from solver.point.surface import Stretch, surface_fields
+from solver.point.surface import surface_fields
 
 #: Surface fields as fields inside, which have what friction adds.
 SURFACE = {
@@ -66,10 +66,6 @@ class OnPoints:
         """The surface beside the contacts; None where a c12 is missing."""
         raise NotImplementedError
 
-    def _stretch(self, places: Indices) -> Stretch | None:
-        """What the surfaces do along themselves; None where a c12 is missing."""
-        raise NotImplementedError
-
     @np.errstate(all="ignore")
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """Those of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and every case has; (...)."""
@@ -90,7 +86,7 @@ class OnPoints:
         positions : ndarray, shape (position,), r/a, of sliding punches x/a
         regular : bool, whether the singular ones are wanted in regular form too
         """
-        found = self.put_together(lambda pressed, own: surface_fields(pressed, positions, self._stretch(own)))
+        found = self.put_together(lambda pressed, own: surface_fields(pressed, positions, self._rim(own)))
         if np.any(self._friction):
             found |= self.slid(positions)
         return self.with_regular(found, positions) if regular else found

@@ -132,8 +132,12 @@ class Film:
         """The punch."""
         return self.kind.shape
 
-    def windows(self, radius: Array) -> Iterator[tuple[Indices, Window]]:
-        """Cases by the window that holds their radius [m].
+    def part(self, places: Indices) -> "Film":
+        """Some of the cases."""
+        return Film(self.kind, self.thickness[places])
+
+    def windows(self, radius: Array) -> Iterator[tuple[Indices, Window, Array]]:
+        """Cases by the window that holds their radius [m], and log (a/h) of these.
 
         Raises
         ------
@@ -145,21 +149,21 @@ class Film:
             raise RangeError(_beyond(bool(np.any(ratio < LEAST)), self.thickness))
         numbers = number_of(ratio)
         for number in np.unique(numbers).tolist():
-            yield np.flatnonzero(numbers == number), window(self.kind, number)
+            places = np.flatnonzero(numbers == number)
+            yield places, window(self.kind, number), np.log(ratio[places])
 
     def gathered(self, radius: Array, output: Callable[[Window, Array, Indices], Array]) -> Array:
-        """An output of the windows at log (a/h) of their cases; (case, ...).
+        """An output of the windows at log (a/h) of their cases, zeros where that of another is longer; (case, ...).
 
         Parameters
         ----------
         radius : ndarray, shape (case,), a [m]
         output : callable, gives values of a window at log (a/h) and places of its cases, (case, ...)
         """
-        log_ratio = np.log(radius / self.thickness)
-        parts = [(places, output(of, log_ratio[places], places)) for places, of in self.windows(radius)]
-        whole = np.empty((radius.size, *parts[0][1].shape[1:]))
+        parts = [(places, output(of, log_ratio, places)) for places, of, log_ratio in self.windows(radius)]
+        whole = np.zeros((radius.size, *np.max([values.shape[1:] for _, values in parts], axis=0)))
         for places, values in parts:
-            whole[places] = values
+            whole[(places, *map(slice, values.shape[1:]))] = values
         return whole
 
     def stiffness(self, radius: Array) -> Stiffness:

@@ -56,7 +56,7 @@ def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict
     """
     reading.refused(conducts=film.kind.conducts[0])
     reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
-    for places, window in film.windows(contact.radius):
+    for places, window, _ in film.windows(contact.radius):
 
         def answer(
             some: Indices, number: int, octave: int, places: Indices = places, window: Window = window

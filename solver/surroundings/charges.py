@@ -95,7 +95,8 @@ class Charges:
     # -- on the surface ------------------------------------------------------------------------------------------------
     def at(self, X: Array) -> Array:
         """Densities at X beside the contact; (2, point)."""
-        return np.where(X > 0, *self.densities(np.arccosh(np.abs(X))))
+        right, left = self.densities(np.arccosh(np.abs(X)))
+        return np.where(X > 0, right, left)
 
     def drawn(self, X: Array) -> Array:
         """Densities that they draw into the contact, at abs(X) < 1; (2, point)."""
