@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -14,10 +13,9 @@ from solver.film.stack import RIGID, Layer, Stack
 from solver.film.surface import surface_fields
 from solver.film.table import table
 from solver.halfplane.profile import Profile
-from verification.cases import Array
+from verification.cases import Array, Case
 from verification.oracles.fem import FIELDS
 
-Case = dict[str, Any]
 Answers = dict[str, Array]
 PUNCH: Case = {"radius": 0.05, "load": 1e5, "surroundings": "insulated"}
 COMPOSITE: Case = {**PUNCH, "volume_fraction": 0.5, "thickness": 2e-4, "friction": 0.3}

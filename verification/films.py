@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import cache, partial
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -15,10 +14,9 @@ from solver.film.system import System
 from solver.film.table import at
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
-from verification.cases import SIH_SONG, Array
+from verification.cases import SIH_SONG, Array, Case, half_length
 from verification.findings import Check, Curve, Findings, Sizes, check, off, off_each
 
-Case = dict[str, Any]
 CHARGED: Case = {"load": 1e5, "friction": 0.4, "datum": 0.2}
 CHARGES = {"electric": ("charge", 2e-6), "magnetic": ("magnetic_charge", -3e-3)}
 PROFILES: dict[str, Case] = {
@@ -88,9 +86,9 @@ def thick(base: Case, expected: tuple[float, float]) -> float:
     base : mapping, what is below the film
     expected : (float, float), length over that on a half-plane less one, at 10 and at 100 half-widths
     """
-    half = _half(solver.solve(COMPOSITE))
+    half = half_length(solver.solve(COMPOSITE))
     films = (solver.solve(COMPOSITE | base | {"thickness": ratio * half}) for ratio in (10.0, 100.0))
-    return off_each([_half(film) / half - 1 for film in films], expected)
+    return off_each([half_length(film) / half - 1 for film in films], expected)
 
 
 def uniaxial() -> float:
@@ -123,17 +121,12 @@ def _thin(case: Case, scaled: list[float]) -> tuple[Array, xr.Dataset]:
     solved = solver.solve(
         {"radius": 0.05, "base": "rigid", "surroundings": "insulated", "thickness": THIN, "load": loads, **case}
     )
-    return _half(solved) / THIN, solved
+    return half_length(solved) / THIN, solved
 
 
 def _limit(ratios: Array, values: Array) -> float:
     """Limit at h1/h = 0 of a polynomial in it."""
     return float(np.polyfit(1 / ratios, values, len(values) - 1)[-1])
-
-
-def _half(found: xr.Dataset) -> Array:
-    """Half-length [m]."""
-    return np.asarray(found.contact_trailing + found.contact_leading) / 2
 
 
 def totals() -> float:
@@ -152,7 +145,7 @@ def totals() -> float:
     middle, width = (ends[1:] + ends[:-1])[:, None] / 2, np.diff(ends)[:, None] / 2
     theta, weight = (middle + width * nodes).ravel(), (width * weights).ravel()
     solved = solver.solve(case, np.cos(theta), regular=True)
-    half = float(_half(solved))
+    half = half_length(solved)
     pressed = solved.contact_pressure.values * np.sin(theta)
     whole = (pressed, -solved.electric_displacement_y_regular.values, -solved.magnetic_induction_y_regular.values)
     loads = [case[name] for name in ("load", "charge", "magnetic_charge")]

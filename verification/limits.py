@@ -6,7 +6,7 @@ import solver
 from verification.cases import CHARGED, SIH_SONG, Array, constants
 from verification.findings import Check, Findings, Sizes, check, off, off_each
 from verification.oracles import precise
-from verification.oracles.surface_response import surface_response
+from verification.oracles.surface_response import angular_integrals, surface_response
 
 X = np.array([-6.0, -1.5, -0.999, -0.4, 0.1, 0.6, 0.98, 1.2, 4.0])
 INSIDE = np.abs(X) < 1
@@ -136,15 +136,9 @@ def _smaller(m: dict[str, float], field: int) -> tuple[Array, Array]:
     full = surface_response(m)
     units = np.array([1.0, 1.0, (1e10, 1e8)[field - 1]])
     Q, R, T = (units[:, None] * block[np.ix_(keep, keep)] * units / 1e11 for block in (full.Q, full.R, full.T))
-    angle = (np.pi * np.arange(2048) / 2048)[:, None, None]
-    c, s = np.cos(angle), np.sin(angle)
-    q = Q * c**2 + (R + R.T) * c * s + T * s**2
-    r = R * c**2 + (T - Q) * c * s - R.T * s**2
-    n1 = -np.linalg.solve(T * c**2 - (R + R.T) * c * s + Q * s**2, np.swapaxes(r, 1, 2))
-    L_inv = np.linalg.inv((q + r @ n1).mean(axis=0))
-    SL = n1.mean(axis=0) @ L_inv
+    local, compliance = angular_integrals(Q, R, T)
     scale = units[:, None] * units / 1e11
-    return (L_inv * scale)[1:, 1:], (-SL * scale)[1:, 0]
+    return (compliance * scale)[1:, 1:], (local * scale)[1:, 0]
 
 
 def reciprocity() -> list[Check]:

@@ -7,7 +7,7 @@ import numpy as np
 
 import solver
 from solver.names import POINT_QUANTITIES
-from verification.cases import constants
+from verification.cases import Case, constants
 from verification.findings import Curve, Findings, Sizes, check, off, off_each
 from verification.oracles import point
 from verification.oracles.fem_film import Layer
@@ -16,19 +16,17 @@ from verification.oracles.fem_point import PointContact
 _MODULUS, _POISSON = 210e9, 0.3
 _PLANE = _MODULUS / (1 - _POISSON**2)
 _BODY = solver.Material.isotropic(_MODULUS, _POISSON)
-_BARE: dict[str, Any] = {"material": _BODY, "electric": "insulating", "magnetic": "insulating", "force": 10.0}
-_BALL: dict[str, Any] = {"profile": "sphere", "radius": 5e-3}
-_CONE: dict[str, Any] = {"profile": "cone", "slope": 0.05}
-_DISC: dict[str, Any] = {"profile": "disc", "width": 1e-4}
-_POWER: dict[str, Any] = {"profile": "power", "exponent": 4.0, "coefficient": 1e9}
+_BARE: Case = {"material": _BODY, "electric": "insulating", "magnetic": "insulating", "force": 10.0}
+_BALL: Case = {"profile": "sphere", "radius": 5e-3}
+_CONE: Case = {"profile": "cone", "slope": 0.05}
+_DISC: Case = {"profile": "disc", "width": 1e-4}
+_POWER: Case = {"profile": "power", "exponent": 4.0, "coefficient": 1e9}
 #: Exponent and coefficient of each, as the oracle in 50 digits has them.
 _PROFILES = ((_BALL, 2.0, 100.0), (_CONE, 1.0, 0.05), (_DISC, 0.0, 5e-5), (_POWER, 4.0, 1e9))
 #: P (1 - nu) / (4 G a d) of a disc on a bonded layer, nu = 0.3, at a/h: Hayes et al. (1972), solved anew to six digits.
 _HAYES = {0.2: 1.20656, 0.4: 1.47261, 1.0: 2.48352, 2.0: 4.35324}
 _INSULATED = {"surroundings": "insulated"}
-_FILM: dict[str, Any] = (
-    {"material": "PZT-4", "thickness": 1e-4, "magnetic": "insulating", "force": 10.0} | _BALL | _INSULATED
-)
+_FILM: Case = {"material": "PZT-4", "thickness": 1e-4, "magnetic": "insulating", "force": 10.0} | _BALL | _INSULATED
 _BASES = {"rigid": "a rigid base", "silicon": "silicon"}
 _TENSE = ("stress_xx", "stress_yy", "stress_zz")
 
@@ -130,7 +128,7 @@ def own_base() -> float:
     bonded = {"thickness": 1e-4, "base": "BaTiO3", "interface_electric": "bonded", "interface_magnetic": "bonded"}
     worst = 0.0
     for punch in (_BALL, _DISC):
-        case: dict[str, Any] = {"material": "BaTiO3", "force": 10.0} | punch
+        case: Case = {"material": "BaTiO3", "force": 10.0} | punch
         film, alone = solver.solve(case | bonded | _INSULATED), solver.solve(case)
         names = [name for name in POINT_QUANTITIES if name in alone and float(np.abs(alone[name])) > 0]
         worst = max(worst, off_each([film[name] for name in names], [alone[name] for name in names]))
@@ -153,7 +151,7 @@ def _hayes() -> float:
 def thin() -> float:
     """Largest relative error of both limits, what goes like h/a taken off by two radii, (h/a)^2 left."""
     body, h, R, ratios = solver.find("PZT-4"), 1e-4, 10.0, np.array([20.0, 40.0])
-    film: dict[str, Any] = {"profile": "sphere", "radius": R, "thickness": h, "base": "rigid"} | _INSULATED
+    film: Case = {"profile": "sphere", "radius": R, "thickness": h, "base": "rigid"} | _INSULATED
     forces = np.pi / 4 * float(_BODY.c33) * (ratios * h) ** 4 / (R * h)
     stiff, charged = (
         solver.solve(_BARE | film | {"force": forces}),
