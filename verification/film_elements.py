@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from verification.cases import constants
-from verification.film_cases import CASES, FLUXES, INTENSITIES, RESPONSES, Answers, Solved
+from verification.film_cases import CASES, EXTREMES, FLUXES, INTENSITIES, RESPONSES, Answers, Solved
 from verification.findings import Findings, Sizes, off
 from verification.oracles import fem_film
 from verification.oracles.fem import FIELDS
@@ -74,7 +74,7 @@ class Compared:
         sliding = one.case["radius"], one.case.get("friction", 0.0)
         punch = fem_film.Punch(*sliding, *one.charges, tuple(numbers[list(one.conducts)]))
         base = None if one.base is None else constants(one.base)
-        return fem_film.FilmContact(layers, base, punch, float(one.contact.half_width[0]), self.order)
+        return fem_film.FilmContact(layers, base, punch, one.half_length, self.order)
 
     @cached_property
     def quantities(self) -> Answers:
@@ -132,7 +132,7 @@ class Compared:
     def interface(self) -> tuple[Answers, Answers]:
         """Largest shear, and largest tension or 0."""
         tractions = self.contact.interface(len(self.solved.layers) - 1)
-        expected = [self.quantities[f"interface_{name}"] for name in ("shear", "tension")]
+        expected = [self.quantities[name] for name in EXTREMES]
         return {"extremes": np.array([tractions["shear"], max(tractions["tension"], 0.0)])}, {
             "extremes": np.array(expected)
         }

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, Self
+from typing import Self
 
 import numpy as np
 
@@ -70,20 +70,6 @@ class Loading:
 
 def _column(values: Array | float) -> Array:
     return np.asarray(values)[..., None]
-
-
-class Body(Protocol):
-    """A body under punches of one shape."""
-
-    @property
-    def shape(self) -> Shape:
-        """The punch."""
-
-    def stiffness(self, radius: Array) -> Stiffness:
-        """What contacts of these radii answer; arrays over the cases."""
-
-    def radius(self, loading: Loading) -> Array:
-        """Radii of the contacts that carry the forces of curved punches; (case,)."""
 
 
 @dataclass(frozen=True, eq=False)

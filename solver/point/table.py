@@ -4,11 +4,9 @@ By dimension only P R/h^3 of a sphere, P/(tan beta h^2) of a cone and their kind
 interactions of a stack are found once and serve every punch: its profile, its elasticity, what it conducts.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import product
-from typing import Protocol
 
 import numpy as np
 
@@ -83,34 +81,6 @@ def _contact_compliance(compliance: Array, kind: PointKind) -> Array:
     return conducted(both, np.array(kind.conducts))
 
 
-class Terms(Protocol):
-    """What the layers of a film add to the tractions of a half-space, as coefficients at radii."""
-
-    @property
-    def coefficients(self) -> Array:
-        """Times a, of u0 in each channel and of g = (r/a)^exponent; (radius, 3, n, 4)."""
-
-    @property
-    def loads(self) -> Array:
-        """Shares of the coefficients in a load over 2 pi; (n,)."""
-
-    @property
-    def edges(self) -> Array:
-        """Shares of them in the strength at the edge; (n,)."""
-
-    def forms(self, x: Array) -> Array:
-        """Shares of them in a traction less its strength over x = sqrt(1 - r^2/a^2) > 0; (x, n)."""
-
-    def between(self, series: Array, low: Array, high: Array) -> Callable[[Array], Array]:
-        """A traction less its strength over x at x within limits (case,), of coefficients (case, n).
-
-        Parameters
-        ----------
-        series : ndarray, shape (case, n), coefficients
-        low, high : ndarray, shape (case,), limits of x
-        """
-
-
 @dataclass(frozen=True, eq=False)
 class Window:
     """Contacts on one film of unit thickness, over half a decade of radii and a little more.
@@ -137,7 +107,7 @@ class Window:
         return self.interval.points
 
     @cached_property
-    def terms(self) -> Terms:
+    def terms(self) -> Added | GradedTerms:
         """What the layers add, at the nodes: Legendre functions, or densities on pieces below a graded layer."""
         kind, stack = self.kind, self.kind.film.stack()
         if stack.top.graded:
@@ -165,14 +135,6 @@ class Window:
     def _read(self) -> Array:
         """Those of loads, edge strengths and the derivatives of these in log a; (node, 36)."""
         return np.concatenate([self._series[:, :24], self.interval.derived(self._series[:, 12:24])], -1)
-
-    @property
-    def resolved(self) -> float:
-        """Last coefficients over the largest of the half-space's and their own: the error of reading."""
-        own = halfspace(self.kind.compliance, self.kind.shape)
-        size = np.concatenate([np.abs(own.loads).ravel(), np.abs(own.edges).ravel()])
-        size = np.maximum(size, np.max(np.abs(self._series[:, :24]), 0))
-        return float(np.max(np.abs(self._series[-2:, :24]) / np.where(size > 0, size, 1.0)))
 
     def read(self, log_radius: Array) -> Array:
         """What the layers add to loads, edges and their rates, at radii within the window; (case, 3, 3, 4)."""

@@ -159,7 +159,7 @@ class Grid:
         panels = np.minimum(np.searchsorted(self.ends[1:], theta), self.panels - 1)
         whole = np.zeros((theta.size, self.panels, _NODES))
         whole[np.arange(theta.size), panels] = self.interpolations_at(panels, theta[:, None])[:, 0]
-        return whole.reshape(theta.size, -1)
+        return whole.reshape(theta.size, self.count)
 
     def ruled(self, panels: Indices, u: Array, weights: Array) -> tuple[Array, Array]:
         """Theta at nodes u of rules on pieces of panels, and weights of int D dX by the unknowns of D.
