@@ -147,9 +147,10 @@ class Film:
         output : callable, gives values of a window at log (a/h) and places of its cases, (case, ...)
         """
         parts = [(places, output(of, log_ratio, places)) for places, of, log_ratio in self.windows(radius)]
-        whole = np.zeros((radius.size, *np.max([values.shape[1:] for _, values in parts], axis=0)))
+        longest = np.max([values.shape[1:] for _, values in parts], axis=0)
+        whole = np.empty((radius.size, *longest))
         for places, values in parts:
-            whole[(places, *map(slice, values.shape[1:]))] = values
+            whole[places] = np.pad(values, [(0, 0), *((0, int(more)) for more in longest - values.shape[1:])])
         return whole
 
     def stiffness(self, radius: Array) -> Stiffness:

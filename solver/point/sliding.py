@@ -57,7 +57,9 @@ class Rubbed:
         contact, body = self.contact, self.contact.pressed.body
         inverse = np.linalg.inv(contact.state.stiffness.compliance)
         form = np.broadcast_to(-2 / np.pi * inverse[..., :, 0], contact.state.strengths.shape)
-        series = _series(contact) if isinstance(body, Film) else np.zeros((*form.shape, 0))
+        series, causes = np.zeros((*form.shape, 0)), contact.state.causes
+        if isinstance(body, Film):
+            series = body.gathered(contact.radius, lambda of, at, places: of.tractions(at, causes[places]))
         unit = self._unit[:, None]
         own = self._pieces(odd=False)
         return Density(body.shape, contact.state.strengths * unit, form * unit, series * unit[..., None], own)
@@ -84,8 +86,7 @@ class Rubbed:
     @property
     def _friction(self) -> Friction:
         friction = self.contact.pressed.friction
-        if friction is None:
-            raise ValueError("contacts without friction do not slide")
+        assert friction is not None
         return friction
 
     @cached_property
@@ -183,11 +184,3 @@ def warn_of_order(pressed: Pressed) -> None:
             FirstOrderWarning,
             stacklevel=2,
         )
-
-
-def _series(contact: Contact) -> Array:
-    """What the layers add without friction, times a; (case, 3, n)."""
-    body = contact.pressed.body
-    assert isinstance(body, Film)
-    causes = contact.state.causes
-    return body.gathered(contact.radius, lambda of, log_ratio, places: of.tractions(log_ratio, causes[places]))

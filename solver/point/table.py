@@ -17,8 +17,9 @@ from solver.film.electroded import surface
 from solver.film.table import LEAST, MOST
 from solver.film.windows import Kind
 from solver.point.contact import State
+from solver.point.density import Density
 from solver.point.galerkin import Added
-from solver.point.gradedterms import GradedTerms
+from solver.point.gradedterms import GradedTerms, pieces_below
 from solver.point.halfspace import Stiffness, conducted, halfspace
 from solver.point.interactions import interactions
 from solver.point.pressure import SAMPLES
@@ -120,6 +121,25 @@ class Window:
     def added(self) -> Array:
         """Coefficients that the layers add, at the nodes; (node, 3, n, 4)."""
         return self.terms.coefficients
+
+    @cached_property
+    def edges(self) -> Array:
+        """Strengths times a at the nodes, of u0 and g; (node, 3, 4)."""
+        return self.kind.stiffness(self.read(self.nodes)).edges
+
+    def density(self, number: int, causes: Array) -> Density:
+        """Of causes over C a^e at a node, one column each.
+
+        Parameters
+        ----------
+        number : int, of the node
+        causes : ndarray, shape (column, 4), u0 and g
+        """
+        kind = self.kind
+        form = causes[:, 3:] * (-2 / np.pi * np.linalg.inv(kind.compliance)[:, 0])
+        series = np.einsum("ind,cd->cin", self.added[number], causes)
+        pieces = pieces_below(kind.film.stack(), kind.shape)
+        return Density(kind.shape, causes @ self.edges[number].T, form, series, pieces)
 
     @cached_property
     def _series(self) -> Array:

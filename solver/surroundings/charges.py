@@ -96,7 +96,7 @@ class Charges:
     def at(self, X: Array) -> Array:
         """Densities at X beside the contact; (2, point)."""
         right, left = self.densities(np.arccosh(np.abs(X)))
-        return np.where(X > 0, right, left)
+        return np.asarray(np.where(X > 0, right, left))
 
     def drawn(self, X: Array) -> Array:
         """Densities that they draw into the contact, at abs(X) < 1; (2, point)."""

@@ -117,7 +117,7 @@ class SlidingSphere:
     def _sharpened(self) -> tuple[Array, Array]:
         """|k| of the grid, and N^-1: nearly the inverse of what tractions move, by which GMRES is sooner done."""
         k = 2 * np.pi * np.hypot(np.fft.fftfreq(2 * self.cells)[:, None], np.fft.rfftfreq(2 * self.cells))
-        return np.asarray(k / self._size, dtype=np.float64), np.linalg.inv(self._half[0])
+        return np.asarray(k / self._size, dtype=np.float64), np.asarray(np.linalg.inv(self._half[0]), dtype=np.float64)
 
     def solved(self) -> dict[str, float]:
         """Force [N], charge [C], first moments of both along x [N m, C m] and largest pressure [Pa].
