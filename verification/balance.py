@@ -45,8 +45,8 @@ def run(sizes: Sizes) -> Findings:
             "work of E and of H around closed boxes inside, over that along their sides", 1e-11,
             partial(_circulation, seed=sizes.seed),
         ),
-        "Totals": ("resultants of stress, D and B on a box about the contact, and Q, P, T, J", 1e-10, totals),
-        "Constitutive law": ("fluxes, and those of strains, E and H by equations (1a)-(1c)", 1e-12, constitutive),
+        "Totals": ("resultants of stress, D and B on a box about the contact, and Q, P, T, J", 1e-10, _totals),
+        "Constitutive law": ("fluxes, and those of strains, E and H by equations (1a)-(1c)", 1e-12, _constitutive),
         "Surface": ("interior fields at y = 0, and the surface solution", 1e-11, _at_surface),
         "Far field": ("r times the fields at 1e7 half-widths, and at 1e8", 1e-5, _far_field),
     }  # fmt: skip
@@ -107,7 +107,7 @@ def _sides(case: Case, box: Array, across: str, along: str) -> tuple[Array, Arra
     return upright[:, 0] * heights, upright[:, 1] * heights, horizontal[0] * widths, horizontal[1] * widths
 
 
-def totals(case: Case) -> float:
+def _totals(case: Case) -> float:
     """Resultants on a box about the contact against Q, P, T, J; over the sum of the sizes of its sides' resultants."""
     found = solver.solve(case)
     half = half_length(found)
@@ -124,7 +124,7 @@ def totals(case: Case) -> float:
     return worst
 
 
-def constitutive(case: Case) -> float:
+def _constitutive(case: Case) -> float:
     """Largest error of a flux over its largest value."""
     fields = [name for pair in (*FLOWS, *POTENTIAL_FIELDS) for name in pair]
     inside = solver.solve_interior(case, X, Y, fields=[*fields, "strain_xx", "strain_yy", "strain_xy"])

@@ -41,17 +41,17 @@ def run(_: Sizes) -> Findings:
     """All of them."""
     own = "every quantity of a film of its own base, four kinds of conduction, and of the half-plane"
     checks = [
-        *(check(f"Film of its own base: {name}", own, 1e-11, own_base, punch) for name, punch in PROFILES.items()),
+        *(check(f"Film of its own base: {name}", own, 1e-11, _own_base, punch) for name, punch in PROFILES.items()),
         *(check(f"Thick film on a {name}", "half-length less the closed form's, and the theory's, at 10 and 100 "
-                "half-lengths", 0.03, thick, *of) for name, of in THICK.items()),
-        check("Thin film, insulating punch", "P R h1/h^3, h1/h to 0, and 2/3 of the uniaxial modulus", 5e-4, uniaxial),
+                "half-lengths", 0.03, _thick, *of) for name, of in THICK.items()),
+        check("Thin film, insulating punch", "P R h1/h^3, h1/h to 0, and 2/3 of the uniaxial modulus", 5e-4, _uniaxial),
         check("Thin film, conducting punch", "charge per load, h1/h to 0, and e33/c33", 1e-3, _thin_charge),
         check("Thin incompressible film", "P R h1^3/h^5, h1/h to 0, and 2/15 of the shear modulus (Johnson 1985)", 1e-2,
-              incompressible),
-        check("Totals", "P, T, J and the integrals of p, D_y, B_y", 1e-12, totals),
+              _incompressible),
+        check("Totals", "P, T, J and the integrals of p, D_y, B_y", 1e-12, _totals),
         check("Betti", "flat punch: d depth/dT and -dV/dP, d depth/dJ and -dPsi/dP, dV/dJ and dPsi/dT", 1e-12, _betti),
     ]  # fmt: skip
-    resolution, curves = resolved()
+    resolution, curves = _resolved()
     return Findings(
         "Films",
         "Films through solver.solve against the half-plane's closed form, textbook limits, balance and reciprocity; "
@@ -62,7 +62,7 @@ def run(_: Sizes) -> Findings:
     )
 
 
-def own_base(punch: Case) -> float:
+def _own_base(punch: Case) -> float:
     """Largest relative difference of a quantity of the half-plane, and of a film of the same material on it."""
     worst = 0.0
     for fields in ((), ("electric",), ("magnetic",), ("electric", "magnetic")):
@@ -78,20 +78,14 @@ def own_base(punch: Case) -> float:
     return worst
 
 
-def thick(base: Case, expected: tuple[float, float]) -> float:
-    """Largest relative error of how much shorter a thick film makes the contact.
-
-    Parameters
-    ----------
-    base : mapping, what is below the film
-    expected : (float, float), length over that on a half-plane less one, at 10 and at 100 half-widths
-    """
+def _thick(base: Case, expected: tuple[float, float]) -> float:
+    """Largest relative error of how much shorter films of 10 and 100 half-lengths make the contact."""
     half = half_length(solver.solve(COMPOSITE))
     films = (solver.solve(COMPOSITE | base | {"thickness": ratio * half}) for ratio in (10.0, 100.0))
     return off_each([half_length(film) / half - 1 for film in films], expected)
 
 
-def uniaxial() -> float:
+def _uniaxial() -> float:
     """Error of the load of a thin film of BaTiO3 on a rigid base, under a punch that takes no charge anywhere."""
     material = solver.find("BaTiO3")
     expected = 2 / 3 * float(material.c33 + material.e33**2 / material.eps33)
@@ -107,7 +101,7 @@ def _thin_charge() -> float:
     return off(_limit(ratios, found.charge_sensitivity.values), float(material.e33 / material.c33))
 
 
-def incompressible() -> float:
+def _incompressible() -> float:
     """Error of the load of a thin incompressible film on a rigid base."""
     shear, poisson = 1e9, 0.4999999
     case = {"material": solver.Material.isotropic(2 * shear * (1 + poisson), poisson), "electric": "insulating"}
@@ -129,7 +123,7 @@ def _limit(ratios: Array, values: Array) -> float:
     return float(np.polyfit(1 / ratios, values, len(values) - 1)[-1])
 
 
-def totals() -> float:
+def _totals() -> float:
     """Largest relative error of the integrals of p, -D_y and -B_y, by Gauss panels in theta = acos X."""
     case = {
         **COMPOSITE,
@@ -177,7 +171,7 @@ def _systems() -> dict[str, tuple[Stack, float]]:
     }
 
 
-def resolved() -> tuple[list[Check], list[Curve]]:
+def _resolved() -> tuple[list[Check], list[Curve]]:
     """Errors of outputs at the default resolution over half-lengths, and the load's as curves."""
     kinds = {
         "load": (slice(0, 1), 1e-8),

@@ -65,7 +65,7 @@ def run(sizes: Sizes) -> Findings:
         for (name, (conducted, fields)) in product(PUNCHES, CONDUCTED.items())
     ]  # fmt: skip
     checks.append(check("Moment", "flat punch given the moment of the collocated tilted one: its slope's response",
-                        TOLERANCE, moment, surface))  # fmt: skip
+                        TOLERANCE, _moment, surface))  # fmt: skip
     curves = [
         Curve(
             "collocation_terms",
@@ -114,7 +114,7 @@ def run(sizes: Sizes) -> Findings:
         "shares no code with the closed form: even the constants of the half-plane are its own, by angular integrals.",
         checks,
         curves,
-        [timing(name, surface, sizes) for name in PUNCHES] if sizes.timed else [],
+        [_timing(name, surface, sizes) for name in PUNCHES] if sizes.timed else [],
     )
 
 
@@ -172,7 +172,7 @@ def _difference(found: xr.Dataset, expected: dict[str, Array]) -> float:
     return worst
 
 
-def moment(surface: SurfaceResponse) -> float:
+def _moment(surface: SurfaceResponse) -> float:
     """Relative error of the depth of a flat punch whose moment replaces its slope."""
     case = _case("tilted flat", (1, 2))
     numerical = collocation.solve(_problem("tilted flat", case, 8, surface))
@@ -202,17 +202,11 @@ def _circle(surface: SurfaceResponse) -> list[float]:
     ]
 
 
-def timing(name: str, surface: SurfaceResponse, sizes: Sizes) -> Timing:
+def _timing(name: str, surface: SurfaceResponse, sizes: Sizes) -> Timing:
     """Seconds a case with ends, response and surface fields at the same places, at the same accuracy.
 
     The collocation has as few terms as 1e-8 needs, and gets the constants of the half-plane for nothing; the closed
     form finds them anew in every call.
-
-    Parameters
-    ----------
-    name : str, the profile's
-    surface : SurfaceResponse, of the half-plane
-    sizes : Sizes, how many cases are timed
     """
     terms = next(n for n in range(3, 9) if error(name, (1, 2), n, surface) <= TOLERANCE)
     random = np.random.default_rng(sizes.seed)

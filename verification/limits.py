@@ -28,14 +28,14 @@ def run(_: Sizes) -> Findings:
         [
             check("Hertz", "ends, peak and pressure of a cylinder on steel", 1e-13, hertz),
             check("Hertz, inside", "stresses on the axis below the contact (Johnson 1985, 4.2)", 1e-12, _hertz_inside),
-            check("Isotropic sliding", "exponent, ends, pressure of Guler and Erdogan (2007)", 1e-12, sliding),
-            check("Sadowsky", "pressure of a flat punch without friction", 1e-13, flat, 0.0),
-            check("Flat punch, sliding", "p = P sin(pi alpha)/pi (a-x)^(alpha-1) (x+b)^-alpha", 1e-12, flat, 0.7),
-            check("Piezoelectric", smaller.format("electric"), 1e-11, uncoupled, 1),
-            check("Piezomagnetic", smaller.format("magnetic"), 1e-11, uncoupled, 2),
-            *reciprocity(),
-            check("Mirror", "sliding the other way, by the 50-digit oracle at -eta", 1e-11, mirror),
-            check("Units", "everything in millimetres, tonnes and milliamperes", 1e-11, units),
+            check("Isotropic sliding", "exponent, ends, pressure of Guler and Erdogan (2007)", 1e-12, _sliding),
+            check("Sadowsky", "pressure of a flat punch without friction", 1e-13, _flat, 0.0),
+            check("Flat punch, sliding", "p = P sin(pi alpha)/pi (a-x)^(alpha-1) (x+b)^-alpha", 1e-12, _flat, 0.7),
+            check("Piezoelectric", smaller.format("electric"), 1e-11, _uncoupled, 1),
+            check("Piezomagnetic", smaller.format("magnetic"), 1e-11, _uncoupled, 2),
+            *_reciprocity(),
+            check("Mirror", "sliding the other way, by the 50-digit oracle at -eta", 1e-11, _mirror),
+            check("Units", "everything in millimetres, tonnes and milliamperes", 1e-11, _units),
         ],
     )  # fmt: skip
 
@@ -63,7 +63,7 @@ def _hertz_inside() -> float:
     return max(off(out.stress_xx.values[:, 0], xx), off(out.stress_yy.values[:, 0], yy))
 
 
-def sliding() -> float:
+def _sliding() -> float:
     """Largest relative error of alpha, a, b and the pressure over frictions from 0.01 to 3."""
     young, poisson = STEEL
     worst = 0.0
@@ -80,7 +80,7 @@ def sliding() -> float:
     return worst
 
 
-def flat(friction: float) -> float:
+def _flat(friction: float) -> float:
     """Largest relative error of the pressure under a flat punch."""
     case = {"material": SIH_SONG, "profile": "flat", "width": 4e-4, "load": 1e5, "friction": friction}
     out = solver.solve(case, X)
@@ -98,7 +98,7 @@ def _unitless(values: Array) -> Array:
     return scale[:, None] * values * scale if values.ndim == 2 else (scale * values)[:, None]
 
 
-def uncoupled(field: int) -> float:
+def _uncoupled(field: int) -> float:
     """Error of a material without the coupling of the other field against the smaller problem; that field's answer.
 
     The other field must not answer at all, and its constants must not matter.
@@ -141,7 +141,7 @@ def _smaller(m: dict[str, float], field: int) -> tuple[Array, Array]:
     return (compliance * scale)[1:, 1:], (local * scale)[1:, 0]
 
 
-def reciprocity() -> list[Check]:
+def _reciprocity() -> list[Check]:
     """Betti: without friction the depth per charge is minus the voltage per load; of both fields."""
     case = {"material": SIH_SONG, **PUNCH}
     rest = solver.solve(case)
@@ -157,7 +157,7 @@ def reciprocity() -> list[Check]:
     ]  # fmt: skip
 
 
-def mirror() -> float:
+def _mirror() -> float:
     """Largest relative error of the mirror image of every surface field."""
     solved = solver.solve({"material": SIH_SONG, **CHARGED}, X)
     other = precise.solve(
@@ -170,7 +170,7 @@ def mirror() -> float:
     )
 
 
-def units() -> float:
+def _units() -> float:
     """Largest relative change of quantities when constants, factors and answers are in other base units."""
     m, kg, A = 1e3, 1e-3, 1e3  # new units in a metre, a kilogram, an ampere
     of = {"c": kg / m, "e": A / m**2, "f": kg / A, "eps": A**2 / (kg * m**3), "g": 1 / m, "mu": kg * m / A**2}

@@ -114,7 +114,7 @@ class Window:
         if stack.top.graded:
             return GradedTerms(stack, np.array(kind.conducts), kind.compliance, kind.shape, np.exp(self.nodes))
         return Added(
-            kind.compliance, _masked(kernel(kind.film, self.number, kind.shape.exponent % 2 == 0), kind), kind.shape
+            kind.compliance, _masked(_kernel(kind.film, self.number, kind.shape.exponent % 2 == 0), kind), kind.shape
         )
 
     @property
@@ -243,21 +243,12 @@ def window(kind: PointKind, number: int) -> Window:
 
 
 @lru_cache(_KERNELS)
-def kernel(film: Kind, number: int, smooth: bool) -> Array:
-    """Interactions of a film at the radii of a window; (node, 3, 3, n, n).
-
-    Parameters
-    ----------
-    film
-        The film, its top layer of unit thickness.
-    number
-        Of the window.
-    smooth
-        Whether the profile is smooth at its apex: a kink takes more functions.
-    """
+def _kernel(film: Kind, number: int, smooth: bool) -> Array:
+    """Interactions of a film of unit thickness at the radii of a window; (node, 3, 3, n, n)."""
     stack = film.stack()
     radii = np.exp(interval(number).points)
     reach = float(np.max(radii)) / min(float(stack.media[0].slowest), 1.0)
+    # a kink of the profile at its apex takes more functions
     share = (_SMOOTH_WIDE if number >= _WIDE else _SMOOTH) if smooth else _KINKED
     count = _FIRST + int(share * np.sqrt(reach))
     return interactions(stack, radii, count)

@@ -1,7 +1,7 @@
 """A punch of revolution on a half-space in many digits (mpmath): the classical formulas and differences of them.
 
 Hertz's problem with the compliance lambda under the punch for every power of r (Sneddon 1965), charges by what the
-conducted fields answer, tangents by differences at 1e-30.
+conducted fields _answer, tangents by differences at 1e-30.
 """
 
 from collections.abc import Mapping
@@ -73,15 +73,8 @@ class Punch:
         return 2 * self.approach(a) * self.exponent / (pi * self.lam * a * (self.exponent - 1))
 
 
-def answer(punch: Punch, force: mpf, charges: Mapping[int, mpf]) -> dict[str, mpf]:
-    """Radius [m], depth [m] and potentials (u1, u2) [V, A].
-
-    Parameters
-    ----------
-    punch : Punch
-    force : mpf, N
-    charges : mapping of int to mpf, of the conducted fields: 1 the electric [C], 2 the magnetic one [Wb]
-    """
+def _answer(punch: Punch, force: mpf, charges: Mapping[int, mpf]) -> dict[str, mpf]:
+    """Radius [m], depth [m] and potentials (u1, u2) [V, A] under the charges of the conducted fields."""
     a = punch.radius(force)
     approach = punch.approach(a) if punch.exponent else force * punch.lam / (4 * a)
     sums = matrix([charges[i] + r * force for i, r in zip(punch.conducted, punch.screening, strict=True)])
@@ -125,7 +118,7 @@ def quantities(
 
 
 def _named(punch: Punch, P: mpf, own: dict[int, mpf]) -> list[tuple[str, mpf]]:
-    now = answer(punch, P, own)
+    now = _answer(punch, P, own)
     a, nothing = now["radius"], {1: mpf(0), 2: mpf(0)}
     named = [("contact_radius", a), ("depth", now["depth"])]
     if punch.exponent > 1:
@@ -161,9 +154,9 @@ def _inverse_tangent(punch: Punch, P: mpf, own: dict[int, mpf]) -> matrix:
 
     def moved(cause: int, share: mpf) -> dict[str, mpf]:
         if cause == 0:
-            return answer(punch, P * (1 + share), own)
+            return _answer(punch, P * (1 + share), own)
         i = punch.conducted[cause - 1]
-        return answer(punch, P, own | {i: own[i] + share * _UNIT[i]})
+        return _answer(punch, P, own | {i: own[i] + share * _UNIT[i]})
 
     sizes = [P, *(_UNIT[i] for i in punch.conducted)]
     out = matrix(len(keys), len(keys))
