@@ -8,7 +8,7 @@ from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.body import HALF_PLANE_IN_AIR
 from solver.face.film import OnFilm
-from solver.face.filmbodies import Bodies, HalfPlanes
+from solver.face.filmbodies import Bodies, half_planes
 from solver.face.halfplane import contact_of
 from solver.film.similar import Films
 from solver.names import PEAKS
@@ -55,7 +55,7 @@ class HalfPlaneInAir(FilmInAir):
     def _made(self) -> Bodies:
         contact = contact_of(self.cases)
         with np.errstate(all="ignore"):
-            return HalfPlanes(self.cases, contact.halfplane.material, contact.half_width)
+            return half_planes(self.cases, contact.halfplane.material, contact.half_width)
 
     def quantities(self) -> dict[str, Array]:
         """Those of a half-plane in air that every case has; (...)."""

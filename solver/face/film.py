@@ -14,8 +14,8 @@ from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import CaseError, FactorError
-from solver.film.collected import electrode_quantities
-from solver.film.inside import inside
+from solver.film.electrodecharge import electrode_quantities
+from solver.film.interiorfields import interior_fields
 from solver.film.quantities import curves, peaks, quantities
 from solver.film.similar import Films
 from solver.film.surface import fields
@@ -98,7 +98,7 @@ class OnFilm(Body):
         return fields(films, positions)
 
     def _inside(self, films: Films, _: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-        return inside(films, x, y, names)
+        return interior_fields(films, x, y, names)
 
     def _of_groups(self, output: Callable[[Films, Indices], dict[str, Array]]) -> dict[str, Array]:
         """Outputs of the films of every group; these are made anew: tables of thousands of stacks are not kept."""
@@ -138,17 +138,16 @@ class OnFilm(Body):
         if covered or kind.stack().conductors[0]:  # the electrode on top has the potential, not the punch
             refuse_charge(self.cases)  # a stack refuses what its base does not have before anything is computed
             kind = replace(kind, conducts=(False, bool(magnetic)))
-        if speed > 0 and not speed < (limit := self._critical(kind)):
-            raise CaseError(f"speed: {speed:g} m/s is not below the first critical speed of the film, {limit:.6g} m/s")
+        if speed > 0:
+            try:
+                limit = critical(kind)
+            except MaterialError as error:
+                raise FactorError(f"speed: {error}") from None
+            if not speed < limit:
+                raise CaseError(
+                    f"speed: {speed:g} m/s is not below the first critical speed of the film, {limit:.6g} m/s"
+                )
         return replace(kind, speed=speed)
-
-    @staticmethod
-    def _critical(kind: Kind) -> float:
-        """First critical speed [m/s]."""
-        try:
-            return critical(kind)
-        except MaterialError as error:
-            raise FactorError(f"speed: {error}") from None
 
     def _chosen(self, values: Any, places: Indices) -> Array:
         """Values of the cases at some places; (place,)."""

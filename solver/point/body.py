@@ -9,9 +9,8 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
-from solver.film.table import LEAST, MOST, RangeError, told
-from solver.film.windows import FIRST, LAST, number_of
-from solver.halfplane.pressing import ContactError
+from solver.film.table import LEAST, MOST, LengthsError
+from solver.film.windows import FIRST, LAST, beyond, number_of, searched
 from solver.point.contact import State
 from solver.point.halfspace import Stiffness, halfspace
 from solver.point.profile import Shape
@@ -22,10 +21,6 @@ _CLOSE = 1e-8  # step in log a: the one after it would be of its square
 _SLACK = 1e-6
 _AROUND = 2  # windows searched for other radii of charged contacts
 _SEVERAL = "contact: contacts of several radii carry the force (charges too large for it)"
-
-
-class LengthsError(ContactError):
-    """A force that contacts of several radii carry: charges too large for it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +127,7 @@ class Film:
         """
         ratio = radius / self.thickness
         if not (np.all(ratio >= LEAST * (1 - _SLACK)) and np.all(ratio <= MOST * (1 + _SLACK))):
-            raise RangeError(_beyond(bool(np.any(ratio < LEAST)), self.thickness))
+            raise beyond(bool(np.any(ratio < LEAST)), self.thickness, "radius")
         numbers = number_of(ratio)
         for number in np.unique(numbers).tolist():
             places = np.flatnonzero(numbers == number)
@@ -168,26 +163,18 @@ class Film:
         LengthsError
             A force that no radius carries, or more than one.
         """
-        found = np.empty(loading.force.size)
-        numbers = number_of(self._guess(loading) / self.thickness)
-        asked = np.arange(found.size)
-        for _ in range(LAST - FIRST + 2):
-            beside = np.zeros(asked.size, dtype=np.intp)
-            for number in np.unique(numbers[asked]).tolist():
-                here = np.flatnonzero(numbers[asked] == number)
-                search = Search(window(self.kind, number), self.thickness[asked[here]], loading.part(asked[here]))
-                beside[here] = search.beside
-                inside = search.beside == 0
-                if np.any(inside):
-                    found[asked[here[inside]]] = search.part(np.flatnonzero(inside)).radius()
-            asked, beside = asked[beside != 0], beside[beside != 0]
-            if not asked.size:
-                self._require_one(loading, found)
-                return found
-            numbers[asked] += beside
-            if np.any((numbers < FIRST) | (numbers > LAST)):
-                raise RangeError(_beyond(bool(np.any(numbers < FIRST)), self.thickness))
-        raise LengthsError("contact: no contact of one radius carries the force (charges too large for it)")
+        radii = np.empty(loading.force.size)
+
+        def beside(places: Indices, number: int) -> Indices:
+            search = Search(window(self.kind, number), self.thickness[places], loading.part(places))
+            inside = np.flatnonzero(search.beside == 0)
+            if inside.size:
+                radii[places[inside]] = search.part(inside).radius()
+            return search.beside
+
+        searched(self._guess(loading) / self.thickness, beside, self.thickness, "radius", "force")
+        self._require_one(loading, radii)
+        return radii
 
     def _require_one(self, loading: Loading, radius: Array) -> None:
         """Refuse contacts of other radii that carry the force: charges can make some."""
@@ -279,10 +266,3 @@ class Search:
             if np.all((moved <= _CLOSE) | (high - low <= _CLOSE)):
                 break
         return np.asarray(self.thickness * np.exp(at))
-
-
-def _beyond(narrow: bool, thickness: Array) -> str:
-    return (
-        f"contact: {'narrower' if narrow else 'wider'} than the resolved range, {LEAST:g} to {MOST:g} of radius over "
-        f"thickness ({told(thickness)})"
-    )

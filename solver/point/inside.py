@@ -13,9 +13,9 @@ from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.film.fourier import Medium
 from solver.film.grading import Graded
-from solver.film.kernel import strip
 from solver.film.reflection import sideways
 from solver.film.stack import Layer, Stack, StackError
+from solver.film.wavenumbers import strip
 from solver.material.constants import Material
 from solver.point import hankel
 from solver.point.rows import ORDERS, parted, rows_of, shear_rows

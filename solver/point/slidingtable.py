@@ -14,7 +14,7 @@ from approximation.arrays import Indices
 from approximation.chebyshev import coefficients
 from solver.arrays import Array
 from solver.film.electroded import difference, surface
-from solver.film.kernel import strip, wavenumbers
+from solver.film.wavenumbers import strip, wavenumbers
 from solver.point import hankel
 from solver.point.density import Density
 from solver.point.gradedsliding import GradedLayers, odd_shares

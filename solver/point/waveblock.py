@@ -8,9 +8,9 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray
+from solver.film.layerwaves import TURN, below, layer_waves, modal
 from solver.film.reflection import LayerWaves, waves
 from solver.film.stack import Stack
-from solver.film.within import TURN, below, layer_waves, modal
 from solver.material.constants import Material
 from solver.point.bessel import bessel_orders
 from solver.point.rows import ORDERS, parted, shear_rows

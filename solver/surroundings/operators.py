@@ -1,6 +1,6 @@
 """What charges beside a contact do to it and to the surface beside it, at given half-lengths (theory section 10).
 
-Everything is linear in the causes of the contact (:mod:`solver.film.causes`) and in the densities at the nodes of both
+Everything is linear in the causes of the contact (:mod:`solver.film.loading`) and in the densities at the nodes of both
 sides: the smooth kernels of a stack make a right side of them for the contact's own system, the half-plane's part is
 closed (:mod:`solver.surroundings.grid`). Powers of the half-length are taken out; units are those of the stack.
 """

@@ -12,7 +12,7 @@ import numpy as np
 
 from approximation.piecewise import Interval
 from solver.arrays import Array
-from solver.film.kernel import strip
+from solver.film.wavenumbers import strip
 from solver.film.windows import number_of
 from solver.point.spread import spread
 from solver.point.table import PointKind, interval

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from solver.arrays import Array, ComplexArray
 from solver.film.assembly import Assembly, mixing
-from solver.film.kernel import kernel, on_panels, panels, strip
+from solver.film.kernel import kernel
 from solver.film.stack import Stack
 from solver.film.system import System
 from solver.film.tractions import Tractions
+from solver.film.wavenumbers import on_panels, panels, strip
 from solver.surroundings.charges import NEAR, Charges
 from solver.surroundings.densities import Densities
 from solver.surroundings.spectrum import Spectrum
