@@ -1,6 +1,5 @@
 """Cases of point contacts on half-spaces, all of them at once."""
 
-from dataclasses import fields
 from functools import cached_property
 
 import numpy as np
@@ -21,7 +20,6 @@ from solver.point.pressed import Friction, Pressed
 from solver.point.profile import Shape
 from solver.point.response import contact_coupling
 from solver.point.rim import Rim
-from solver.point.surface import Stretch
 
 
 class OnHalfSpace(OnPoints):
@@ -102,12 +100,7 @@ class OnHalfSpace(OnPoints):
     def _rim(self, places: Indices) -> Rim | None:
         if self._lacks_c12 is not None:
             return None
-        return Rim(*(getattr(self._rims, field.name)[places] for field in fields(Rim)))
-
-    def _stretch(self, own: Indices) -> Stretch | None:
-        if self._lacks_c12 is not None:
-            return None
-        return Stretch(*(getattr(self._rims, field.name)[own] for field in fields(Stretch)))
+        return self._rims.part(places)
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         own = [float(values[places[0]]) for values in self._constants]
