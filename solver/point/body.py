@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, Self
+from typing import Self
 
 import numpy as np
 
@@ -67,20 +67,6 @@ def _column(values: Array | float) -> Array:
     return np.asarray(values)[..., None]
 
 
-class Body(Protocol):
-    """A body under punches of one shape."""
-
-    @property
-    def shape(self) -> Shape:
-        """The punch."""
-
-    def stiffness(self, radius: Array) -> Stiffness:
-        """What contacts of these radii answer; arrays over the cases."""
-
-    def radius(self, loading: Loading) -> Array:
-        """Radii of the contacts that carry the forces of curved punches; (case,)."""
-
-
 @dataclass(frozen=True, eq=False)
 class HalfSpace:
     """A half-space, whose pressure knows nothing of charges.
@@ -127,8 +113,12 @@ class Film:
         """The punch."""
         return self.kind.shape
 
-    def windows(self, radius: Array) -> Iterator[tuple[Indices, Window]]:
-        """Cases by the window that holds their radius [m].
+    def part(self, places: Indices) -> "Film":
+        """Some of the cases."""
+        return Film(self.kind, self.thickness[places])
+
+    def windows(self, radius: Array) -> Iterator[tuple[Indices, Window, Array]]:
+        """Cases by the window that holds their radius [m], and log (a/h) of these.
 
         Raises
         ------
@@ -140,21 +130,22 @@ class Film:
             raise beyond(bool(np.any(ratio < LEAST)), self.thickness, "radius")
         numbers = number_of(ratio)
         for number in np.unique(numbers).tolist():
-            yield np.flatnonzero(numbers == number), window(self.kind, number)
+            places = np.flatnonzero(numbers == number)
+            yield places, window(self.kind, number), np.log(ratio[places])
 
     def gathered(self, radius: Array, output: Callable[[Window, Array, Indices], Array]) -> Array:
-        """An output of the windows at log (a/h) of their cases; (case, ...).
+        """An output of the windows at log (a/h) of their cases, zeros where that of another is longer; (case, ...).
 
         Parameters
         ----------
         radius : ndarray, shape (case,), a [m]
         output : callable, gives values of a window at log (a/h) and places of its cases, (case, ...)
         """
-        log_ratio = np.log(radius / self.thickness)
-        parts = [(places, output(of, log_ratio[places], places)) for places, of in self.windows(radius)]
-        whole = np.empty((radius.size, *parts[0][1].shape[1:]))
+        parts = [(places, output(of, log_ratio, places)) for places, of, log_ratio in self.windows(radius)]
+        longest = np.max([values.shape[1:] for _, values in parts], axis=0)
+        whole = np.empty((radius.size, *longest))
         for places, values in parts:
-            whole[places] = values
+            whole[places] = np.pad(values, [(0, 0), *((0, int(more)) for more in longest - values.shape[1:])])
         return whole
 
     def stiffness(self, radius: Array) -> Stiffness:

@@ -2,9 +2,9 @@
 
 With q(k) = 2 pi a sum_n c_n . rows j_2n(ka), in the units of the stack, a disc of radius b in the distance d collects
 b int q J0(kd) J1(kb) dk, a strip of width w across x (1/pi) int q cos(kd) 2 sin(kw/2) dk/k. A ring is a disc less
-another, a rectangle four times two triangles with a corner below the contact: see :func:`corners`. A disc beside others
-that float is that of :mod:`solver.point.floating`. On top a part of q is v of the tractions at the same place
-(:mod:`solver.point.local`).
+another, a rectangle four times two triangles with a corner below the contact, each an integral over discs. A disc
+beside others that float is that of :mod:`solver.point.floating`. On top a part of q is v of the tractions at the same
+place (:mod:`solver.point.local`).
 
 A ball that slides adds waves J1(kr) cos(angle). These are -1/k times the derivatives of J0(kr) along x: what a patch
 makes of them is -1/k times the derivative by the distance of what it makes of those.
@@ -57,7 +57,7 @@ def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict
     """
     reading.refused(conducts=film.kind.conducts[0])
     reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
-    for places, window in film.windows(contact.radius):
+    for places, window, _ in film.windows(contact.radius):
         own, extent = reading.part(places), (contact.radius / film.thickness)[places]
         parts.append((places, together(own, partial(_OfPoint, contact, film, window, own, places), extent)))
     return joined(parts, contact.radius.size)
@@ -68,15 +68,11 @@ def _slides(contact: Contact) -> bool:
     return friction is not None and bool(np.any(friction.coefficient))
 
 
-def corners(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
+def _corners(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
     """Radii and weights by which charges of discs make twice that of the rectangle from (0, 0) to (x, y), y > 0.
 
     A triangle with corners in (0, 0), (x, 0) and (x, y) has int F(x cosh u) / cosh u du / 2 pi of 0 to asinh(y/x),
     F the charge of a disc about (0, 0) by its radius.
-
-    Parameters
-    ----------
-    x, y : ndarray, shape (case,), the corner over the radius of the contact
     """
     away = np.maximum(np.abs(x), _TINY * y)
     for leg, other in ((away, y), (y, away)):
@@ -86,14 +82,8 @@ def corners(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
             yield leg * stretch, np.where(x == 0, 0.0, np.sign(x) * weight * most / (2 * np.pi * stretch))
 
 
-def along(x: Array, y: Array, scale: float) -> Iterator[tuple[Array, Array]]:
-    """Radii and weights of an integral along the line from (x, 0) to (x, y), of what is smooth over a distance.
-
-    Parameters
-    ----------
-    x, y : ndarray, shape (case,), the far end of the line
-    scale : ndarray or float, the distance over which what is integrated is smooth
-    """
+def _along(x: Array, y: Array, scale: float) -> Iterator[tuple[Array, Array]]:
+    """Radii and weights of an integral along the line from (x, 0) to (x, y), of what is smooth over the scale."""
     size = np.hypot(x, scale)
     most = np.arcsinh(y / size)
     for node, weight in zip(_NODES, _WEIGHTS, strict=True):
@@ -243,10 +233,10 @@ class _OfPoint(Collected):
         for side in (1.0, -1.0):
             x, y = distance + side * size / 2, length / 2
             if slope:
-                for r, weight in along(x, y, self.electrode.width):
+                for r, weight in _along(x, y, self.electrode.width):
                     found += side * weight[:, None] / np.pi * self.k * j0(self.k * r[:, None])
                 continue
-            for r, weight in corners(x, y):
+            for r, weight in _corners(x, y):
                 found += side * weight[:, None] * r[:, None] * j1(self.k * r[:, None])
         return found
 
