@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import cache
 from itertools import product
 from types import ModuleType
+from typing import Any
 from unittest import mock
 
 import numpy as np
@@ -52,7 +53,7 @@ def findings(group: str, whole: bool) -> Findings:
     if whole or group not in FEW:
         return GROUPS[group](SIZES.get(group, SMALL))
     module, kept = FEW[group]
-    few = {name: {key: getattr(module, name)[key] for key in keys} for name, keys in kept.items()}
+    few: dict[str, Any] = {name: {key: getattr(module, name)[key] for key in keys} for name, keys in kept.items()}
     with mock.patch.multiple(module, **few):
         return GROUPS[group](SMALL)
 

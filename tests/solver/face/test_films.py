@@ -94,7 +94,7 @@ def test_table_of_short_circuited_films_is_hit_to_every_digit() -> None:
     thickness, radius = 2e-4, 0.05
     half = np.array(list(SHORT_CIRCUIT)) * thickness
     for number, material in enumerate(("PZT-4", "BaTiO3")):
-        stiffness, expected = np.array([row[number] for row in SHORT_CIRCUIT.values()]).T  # type: ignore[misc]
+        stiffness, expected = np.array([row[number] for row in SHORT_CIRCUIT.values()]).T
         load = stiffness * half**2 / radius
         film = FILM | {"material": material, "thickness": thickness, "load": xr.DataArray(load, dims="case")}
         found = solver.solve(film)["charge_sensitivity"].values * 1e12
