@@ -1,8 +1,8 @@
 """Curves whose largest values are peaks: which fields on which panels, and how every peak follows from them.
 
-A peak is kinked where its place jumps, the stresses over a region tied to the contact are smooth in every factor. The
-curves of a case are fields at the nodes of Chebyshev panels side by side; a peak is the largest value of a measure of
-these fields, ``max over branches of linear . s + |root s|``, or what another field is at that place.
+A peak has a kink where the place of the largest stress jumps; the stresses over a region that is tied to the contact
+are smooth in every factor. The curves of a case are fields at the nodes of Chebyshev panels side by side. A peak is the
+largest value of a measure of these fields, ``max over branches of linear . s + |root s|``, or another field there.
 """
 
 from dataclasses import dataclass

@@ -43,7 +43,7 @@ class FilmInAir(OnFilm):
 
     def _medium(self, places: Indices) -> Array:
         """Relative permittivity of what fills the gaps of some cases; (place,)."""
-        return self._chosen(self.cases.number("gap_permittivity"), places)
+        return self._flat(self.cases.number("gap_permittivity"))[places]
 
 
 class HalfPlaneInAir(FilmInAir):

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -104,10 +103,6 @@ class OnFilm(Body):
         """Outputs of the films of every group; these are made anew: tables of thousands of stacks are not kept."""
         return self._put_together((group.places, output(self._films(group), group.places)) for group in self._groups)
 
-    def _refuse_electroded(self, what: str) -> None:
-        if any(group.kind.electroded for group in self._groups):
-            raise FactorError(f"electrode: 'top': {what} under it are not given; ask for quantities alone")
-
     def _made(self) -> Bodies:
         """What the cases lie on."""
         return films_of(self.cases)
@@ -149,23 +144,14 @@ class OnFilm(Body):
                 )
         return replace(kind, speed=speed)
 
-    def _chosen(self, values: Any, places: Indices) -> Array:
-        """Values of the cases at some places; (place,)."""
-        return np.asarray(np.broadcast_to(values, self.shape).ravel()[places])
-
     def _films(self, group: _Group) -> Films:
-        def chosen(values: Any) -> Array:
-            return self._chosen(values, group.places)
-
-        number, profile = self.cases.number, self.cases.profile.part(group.places, self.shape)
-        own = punch_datum(self.cases)
-        charges = np.stack([chosen(charge) for charge in np.moveaxis(self.cases.charges, -1, 0)], -1)
+        places, number, own = group.places, self.cases.number, punch_datum(self.cases)
         return Films(
             group.kind,
-            profile,
-            chosen(self.cases.force),
-            charges,
-            chosen(number("datum")),
-            chosen(self._bodies.thickness),
-            None if own is None else chosen(own),
+            self.cases.profile.part(places, self.shape),
+            self._flat(self.cases.force)[places],
+            self._flat(self.cases.charges, 2)[places],
+            self._flat(number("datum"))[places],
+            self._flat(self._bodies.thickness)[places],
+            None if own is None else self._flat(own)[places],
         )

@@ -36,7 +36,7 @@ def _has(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
 
 
 def kinds_of(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
-    """The kind of body of every case, by name: without thickness or stack, of no layers."""
+    """The kind of body of every case, by name; a case with a thickness or a stack has layers."""
     if not arrays.keys() & {BODY, "thickness", "profile", "surroundings"}:
         return xr.DataArray(KINDS["line", False, False].name)
     layered = xr.DataArray(True) if BODY in arrays else _has(arrays, "thickness")

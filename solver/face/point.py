@@ -161,5 +161,4 @@ class OnPoints(Body):
 
     def _loads(self, places: Indices) -> tuple[Array, Array]:
         """P (case,) and T, J (case, 2)."""
-        charges = np.stack([self._flat(self.cases.charges[..., field])[places] for field in (0, 1)], -1)
-        return self._flat(self.cases.force)[places], charges
+        return self._flat(self.cases.force)[places], self._flat(self.cases.charges, 2)[places]

@@ -10,7 +10,6 @@ from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.point import OnPoints
 from solver.face.punches import punch_of
-from solver.face.refusal import FactorError
 from solver.film.electroded import surface
 from solver.film.stack import Stack
 from solver.film.windows import Kind
@@ -56,10 +55,6 @@ class OnPointFilm(OnPoints):
                 loads = self._loads(own)
                 pressed.append((own, Pressed(body, kind.scale, coefficient, *loads, np.array(held), read, friction)))
         return pressed
-
-    def _refuse_electroded(self, what: str) -> None:
-        if any(pressed.body.kind.film.electroded for _, pressed in self._parts if isinstance(pressed.body, Film)):
-            raise FactorError(f"electrode: 'top': {what} under it are not given; ask for quantities alone")
 
     def _rubbing(self, kind: PointKind, own: Indices, punch: float) -> Friction | None:
         """What slides; None where nothing is said of it."""

@@ -16,9 +16,9 @@ from scipy.special import beta, roots_jacobi
 
 from solver.arrays import Array, Points
 
-#: By the logarithm of what the closed transforms cancel, 2 M times that of the ellipse through z: beyond three digits,
-#: Gauss's rules are exact to rounding, with so many nodes a term.
+#: The closed transforms cancel exp(c), c = 2 M log of the ellipse through z: below this c, three digits, they are used.
 CANCELS = 6.9
+#: Beyond, Gauss's rules are exact to rounding: nodes a term, and the range of c.
 RULES = ((5.0, CANCELS, 20.0), (2.4, 20.0, 60.0), (1.2, 60.0, np.inf))
 
 

@@ -220,7 +220,7 @@ class Strips(Patches):
 
 @lru_cache(_KEPT)
 def strips(stack: Stack, number: int, size: float, pitch: float, floating: int) -> Strips:
-    """Kept: what they are found from does not depend on the contact.
+    """Strips, kept: they do not depend on the contact.
 
     Parameters
     ----------

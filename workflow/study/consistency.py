@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, OF_A_FILM
 from workflow.language.factors import FACTORS
-from workflow.study import beside
+from workflow.study import signal_case
 from workflow.study.contents import Contents
 from workflow.study.readout import Readout
 from workflow.study.target import Target
@@ -44,7 +44,7 @@ def check_quantities(study: Contents) -> None:
 def _check_signal(study: Contents) -> None:
     """Whether a press in time has a design or a case, an amplifier that reads it, and a charge that can be read."""
     if study.signal is not None and study.signal.case:
-        beside.check(study)
+        signal_case.check(study)
     elif study.signal is not None:
         _check_pressed(study, study.signal.design)
 
@@ -85,7 +85,7 @@ def _check_readout(study: Contents, where: str, readout: Readout) -> None:
 
 
 def check_target(study: Contents, where: str, target: Target) -> None:
-    """Raise ValueError unless a target asks for every factor once, within its range, and for learnt outputs.
+    """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs.
 
     Parameters
     ----------
@@ -112,9 +112,9 @@ def check_target(study: Contents, where: str, target: Target) -> None:
     for name in target.tolerance:
         _check_tolerance(study, f"{where}: tolerance: {name}", name, target)
     for name in target.constants():
-        for own in study.chosen(target):
+        for narrowed in study.chosen(target):
             try:
-                own.constant(name)
+                narrowed.constant(name)
             except ValueError as error:
                 raise ValueError(f"{where}: {error}") from None
 

@@ -1,8 +1,8 @@
-"""Cases that were solved before, for whatever study: kept by their content beside all results, and taken from there.
+"""A cache of solved cases of all studies: kept by their content beside all results, and taken from there.
 
-A piece is what the solver is asked for at once: of films all cases at one place of the factors that need tables, else
-those at one level of the data set's first axis, or some of a list. It is asked for alone whether it is kept or not, so
-that no bit of a result depends on what is. Cases that cost microseconds are not kept: to read one takes as long.
+A piece is what the solver is asked for at once: the cases of films that share their tables, else the cases at one level
+of the data set's first axis, or some of a list. Every piece is solved alone, with a cache or without, so that no bit of
+a result depends on what the cache holds. Cases that cost microseconds are not kept: to read one takes as long.
 """
 
 import hashlib
@@ -10,11 +10,12 @@ import json
 import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cache
 from itertools import pairwise, product
 from math import prod
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -24,10 +25,13 @@ from storage.described import standard
 from storage.files import write_text
 from storage.netcdf import CHECKSUM, read_whole, write_whole
 from storage.sealed import PARTIAL, FormatError
-from workflow.run import provenance
+from workflow.run import lock, provenance
 from workflow.run.joblog import log
 from workflow.study.model import Study
 from workflow.study.refusals import Solved, labelled
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import Snakemake
 
 #: Where they lie, below the folder of all results, and how much may: what was used last stays.
 FOLDER, MOST_BYTES = ".solved", 2**31
@@ -39,8 +43,8 @@ AT_A_TIME = 50
 _Part = dict[str, slice]
 
 
-class Kept:
-    """What is kept beside the results, for one job.
+class CaseCache:
+    """The cache beside the results, for one job.
 
     Parameters
     ----------
@@ -79,8 +83,8 @@ class Kept:
         def whole(factors: Mapping[str, Any]) -> xr.Dataset:
             cases = {name: labelled(name, value) for name, value in factors.items()}
             parts = list(_parts(study, cases))
-            found = [self._piece(solved, own, _selected(cases, part)) for part in parts]
-            return found[0] if len(found) == 1 else _joined(cases, parts, found)
+            answers = [self._piece(solved, own, _selected(cases, part)) for part in parts]
+            return answers[0] if len(answers) == 1 else _joined(cases, parts, answers)
 
         return whole
 
@@ -100,15 +104,24 @@ class Kept:
         path = self.folder / _OF_CASES / name[:2] / f"{name[2:]}.nc"
         count = prod(_sizes(cases).values())
         try:
-            found = _as_solved(read_whole(path))
+            answer = _as_solved(read_whole(path))
             os.utime(path)
         except (OSError, FormatError):  # none, or half of one
-            found = solved(cases)
-            _write(found, path)
+            answer = solved(cases)
+            _write(answer, path)
         else:
             self.taken += count
         self.cases += count
-        return found
+        return answer
+
+
+@contextmanager
+def of(job: "Snakemake") -> Iterator[CaseCache]:
+    """The cache for a job, whose rule has the wildcard ``study``; in the end it tells how many cases were in it."""
+    output = Path(job.output[0])
+    cache = CaseCache(lock.results(job.wildcards.study, output), output)
+    yield cache
+    cache.tell()
 
 
 def taken(results: Path, study: str) -> dict[str, int]:
@@ -119,12 +132,12 @@ def taken(results: Path, study: str) -> dict[str, int]:
     results : Path, the folder of all results
     study : str, its name
     """
-    folder, found = results / FOLDER / _TALLIES / study, {"cases": 0, "taken": 0}
+    folder, tally = results / FOLDER / _TALLIES / study, {"cases": 0, "taken": 0}
     for file in sorted(folder.rglob("*.json")):
         if (results / study / file.relative_to(folder)).with_suffix(".nc").is_file():
             own = json.loads(file.read_text(encoding="utf-8"))
-            found = {name: count + int(own[name]) for name, count in found.items()}
-    return found
+            tally = {name: count + int(own[name]) for name, count in tally.items()}
+    return tally
 
 
 def sweep(results: Path, most: int = MOST_BYTES) -> None:
@@ -138,13 +151,13 @@ def sweep(results: Path, most: int = MOST_BYTES) -> None:
     now, files = time.time(), []
     for file in (results / FOLDER / _OF_CASES).rglob("*"):
         try:
-            found = file.stat()
+            status = file.stat()
         except OSError:  # another run sweeps too
             continue
-        if file.name.endswith(PARTIAL) and now - found.st_mtime > _DAY:
+        if file.name.endswith(PARTIAL) and now - status.st_mtime > _DAY:
             file.unlink(missing_ok=True)
         elif file.suffix == ".nc":
-            files.append((found.st_mtime, found.st_size, file))
+            files.append((status.st_mtime, status.st_size, file))
     whole = sum(size for _, size, _ in files)
     for _, size, file in sorted(files):
         if whole <= most:
@@ -189,7 +202,7 @@ def _parts(study: Study, cases: Mapping[str, xr.DataArray]) -> Iterator[_Part]:
 
 def _runs(factors: Sequence[xr.DataArray], dim: str) -> list[slice]:
     """Runs along a dimension in which some factors stay the same."""
-    rows = np.stack([_rows(one, dim) for one in factors], axis=-1)
+    rows = np.stack([_rows(factor, dim) for factor in factors], axis=-1)
     ends = np.flatnonzero((rows[1:] != rows[:-1]).any(axis=-1)) + 1
     starts = [0, *ends.tolist(), len(rows)]
     return [slice(begin, end) for begin, end in pairwise(starts)]
@@ -208,28 +221,28 @@ def _selected(cases: Mapping[str, xr.DataArray], part: _Part) -> dict[str, xr.Da
     return {name: array.isel(part, missing_dims="ignore") for name, array in cases.items()}
 
 
-def _joined(cases: Mapping[str, xr.DataArray], parts: Sequence[_Part], found: Sequence[xr.Dataset]) -> xr.Dataset:
+def _joined(cases: Mapping[str, xr.DataArray], parts: Sequence[_Part], answers: Sequence[xr.Dataset]) -> xr.Dataset:
     """The answers of all pieces in one, without what some of them lack."""
     sizes = _sizes(cases)
-    like = found[0][[name for name in found[0].data_vars if all(name in one for one in found)]]
+    like = answers[0][[name for name in answers[0].data_vars if all(name in answer for answer in answers)]]
     split = set(parts[0])
     whole: dict[str, xr.Variable] = {}
     for name, variable in like.variables.items():
         if split & set(variable.dims):
             values = np.empty([sizes.get(str(dim), variable.sizes[dim]) for dim in variable.dims], variable.dtype)
-            for part, one in zip(parts, found, strict=True):
-                values[tuple(part.get(str(dim), slice(None)) for dim in variable.dims)] = one[name].values
+            for part, answer in zip(parts, answers, strict=True):
+                values[tuple(part.get(str(dim), slice(None)) for dim in variable.dims)] = answer[name].values
             variable = xr.Variable(variable.dims, values, variable.attrs)
         whole[str(name)] = variable
     coords = {name: variable for name, variable in whole.items() if name in like.coords}
     return xr.Dataset({name: whole[str(name)] for name in map(str, like.data_vars)}, coords, like.attrs)
 
 
-def _write(found: xr.Dataset, path: Path) -> None:
+def _write(answer: xr.Dataset, path: Path) -> None:
     """Keep an answer; where there is no room for it, do without."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(found, path)
+        write_whole(answer, path)
     except OSError as error:
         log.warning("solved cases are not kept: %s", error)
 

@@ -14,18 +14,18 @@ from workflow.dataset import factorial
 from workflow.study.model import Study
 
 
-def whole(study: Study, data: xr.Dataset) -> xr.Dataset:
-    """What the surrogate learns over its axes, NaN filled in; the same data where nothing is NaN, and of no factorial.
+def imputed(study: Study, data: xr.Dataset) -> xr.Dataset:
+    """What the surrogate learns over its axes, with NaN filled in; unchanged without NaN, and of no factorial.
 
-    Kernels follow from the quantities; curves are filled in by the same. Of a study with groups, quantities of one sign
-    are filled in by their logarithms, so that they keep it.
+    The kernels are fitted to the quantities, and fill in curves too. Of a study with groups, quantities of one sign are
+    filled in by their logarithms, so that they keep the sign.
 
     Parameters
     ----------
     study
         Whose data set it is.
     data
-        Every variable over the axes, curves over further dimensions too: `workflow.learning.curves.learned`.
+        Every variable over the axes, curves over further dimensions too: `workflow.learning.curves.training_data`.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def whole(study: Study, data: xr.Dataset) -> xr.Dataset:
     inputs = factorial.axis_inputs(study)
     if not study.kinks:
         return _part(study, data, inputs)
-    found = data.copy(deep=True)
+    filled = data.copy(deep=True)
     for place, own in _between_kinks(study, inputs):
         part = data.isel(place)
         if any(part[name].isnull().all() for name in part.data_vars):
@@ -46,24 +46,26 @@ def whole(study: Study, data: xr.Dataset) -> xr.Dataset:
             raise ValueError(f"all cases between kinks are refused: {told}")
         part = _part(study, part, own)
         for name, array in part.data_vars.items():
-            found[name].loc[{axis: part[axis].values for axis in place}] = array
-    return found
+            filled[name].loc[{axis: part[axis].values for axis in place}] = array
+    return filled
 
 
 def _between_kinks(study: Study, inputs: Sequence[Input]) -> Iterator[tuple[dict[str, slice], list[Input]]]:
     """Every part of the factorial between kinks: where it lies in it, and its axes."""
     parts = []
-    for own in inputs:
-        axis = study.axes[own.name]
+    for input_ in inputs:
+        axis = study.axes[input_.name]
         count = axis.levels or 0
         ends = enumerate(pairwise(axis.ends))
-        parts.append([(slice(k * count, (k + 1) * count), replace(own, low=low, high=high)) for k, (low, high) in ends])
+        parts.append(
+            [(slice(k * count, (k + 1) * count), replace(input_, low=low, high=high)) for k, (low, high) in ends]
+        )
     for chosen in product(*parts):
-        yield {own.name: place for place, own in chosen}, [own for _, own in chosen]
+        yield {input_.name: place for place, input_ in chosen}, [input_ for _, input_ in chosen]
 
 
 def _part(study: Study, data: xr.Dataset, inputs: Sequence[Input]) -> xr.Dataset:
-    """As `whole`, of a factorial that one process learns."""
+    """As `imputed`, of a factorial that one process learns."""
     holes = {str(name): _missing(study, array) for name, array in data.data_vars.items()}
     if not any(flags.any() for flags in holes.values()):
         return data
@@ -72,12 +74,12 @@ def _part(study: Study, data: xr.Dataset, inputs: Sequence[Input]) -> xr.Dataset
     signs = {name: _sign(array.values) if study.groups else 0 for name, array in plain.items()}
     bent = xr.Dataset({name: np.log(array * signs[name]) if signs[name] else array for name, array in plain.items()})
     coords = {name: data[name].values for name in axes}
-    found, model = imputation.filled(
+    filled, model = imputation.filled(
         lambda: GridGP(study.surrogate.kernel, inputs),
         bent.assign_coords(coords),
         {name: holes[name] for name in plain},
     )
-    values = {name: np.exp(found[name].values) * signs[name] if signs[name] else found[name].values for name in plain}
+    values = {name: np.exp(filled[name].values) * signs[name] if signs[name] else filled[name].values for name in plain}
     return data.assign(
         {name: (plain[name].dims, array, data[name].attrs) for name, array in values.items()}
         | {

@@ -7,7 +7,7 @@ import pytest
 
 from solver import solve
 from workflow.design.search import targets
-from workflow.learning import widened
+from workflow.learning import wider_box
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 from workflow.study.target import Target
@@ -50,14 +50,14 @@ def test_a_wider_question_is_answered_exactly(study: Study) -> None:
         {"maximise": "abs(voltage_sensitivity)", "over": {"volume_fraction": {"high": 0.8}, "radius": {"high": 0.2}},
          "subject_to": ["trailing_tension <= 40 MPa"]}
     )  # fmt: skip
-    wider = widened.beyond(study, target)
+    wider = wider_box.beyond(study, target)
     assert wider == {"volume_fraction": (0.5, 0.8), "radius": (0.05, 0.2)}
     told = "factors: volume_fraction: high: 0.8 (now 0.6); factors: radius: high: 0.2 (now 0.1 m)"
-    assert widened.lines(study, wider) == f"{study.path}: {told}"
-    own = widened.made(study, target, wider)
+    assert wider_box.lines(study, wider) == f"{study.path}: {told}"
+    own = wider_box.made(study, target, wider)
     assert (own.factors["volume_fraction"].levels, own.factors["radius"].levels) == (15, 6)
     assert own.outputs == ["trailing_tension", "voltage_sensitivity"]
-    found = targets.answer(own, "mine", target, widened.learned(own))
+    found = targets.answer(own, "mine", target, wider_box.fitted(own))
     over = {"volume_fraction": np.linspace(0.5, 0.8, 301), "radius": np.geomspace(0.05, 0.2, 301)}
     exact = solve({**over, "composite": "fibrous", "load": 1e4, "friction": 0.2})
     dense = abs(exact["voltage_sensitivity"]).where(exact["trailing_tension"] <= 40e6).max()
@@ -70,15 +70,15 @@ def test_what_cannot_be_wider_is_one_line(study: Study) -> None:
         {"maximise": "peak_pressure", "over": {"volume_fraction": {"high": 1.2}, "radius": {}}}
     )
     with pytest.raises(InputError, match="volume_fraction") as error:
-        widened.made(study, target, widened.beyond(study, target))
+        wider_box.made(study, target, wider_box.beyond(study, target))
     assert "\n" not in str(error.value)
     target = Target.model_validate(
         {"maximise": "peak_pressure", "over": {"radius": {"low": 0.0}}, "at": {"volume_fraction": 0.5}}
     )
     with pytest.raises(InputError, match="must be positive on a log scale"):
-        widened.made(study, target, widened.beyond(study, target))
+        wider_box.made(study, target, wider_box.beyond(study, target))
     target = Target.model_validate({"maximise": "peak_pressure", "over": ["radius"], "at": {"volume_fraction": 0.5}})
-    assert widened.beyond(study, target) == {}
+    assert wider_box.beyond(study, target) == {}
 
 
 def test_groups_widen_with_their_factors(tmp_path: Path) -> None:
@@ -93,12 +93,12 @@ def test_groups_widen_with_their_factors(tmp_path: Path) -> None:
         "subject_to": ["trailing_tension <= 40 MPa"],
     }
     target = Target.model_validate(asked)
-    own = widened.made(study, target, widened.beyond(study, target))
+    own = wider_box.made(study, target, wider_box.beyond(study, target))
     # the logit of 0.8 is 3.4 times as far from that of 0.5 as 0.6's; load times radius spans a factor of 16, not of 4
     assert {text: one.levels for text, one in own.groups.items()} == {
         "volume_fraction": 18, "friction": 3, "load * radius": 8,
     }  # fmt: skip
-    found = targets.answer(own, "mine", target, widened.learned(own))
+    found = targets.answer(own, "mine", target, wider_box.fitted(own))
     over = {"volume_fraction": np.linspace(0.5, 0.8, 101), "radius": np.geomspace(0.05, 0.4, 101)}
     exact = solve({**over, "friction": np.linspace(0.1, 0.3, 5), "composite": "fibrous", "load": 1e4})
     goal, tension = abs(exact["voltage_sensitivity"]).min("friction"), exact["trailing_tension"].max("friction")
@@ -111,5 +111,5 @@ def test_groups_widen_with_their_factors(tmp_path: Path) -> None:
     ):
         beyond = Target.model_validate(asked | changed)
         with pytest.raises(InputError, match=words) as error:
-            widened.made(study, beyond, widened.beyond(study, beyond))
+            wider_box.made(study, beyond, wider_box.beyond(study, beyond))
         assert "\n" not in str(error.value)

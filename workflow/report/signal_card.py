@@ -13,7 +13,7 @@ from workflow.language.numbers import number, shown
 from workflow.language.titles import capital
 from workflow.report import device, firstscreen
 from workflow.report.svg import element
-from workflow.study import beside
+from workflow.study import signal_case
 from workflow.study.model import Study
 
 
@@ -57,13 +57,13 @@ def card(study: Study, signal: Mapping[str, float], held: Mapping[str, float]) -
     held
         Quantities of the contact at the force that is held, in SI.
     """
-    own = beside.pressed(study)
+    own = signal_case.of(study)
     case = {**own.fixed, own.kind.loads.force: signal["force"]}
     built = firstscreen.in_words(own, case)
     numbers = {name: np.array([value]) for name, value in held.items()}
     beyond, nearest = linearity.beyond(own, numbers), linearity.nearest(own, numbers)
-    bears = f"{nearest.words} is {number(100 * nearest.share, 2)} % of the {nearest.bears}" if nearest else ""
-    stops = [*(words for words, _ in beyond)] or [bears] * bool(bears)
+    share = f"{nearest.words} is {number(100 * nearest.share, 2)} % of the {nearest.at_most}" if nearest else ""
+    stops = [*(words for words, _ in beyond)] or [share] * bool(share)
     stops.append(f"less than {shown(signal['noise_force'], 'N', 2)} is noise")
     title = own.title or f"{capital(firstscreen.punch_in_words(case))}, read by its amplifier"
     return Card(

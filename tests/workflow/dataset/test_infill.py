@@ -9,7 +9,7 @@ import xarray as xr
 from storage.netcdf import read_whole
 from surrogate import GaussianProcess
 from surrogate.data.points import EVEN
-from workflow.dataset import asked, draws, factorial
+from workflow.dataset import draws, factorial, infill
 from workflow.design.search import targets
 from workflow.learning import training
 from workflow.study.model import Study, load
@@ -50,22 +50,22 @@ def known(study: Study) -> tuple[xr.Dataset, xr.Dataset]:
 
 def fitted(study: Study, known: tuple[xr.Dataset, xr.Dataset], *further: xr.Dataset) -> GaussianProcess:
     quantities, calibration = known
-    cases = asked.joined(calibration, list(further))
+    cases = infill.joined(calibration, list(further))
     return training.calibrated(study, training.fit(study, quantities), quantities, cases)
 
 
 def test_a_design_is_surer_by_cases_near_it(study: Study, known: tuple[xr.Dataset, xr.Dataset], tmp_path: Path) -> None:
     before = fitted(study, known)
     design = targets.doubted(study, "sensor", before)
-    asked.write(study, design, 0, tmp_path / "0.nc")
+    infill.write(study, design, 0, tmp_path / "0.nc")
     further = []
-    for index in range(asked.slabs(study, tmp_path / "0.nc")):
-        asked.write_slab(study, tmp_path / "0.nc", index, tmp_path / f"0_{index}.nc")
+    for index in range(infill.slabs(study, tmp_path / "0.nc")):
+        infill.write_slab(study, tmp_path / "0.nc", index, tmp_path / f"0_{index}.nc")
         further.append(read_whole(tmp_path / f"0_{index}.nc"))
     assert [part.sizes["case"] for part in further] == [60, 40]
-    none = asked.gathered([])
-    whole = asked.joined(known[1], [none, asked.gathered(further)])
-    assert asked.joined(known[1], [none]) is known[1]
+    none = infill.gathered([])
+    whole = infill.joined(known[1], [none, infill.gathered(further)])
+    assert infill.joined(known[1], [none]) is known[1]
     assert (whole[EVEN].values == np.repeat([1, -1], [known[1].sizes["case"], 100])).all()
     after = fitted(study, known, *further)
     # exact cases on which the design rests, of which none was asked for
@@ -79,16 +79,16 @@ def test_a_design_is_surer_by_cases_near_it(study: Study, known: tuple[xr.Datase
 
 
 def test_cases_lie_beside_those_on_which_a_design_rests_and_within_the_box(study: Study) -> None:
-    edge = asked.Place(
+    edge = infill.Place(
         "a", 1.0, {"volume_fraction": np.array([0.9]), "friction": np.array([0.1]), "load": np.array([5e3])}
     )
-    drawn = asked.near(study, edge, 1)
+    drawn = infill.near(study, edge, 1)
     assert {values.size for values in drawn.values()} == {100}
     for axis in factorial.inputs(study):
         t = axis.to_unit(drawn[axis.name].values)
         assert (np.abs(t) <= 1).all()
-        assert (np.abs(t - axis.to_unit(edge.factors[axis.name])) <= asked.AROUND + 1e-12).all()
-    again = asked.near(study, edge, 1)
+        assert (np.abs(t - axis.to_unit(edge.factors[axis.name])) <= infill.AROUND + 1e-12).all()
+    again = infill.near(study, edge, 1)
     assert all((drawn[name] == again[name]).all() for name in drawn)
 
 
@@ -97,8 +97,8 @@ def test_no_case_is_asked_for_where_all_is_sure_enough(study: Study, tmp_path: P
     surrogate = study.surrogate.model_copy(update={"until": 1e-3})
     until = study.model_copy(update={"surrogate": surrogate})
     for doubt, files in ((0.9e-3, 0), (1.1e-3, 2)):
-        asked.write(until, asked.Place("sensor", doubt, factors), 0, tmp_path / "round.nc")
-        assert asked.slabs(until, tmp_path / "round.nc") == files
+        infill.write(until, infill.Place("sensor", doubt, factors), 0, tmp_path / "round.nc")
+        assert infill.slabs(until, tmp_path / "round.nc") == files
 
 
 def test_without_designs_cases_lie_where_intervals_are_widest(

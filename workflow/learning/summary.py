@@ -1,4 +1,4 @@
-"""What measured rows have taught, in words and as plain data."""
+"""What measured rows tell, in words and as plain data."""
 
 from dataclasses import dataclass
 from typing import Any, Self
@@ -16,7 +16,7 @@ from workflow.study.uncertainty import Constant
 
 Unknown = Constant | Instrument
 
-#: Posterior over prior standard deviation: above it nothing was learnt, below it a combination is well known.
+#: Posterior over prior standard deviation: above it nothing was learned, below it a combination is well known.
 UNTOLD, TOLD = 0.8, 0.5
 #: Odds for an explanation from which on it is real, and up to which none was seen.
 REAL, UNSEEN = 20.0, 3.0
@@ -30,20 +30,20 @@ _COUNTED = (("rows", "row"), ("values", "measured value"))
 _RARE = 0.01  # chance of so few rows within their intervals from which on they disagree
 
 
-def understated(found: Learnt, output: int) -> bool:
+def understated(posterior: Learnt, output: int) -> bool:
     """Whether errors are said to be larger than stated.
 
     Parameters
     ----------
-    found : Learnt
+    posterior : Learnt
     output : int, number of the measured output
     """
-    return found.scale(output)[1] > LARGER
+    return posterior.scale(output)[1] > LARGER
 
 
 @dataclass(frozen=True)
-class Taught:
-    """What measured rows have taught.
+class Summary:
+    """What measured rows tell.
 
     Attributes
     ----------
@@ -56,50 +56,52 @@ class Taught:
     @classmethod
     def of(
         cls,
-        found: Learnt,
+        posterior: Learnt,
         rows: Measurements,
         unknown: list[Unknown],
         single: Flags,
         model: GaussianProcess,
         nominal: Array,
     ) -> Self:
-        """What was learnt from measured rows.
+        """What was learned from measured rows.
 
         Parameters
         ----------
-        found : Learnt
+        posterior : Learnt
         rows : Measurements, n values
         unknown : list of Unknown, k of them
         single : ndarray of bool, shape (k,), whether it is a single constant beside its family
         model : GaussianProcess, the nominal surrogate
         nominal : ndarray, shape (n,), its means at the measured values
         """
-        constants, count = _constants(found, unknown), len(np.unique(rows.row))
+        constants, count = _constants(posterior, unknown), len(np.unique(rows.row))
         told = {
             "rows": count,
             "values": len(rows.value),
             "constants": [constant for constant, own in zip(constants, single, strict=True) if not own],
             "single_constants": [constant for constant, own in zip(constants, single, strict=True) if own],
-            "known_together": _combinations(found, unknown),
-            "discrepancies": [_discrepancy(found, rows, model, nominal, q) for q in rows.outputs],
-            "errors": [_errors(found, model, q) for q in rows.outputs if np.isfinite(rows.error[rows.of(q)]).any()],
-            "outliers": _outliers(found, rows, model),
-            "left_out": _left_out(found, rows, nominal),
+            "known_together": _combinations(posterior, unknown),
+            "discrepancies": [_discrepancy(posterior, rows, model, nominal, q) for q in rows.outputs],
+            "errors": [_errors(posterior, model, q) for q in rows.outputs if np.isfinite(rows.error[rows.of(q)]).any()],
+            "outliers": _outliers(posterior, rows, model),
+            "left_out": _left_out(posterior, rows, nominal),
         }
         if count < FEW:
             told |= {"discrepancies": [], "errors": [], "outliers": []}
         elif single.any():
-            told["single_constants_off"] = _verdict("single constants are off beside their families", found.own_odds)
+            told["single_constants_off"] = _verdict(
+                "single constants are off beside their families", posterior.own_odds
+            )
         return cls(told | {"not_told_apart": _open(told)})
 
     @property
     def lines(self) -> list[str]:
         """In words, a line each."""
-        one, left = self.plain, self.plain["left_out"]
-        every = [*one["constants"], *one["single_constants"]]
+        told, left = self.plain, self.plain["left_out"]
+        every = [*told["constants"], *told["single_constants"]]
         moved = [c for c in every if c["posterior_over_prior"] <= UNTOLD]
-        untold = [c["name"] for c in one["constants"] if c["posterior_over_prior"] > UNTOLD]
-        rows, values = (f"{one[key]} {word}{'s' * (one[key] > 1)}" for key, word in _COUNTED)
+        untold = [c["name"] for c in told["constants"] if c["posterior_over_prior"] > UNTOLD]
+        rows, values = (f"{told[key]} {word}{'s' * (told[key] > 1)}" for key, word in _COUNTED)
         lines = [f"{rows}, {values}"]
         for c in sorted(moved, key=lambda c: c["posterior_over_prior"]):
             lines.append(
@@ -109,20 +111,20 @@ class Taught:
         lines += [] if moved else ["no constant was learnt"]
         if untold:
             lines.append(f"not identifiable, as before the measurement: {', '.join(untold)}")
-        for c in one["known_together"]:
+        for c in told["known_together"]:
             lines.append(f"known only together, to {c['posterior_over_prior']:.2f} of the prior: {c['combination']}")
-        lines += [one["single_constants_off"]["verdict"]] if "single_constants_off" in one else []
-        lines += [f"{d['output']}: {d['verdict']}" for d in one["discrepancies"]]
-        lines += [f"{e['output']}: {e['verdict']}" for e in one["errors"] if e["verdict"]]
-        lines += [o["verdict"] for o in one["outliers"]]
-        if one["not_told_apart"]:
-            lines.append(f"these rows neither show nor exclude: {'; '.join(one['not_told_apart'])}")
-        if one["rows"] < FEW:
+        lines += [told["single_constants_off"]["verdict"]] if "single_constants_off" in told else []
+        lines += [f"{d['output']}: {d['verdict']}" for d in told["discrepancies"]]
+        lines += [f"{e['output']}: {e['verdict']}" for e in told["errors"] if e["verdict"]]
+        lines += [o["verdict"] for o in told["outliers"]]
+        if told["not_told_apart"]:
+            lines.append(f"these rows neither show nor exclude: {'; '.join(told['not_told_apart'])}")
+        if told["rows"] < FEW:
             lines.append(
                 f"fewer than {FEW} rows: constants, a discrepancy, errors and outliers are not told apart; what is "
                 "said of constants rests on the priors of all four"
             )
-        if one["rows"] == 1:
+        if told["rows"] == 1:
             return lines
         lines.append(
             f"each row predicted from the others: {100 * left['share_within_95']:.1f} % of the values within 95 % "

@@ -14,7 +14,7 @@ from storage.netcdf import read_whole, write_whole
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.data.points import EVEN
 from workflow.dataset import factorial, holes
-from workflow.dataset.kept import Kept
+from workflow.dataset.casecache import CaseCache
 from workflow.run.joblog import log
 from workflow.study import partition
 from workflow.study.model import Study
@@ -53,8 +53,8 @@ def names(study: Study) -> list[str]:
 def near(study: Study, place: Place, number: int) -> dict[str, xr.DataArray]:
     """Random factors of a round's cases over dimension ``case``, near cases on which a place rests.
 
-    Where one factor is the same in all cases of the place, cases differ in it by `AROUND` only; along its other factors
-    they are spread over the place's range, and as far beyond. Of films, some cases share what needs tables of its own.
+    Each is drawn within `AROUND` of a random case of the place. Of films, `TOGETHER` cases share the factors that need
+    tables.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def slabs(study: Study, path: str | Path) -> int:
     return min(partition.count(study), -(-read_whole(Path(path)).sizes.get("case", 0) // TOGETHER))
 
 
-def write_slab(study: Study, path_of_cases: Path, index: int, path: Path, kept: Kept | None = None) -> None:
+def write_slab(study: Study, path_of_cases: Path, index: int, path: Path, cache: CaseCache | None = None) -> None:
     """Solve a part of a round's cases exactly, and write them; those that the solver refuses are masked.
 
     Parameters
@@ -120,13 +120,13 @@ def write_slab(study: Study, path_of_cases: Path, index: int, path: Path, kept: 
     study : Study
     path_of_cases, path : Path, the file of the round's cases, and the one to write
     index : int, number of the part, from 0
-    kept : Kept, what was solved before; None: nothing
+    cache : CaseCache, of what was solved before; None: none
     """
     cases = read_whole(path_of_cases)
     places = np.arange(cases.sizes["case"]) // TOGETHER
     part = np.isin(places, np.array_split(np.unique(places), slabs(study, path_of_cases))[index])
     points = {name: xr.DataArray(cases[name].values[part], dims="case") for name in study.factors}
-    solved = factorial.exact(study, points, holes=np.inf, kept=kept)
+    solved = factorial.exact(study, points, holes=np.inf, cache=cache)
     write_whole(solved.assign_coords({EVEN: ("case", np.full(solved.sizes["case"], -1, np.int8))}), path)
 
 

@@ -1,4 +1,4 @@
-"""A study whose ranges are wider than its surrogate's: made and learnt anew for one question."""
+"""A study whose ranges are wider than its surrogate's: made and learned anew for one question."""
 
 from collections.abc import Mapping
 from math import ceil, prod
@@ -40,7 +40,7 @@ def beyond(study: Study, target: Target) -> dict[str, tuple[float, float]]:
 
 
 def lines(study: Study, wider: Mapping[str, tuple[float, float]]) -> str:
-    """The lines of the study that would have to be changed, in words.
+    """Which lines of the study to change, in words.
 
     Parameters
     ----------
@@ -96,10 +96,10 @@ def made(study: Study, target: Target, wider: Mapping[str, tuple[float, float]])
     )
 
 
-def learned(study: Study) -> GaussianProcess:
+def fitted(study: Study) -> GaussianProcess:
     """A surrogate of a study that was made here, from exact cases."""
     model = training.fit(study, factorial.exact(study, factorial.axes(study), curves=True))
-    model.calibrate(curves.learned(study, factorial.cases(study, "calibration")))
+    model.calibrate(curves.training_data(study, factorial.cases(study, "calibration")))
     return model
 
 

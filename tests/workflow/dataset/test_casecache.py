@@ -8,8 +8,8 @@ import pytest
 import xarray as xr
 
 from storage.netcdf import write_whole
-from workflow.dataset import factorial, kept, slabs
-from workflow.dataset.kept import Kept
+from workflow.dataset import casecache, factorial, slabs
+from workflow.dataset.casecache import CaseCache
 from workflow.study.model import Study, load
 
 FILM = """\
@@ -37,11 +37,11 @@ def loaded(path: Path, text: str) -> Study:
     return load(path)
 
 
-def slab(study: Study, results: Path) -> tuple[Kept, bytes]:
+def slab(study: Study, results: Path) -> tuple[CaseCache, bytes]:
     """A slab of the study written with what is kept: who was asked, and the bytes."""
     output = results / "film/fields/slab_0.nc"
     output.parent.mkdir(parents=True, exist_ok=True)
-    own = Kept(results, output)
+    own = CaseCache(results, output)
     slabs.write_slab(study, 0, output, own)
     own.tell()
     return own, output.read_bytes()
@@ -53,7 +53,7 @@ def test_nested_levels_take_the_cases_of_before_and_give_equal_bytes(film: Study
     finer = loaded(tmp_path / "finer.yaml", FILM.replace("levels: 2}", "levels: 6}"))
     again, reused = slab(finer, tmp_path / "a")
     assert (again.taken, again.cases) == (36, 108)  # levels nest from n to 3 n
-    assert kept.taken(tmp_path / "a", "film") == {"cases": 108, "taken": 36}
+    assert casecache.taken(tmp_path / "a", "film") == {"cases": 108, "taken": 36}
     alone, solved = slab(finer, tmp_path / "b")
     assert alone.taken == 0
     assert reused == solved
@@ -66,7 +66,7 @@ def test_nested_levels_take_the_cases_of_before_and_give_equal_bytes(film: Study
 
 def test_half_of_a_file_is_solved_again(film: Study, tmp_path: Path) -> None:
     _, whole = slab(film, tmp_path)
-    cases = sorted((tmp_path / kept.FOLDER).rglob("*.nc"))
+    cases = sorted((tmp_path / casecache.FOLDER).rglob("*.nc"))
     assert len(cases) == 2
     cases[0].write_bytes(cases[0].read_bytes()[:1000])
     again, bytes_ = slab(film, tmp_path)
@@ -74,7 +74,7 @@ def test_half_of_a_file_is_solved_again(film: Study, tmp_path: Path) -> None:
 
 
 def test_random_cases_are_those_of_the_solver(film: Study, tmp_path: Path) -> None:
-    own, again = (Kept(tmp_path, tmp_path / "film/cases/validation.nc") for _ in range(2))
+    own, again = (CaseCache(tmp_path, tmp_path / "film/cases/validation.nc") for _ in range(2))
     first, second = (factorial.cases(film, "validation", one) for one in (own, again))
     plain = factorial.cases(film, "validation")
     assert (own.taken, own.cases, again.taken) == (0, 40, 40)  # on two bases
@@ -102,24 +102,24 @@ def test_cases_that_take_microseconds_are_not_kept(tmp_path: Path) -> None:
     half = loaded(tmp_path / "half.yaml", "\n".join(line for line in text.split("\n") if "thickness" not in line))
     own, _ = slab(half, tmp_path)
     assert own.cases == 0
-    assert not list((tmp_path / kept.FOLDER).rglob("*.nc"))
+    assert not list((tmp_path / casecache.FOLDER).rglob("*.nc"))
 
 
 def test_what_was_used_longest_ago_is_swept(tmp_path: Path) -> None:
-    folder = tmp_path / kept.FOLDER / "cases/ab"
+    folder = tmp_path / casecache.FOLDER / "cases/ab"
     folder.mkdir(parents=True)
     for number in range(3):
         write_whole(xr.Dataset({"x": ("case", np.arange(9.0))}), folder / f"{number}.nc")
     for number, age in ((0, 10), (1, 1000), (2, 100)):
         os.utime(folder / f"{number}.nc", (1e9 - age, 1e9 - age))
     size = (folder / "0.nc").stat().st_size
-    kept.sweep(tmp_path, 2 * size)
+    casecache.sweep(tmp_path, 2 * size)
     assert sorted(file.name for file in folder.iterdir()) == ["0.nc", "2.nc"]
 
 
-def held_out(study: Study, folder: Path) -> tuple[Kept, xr.Dataset]:
+def held_out(study: Study, folder: Path) -> tuple[CaseCache, xr.Dataset]:
     """The cases for calibration of a study with what is kept: who was asked, and the cases."""
-    own = Kept(folder, folder / "film/cases/calibration.nc")
+    own = CaseCache(folder, folder / "film/cases/calibration.nc")
     return own, factorial.cases(study, "calibration", own)
 
 

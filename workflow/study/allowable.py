@@ -1,4 +1,4 @@
-"""What the materials of a study's body bear: strength, depoling, coercive and breakdown field, each with its source."""
+"""Allowables of a study's body: strength, depoling, coercive and breakdown field of its materials, with sources."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,15 +8,15 @@ from solver import Material, find
 from solver.film.stack import RIGID
 from solver.material.laws import made
 from solver.names import CHOICES, MIXTURES
-from workflow.language.constants import borne_by_base, plain
+from workflow.language.constants import of_the_base, plain
 
 #: Entries of a layer, or factors, that say what it is made of.
 MADE_OF = ("material", "composite", "volume_fraction")
 
 
 @dataclass(frozen=True)
-class Borne:
-    """What a material bears.
+class Allowable:
+    """The most that a material may be exposed to, by its own data.
 
     Attributes
     ----------
@@ -33,8 +33,10 @@ class Borne:
     source: str
 
 
-def borne(name: str, given: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Borne:
-    """What the top material, or the base, of one body bears.
+def allowable(
+    name: str, given: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str]
+) -> Allowable:
+    """The allowable of the top material, or of the base, of one body.
 
     Of a composite it is what its weaker phase bears, of those whose figure is known: a phase that is not known to bear
     anything is not known to bear more. A volume fraction of 0 or 1 leaves one phase.
@@ -42,7 +44,7 @@ def borne(name: str, given: Mapping[str, Any], materials: Mapping[str, Material]
     Parameters
     ----------
     name
-        One of ``workflow.language.constants.BORNE``.
+        One of ``workflow.language.constants.ALLOWABLES``.
     given
         Factors of the top layer and of the base: ``material`` or ``composite``, ``volume_fraction``, ``base``.
     materials, phases
@@ -54,7 +56,7 @@ def borne(name: str, given: Mapping[str, Any], materials: Mapping[str, Material]
         The library has no such figure of the material.
     """
     limit = plain(name)
-    if borne_by_base(name):
+    if of_the_base(name):
         base = given.get("base")
         if base is None or base == RIGID:
             modulus = "a base of given modulus" if "base_modulus" in given else "a half-plane, without a base,"
@@ -65,14 +67,14 @@ def borne(name: str, given: Mapping[str, Any], materials: Mapping[str, Material]
     kind = str(given.get("composite", CHOICES["composite"][0]))
     if kind not in MIXTURES:
         return _least(limit, [made(kind, (), 0.0)], "")
-    one, two = (find(phase, materials) for phase in phases)
+    first, second = (find(phase, materials) for phase in phases)
     fraction = given.get("volume_fraction")
-    parts = [one] if fraction == 1 else [two] if fraction == 0 else [one, two]
+    parts = [first] if fraction == 1 else [second] if fraction == 0 else [first, second]
     return _least(limit, parts, kind)
 
 
-def _least(limit: str, parts: Sequence[Material], composite: str) -> Borne:
-    """The least of what some materials bear."""
+def _least(limit: str, parts: Sequence[Material], composite: str) -> Allowable:
+    """The least allowable of some materials."""
     known = [part for part in parts if limit in part.limits]
     if not known:
         names = " and ".join(part.name for part in parts)
@@ -83,4 +85,4 @@ def _least(limit: str, parts: Sequence[Material], composite: str) -> Borne:
     words = weakest.name
     if len(parts) > 1:
         words += f" ({unknown}: none known)" if unknown else ", the weaker phase"
-    return Borne(weakest.limits[limit].value, words, weakest.limits[limit].source)
+    return Allowable(weakest.limits[limit].value, words, weakest.limits[limit].source)

@@ -58,12 +58,12 @@ def compared(study: Study, case: Mapping[str, float]) -> dict[str, Any]:
     }
 
 
-def told(found: Mapping[str, Any]) -> str:
+def told(compared: Mapping[str, Any]) -> str:
     """The same in a sentence; empty of nothing."""
-    if not found:
+    if not compared:
         return ""
     changed = [
         f"{titles.title(name)} {titles.value(name, other, 3)} instead of {titles.value(name, own, 3)}"
-        for name, (own, other) in found["quantities"].items()
+        for name, (own, other) in compared["quantities"].items()
     ]
-    return f"{_HERE[found['surroundings']]}: {titles.listed(changed)}."
+    return f"{_HERE[compared['surroundings']]}: {titles.listed(changed)}."

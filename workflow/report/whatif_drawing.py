@@ -9,7 +9,7 @@ from surrogate.use.export import exported
 from workflow.language.titles import title
 from workflow.report import firstscreen
 from workflow.study import coupling
-from workflow.study.categories import Kinds
+from workflow.study.categories import Combination
 from workflow.study.datum import inner
 from workflow.study.model import Study
 
@@ -24,19 +24,19 @@ def drawable(study: Study) -> bool:
     return set(study.outputs) >= set(study.kind.ends)
 
 
-def closed_pressure(study: Study, kinds: Kinds) -> bool:
+def closed_pressure(study: Study, combination: Combination) -> bool:
     """Whether the contact pressure of a combination of the categories follows in closed form.
 
     Parameters
     ----------
     study : Study
-    kinds : mapping of str to str, the name of every category
+    combination : mapping of str to str, the name of every category
     """
-    profile = {**study.fixed, **kinds}.get("profile", "cylinder")
+    profile = {**study.fixed, **combination}.get("profile", "cylinder")
     return set(study.outputs) >= _PRESSURE and profile == "cylinder" and not study.kind.tabled
 
 
-def body(study: Study, kinds: Kinds) -> dict[str, Any]:
+def body(study: Study, combination: Combination) -> dict[str, Any]:
     """The punch and its body in a combination of the categories, as :class:`workflow.report.device.Device` has them.
 
     ``size`` and ``thickness`` are numbers, or names of the factors that give them.
@@ -44,9 +44,9 @@ def body(study: Study, kinds: Kinds) -> dict[str, Any]:
     Parameters
     ----------
     study : Study
-    kinds : mapping of str to str, the name of every category
+    combination : mapping of str to str, the name of every category
     """
-    case = {**study.fixed, **kinds, **inner(study)}
+    case = {**study.fixed, **combination, **inner(study)}
     drawn = firstscreen.of_case(study, case, dict.fromkeys(study.kind.ends, 1.0))
     size, pressing = PROFILES[drawn.profile].needs[-1], study.kind.loads.force
     thickness: float | str | None = drawn.thickness

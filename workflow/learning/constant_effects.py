@@ -1,4 +1,4 @@
-"""What uncertain constants do to a study's quantities: exact differences on a small factorial, learnt as a surrogate.
+"""What uncertain constants do to a study's quantities: exact differences on a small factorial, learned as a surrogate.
 
 Effects are a tenth of what they change, or less, so that a tenth of the factorial's accuracy is enough. Of films every
 level of a tabled factor costs tables of the solver, for every constant.
@@ -28,7 +28,7 @@ _MOST_TABLES = 2000  # of films, 0.1 to 0.5 s each
 _CHECKED, _TOGETHER = 200, 25  # random cases that tell the error; of films, those that share a table
 
 
-class Effects:
+class ConstantEffects:
     """Changes of all outputs of a surrogate when constants move, as surrogates over the same box.
 
     Parameters
@@ -95,7 +95,7 @@ class Effects:
 
     def _exact(self, z: Array) -> xr.Dataset:
         study = moved(self._study, self._constants, z)
-        return factorial.learned(self._study, factorial.exact(study, dict(self._levels)))
+        return factorial.training_data(self._study, factorial.exact(study, dict(self._levels)))
 
     def _differences(self, z: Array, here: xr.Dataset) -> list[xr.Dataset]:
         """Derivatives of all outputs by every scaled constant, zero where it has no part."""
@@ -107,8 +107,10 @@ class Effects:
             step = z + _STEP * np.eye(len(z))[k]
             held = concerned(self._study, constant)
             cases = factorial.exact(moved(self._study, self._constants, step).narrowed(held), dict(self._levels))
-            kinds = {name: [held[name]] if name in held else names for name, names in self._study.categories.items()}
-            there = categories.apart(_expanded(cases, held), kinds, self._study.outputs)
+            categories_ = {
+                name: [held[name]] if name in held else names for name, names in self._study.categories.items()
+            }
+            there = categories.apart(_expanded(cases, held), categories_, self._study.outputs)
             differences[constant.name] = xr.Dataset({
                 name: (there[name] - here[name]) / _STEP if name in there else xr.zeros_like(here[name])
                 for name in self._model.outputs_
@@ -132,7 +134,7 @@ class Effects:
         here = self._exact(z)
         change = self._fitted({name: here[name] - self._start[name] for name in self._model.outputs_})
         points = draws.points(self._study, _CHECKED, (self._study.validation.seed, 11), _TOGETHER)
-        exact = factorial.learned(self._study, factorial.exact(moved(self._study, self._constants, z), points))
+        exact = factorial.training_data(self._study, factorial.exact(moved(self._study, self._constants, z), points))
         X = np.stack([points[name].values for name in self._model.box], -1)
         predicted = self._model.predict_array(X) + change.predict_array(X)
         truth = np.stack([exact[name].values for name in self._model.outputs_], -1)

@@ -22,8 +22,8 @@ from solver.names import (
 )
 from storage.files import output
 from storage.netcdf import write_whole
+from workflow.cli.case_solver import as_csv, solved
 from workflow.cli.casetable import Table, read_cases
-from workflow.cli.solving import as_csv, solved
 from workflow.cli.words import numbers, say, written_as
 from workflow.study.reading import read_material
 

@@ -6,7 +6,7 @@ import pytest
 
 from solver import find
 from workflow.study import model as studies
-from workflow.study.borne import borne
+from workflow.study.allowable import allowable
 from workflow.study.reading import InputError
 
 FILM = """\
@@ -40,17 +40,20 @@ def film(folder: Path, **entries: str) -> studies.Study:
 
 def test_a_composite_bears_what_its_weaker_phase_does() -> None:
     given = {"composite": "fibrous", "volume_fraction": 0.5}
-    both = borne("tensile_strength", given, {}, ["PZT-4", "PZT-5H"])
+    both = allowable("tensile_strength", given, {}, ["PZT-4", "PZT-5H"])
     assert both.value == min(find(name).limits["tensile_strength"].value for name in ("PZT-4", "PZT-5H"))
     assert both.of == "PZT-5H, the weaker phase"
     assert both.source == find("PZT-5H").limits["tensile_strength"].source
-    assert borne("tensile_strength", {**given, "volume_fraction": 1}, {}, ["PZT-4", "PZT-5H"]).of == "PZT-4"
-    one = borne("coercive_field", {}, {}, ["BaTiO3", "CoFe2O4"])
+    assert allowable("tensile_strength", {**given, "volume_fraction": 1}, {}, ["PZT-4", "PZT-5H"]).of == "PZT-4"
+    one = allowable("coercive_field", {}, {}, ["BaTiO3", "CoFe2O4"])
     assert (one.value, one.of) == (0.3e6, "BaTiO3 (CoFe2O4: none known)")
     with pytest.raises(ValueError, match="base_yield_strength: a half-plane, without a base, has none"):
-        borne("base_yield_strength", {}, {}, ["BaTiO3", "CoFe2O4"])
-    assert borne("base_yield_strength", {"base": "steel"}, {}, []).value == find("steel").limits["yield_strength"].value
-    assert borne("coercive_field", {"composite": "AlScN", "scandium_fraction": 0.2}, {}, []).value == 200e6
+        allowable("base_yield_strength", {}, {}, ["BaTiO3", "CoFe2O4"])
+    assert (
+        allowable("base_yield_strength", {"base": "steel"}, {}, []).value
+        == find("steel").limits["yield_strength"].value
+    )
+    assert allowable("coercive_field", {"composite": "AlScN", "scandium_fraction": 0.2}, {}, []).value == 200e6
 
 
 @pytest.mark.parametrize(

@@ -92,9 +92,9 @@ def _surrounded(table: Table) -> Table:
 def _blocks(table: Table, most: int) -> Iterator[tuple[list[str], Indices]]:
     """Rows that are solved together, and the factors that they have.
 
-    Every block of a pattern takes its rows from all over the table, so that it meets what is hardest in it: the
-    solver's iterations go on until the last case of a block has come to an end, so that cases which are easier would
-    else go fewer steps than in one block. What is searched for (`solver.names.PEAKS`) is found to its tolerance only.
+    Every block of a pattern takes its rows from all over the table. The solver iterates until the last case of a block
+    has converged: so every block holds hard cases, and easy cases take as many steps as in one block. What is searched
+    for (`solver.names.PEAKS`) is found to its tolerance only.
     """
     columns: list[NDArray[Any]] = [~table.empty(name) | (_DEFAULTS.get(name) is not None) for name in table.columns]
     unlike: list[NDArray[Any]] = [_numbered(table, name) for name in _APART if name in table.columns]

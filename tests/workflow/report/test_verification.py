@@ -9,7 +9,7 @@ import pytest
 
 from tests.workflow.conftest import Project
 from workflow.cli import launch, main
-from workflow.report.verdict import RedError, verdict
+from workflow.report.verification import RedError, verdict
 from workflow.run.provenance import ROOT
 
 FEW, DRAWN = ("limits", "films"), ("films",)

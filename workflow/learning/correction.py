@@ -11,9 +11,9 @@ from surrogate.data.measurements import MOST_ROWS, Measurements
 from surrogate.intervals.distribution import NOMINAL, Normal
 from surrogate.transforms.measured.corrected import CorrectedGP
 from surrogate.use import learning
-from workflow.learning.effects import Effects
+from workflow.learning.constant_effects import ConstantEffects
 from workflow.learning.instruments import Instrument, shown
-from workflow.learning.taught import Taught
+from workflow.learning.summary import Summary
 from workflow.study import uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -30,7 +30,7 @@ def learn(
     constants: list[Constant],
     say: Callable[[str], None] = lambda message: None,
     instruments: Sequence[Instrument] = (),
-) -> tuple[CorrectedGP, Taught]:
+) -> tuple[CorrectedGP, Summary]:
     """Correct a study's surrogate by measured rows.
 
     Parameters
@@ -48,8 +48,8 @@ def learn(
 
     Returns
     -------
-    CorrectedGP, Taught
-        The corrected surrogate, and what the rows have taught.
+    CorrectedGP, Summary
+        The corrected surrogate, and what the rows tell.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def learn(
             raise InputError(f"--instrument: {device.name}: no row holds a measured {device.quantity}")
     singles = uncertainty.own(study, constants)
     every, count = [*constants, *singles], len(constants) + len(singles)
-    effects = Effects(study, model, every, say, [instrument.name for instrument in instruments])
+    effects = ConstantEffects(study, model, every, say, [instrument.name for instrument in instruments])
     own = np.maximum(upper - nominal, nominal - lower)[rows.row, rows.output] / Normal().ends(NOMINAL)[1, 0]
     spread = np.hypot(own, effects.error[rows.output])
     latest: list[GaussianProcess] = []
@@ -88,12 +88,12 @@ def learn(
         posterior = learning.learn(forward, rows, model.inputs_, len(unknown), spread, single)
     except (learning.NotSettledError, MaterialError) as error:
         raise InputError(str(error)) from None
-    taught = Taught.of(posterior, rows, unknown, single, model, mean)
+    summary = Summary.of(posterior, rows, unknown, single, model, mean)
     names = {constant.name: constant.prior for constant in unknown}
     surrogate = CorrectedGP(
-        model, latest[0], names, posterior.about, posterior.draws, rows, effects.error, "\n".join(taught.lines)
+        model, latest[0], names, posterior.about, posterior.draws, rows, effects.error, "\n".join(summary.lines)
     )
-    return surrogate, taught
+    return surrogate, summary
 
 
 def _check_size(model: GaussianProcess, rows: Measurements, mean: Array) -> None:

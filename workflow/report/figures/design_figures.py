@@ -3,9 +3,9 @@
 from workflow.study.target import Target
 
 
-def kinds(target: Target) -> list[str]:
+def names(target: Target) -> list[str]:
     """The figures of a target, in the order of the page; its contact, of which not every design has fields, is last."""
     continuous = len(target.continuous)
-    kinds = ["front"] if len(target.objectives) > 1 else []
-    kinds += ["map"] if continuous > 1 else []
-    return [*kinds, *(["slices", "bars"] if continuous else [])]
+    names = ["front"] if len(target.objectives) > 1 else []
+    names += ["map"] if continuous > 1 else []
+    return [*names, *(["slices", "bars"] if continuous else [])]

@@ -5,14 +5,14 @@ from typing import TypeVar
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.materials import material_of
-from workflow.study import punches, surroundings
+from workflow.study import defaults
 from workflow.study.contents import Contents
 
 Whole = TypeVar("Whole", bound=Contents)
 
 
-def pressed(study: Whole) -> Whole:
-    """The study of that contact alone: its factors are fixed, and air is beside it where a device has it by default."""
+def of(study: Whole) -> Whole:
+    """The study of that contact alone: all of its factors are fixed, and it has the defaults of a study."""
     assert study.signal is not None
     bare = {name: key.get_default(call_default_factory=True) for name, key in type(study).model_fields.items()}
     own = study.model_copy(
@@ -24,15 +24,14 @@ def pressed(study: Whole) -> Whole:
             "device": study.signal.device or study.device,
         }
     )
-    punches.settle(own)
-    surroundings.settle(own)
+    defaults.settle(own)
     return own
 
 
 def check(study: Contents) -> None:
     """Raise ValueError, in one line, unless the factors are those of a contact that an amplifier may read."""
     assert study.signal is not None
-    own = pressed(study)
+    own = of(study)
     try:
         force = own.kind.loads.force
         material_of(Cases(checked({force: study.signal.force, **own.fixed}), own.own_materials, study.phases))

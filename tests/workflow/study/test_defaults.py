@@ -3,15 +3,15 @@
 import pytest
 
 from tests.workflow.study.test_surroundings import BOX, settled
-from workflow.study import punches
+from workflow.study import defaults
 
 
 def test_a_device_is_pressed_by_steel_unless_it_says_otherwise() -> None:
     study = settled()
-    punches.settle(study)
+    defaults.press(study)
     assert study.fixed["punch"] == "steel"
     assert study.elastic
-    assert punches.told(study).startswith("punch: steel, the default of a study with a device")
+    assert study.defaults[-1].startswith("punch: steel, the default of a study with a device")
 
 
 @pytest.mark.parametrize(
@@ -19,20 +19,20 @@ def test_a_device_is_pressed_by_steel_unless_it_says_otherwise() -> None:
 )
 def test_what_a_study_says_stays(fixed: dict[str, object]) -> None:
     study = settled(fixed=fixed)
-    punches.settle(study)
+    defaults.press(study)
     assert {name: study.fixed[name] for name in fixed} == fixed
-    assert punches.told(study) == ""
+    assert not any(line.startswith("punch") for line in study.defaults)
     bare = settled(device=None)
-    punches.settle(bare)
+    defaults.press(bare)
     assert "punch" not in bare.fixed
 
 
 def test_groups_that_have_no_place_for_it_leave_it_rigid() -> None:
     groups = {"load * radius / thickness^2": {"levels": 3}}
     study = settled(factors=BOX, groups=groups, surrogate={"outputs": ["depth", "voltage"]})
-    punches.settle(study)
+    defaults.press(study)
     assert "punch" not in study.fixed
     assert (
-        punches.told(study)
+        study.defaults[-1]
         == "punch: rigid, since its groups do not tell what one of steel makes of its surrogate.outputs"
     )

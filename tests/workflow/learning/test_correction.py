@@ -10,9 +10,9 @@ from surrogate import GridGP
 from surrogate.data.measurements import Measurements
 from tests.workflow.study.test_uncertainty import FILM
 from workflow.dataset import draws, factorial
-from workflow.learning import measured
+from workflow.learning import correction
 from workflow.learning.instruments import Instrument
-from workflow.learning.taught import Taught
+from workflow.learning.summary import Summary
 from workflow.study import uncertainty
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
@@ -36,8 +36,8 @@ def study_of(text: str, folder: Path) -> tuple[Study, GridGP]:
     path = folder / "study.yaml"
     path.write_text(text, encoding="utf-8")
     study = load(path)
-    data = factorial.learned(study, factorial.exact(study, factorial.axes(study)))
-    model = GridGP(inputs=factorial.inputs(study), outputs=study.learned).fit(data)
+    data = factorial.training_data(study, factorial.exact(study, factorial.axes(study)))
+    model = GridGP(inputs=factorial.inputs(study), outputs=study.output_names).fit(data)
     model.made_from_ = study.physics
     return study, model
 
@@ -55,7 +55,7 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, GridGP]:
 def truth(study: Study, model: GridGP, known: list[Constant], z: Array, count: int, seed: int) -> tuple[Array, Array]:
     """Random points (n, d) and all exact outputs there (n, p), constants moved."""
     points = draws.points(study, count, (seed,))
-    exact = factorial.learned(study, factorial.exact(uncertainty.moved(study, known, z), points))
+    exact = factorial.training_data(study, factorial.exact(uncertainty.moved(study, known, z), points))
     X = np.stack([points[name].values for name in model.box], -1)
     return X, np.stack([exact[name].values for name in model.outputs_], -1)
 
@@ -77,12 +77,12 @@ def test_intervals_hold_exact_answers_with_other_constants(half_plane: tuple[Stu
     for seed in range(truths):
         z = np.random.default_rng(seed).normal(size=len(known))
         X, exact = truth(study, model, known, z, 140, seed)
-        corrected, taught = measured.learn(study, model, rows(X[:40], exact[:40], [0, 1], 0.005, seed), known)
+        corrected, summary = correction.learn(study, model, rows(X[:40], exact[:40], [0, 1], 0.005, seed), known)
         lower, upper = corrected.interval_array(X[40:])
         held.append((lower <= exact[40:]) & (exact[40:] <= upper))
         after, before = (np.abs(one.predict_array(X[40:]) - exact[40:]).mean(axis=0) for one in (corrected, model))
         better.append(after / before)
-        moved.append([(c["mean"] - own) / c["std"] for c, own in zip(taught.plain["constants"], z, strict=True)])
+        moved.append([(c["mean"] - own) / c["std"] for c, own in zip(summary.plain["constants"], z, strict=True)])
     # 100 cases x 4 outputs a truth, of which two were never measured
     assert np.mean(held) >= 0.92
     assert np.median(better, axis=0)[:2].max() < 0.3
@@ -96,8 +96,8 @@ def test_a_perturbed_base_is_found(film: tuple[Study, GridGP]) -> None:
     X, exact = truth(study, model, known, z, 60, 3)
     steel = [model.outputs_.index(f"{name}[steel]") for name in ("depth", "contact_trailing")]
     told: list[str] = []
-    corrected, taught = measured.learn(study, model, rows(X[:25], exact[:25], steel, 0.002, 3), known, told.append)
-    modulus = taught.plain["constants"][0]
+    corrected, summary = correction.learn(study, model, rows(X[:25], exact[:25], steel, 0.002, 3), known, told.append)
+    modulus = summary.plain["constants"][0]
     assert modulus["mean"] == pytest.approx(-1.8, abs=3 * modulus["std"])
     assert modulus["std"] < 0.5
     lower, upper = corrected.interval_array(X[25:])
@@ -108,8 +108,8 @@ def test_a_perturbed_base_is_found(film: tuple[Study, GridGP]) -> None:
         corrected.predict_array(X)[:, rigid], model.predict_array(X)[:, rigid], rtol=1e-9
     )  # a rigid base has no modulus
     assert any(one.startswith("1 of 2: steel modulus") for one in told)
-    assert taught.lines[0] == "25 rows, 50 measured values"
-    assert any(line.startswith("steel modulus: moved by -1.") for line in taught.lines)
+    assert summary.lines[0] == "25 rows, 50 measured values"
+    assert any(line.startswith("steel modulus: moved by -1.") for line in summary.lines)
 
 
 def test_a_meter_that_errs_is_a_discrepancy(half_plane: tuple[Study, GridGP]) -> None:
@@ -117,8 +117,8 @@ def test_a_meter_that_errs_is_a_discrepancy(half_plane: tuple[Study, GridGP]) ->
     known = uncertainty.uncertain(study, {"BaTiO3 stiffness": 0.02})
     X, exact = truth(study, model, known, np.array([0.5]), 40, 1)
     exact[:, 1] *= 1 + 0.05 * np.sin(2 * model.inputs_[2].to_unit(X[:, 2]))  # the voltage, in the load
-    _, taught = measured.learn(study, model, rows(X, exact, [0, 1], 0.003, 1), known)
-    depth, voltage = taught.plain["discrepancies"]
+    _, summary = correction.learn(study, model, rows(X, exact, [0, 1], 0.003, 1), known)
+    depth, voltage = summary.plain["discrepancies"]
     assert "is real" in voltage["verdict"]
     assert voltage["share_of_size"] == pytest.approx(0.035, rel=0.4)
     assert "no discrepancy is seen" in depth["verdict"]
@@ -130,9 +130,9 @@ def test_bad_noise_outliers_and_a_gain_are_told_and_hide_no_constant(half_plane:
     X, exact = truth(study, model, known, np.array([1.0]), 30, 2)
     good = rows(X, exact, [0, 1], 0.02, 2)
 
-    def told(value: Array, instruments: list[Instrument] | None = None) -> Taught:
+    def told(value: Array, instruments: list[Instrument] | None = None) -> Summary:
         read = Measurements(X, good.row, good.output, value, good.error)
-        return measured.learn(study, model, read, known, instruments=instruments or [])[1]
+        return correction.learn(study, model, read, known, instruments=instruments or [])[1]
 
     start = exact[good.row, good.output]
     understated = told(start + 3 * (good.value - start)).plain
@@ -162,7 +162,7 @@ def test_what_cannot_be_learnt_is_refused(half_plane: tuple[Study, GridGP]) -> N
     X, exact = truth(study, model, known, np.zeros(len(known)), 12, 1)
     good = rows(X, exact, [0, 1], 0.01, 1)
     with pytest.raises(InputError, match="0 rows with a measured value; must be 1 to 1000"):
-        measured.learn(study, model, rows(X[:0], exact[:0], [0, 1], 0.01, 1), known)
+        correction.learn(study, model, rows(X[:0], exact[:0], [0, 1], 0.01, 1), known)
     wrong = Measurements(X, good.row, good.output, np.where(good.output == 1, 1e-3, 1.0) * good.value, good.error)
     with pytest.raises(InputError, match=r"voltage: measured values are 0.001 times .* are they in V\?"):
-        measured.learn(study, model, wrong, known)
+        correction.learn(study, model, wrong, known)
