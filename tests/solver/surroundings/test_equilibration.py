@@ -9,7 +9,7 @@ import solver
 from solver.arrays import Array
 from solver.film.stack import Layer, Stack
 from solver.surroundings.coupled import AirContact
-from solver.surroundings.scaled import solved
+from solver.surroundings.equilibration import solved
 from solver.surroundings.table import AirTable
 from tests.solver.surroundings.airy import airy, half_plane
 

@@ -20,13 +20,13 @@ from solver.point.density import Density
 from solver.point.profile import Shape
 from solver.point.response import Response, legendre
 from solver.point.slidingpressure import ray_of, turned_pressures
-from solver.point.spread import Spread
+from solver.point.surfacekernel import SurfaceKernel
 from solver.surroundings.airpoint import PointState
 from solver.surroundings.pointtractions import AirPointTractions, SolvedPoint
+from solver.surroundings.ringharmonic import CAUSES, RUBBED, SHIFT, HarmonicOutputs, RingHarmonic
 from solver.surroundings.ringoperators import RingOperators
 from solver.surroundings.rings import Rings, rings
 from solver.surroundings.rules import gauss
-from solver.surroundings.turnedrings import CAUSES, RUBBED, SHIFT, Turned, TurnedRings
 
 _PART = 2 / np.pi  # a density per S
 _PARTS = 6.0  # panels in b per radius over the distance that layers vary over
@@ -34,7 +34,7 @@ _ENDS, _RULE = np.append(0.0, 0.4 ** np.arange(9, -1, -1.0)), 12  # of pieces in
 
 
 @dataclass(frozen=True, eq=False)
-class SlidPoint:
+class SlidingPoint:
     """The first order of one contact, in the units of the body.
 
     Parameters
@@ -52,7 +52,7 @@ class SlidPoint:
     on: SolvedPoint
     friction: float
     coupling: Array
-    sheared: Spread | None = None
+    sheared: SurfaceKernel | None = None
 
     @cached_property
     def response(self) -> Response:
@@ -83,11 +83,11 @@ class SlidPoint:
         return self.on.density
 
     @cached_property
-    def _columns(self) -> TurnedRings:
-        return TurnedRings(replace(self._operators, rings=self.rings), self.response, self.sheared)
+    def _columns(self) -> RingHarmonic:
+        return RingHarmonic(replace(self._operators, rings=self.rings), self.response, self.sheared)
 
     @cached_property
-    def _turned(self) -> Turned:
+    def _turned(self) -> HarmonicOutputs:
         return self._columns.at(self._state.radius, self.pressed)
 
     @cached_property

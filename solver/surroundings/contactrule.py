@@ -14,7 +14,7 @@ _GRADED, _STEEP = 4, 20  # power of those that crowd about both ends, and how ma
 
 
 @dataclass(frozen=True, eq=False)
-class Below:
+class ContactRule:
     """Nodes and weights on 0 to 1; (node,) each."""
 
     nodes: Array

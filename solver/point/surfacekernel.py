@@ -36,7 +36,7 @@ _TAILS = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Spread:
+class SurfaceKernel:
     """Lambda or Lambda_x over the distance.
 
     Attributes
@@ -67,14 +67,14 @@ class Spread:
             found += (local(x.ravel(), self.width).T @ self.tails).reshape(found.shape)
         return found
 
-    def of(self, pairs: Indices) -> "Spread":
+    def of(self, pairs: Indices) -> "SurfaceKernel":
         """Of some of the pairs."""
         table = replace(self.table, series=self.table.series[..., pairs])
         return replace(self, table=table, tails=None if self.tails is None else self.tails[:, pairs])
 
 
 @lru_cache(32)
-def spread(stack: Stack, reach: float | None = None) -> Spread:
+def normal_kernel(stack: Stack, reach: float | None = None) -> SurfaceKernel:
     """Lambda of a stack.
 
     Parameters
@@ -93,12 +93,12 @@ def spread(stack: Stack, reach: float | None = None) -> Spread:
 
 
 @lru_cache(32)
-def sheared(stack: Stack, reach: float | None = None) -> Spread:
+def shear_kernel(stack: Stack, reach: float | None = None) -> SurfaceKernel:
     """Lambda_x of (y, phi, psi) at distances x >= 0, odd in them.
 
     Parameters
     ----------
-    stack, reach : as of :func:`spread`
+    stack, reach : as of :func:`normal_kernel`
 
     Raises
     ------
@@ -108,7 +108,7 @@ def sheared(stack: Stack, reach: float | None = None) -> Spread:
     return _tabled(stack, reach, odd=True)
 
 
-def _tabled(stack: Stack, reach: float | None, *, odd: bool) -> Spread:
+def _tabled(stack: Stack, reach: float | None, *, odd: bool) -> SurfaceKernel:
     width, graded = strip(stack), graded_response(stack) if stack.top.graded else None
     pairs, wave = (_SHEARED, np.sin) if odd else (PAIRS, np.cos)
 
@@ -128,4 +128,4 @@ def _tabled(stack: Stack, reach: float | None, *, odd: bool) -> Spread:
 
     ends = growing(width, reach or _FAR * width, halvings=FINEST if graded else 0)
     table = Piecewise.of(transformed, ends, DEGREE + 1, octave(ends, width))
-    return Spread(table, width, np.stack([graded.tails[:, i, j] for i, j in pairs], -1) if graded else None, odd)
+    return SurfaceKernel(table, width, np.stack([graded.tails[:, i, j] for i, j in pairs], -1) if graded else None, odd)

@@ -12,19 +12,19 @@ from solver.point.sliding import FirstOrderWarning
 from solver.point.slidingpressure import ray_of
 from solver.surroundings.airpoint import PointState
 from solver.surroundings.largest import peak_of_panels
-from solver.surroundings.slidpoint import SlidPoint
+from solver.surroundings.slidingpoint import SlidingPoint
 
 _MOST_REACH = 1.1  # of the gap's field, beyond which a warning says that it is not reached
 
 
-def largest_within(slid: SlidPoint | None, field: int | None, at_rest: float) -> float:
+def largest_within(slid: SlidingPoint | None, field: int | None, at_rest: float) -> float:
     """Largest abs(D_y) (0), abs(B_y) (1) or pressure (None) below the contact, over C a^(e-1).
 
     What is singular at the edge is left out, as at rest; at the apex of exponents below 2 it is that at rest.
 
     Parameters
     ----------
-    slid : SlidPoint, what friction makes of the contact; None: it does not slide
+    slid : SlidingPoint, what friction makes of the contact; None: it does not slide
     field : int or None, which
     at_rest : float, the same without friction
     """
@@ -35,7 +35,7 @@ def largest_within(slid: SlidPoint | None, field: int | None, at_rest: float) ->
     return max(at_rest, *(float(ray.top(*(sign * along[:, None]))[0]) for sign in signs))
 
 
-def largest_beside(state: PointState, slid: SlidPoint | None, place: int, *, gap: bool) -> float:
+def largest_beside(state: PointState, slid: SlidingPoint | None, place: int, *, gap: bool) -> float:
     """Largest density beside the contact, over C a^(e-1), or that which the gap's field would have at a plate.
 
     On the finite panels, along the sliding direction.
@@ -43,7 +43,7 @@ def largest_beside(state: PointState, slid: SlidPoint | None, place: int, *, gap
     Parameters
     ----------
     state : PointState, at rest
-    slid : SlidPoint, what friction makes of it; None: it does not slide
+    slid : SlidingPoint, what friction makes of it; None: it does not slide
     place : int, of the field among those conducted
     gap : bool, the gap's field in place of the density
     """
@@ -53,12 +53,12 @@ def largest_beside(state: PointState, slid: SlidPoint | None, place: int, *, gap
     return max(peak_of_panels((at_rest + sign * turned).reshape(panels, -1)[:-1]) for sign in (1.0, -1.0))
 
 
-def trailing_tension(slid: SlidPoint, rim: Rim, body: HalfSpace | Film, units: Array) -> float:
+def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units: Array) -> float:
     """sigma_xx just outside the trailing edge, where the surface carries charges [Pa].
 
     Parameters
     ----------
-    slid : SlidPoint, the contact
+    slid : SlidingPoint, the contact
     rim : Rim, the surface beside it
     body : HalfSpace or Film, what it lies on
     units : ndarray, shape (3,), of the body
@@ -78,7 +78,7 @@ def warn_of_charges(reach: float) -> None:
 
     Parameters
     ----------
-    reach : float, as of :class:`SlidPoint`
+    reach : float, as of :class:`SlidingPoint`
     """
     if reach > _MOST_REACH:
         warnings.warn(

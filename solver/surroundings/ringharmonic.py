@@ -13,8 +13,8 @@ import numpy as np
 from solver.arrays import Array
 from solver.point.density import Density
 from solver.point.response import Response
-from solver.point.spread import Spread
-from solver.surroundings.below import Below
+from solver.point.surfacekernel import SurfaceKernel
+from solver.surroundings.contactrule import ContactRule
 from solver.surroundings.ringoperators import RingOperators, Rows, summed
 from solver.surroundings.rules import gauss
 
@@ -25,7 +25,7 @@ _RATIO, _RULE = 0.35, 12  # of its pieces, and their nodes
 
 
 @dataclass(frozen=True, eq=False)
-class Turned:
+class HarmonicOutputs:
     """Outputs of every column at one radius.
 
     Attributes
@@ -43,11 +43,11 @@ class Turned:
     edges: Array
     raised: Array
     smooth: Array
-    below: Below
+    below: ContactRule
 
 
 @dataclass(frozen=True, eq=False)
-class TurnedRings:
+class RingHarmonic:
     """Contacts that slide, of one shape and conduction on one stack, or on a half-space.
 
     Parameters
@@ -62,7 +62,7 @@ class TurnedRings:
 
     operators: RingOperators
     response: Response
-    sheared: Spread | None = None
+    sheared: SurfaceKernel | None = None
 
     @property
     def _rows(self) -> Rows:
@@ -85,7 +85,7 @@ class TurnedRings:
         """Columns of the densities of a field, by its place."""
         return slice(CAUSES + place * self._rows.nodes, CAUSES + (place + 1) * self._rows.nodes)
 
-    def at(self, radius: float, pressed: Density) -> Turned:
+    def at(self, radius: float, pressed: Density) -> HarmonicOutputs:
         """Outputs for a contact at rest.
 
         Parameters
@@ -93,7 +93,7 @@ class TurnedRings:
         radius : float, a in the unit of the layers' lengths
         pressed : Density, of the contact at rest, one column
         """
-        below = Below.of(radius / self.operators.width)
+        below = ContactRule.of(radius / self.operators.width)
         count, rows, rings = below.nodes.size, self._rows, self.operators.rings
         smooth, added = self._layered(radius, below, pressed)
         given = np.zeros((len(rows.channels), self._columns))
@@ -104,9 +104,9 @@ class TurnedRings:
         beside_it[..., RUBBED] += self._coupling[:, None] * _left(pressed, rings.grid.theta)
         raised = rings.raised @ beside_it
         raised[0, :, SHIFT] -= self._given * rings.power(self.response.shape.exponent - 1)
-        return Turned(edges, raised, smooth, below)
+        return HarmonicOutputs(edges, raised, smooth, below)
 
-    def _layered(self, radius: float, below: Below, pressed: Density) -> tuple[Array, Array]:
+    def _layered(self, radius: float, below: ContactRule, pressed: Density) -> tuple[Array, Array]:
         """What layers add to S below the contact, and to N S at its nodes, the edge and the nodes beside it."""
         rows = self._rows
         targets = np.concatenate([below.nodes, _EDGE, self.operators.rings.grid.distance])
@@ -133,7 +133,7 @@ class TurnedRings:
         own = [moved[:, None] * s ** (self.response.shape.exponent - 1), -along[:, None] * pressed.turned(s)[0, 0]]
         return np.asarray(np.pi / 2 * np.stack(own, -1)[self._rows.channels])
 
-    def _pulled(self, radius: float, targets: Array, at: Below, pressed: Density) -> Array:
+    def _pulled(self, radius: float, targets: Array, at: ContactRule, pressed: Density) -> Array:
         """What layers add to the channels by friction itself; (channel, target)."""
         assert self.sheared is not None
         weights = -radius / 2 * pressed.at(at.nodes)[0, 0] * at.weights

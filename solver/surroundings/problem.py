@@ -11,7 +11,7 @@ from solver.surroundings.table import AirTable
 
 
 @dataclass(frozen=True, eq=False)
-class Posed:
+class Problem:
     """A contact under one punch, air beside it; units of the stack but where SI is said.
 
     Parameters
