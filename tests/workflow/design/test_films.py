@@ -38,7 +38,7 @@ def test_a_thickness_is_found_with_few_exact_cases(tmp_path: Path, monkeypatch: 
     path.write_text(FILM, encoding="utf-8")
     study = load(path)
     model = training.fit(study, factorial.exact(study, factorial.axes(study)))
-    model.calibrate(factorial.learned(study, factorial.cases(study, "calibration")))
+    model.calibrate(factorial.training_data(study, factorial.cases(study, "calibration")))
     asked: list[int] = []
     exact = sources.Exact.values
 
@@ -54,7 +54,7 @@ def test_a_thickness_is_found_with_few_exact_cases(tmp_path: Path, monkeypatch: 
     assert "led by the surrogate" in answer.polish
     assert answer.feasible
     design = {name: answer.variable(name).value for name in study.factors}
-    base = answer.kinds["base"]
+    base = answer.combination["base"]
     goal, field = answer.terms
     for term, limit in ((goal, False), (field, True)):
         case = design | {"friction": term.worst["friction"], "base": base} | study.fixed

@@ -38,7 +38,7 @@ def test_times_of_films_hold_their_tables_and_the_panel_knows_no_closed_form(
 ) -> None:
     quantities = factorial.exact(study, factorial.axes(study))
     model = training.fit(study, quantities)
-    model.calibrate(factorial.learned(study, factorial.cases(study, "calibration")))
+    model.calibrate(factorial.training_data(study, factorial.cases(study, "calibration")))
     cases, solved, asked = factorial.cases(study, "validation"), factorial.exact, []
 
     def counted(study: Study, axes: dict[str, Any], **told: Any) -> xr.Dataset:

@@ -108,11 +108,11 @@ def test_a_body_of_one_layer_is_the_film_of_the_same_factors(tmp_path: Path) -> 
 
 def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
     model = training.fit(study, factorial.exact(study, factorial.axes(study)))
-    model.calibrate(factorial.learned(study, factorial.cases(study, "calibration")))
+    model.calibrate(factorial.training_data(study, factorial.cases(study, "calibration")))
     answer = targets.solve_target(study, "thin", model)
     design = {name: answer.variable(name).value for name in study.factors}
     assert design["copper_thickness"] <= 55e-6 * (1 + 1e-9)
-    base = answer.kinds["base"]
+    base = answer.combination["base"]
     body = stack(design["copper_thickness"], design["volume_fraction"], base)
     case = {"surroundings": "insulated", "body": body, "radius": 0.05, "friction": 0.1, "load": design["load"]}
     exact = solver.solve(case)
