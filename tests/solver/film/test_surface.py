@@ -51,7 +51,8 @@ def test_integral_equations_hold_by_another_quadrature(state: tuple[FilmContact,
         )
         return np.array([row[0] for row in rows]) * scale[:, None]
 
-    t, own = tractions(fields) * rule().root, tractions(at) * np.sqrt(1 - points**2)
+    root = np.sqrt((1 - nodes.X) * (1 + nodes.X))  # rounded as that by which the fields were divided
+    t, own = tractions(fields) * root, tractions(at) * np.sqrt(1 - points**2)
     gap = nodes.X - points[:, None]
     H = np.einsum("s,jps->jp", nodes.weight / np.pi, (t[:, None] - own[..., None]) / gap)
     far = 40 / (2 * stack.top.thickness * float(stack.media[0].slowest))
