@@ -17,7 +17,7 @@ import surrogate
 from solver import solve
 from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
-from tests.workflow.conftest import Project
+from tests.workflow.conftest import Copy, Project
 from tests.workflow.report.browser import in_node, needs_browser, needs_node, opened
 from workflow.dataset.slabs import open_results
 from workflow.design.asking import scenarios
@@ -461,7 +461,7 @@ addEventListener("load", () => {
 
 
 @pytest.fixture(scope="module")
-def chosen(copy: Callable[[str], Project]) -> Project:
+def chosen(copy: Copy) -> Project:
     """A copy in which the study with categories has run to its report."""
     project = copy("chosen")
     (project.folder / "config/chosen.yaml").write_text(CHOSEN, encoding="utf-8")
