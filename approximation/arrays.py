@@ -1,5 +1,6 @@
-"""The array types of the house."""
+"""The array types of the house, and blocks of them."""
 
+from collections.abc import Iterator
 from typing import TypeAlias
 
 import numpy as np
@@ -11,3 +12,18 @@ Array: TypeAlias = NDArray[np.float64]
 Flags: TypeAlias = NDArray[np.bool_]
 #: Whole numbers that say which.
 Indices: TypeAlias = NDArray[np.intp]
+
+
+def blocks(count: int, size: int) -> Iterator[slice]:
+    """Yield the slices that cut so many places into blocks, the last of which may be shorter.
+
+    Parameters
+    ----------
+    count, size : int, number of places, and of those in a block
+
+    Examples
+    --------
+    >>> list(blocks(5, 3))
+    [slice(0, 3, None), slice(3, 6, None)]
+    """
+    return (slice(start, start + size) for start in range(0, count, size))

@@ -8,13 +8,13 @@ from numpy.polynomial.chebyshev import chebvander
 from scipy.interpolate import NdBSpline, make_interp_spline
 from scipy.optimize import minimize
 
-from benchmarks.rivals import Array, Predict
-from surrogate.use.baseline import coefficients
+from approximation.arrays import Array
+from approximation.chebyshev import coefficients
+from benchmarks.rivals import Predict
+from surrogate.use.baseline import contracted
 
 #: From the scaled levels of every factor and standardised outputs (n_1, ..., n_d, p) to a predictor.
 GridFit = Callable[[Sequence[Array], Array], Predict]
-# Points that are answered at once, so that memory stays bounded.
-_BLOCK = 64
 # Noise of the Kronecker process, as a share of its variance: what double precision needs.
 _NOISE = 1e-10
 
@@ -27,11 +27,11 @@ def chebyshev(levels: Sequence[Array], values: Array) -> Predict:
     levels : sequence of ndarray, shape (n_f,), of every factor in [-1, 1]
     values : ndarray, shape (n_1, ..., n_d, p), the outputs
     """
-    kept = np.stack([coefficients(own) for own in np.moveaxis(values, -1, 0)], axis=-1)
+    kept = reduce(coefficients, range(len(levels)), values)
 
     def predict(at: Array, with_std: bool) -> tuple[Array, None]:
         rows = [chebvander(column, len(own) - 1) for column, own in zip(at.T, levels, strict=True)]
-        return _contracted(kept, rows), None
+        return contracted(kept, rows), None
 
     return predict
 
@@ -92,11 +92,11 @@ def _process(levels: Sequence[Array], values: Array) -> Callable[[Array, bool], 
 
     def predict(at: Array, with_std: bool) -> tuple[Array, Array]:
         near = [_rbf(column, own, np.exp(log)) for column, own, log in zip(at.T, levels, fit.x, strict=True)]
-        mean = _contracted(weights[..., None], near)[:, 0]
+        mean = contracted(weights[..., None], near)[:, 0]
         if not with_std:
             return mean, mean
         squares = [(rows @ vector) ** 2 for rows, vector in zip(near, vectors, strict=True)]
-        known = _contracted(1 / spectrum[..., None], squares)[:, 0]
+        known = contracted(1 / spectrum[..., None], squares)[:, 0]
         return mean, np.sqrt(variance * np.maximum(1 - known, 0.0))
 
     return predict
@@ -111,18 +111,6 @@ def _transformed(values: Array, bases: Sequence[Array]) -> Array:
     for basis in bases:
         values = np.tensordot(values, basis, (0, 0))  # the axis moves to the end, so after all the order is the old
     return values
-
-
-def _contracted(tensor: Array, rows: Sequence[Array]) -> Array:
-    """Contract (n_1, ..., n_d, p) with a row a point and factor, (B, n_f): (B, p)."""
-    answer = np.empty((len(rows[0]), tensor.shape[-1]))
-    for start in range(0, len(answer), _BLOCK):
-        part = slice(start, start + _BLOCK)
-        state = rows[0][part] @ tensor.reshape(tensor.shape[0], -1)
-        for row in rows[1:]:
-            state = np.einsum("bi,bij->bj", row[part], state.reshape(len(state), row.shape[1], -1))
-        answer[part] = state
-    return answer
 
 
 GRID_RIVALS: dict[str, GridFit] = {

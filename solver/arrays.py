@@ -1,18 +1,25 @@
 """The array types of the room, and the small operations that every module needs."""
 
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from numbers import Real
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from approximation.arrays import Array as Array
+from approximation.arrays import Indices
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 BoolArray = NDArray[np.bool_]
 ComplexArray = NDArray[np.complex128]
 #: Real or complex arrays: positions on the surface, or complex coordinates of the interior.
 Points = TypeVar("Points", Array, ComplexArray)
 Scalar = TypeVar("Scalar", bound=np.generic)
+Record = TypeVar("Record", bound="DataclassInstance")
 
 _LONGEST = 60  # characters of a value that a message quotes
 
@@ -51,6 +58,42 @@ def distinct_rows(rows: Array) -> tuple[Array, NDArray[np.intp]]:
         return rows[:1], np.zeros(len(rows), dtype=np.intp)
     _, first, which = np.unique(rows[:, varying], axis=0, return_index=True, return_inverse=True)
     return rows[first], which.ravel()
+
+
+def joined(parts: Sequence[tuple[Indices, Mapping[str, Array]]], count: int) -> dict[str, Array]:
+    """Outputs of all cases from those of some, as far as all parts have them; (case, ...) each.
+
+    Parameters
+    ----------
+    parts : sequence of (ndarray of int, mapping of str to ndarray), places among the cases, and outputs of these
+    count : int, number of all cases
+
+    Examples
+    --------
+    >>> joined([(np.array([1]), {"a": np.ones(1)}), (np.array([0]), {"a": np.zeros(1), "b": np.ones(1)})], 2)
+    {'a': array([0., 1.])}
+    """
+    (_, first), *others = parts
+    whole = {}
+    for name, own in first.items():
+        if all(name in outputs for _, outputs in others):
+            whole[name] = np.empty((count, *own.shape[1:]))
+            for places, outputs in parts:
+                whole[name][places] = outputs[name]
+    return whole
+
+
+def selected(record: Record, places: slice | Indices, *names: str) -> Record:
+    """A dataclass of arrays over cases with some of the cases; an array that is None stays so.
+
+    Parameters
+    ----------
+    record : dataclass
+    places : slice or ndarray of int, which cases
+    names : str, of the arrays
+    """
+    given = {name: getattr(record, name) for name in names}
+    return replace(record, **{name: values[places] for name, values in given.items() if values is not None})
 
 
 def column(values: Array) -> Array:

@@ -1,15 +1,13 @@
 """Kinds of bodies under a punch: what each is given and answers, by capabilities that have names.
 
 A new kind of body is one entry of ``KINDS``, the rule in :func:`kind_of` that tells its cases by their factors, and a
-class behind :class:`Body` in ``face/bodies.py``. Nothing else asks which kind a case is: what differs is asked for by
-its name here.
+class of ``face/bodies.py``. Nothing else asks which kind a case is: what differs is asked for by its name here.
 """
 
-from collections.abc import Collection, Mapping, Sequence, Set
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal, Protocol
+from typing import Literal
 
-from approximation.arrays import Array
 from solver.described import Contact, Described, Loads
 from solver.fields import FIELDS, POINT_FIELDS
 from solver.film.stack import Stack
@@ -278,42 +276,3 @@ def around(case: Mapping[str, object]) -> str:
     """
     kind = kind_of(case, case.get("profile", "cylinder"))
     return AIR if kind.layered and not airless(case) else CHOICES["surroundings"][0]
-
-
-class Body(Protocol):
-    """Cases of one kind, solved: arrays by the names of ``solver.names`` over the axes of the cases, then own axes."""
-
-    @property
-    def hollow(self) -> bool:
-        """Whether the body has places without fields, which are NaN."""
-
-    def quantities(self) -> dict[str, Array]:
-        """Quantities that come together and that every case has; (...)."""
-
-    def peaks(self, asked: Set[str]) -> dict[str, Array]:
-        """Those that are searched for, asked for and that every case has; (...)."""
-
-    def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """Sizes and curves of regions that every case has, see ``solver.curves``; (...) and (..., point)."""
-
-    def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """Fields on the surface, those that are singular at the edges also in regular form if asked; (..., position).
-
-        Parameters
-        ----------
-        positions
-            X = (x - c)/h; (position,).
-        regular
-            Also give fields times sqrt|1 - X^2|.
-        """
-
-    def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """Fields inside on the grid of two axes; (..., y, x).
-
-        Parameters
-        ----------
-        x, y
-            In half-widths of the contact, from its middle and the surface.
-        asked
-            Names of fields; None: all that need no constant which a material lacks.
-        """

@@ -59,6 +59,9 @@ INTERIOR: dict[str, Described] = {
     "magnetic_field_y": Described("A m-1", "magnetic field H_y"),
 }
 
+#: The four stresses of plane strain, which the measures of ``solver.curves`` take in this order.
+STRESSES = tuple(INTERIOR)[:4]
+
 #: Fields inside the body that are given when asked for by name.
 INTERIOR_ON_REQUEST: dict[str, Described] = {
     "electric_potential": on_datum("V", "electric potential relative to the datum"),

@@ -22,16 +22,19 @@ SECTION = re.compile(r"^Parameters\n-{10}\n(.*?)(?=\n\n|\Z)", re.MULTILINE | re.
 
 
 def public(scope: ast.Module | ast.ClassDef) -> Iterator[ast.FunctionDef]:
-    """Functions and methods without an underscore, and not inside another function; of overloads the whole one."""
+    """Functions and methods without an underscore, and not inside another function; of overloads the whole one.
+
+    An override has the section of what it overrides.
+    """
     for node in scope.body:
         if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
             yield from public(node)
-        elif isinstance(node, ast.FunctionDef) and not (node.name.startswith("_") or overload(node)):
+        elif isinstance(node, ast.FunctionDef) and not (node.name.startswith("_") or marked(node)):
             yield node
 
 
-def overload(function: ast.FunctionDef) -> bool:
-    return any(isinstance(mark, ast.Name) and mark.id == "overload" for mark in function.decorator_list)
+def marked(function: ast.FunctionDef) -> bool:
+    return any(isinstance(mark, ast.Name) and mark.id in ("overload", "override") for mark in function.decorator_list)
 
 
 def arguments(function: ast.FunctionDef) -> set[str]:

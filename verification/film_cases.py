@@ -8,11 +8,12 @@ import numpy as np
 
 import solver
 from solver.film.contact import FilmContact
-from solver.film.interior import interior_fields
+from solver.film.interior import fields_of
 from solver.film.peaks import PeakTable
 from solver.film.stack import RIGID, Layer, Stack
-from solver.film.surface import surface_fields
+from solver.film.surface import SurfaceTable
 from solver.film.table import table
+from solver.film.tractions import TractionTable
 from solver.halfplane.profile import Profile
 from verification.cases import Array
 from verification.oracles.fem import FIELDS
@@ -117,8 +118,8 @@ class Solved:
         """Surface fields by name."""
         names = ("contact_pressure", "stress_xx", *FLUXES)
         if self.stacked:
-            found = surface_fields(self.contact, at)
-            return {name: getattr(found, name)[0] for name in names}
+            found = SurfaceTable(self.contact.table, at).fields(self.contact)
+            return {name: found[name][0] for name in names}
         solved = solver.solve(self.case, at)
         return {name: solved[name].values for name in names}
 
@@ -133,4 +134,5 @@ class Solved:
         if not self.stacked:
             found = solver.solve_interior(self.case, at, Y, fields=FIELDS)
             return {name: found[name].values for name in FIELDS}
-        return dict(zip(FIELDS, interior_fields(self.contact, at, Y, FIELDS)[0], strict=True))
+        tractions = TractionTable(self.contact.table).read(self.contact)
+        return dict(zip(FIELDS, fields_of(tractions, at, Y, FIELDS, self.contact.datum)[0], strict=True))

@@ -1,6 +1,6 @@
 """Cases with air beside the contact: a film's as without, a half-plane's as a film bonded to its own material."""
 
-from collections.abc import Iterable, Sequence, Set
+from collections.abc import Sequence, Set
 
 import numpy as np
 
@@ -11,7 +11,6 @@ from solver.face.film import OnFilm
 from solver.face.filmbodies import Bodies, HalfPlanes
 from solver.face.halfplane import contact_of
 from solver.film.similar import Films
-from solver.material.constants import MaterialError
 from solver.names import PEAKS
 from solver.surroundings.fields import body_curves, body_peaks, curves, fields, inside, peaks
 from solver.surroundings.quantities import quantities
@@ -28,7 +27,7 @@ class FilmInAir(OnFilm):
 
     def quantities(self) -> dict[str, Array]:
         """Those of ``solver.body.FILM_IN_AIR`` that every case has; (...)."""
-        return self._put_together(lambda films, places: quantities(films, self._medium(places)))
+        return self._of_groups(lambda films, places: quantities(films, self._medium(places)))
 
     def _peaks(self, films: Films, places: Indices, asked: Set[str]) -> dict[str, Array]:
         return peaks(films, self._medium(places), asked)
@@ -64,14 +63,12 @@ class HalfPlaneInAir(FilmInAir):
 
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """Those of ``solver.names.PEAKS`` that are asked for; (...)."""
-        self._require_c12(asked & PEAKS.keys())
-        return self._put_together(lambda films, places: body_peaks(films, self._medium(places), asked))
+        names = [name for name in PEAKS if name in asked]
+        if names:
+            self._require_c12(f"{names[0]} needs")
+        return self._of_groups(lambda films, places: body_peaks(films, self._medium(places), asked))
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
         """Sizes and curves of the region ``body``; (...) and (..., point)."""
-        self._require_c12(PEAKS)
-        return self._put_together(lambda films, places: body_curves(films, self._medium(places)))
-
-    def _require_c12(self, names: Iterable[str]) -> None:
-        if names and (lacks := self._bodies.lacks_c12) is not None:
-            raise MaterialError(f"{lacks}: c12: missing; {next(iter(names))} needs it [Pa]")
+        self._require_c12("peak_von_mises needs")
+        return self._of_groups(lambda films, places: body_curves(films, self._medium(places)))

@@ -1,6 +1,6 @@
 """Cases of point contacts with air beside them: bodies and punches are those without."""
 
-from collections.abc import Sequence, Set
+from collections.abc import Set
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from solver.arrays import Array
 from solver.face.halfspace import OnHalfSpace
 from solver.face.point import SURFACE, OnPoints
 from solver.face.pointfilm import OnPointFilm, with_nominal_field
-from solver.face.refusal import CaseError, FactorError
+from solver.face.refusal import CaseError
 from solver.fields import POINT_NEED_C12
 from solver.point.pressed import Pressed
 from solver.point.sliding import warn_of_order
@@ -29,7 +29,6 @@ class _InAir(OnPoints):
         As without air; a punch or a body that the theory of air does not cover.
     """
 
-    @np.errstate(all="ignore")  # what is not finite is named in the outputs
     def quantities(self) -> dict[str, Array]:
         """Those of the kind that every case has, to the first order in friction; (...)."""
 
@@ -45,7 +44,7 @@ class _InAir(OnPoints):
                 )
             return values
 
-        return self.put_together(solved)
+        return self._of_parts(solved)
 
     @property
     def _end(self) -> Array:
@@ -53,22 +52,14 @@ class _InAir(OnPoints):
         said = self.cases.values.get("gap_radius", np.array(np.nan))
         return np.asarray(np.where(np.isnan(said), self.cases.number("radius"), said))
 
-    def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """Refused: as without air."""
-        raise FactorError("curves: of a body under a point contact are not given; ask for peaks")
-
-    @np.errstate(all="ignore")
-    def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """Fields of ``solver.fields.POINT_FIELDS`` at r/a that every case has; (..., position)."""
+    def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
         if np.any(self._friction):
-            slid = self.slid(positions, _CARRIED)
-            return self.with_regular(slid, positions) if regular else slid
-        values = self.put_together(lambda pressed, own: fields(pressed, *self._gap(own), positions))
+            slid = self._slid(positions, _CARRIED)
+            return self._with_regular(slid, positions) if regular else slid
+        values = self._of_parts(lambda pressed, own: fields(pressed, *self._gap(own), positions))
         if self._lacks_c12 is None:
-            names = [name for name in SURFACE if SURFACE[name] in POINT_NEED_C12]
-            stresses = self.interior(positions, np.zeros(1), [SURFACE[name] for name in names])
-            values |= {name: stresses[SURFACE[name]][..., 0, :] for name in names}
-        return self.with_regular(values, positions) if regular else values
+            values |= self._at_surface(positions, [name for name in SURFACE if SURFACE[name] in POINT_NEED_C12])
+        return self._with_regular(values, positions) if regular else values
 
     def _peaks(self, pressed: Pressed, places: Indices, asked: Set[str]) -> dict[str, Array]:
         return peaks(pressed, *self._gap(places), self._inside(places, pressed), asked)
@@ -78,7 +69,7 @@ class _InAir(OnPoints):
 
     def _gap(self, places: Indices) -> tuple[Array, Array]:
         """Relative permittivity of what fills the gaps of some cases, and where they end [m]; (place,) each."""
-        return self.flat(self.cases.number("gap_permittivity"))[places], self.flat(self._end)[places]
+        return self._flat(self.cases.number("gap_permittivity"))[places], self._flat(self._end)[places]
 
 
 class HalfSpaceInAir(_InAir, OnHalfSpace):

@@ -8,19 +8,18 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, distinct_rows
+from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import CaseError, FactorError
-from solver.fields import FIELDS, INTERIOR, NEED_C12, SINGULAR
-from solver.film.along import fields
 from solver.film.collected import electrode_quantities
 from solver.film.inside import inside
 from solver.film.quantities import curves, peaks, quantities
 from solver.film.similar import Films
+from solver.film.surface import fields
 from solver.film.windows import Kind, critical
-from solver.halfplane.pressing import ContactError
 from solver.material.constants import MaterialError
 from solver.names import FILM_PEAKS
 
@@ -33,7 +32,7 @@ class _Group:
     kind: Kind
 
 
-class OnFilm:
+class OnFilm(Body):
     """Contact of cases of one kind of punch on films, each on its base.
 
     Raises
@@ -42,12 +41,8 @@ class OnFilm:
         An unknown base, an interface that a base does not have, inadmissible materials, a contact that does not exist.
     """
 
-    #: A rigid base has no fields inside.
-    hollow = True
-
     def __init__(self, cases: Cases) -> None:
-        self.cases = cases
-        self.shape = tuple(cases.sizes.values())
+        super().__init__(cases)
         self._bodies = self._made()
         self._groups = list(self._grouped())
 
@@ -55,8 +50,8 @@ class OnFilm:
         """Those of ``QUANTITIES``, ``FILM_QUANTITIES`` and ``ELECTRODE_QUANTITIES`` that every case has; (...)."""
         reading = reading_of(self.cases)
         if reading is None:
-            return self._put_together(lambda films, _: quantities(films))
-        return self._put_together(
+            return self._of_groups(lambda films, _: quantities(films))
+        return self._of_groups(
             lambda films, places: reading.part(places).driven(
                 quantities(films) | electrode_quantities(films, reading.part(places))
             )
@@ -65,57 +60,32 @@ class OnFilm:
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """Those of ``solver.names.FILM_PEAKS`` that are asked for and every case has; (...)."""
         self._refuse_electroded("peaks")
-        if (lacks := self._bodies.lacks_c12) is not None and asked & FILM_PEAKS.keys():
-            raise MaterialError(f"{lacks}: c12: missing; film_peak_von_mises needs it [Pa]")
-        return self._put_together(lambda films, places: self._peaks(films, places, asked))
+        if asked & FILM_PEAKS.keys():
+            self._require_c12("film_peak_von_mises needs")
+        return self._of_groups(lambda films, places: self._peaks(films, places, asked))
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
         """Sizes and curves of regions, see ``solver.curves``, that every case has; (...) and (..., point)."""
         self._refuse_electroded("curves")
-        if (lacks := self._bodies.lacks_c12) is not None:
-            raise MaterialError(f"{lacks}: c12: missing; stresses inside the film need it [Pa]")
-        return self._put_together(lambda films, places: self._curves(films, places, regions))
+        self._require_c12("stresses inside the film need")
+        return self._of_groups(lambda films, places: self._curves(films, places, regions))
 
-    def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """The surface fields, (..., position).
-
-        Parameters
-        ----------
-        positions : ndarray, shape (position,), X = (x - c)/h
-        regular : bool, whether the singular ones are wanted in regular form too
-        """
+    def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
         self._refuse_electroded("fields")
+        values = self._of_groups(lambda films, places: self._fields(films, places, positions))
+        return self._with_regular(values, positions) if regular else values
 
-        def found(films: Films, places: Indices) -> dict[str, Array]:
-            values = self._fields(films, places, positions)
-            if regular:
-                root = np.sqrt(np.abs((1 - positions) * (1 + positions)))
-                values |= {f"{name}_regular": values[name] * root for name in SINGULAR}
-            return values
-
-        whole = self._put_together(found)
-        order = [name for field in FIELDS for name in (field, f"{field}_regular") if name in whole]
-        return {name: whole[name] for name in order}
-
-    def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """The fields inside, (..., y, x).
-
-        Parameters
-        ----------
-        x, y : ndarray, shape (x,), (y,), places (x - c)/h and y/h
-        asked : sequence of str, their names; None: all of ``INTERIOR`` that the materials have
-        """
+    def _interior(self, x: Array, y: Array, names: tuple[str, ...]) -> dict[str, Array]:
         self._refuse_electroded("fields")
-        names = tuple(asked or [name for name in INTERIOR if name not in NEED_C12 or self._bodies.lacks_c12 is None])
-        if (lacks := self._bodies.lacks_c12) is not None:
-            for name in names:
-                if name in NEED_C12:
-                    raise MaterialError(f"{lacks}: c12: missing; {name} needs it [Pa]")
+        return self._of_groups(
+            lambda films, places: dict(
+                zip(names, np.moveaxis(self._inside(films, places, x, y, names), 1, 0), strict=True)
+            )
+        )
 
-        def found(films: Films, places: Indices) -> dict[str, Array]:
-            return dict(zip(names, np.moveaxis(self._inside(films, places, x, y, names), 1, 0), strict=True))
-
-        return self._put_together(found)
+    @property
+    def _lacks_c12(self) -> str | None:
+        return self._bodies.lacks_c12
 
     # -- what is beside the contact has its part in ------------------------------------------------------------------
     def _peaks(self, films: Films, _: Indices, asked: Set[str]) -> dict[str, Array]:
@@ -130,24 +100,9 @@ class OnFilm:
     def _inside(self, films: Films, _: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
         return inside(films, x, y, names)
 
-    @np.errstate(all="ignore")  # what is not finite is named in the outputs
-    def _put_together(self, output: Callable[[Films, Indices], dict[str, Array]]) -> dict[str, Array]:
-        """Outputs of the films of every group, at their places among the cases; those that every group has."""
-        try:
-            # films are made anew for every output: tables of thousands of stacks are not held at once
-            parts = [output(self._films(group), group.places) for group in self._groups]
-        except ContactError as error:
-            raise CaseError(str(error)) from None
-        out: dict[str, Array] = {}
-        for name in parts[0]:
-            if not all(name in part for part in parts):
-                continue
-            own = parts[0][name].shape[1:]
-            whole = np.empty((int(np.prod(self.shape)), *own))
-            for group, part in zip(self._groups, parts, strict=True):
-                whole[group.places] = part[name]
-            out[name] = whole.reshape((*self.shape, *own))
-        return out
+    def _of_groups(self, output: Callable[[Films, Indices], dict[str, Array]]) -> dict[str, Array]:
+        """Outputs of the films of every group; these are made anew: tables of thousands of stacks are not kept."""
+        return self._put_together((group.places, output(self._films(group), group.places)) for group in self._groups)
 
     def _refuse_electroded(self, what: str) -> None:
         if any(group.kind.electroded for group in self._groups):

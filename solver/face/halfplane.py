@@ -1,20 +1,19 @@
 """Cases on a half-plane: from their factors to its contact, and its outputs by name."""
 
 from collections.abc import Sequence, Set
-from functools import cached_property
 
 import numpy as np
 
 from solver.arrays import Array, BoolArray
+from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.materials import material_of
 from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import CaseError, FactorError
-from solver.fields import FIELDS, INTERIOR, NEED_C12, SINGULAR
 from solver.halfplane.contact import Contact
 from solver.halfplane.curves import body_curves
-from solver.halfplane.fields import surface_fields
-from solver.halfplane.interior import LINEAR, interior_parts, principal_tension, von_mises
+from solver.halfplane.fields import Separable, surface_fields
+from solver.halfplane.interior import LINEAR, interior_parts
 from solver.halfplane.peaks import peak_principal_tension, peak_von_mises
 from solver.halfplane.potentials import POTENTIALS, potentials
 from solver.halfplane.precision import warn_of_rounding
@@ -23,14 +22,11 @@ from solver.halfplane.quantities import quantities
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.speed import limiting_speed
 from solver.halfplane.surface import HalfPlane
-from solver.material.constants import Material, MaterialError
+from solver.material.constants import Material
 from solver.names import PEAKS
 
-_OF_STRESSES = {"von_mises": von_mises, "principal_tension": principal_tension}
-_STRESSES = LINEAR[:4]
 
-
-class OnHalfPlane:
+class OnHalfPlane(Body):
     """Contact of cases of one kind on a half-plane. Every output (..., own axes) has the smallest shape that it needs.
 
     Raises
@@ -44,15 +40,14 @@ class OnHalfPlane:
         Rounding costs digits: constants many decades apart, a speed next to the limiting one.
     """
 
-    #: A half-plane has fields everywhere.
     hollow = False
 
     def __init__(self, cases: Cases) -> None:
-        self.cases = cases
+        super().__init__(cases)
         self.contact = contact_of(cases)
         warn_of_rounding(self.contact.halfplane)
 
-    @cached_property
+    @property
     def _datum(self) -> Array:
         return self.cases.number("datum")
 
@@ -63,71 +58,45 @@ class OnHalfPlane:
 
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """Those of ``solver.names.PEAKS`` that are asked for; (...)."""
-        self._require_c12([name for name in PEAKS if name in asked])
+        names = [name for name in PEAKS if name in asked]
+        if names:
+            self._require_c12(f"{names[0]} needs")
         every: dict[str, Array] = {}
         if {"peak_von_mises", "peak_von_mises_depth"} & asked:
             largest = peak_von_mises(self.contact)
             every |= {"peak_von_mises": largest.value, "peak_von_mises_depth": largest.depth}
         if "peak_principal_tension" in asked:
             every["peak_principal_tension"] = peak_principal_tension(self.contact).value
-        return {name: value for name, value in every.items() if name in asked}
+        return {name: every[name] for name in names}
 
     @np.errstate(all="ignore")
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """Sizes and curves of regions, see ``solver.curves``, that a half-plane has; (...) and (..., point)."""
-        self._require_c12(list(PEAKS))
+        """Sizes and, if asked for, curves of the region ``body``; (...) and (..., point)."""
+        self._require_c12("peak_von_mises needs")
         half = self.contact.half_width
         sizes = {"mean_pressure": self.contact.load / (2 * half), "half_length": half}
         return sizes | (body_curves(self.contact) if "body" in regions else {})
 
-    @np.errstate(all="ignore")
-    def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """The surface fields, (..., position).
+    def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
+        fields = vars(surface_fields(self.contact, positions))
+        values = {name: field.values if isinstance(field, Separable) else field for name, field in fields.items()}
+        singular = {name: field for name, field in fields.items() if isinstance(field, Separable)}
+        return values | ({f"{name}_regular": field.regular for name, field in singular.items()} if regular else {})
 
-        Parameters
-        ----------
-        positions : ndarray, shape (position,), X = (x - c)/h
-        regular : bool, whether the singular ones are wanted in regular form too
-        """
-        fields = surface_fields(self.contact, positions)
-        out: dict[str, Array] = {}
-        for name in FIELDS:
-            field = getattr(fields, name)
-            out[name] = field.values if name in SINGULAR else field
-            if regular and name in SINGULAR:
-                out[f"{name}_regular"] = field.regular
-        return out
-
-    @np.errstate(all="ignore")
-    def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """The fields inside, (..., y, x).
-
-        Parameters
-        ----------
-        x, y : ndarray, shape (x,), (y,), places (x - c)/h and y/h
-        asked : sequence of str, their names; None: all of ``solver.fields.INTERIOR`` that the material has
-        """
-        names = asked or [name for name in INTERIOR if name not in NEED_C12 or self._has_c12]
-        self._require_c12([name for name in names if name in NEED_C12])
-        of_stresses = [name for name in names if name in _OF_STRESSES]
-        linear = tuple(name for name in LINEAR if name in names or (of_stresses and name in _STRESSES))
+    def _interior(self, x: Array, y: Array, names: tuple[str, ...]) -> dict[str, Array]:
+        linear = tuple(name for name in LINEAR if name in names)
         points_y, points_x = (points.ravel() for points in np.meshgrid(y, x, indexing="ij"))
         whole = interior_parts(self.contact, points_x, points_y, linear).whole(self.contact)
         values = {name: whole[..., k, :] for k, name in enumerate(linear)}
         if set(POTENTIALS) & set(names):
             both = potentials(self.contact, points_x, points_y, self._datum)
             values |= {name: both[..., k, :] for k, name in enumerate(POTENTIALS)}
-        for name in of_stresses:
-            values[name] = _OF_STRESSES[name](*(values[stress] for stress in _STRESSES))
-        return {name: values[name].reshape(*values[name].shape[:-1], y.size, x.size) for name in names}
+        return {name: values[name].reshape(*values[name].shape[:-1], y.size, x.size) for name in values}
 
     @property
-    def _has_c12(self) -> bool:
-        return not np.any(np.isnan(self.contact.halfplane.material.c12))
-
-    def _require_c12(self, names: Sequence[str]) -> None:
-        if names and not self._has_c12:
-            raise MaterialError(f"{self.contact.halfplane.material.name}: c12: missing; {names[0]} needs it [Pa]")
+    def _lacks_c12(self) -> str | None:
+        material = self.contact.halfplane.material
+        return material.name if np.any(np.isnan(material.c12)) else None
 
 
 @np.errstate(all="ignore")

@@ -62,7 +62,7 @@ class OnHalfSpace(OnPoints):
     @cached_property
     def _constants(self) -> list[Array]:
         """Those of the materials, infinite where unknown; (case,) each."""
-        return [self.flat(np.nan_to_num(getattr(self._half.material, key), nan=np.inf)) for key in UNITS]
+        return [self._flat(np.nan_to_num(getattr(self._half.material, key), nan=np.inf)) for key in UNITS]
 
     @cached_property
     def _compliances(self) -> tuple[Array, Array, Array]:
@@ -95,7 +95,7 @@ class OnHalfSpace(OnPoints):
     @cached_property
     def _rims(self) -> Rim:
         rim = Rim.of(self._half)
-        stiffness, shear, *compliances = map(self.flat, (rim.stiffness, rim.shear, rim.tangential, rim.transverse))
+        stiffness, shear, *compliances = map(self._flat, (rim.stiffness, rim.shear, rim.tangential, rim.transverse))
         coupling, share = (np.broadcast_to(of, (*self.shape, 3)).reshape(-1, 3) for of in (rim.coupling, rim.share))
         return Rim(coupling, stiffness, shear, share, *compliances)
 

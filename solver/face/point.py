@@ -1,19 +1,18 @@
 """Cases of point contacts: from their factors to punches on half-spaces and films, and their outputs by name."""
 
+from abc import abstractmethod
 from collections.abc import Callable, Collection, Sequence, Set
-from typing import Any
 
 import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
+from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.refusal import CaseError, FactorError
-from solver.fields import INTERIOR, POINT_NEED_C12, POINT_SINGULAR
-from solver.halfplane.interior import LINEAR, principal_tension, von_mises
+from solver.fields import POINT_NEED_C12, POINT_SINGULAR
 from solver.halfplane.potentials import POTENTIALS
 from solver.halfplane.pressing import ContactError
-from solver.material.constants import MaterialError
 from solver.point.gradedinside import GradedInside
 from solver.point.inside import Inside
 from solver.point.peaks import peaks
@@ -29,31 +28,28 @@ SURFACE = {
     "contact_pressure": "stress_yy", "electric_displacement": "electric_displacement_y",
     "magnetic_induction": "magnetic_induction_y", "radial_stress": "stress_xx", "hoop_stress": "stress_zz",
 }  # fmt: skip
-STRESSES = LINEAR[:4]
-DERIVED = {"von_mises": von_mises, "principal_tension": principal_tension}
 
 
-class OnPoints:
+class OnPoints(Body):
     """What half-spaces and films under points have in common: their punches, and how outputs are put together."""
 
-    #: A rigid base has no fields inside.
-    hollow = True
+    _need_c12 = POINT_NEED_C12
+    _singular = POINT_SINGULAR
 
     def __init__(self, cases: Cases) -> None:
-        self.cases = cases
-        self.shape = tuple(cases.sizes.values())
+        super().__init__(cases)
         try:
             self._parts = self._pressed()
         except ContactError as error:
             raise CaseError(str(error)) from None
 
+    @abstractmethod
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
-        raise NotImplementedError
+        """Places among the cases, and the contacts there."""
 
-    @np.errstate(all="ignore")  # what is not finite is named in the outputs
     def quantities(self) -> dict[str, Array]:
         """Those of ``solver.names.POINT_QUANTITIES`` that every case has; (...)."""
-        return self.put_together(self._quantities)
+        return self._of_parts(self._quantities)
 
     def _quantities(self, pressed: Pressed, places: Indices) -> dict[str, Array]:
         out = quantities(pressed)
@@ -62,91 +58,53 @@ class OnPoints:
             out |= sliding_quantities(pressed, self._rim(places))
         return out
 
+    @abstractmethod
     def _rim(self, places: Indices) -> Rim | None:
         """The surface beside the contacts; None where a c12 is missing."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _stretch(self, places: Indices) -> Stretch | None:
         """What the surfaces do along themselves; None where a c12 is missing."""
-        raise NotImplementedError
 
-    @np.errstate(all="ignore")
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """Those of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and every case has; (...)."""
-        if (lacks := self._lacks_c12) is not None:
-            raise MaterialError(f"{lacks}: c12: missing; largest stresses under a point need it [Pa]")
-        return self.put_together(lambda pressed, places: self._peaks(pressed, places, asked), self._apart())
+        self._require_c12("largest stresses under a point need")
+        return self._of_parts(lambda pressed, places: self._peaks(pressed, places, asked), self._apart())
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
         """Refused: peaks of points are searched for, not learnt from curves."""
         raise FactorError("curves: of a body under a point contact are not given; ask for peaks")
 
-    @np.errstate(all="ignore")
-    def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """Fields of ``solver.fields.POINT_FIELDS`` that every case has, as those of a line; (..., position).
-
-        Parameters
-        ----------
-        positions : ndarray, shape (position,), r/a, of sliding punches x/a
-        regular : bool, whether the singular ones are wanted in regular form too
-        """
-        found = self.put_together(lambda pressed, own: surface_fields(pressed, positions, self._stretch(own)))
+    def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
+        values = self._of_parts(lambda pressed, own: surface_fields(pressed, positions, self._stretch(own)))
         if np.any(self._friction):
-            found |= self.slid(positions)
-        return self.with_regular(found, positions) if regular else found
+            values |= self._slid(positions)
+        return self._with_regular(values, positions) if regular else values
 
-    def slid(self, positions: Array, charged: Collection[str] = ()) -> dict[str, Array]:
+    def _slid(self, positions: Array, charged: Collection[str] = ()) -> dict[str, Array]:
         """Fields on the surface with what friction adds, as those inside that end there; (..., position) each.
 
-        Parameters
-        ----------
-        positions : ndarray, shape (position,), x/a
-        charged : collection of str, tractions that the surface carries beside the contact, too
+        ``charged``: tractions that the surface carries beside the contact, too.
         """
         names = [name for name in SURFACE if self._lacks_c12 is None or SURFACE[name] not in POINT_NEED_C12]
-        inside = self.interior(positions, np.zeros(1), [SURFACE[name] for name in names])
-        found = {name: inside[SURFACE[name]][..., 0, :] for name in names}
+        values = self._at_surface(positions, names)
         for name in names:
             if SURFACE[name] not in POINT_NEED_C12 and name not in charged:
-                found[name] = np.where(np.abs(positions) < 1, found[name], 0.0)
-        return found | {"contact_pressure": 0.0 - found["contact_pressure"]}
+                values[name] = np.where(np.abs(positions) < 1, values[name], 0.0)
+        return values | {"contact_pressure": 0.0 - values["contact_pressure"]}
 
-    def with_regular(self, found: dict[str, Array], positions: Array) -> dict[str, Array]:
-        """Fields, and those that are singular at the edge times its root; (..., position) each.
+    def _at_surface(self, positions: Array, names: Collection[str]) -> dict[str, Array]:
+        """Fields of ``SURFACE`` from those inside, at the surface; (..., position) each."""
+        inside = self.interior(positions, np.zeros(1), [SURFACE[name] for name in names])
+        return {name: inside[SURFACE[name]][..., 0, :] for name in names}
 
-        Parameters
-        ----------
-        found : dict of str to ndarray, shape (..., position), the fields
-        positions : ndarray, shape (position,), r/a
-        """
-        root = np.sqrt(np.abs((1 - positions) * (1 + positions)))
-        return found | {f"{name}_regular": found[name] * root for name in POINT_SINGULAR if name in found}
-
-    @np.errstate(all="ignore")
-    def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """The fields inside, in the plane of symmetry, (..., y, x).
-
-        Parameters
-        ----------
-        x, y : ndarray, shape (x,), (y,), places over the contact's radius
-        asked : sequence of str, their names; None: all of ``INTERIOR`` that the materials have
-        """
-        names = tuple(asked or [name for name in INTERIOR if name not in POINT_NEED_C12 or self._lacks_c12 is None])
-        for name in names:
-            if name in POINT_NEED_C12 and self._lacks_c12 is not None:
-                raise MaterialError(f"{self._lacks_c12}: c12: missing; {name} needs it [Pa]")
-        needed = [name for name in names if name in LINEAR or name in POTENTIALS]
-        needed += STRESSES if any(name in DERIVED for name in names) else ()
-        linear = tuple(dict.fromkeys(needed))
-
-        def found(pressed: Pressed, places: Indices) -> dict[str, Array]:
-            whole = self._fields(pressed, places, x, y, linear)
-            values = {name: whole[:, number] for number, name in enumerate(linear)}
-            for name in set(names) & DERIVED.keys():
-                values[name] = DERIVED[name](*(values[stress] for stress in STRESSES))
-            return {name: values[name] for name in names}
-
-        return self.put_together(found, self._apart())
+    def _interior(self, x: Array, y: Array, names: tuple[str, ...]) -> dict[str, Array]:
+        return self._of_parts(
+            lambda pressed, places: dict(
+                zip(names, np.moveaxis(self._fields(pressed, places, x, y, names), 1, 0), strict=True)
+            ),
+            self._apart(),
+        )
 
     # -- what is beside the contact has its part in ------------------------------------------------------------------
     def _peaks(self, pressed: Pressed, places: Indices, asked: Set[str]) -> dict[str, Array]:
@@ -159,11 +117,6 @@ class OnPoints:
         values[:, potentials] *= pressed.length[:, None, None, None]
         return values
 
-    @property
-    def _lacks_c12(self) -> str | None:
-        """The name of a material without c12."""
-        raise NotImplementedError
-
     def _apart(self) -> list[tuple[Indices, Pressed]]:
         """Cases of one body each, lengths apart."""
         return self._parts
@@ -172,41 +125,24 @@ class OnPoints:
         """What fields are asked of: the body, or what stands for one that is graded."""
         return self._inside(places, pressed)
 
+    @abstractmethod
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         """The body of cases of one body."""
-        raise NotImplementedError
 
-    def put_together(
+    def _of_parts(
         self,
         output: Callable[[Pressed, Indices], dict[str, Array]],
         parts: Sequence[tuple[Indices, Pressed]] | None = None,
     ) -> dict[str, Array]:
-        """Outputs of every part and its places among the cases, in one; (...).
-
-        Parameters
-        ----------
-        output : callable, gives the outputs of contacts that are pressed and of their places among the cases
-        parts : sequence of (ndarray of int, Pressed), places and contacts; None: those of all cases
-        """
-        try:
-            solved = [(places, output(pressed, places)) for places, pressed in parts or self._parts]
-        except ContactError as error:
-            raise CaseError(str(error)) from None
-        out: dict[str, Array] = {}
-        for name in solved[0][1]:
-            if all(name in values for _, values in solved):
-                whole = np.empty((int(np.prod(self.shape)), *solved[0][1][name].shape[1:]))
-                for places, values in solved:
-                    whole[places] = values[name]
-                out[name] = whole.reshape((*self.shape, *whole.shape[1:]))
-        return out
+        """Outputs of parts of the cases, by default those that are pressed together."""
+        return self._put_together((places, output(pressed, places)) for places, pressed in parts or self._parts)
 
     def _by_exponent(self, places: Indices) -> list[tuple[Indices, Shape, Array]]:
         """Cases by the exponent of their profile, with its coefficient, or the radius of a disc."""
         exponent, coefficient = self._profile()
-        exponents = self.flat(exponent)[places]
+        exponents = self._flat(exponent)[places]
         return [
-            (own := places[exponents == e], Shape(e), self.flat(coefficient)[own])
+            (own := places[exponents == e], Shape(e), self._flat(coefficient)[own])
             for e in np.unique(exponents).tolist()
         ]
 
@@ -225,13 +161,9 @@ class OnPoints:
 
     @property
     def _friction(self) -> Array:
-        return self.flat(self.cases.number("friction"))
-
-    def flat(self, values: Any) -> Array:
-        """Values of all cases in a row; (case,)."""
-        return np.asarray(np.broadcast_to(values, self.shape).ravel(), dtype=np.float64)
+        return self._flat(self.cases.number("friction"))
 
     def _loads(self, places: Indices) -> tuple[Array, Array]:
         """P (case,) and T, J (case, 2)."""
-        charges = np.stack([self.flat(self.cases.charges[..., field])[places] for field in (0, 1)], -1)
-        return self.flat(self.cases.force)[places], charges
+        charges = np.stack([self._flat(self.cases.charges[..., field])[places] for field in (0, 1)], -1)
+        return self._flat(self.cases.force)[places], charges

@@ -37,14 +37,14 @@ class OnPointFilm(OnPoints):
 
     def quantities(self) -> dict[str, Array]:
         """Those of a half-space, and the nominal field."""
-        return self.put_together(lambda pressed, places: with_nominal_field(self._quantities(pressed, places), pressed))
+        return self._of_parts(lambda pressed, places: with_nominal_field(self._quantities(pressed, places), pressed))
 
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
         bodies, conducts, elastic = self._bodies, self.cases.conducts, punch_of(self.cases)
         punches = conducts[..., 0], conducts[..., 1], elastic.compliance, elastic.coupling, electroded(self.cases)
-        columns = [self.flat(column) for column in (*bodies.columns, *punches)]
+        columns = [self._flat(column) for column in (*bodies.columns, *punches)]
         kinds, which = distinct_rows(np.stack(columns, -1))
-        thickness, reading, pressed = self.flat(bodies.thickness), reading_of(self.cases), []
+        thickness, reading, pressed = self._flat(bodies.thickness), reading_of(self.cases), []
         for number, (*row, electric, magnetic, punch, coupling, covered) in enumerate(kinds.tolist()):
             film = Kind(*bodies.film(row), 0.0, (True, True), (True, True), 1, electroded=bool(covered))
             if metal := film.electroded or film.stack().conductors[0]:
@@ -102,21 +102,12 @@ class OnPointFilm(OnPoints):
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         return Inside(_stack(pressed))
 
-    def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """As on a half-space; stresses on a film that is graded are those inside it, at its surface.
-
-        Parameters
-        ----------
-        positions : ndarray, shape (position,), r/a, of sliding punches x/a
-        regular : bool, whether the singular ones are wanted in regular form too
-        """
-        values = super().surface(positions, regular=regular)
+    def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
+        values = super()._surface(positions, regular)
         graded = any(_stack(pressed).top.graded for _, pressed in self._parts)
         if self._lacks_c12 is None and graded and not np.any(self._friction):  # else all fields are those inside
-            inside = self.interior(positions, np.zeros(1), ["stress_xx", "stress_zz"])
-            for name, own in (("radial_stress", "stress_xx"), ("hoop_stress", "stress_zz")):
-                values[name] = inside[own][..., 0, :]
-            values = self.with_regular(values, positions) if regular else values
+            values |= self._at_surface(positions, ["radial_stress", "hoop_stress"])
+            values = self._with_regular(values, positions) if regular else values
         return values
 
 

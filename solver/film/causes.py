@@ -6,7 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from solver.arrays import Array, stack
+from solver.arrays import Array, selected, stack
 from solver.film.table import Table
 from solver.halfplane.profile import Profile
 
@@ -68,7 +68,7 @@ class Loading:
 
     def part(self, cases: slice) -> "Loading":
         """Some of the cases."""
-        return Loading(self.slope[cases], self.loads[cases], self.smooth)
+        return selected(self, cases, "slope", "loads")
 
     @property
     def order(self) -> int:

@@ -10,11 +10,11 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array, ComplexArray
+from solver.arrays import Array, ComplexArray, joined
 from solver.film.contact import FilmContact
 from solver.film.electrodes import Electrode, transfers
 from solver.film.floating import Strips, strips
-from solver.film.reading import Collected, Reading, joined
+from solver.film.reading import Collected, Reading
 from solver.film.similar import Films
 from solver.film.tractions import TractionTable
 from solver.film.windows import Kind, window

@@ -23,7 +23,7 @@ def _window(kind: Kind, number: int) -> TractionTable:
 
 
 def inside(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-    """Fields of ``solver.fields.EVERY_INTERIOR``, NaN in a rigid base; (case, field, y, x).
+    """Fields of ``solver.halfplane.interior.LINEAR`` and potentials, NaN in a rigid base; (case, field, y, x).
 
     Parameters
     ----------

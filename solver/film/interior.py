@@ -13,22 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray, ComplexArray
-from solver.film.contact import FilmContact
 from solver.film.fourier import Medium
 from solver.film.grading import Graded, staircase
 from solver.film.kernel import strip
 from solver.film.reflection import LayerWaves, held, waves
 from solver.film.stack import Stack, StackError
-from solver.film.tractions import Tractions, TractionTable
+from solver.film.tractions import Tractions
 from solver.film.within import TURN, below, layer_waves, modal
-from solver.halfplane.interior import LINEAR, field_rows, principal_tension, von_mises
+from solver.halfplane.interior import LINEAR, field_rows
 from solver.halfplane.potentials import POTENTIALS
 
 SUBLAYERS = 24  # of a graded layer, and half of them, extrapolated
 FARTHEST = 2000.0  # distance over the width of the strip: bounded time
 
-_STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
-_DERIVED = {"von_mises": von_mises, "principal_tension": principal_tension}
 _STEP = 512  # wavenumbers at a time
 _MOST = 1 << 20  # entries of a block of waves: bounded memory
 _ON = 1 + 1e-12  # a depth on an interface belongs to the layer above it
@@ -133,7 +130,7 @@ class Interior:
             if not np.all(own):
                 share = np.minimum(depth[~own] / layer.thickness, 1.0)
                 rows[~own] = self._rows_of(Medium(layer.profile(share), self.body.scale, self._stack.speed), which)
-        media = [*self.body.media, *filter(None, [self.body.base_medium])]
+        media = self._media
         for number in np.unique(body[own]).tolist():
             if number < len(media):
                 rows[own & (body == number)] = self._rows_of(media[number], which)
@@ -259,53 +256,37 @@ def _add(out: Array, x: Array, k: Array, found: ComplexArray) -> None:
     out += np.moveaxis(summed.reshape(*phase.shape[:2], *found.shape[2:]), 1, 3)
 
 
-def interior_fields(contact: FilmContact, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
-    """Fields inside films and bases of contacts read from one table; (case, field, y, x), SI.
+def fields_of(tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...], datum: Array) -> Array:
+    """Fields inside films and bases under tractions of one column; (member, field, y, x), SI.
 
     Parameters
     ----------
-    contact
-        Contacts of cases.
+    tractions
+        Of the members.
     X, Y
         (x - c)/h and y/h <= 0; (x,) and (y,). A rigid base has no fields: NaN.
     names
-        Names of ``solver.fields.EVERY_INTERIOR``.
+        Of ``solver.halfplane.interior.LINEAR``, and potentials.
+    datum
+        Reference length L of the base [m]; (member,).
 
     Raises
     ------
     StackError
         Positions farther from the contact than is resolved, the magnetic potential over an insulated base.
     """
-    return fields_of(TractionTable(contact.table).read(contact), X, Y, names, contact.datum)
-
-
-def fields_of(tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...], datum: Array) -> Array:
-    """As :func:`interior_fields`, of tractions of one column.
-
-    Parameters
-    ----------
-    tractions : Tractions
-    X, Y, names : as of :func:`interior_fields`
-    datum : ndarray, shape (member,), L [m]
-    """
     if "magnetic_potential" in names and tractions.system.kernel.stack.insulated:
         raise StackError("magnetic_potential: is not given inside a film on a base that insulates the magnetic field")
-    needed = [name for name in names if name in LINEAR]
-    if any(name in _DERIVED for name in names):
-        needed += _STRESSES
-    linear, asked = tuple(dict.fromkeys(needed)), [name for name in POTENTIALS if name in names]
+    linear = tuple(name for name in names if name in LINEAR)
 
     def parts(sublayers: int) -> Array:
         inside = Interior(tractions, sublayers)
         parts = [inside.fields(X[None], Y[None], linear)] if linear else []
-        parts += [inside.potentials(X[None], Y[None], datum)] if asked else []
+        parts += [inside.potentials(X[None], Y[None], datum)] if len(linear) < len(names) else []
         return np.concatenate(parts, 1)[..., 0]
 
     whole = parts(SUBLAYERS)
     if tractions.system.kernel.graded is not None:  # of second order in the thickness of the sublayers
         whole = whole + (whole - parts(SUBLAYERS // 2)) / 3
-    values = dict(zip((*linear, *(POTENTIALS if asked else ())), np.moveaxis(whole, 1, 0), strict=True))
-    for name in names:
-        if name in _DERIVED:
-            values[name] = _DERIVED[name](*(values[stress] for stress in _STRESSES))
-    return np.stack([values[name] for name in names], 1)
+    given = (*linear, *POTENTIALS)
+    return whole[:, [given.index(name) for name in names]]

@@ -1,13 +1,13 @@
 """What is read of an electrode: all of it, or patches of it and their neighbours."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array
+from solver.arrays import Array, joined, selected
 from solver.film.stack import StackError
 from solver.names import CHOICES
 
@@ -22,7 +22,6 @@ class FarError(StackError):
     """A patch that reaches farther than is resolved; what is said of it stands behind its size."""
 
 
-_Outputs = dict[str, Array]
 Gapped = TypeVar("Gapped")
 
 
@@ -61,21 +60,12 @@ class Reading:
 
     def part(self, places: Indices) -> "Reading":
         """Some of the cases."""
-        size, pitch, floating, voltage = (
-            None if given is None else given[places] for given in (self.size, self.pitch, self.floating, self.voltage)
-        )
-        collector, shape, position, other = (
-            values[places] for values in (self.collector, self.shape, self.position, self.other)
-        )
-        return Reading(collector, shape, position, other, size, pitch, floating, voltage)
+        return selected(self, places, *vars(self))
 
     def over(self, length: Array) -> "Reading":
         """With lengths over others [m]."""
         size, pitch = (None if given is None else given / length for given in (self.size, self.pitch))
-        return Reading(
-            self.collector, self.shape, self.position / length, self.other / length, size, pitch, self.floating,
-            self.voltage,
-        )  # fmt: skip
+        return replace(self, position=self.position / length, other=self.other / length, size=size, pitch=pitch)
 
     def refused(self, *, conducts: bool) -> None:
         """Raise StackError for voltages below a punch that conducts on a bare surface."""
@@ -90,7 +80,7 @@ class Reading:
             return quantities
         return quantities | {"depth": quantities["depth"] + self.voltage * quantities["electrode_stroke_per_volt"]}
 
-    def together(self, answer: Callable[[Indices, int, int], dict[str, Array]], extent: Array) -> _Outputs:
+    def together(self, answer: Callable[[Indices, int, int], dict[str, Array]], extent: Array) -> dict[str, Array]:
         """Outputs of cases whose electrode is the same and whose distances are of like size, those that all have.
 
         Parameters
@@ -181,22 +171,6 @@ class Collected:
             out["crosstalk"] = self.patch(self.reading.pitch) / own
             out["patch_charge_gradient"] = -2 * self.gradient(self.reading.pitch / 2) / force
         return out
-
-
-def joined(parts: list[tuple[Indices, _Outputs]], count: int) -> _Outputs:
-    """Outputs of all cases from those of some, as far as all parts have them; (case,) each.
-
-    Parameters
-    ----------
-    parts : list of (ndarray of int, dict), places among the cases, and outputs of these
-    count : int, number of all cases
-    """
-    names = [name for name in parts[0][1] if all(name in values for _, values in parts)]
-    out = {name: np.empty(count) for name in names}
-    for places, values in parts:
-        for name in names:
-            out[name][places] = values[name]
-    return out
 
 
 def _octave_of(reach: Array) -> Indices:

@@ -13,7 +13,7 @@ from typing import Self
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array, BoolArray
+from solver.arrays import Array, BoolArray, joined, selected
 from solver.film.causes import Loading
 from solver.film.contact import FilmContact
 from solver.film.electroded import met
@@ -64,10 +64,8 @@ class Films:
 
     def part(self, places: slice) -> Self:
         """Some of the cases."""
-        profile = self.profile.part(places, self.load.shape)
-        names = ("load", "charges", "datum", "thickness", "punch_datum")
-        of_case = {name: value[places] for name in names if (value := getattr(self, name)) is not None}
-        return replace(self, profile=profile, **of_case)
+        chosen = selected(self, places, "load", "charges", "datum", "thickness", "punch_datum")
+        return replace(chosen, profile=self.profile.part(places, self.load.shape))
 
     @cached_property
     def parts(self) -> list[tuple[Indices, int, FilmContact]]:
@@ -80,11 +78,8 @@ class Films:
 
     def gather(self, output: Callable[[FilmContact], Array]) -> Array:
         """An output of the contacts on films of unit thickness; (case, ...)."""
-        values = [(places, output(contact)) for places, _, contact in self.parts]
-        whole = np.empty((self.load.size, *values[0][1].shape[1:]))
-        for places, value in values:
-            whole[places] = value
-        return whole
+        parts = [(places, {"output": output(contact)}) for places, _, contact in self.parts]
+        return joined(parts, self.load.size)["output"]
 
     def _contact(self, places: Indices, of: Table) -> FilmContact:
         """Contacts of some cases on films of unit thickness: lengths, loads and charges over the thickness."""

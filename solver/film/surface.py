@@ -4,37 +4,26 @@ At fixed positions X the fields are functions of log h, linear in the causes: a 
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from approximation.chebyshev import coefficients
 from solver.arrays import Array
+from solver.fields import FIELDS
 from solver.film.assembly import Assembly
 from solver.film.contact import FilmContact
 from solver.film.kernel import kernel
+from solver.film.similar import Films
 from solver.film.system import System
 from solver.film.table import Table, batches
+from solver.film.windows import Kind, window
 
 _TRACTIONS = slice(0, 3)  # sigma_yy, D_y, B_y
 _GRADIENTS = slice(3, 6)  # d(phi, psi, u_x)/dx
-
-
-@dataclass(frozen=True, eq=False)
-class FilmFields:
-    """Fields along the surface; (case, position) each, [Pa], [C/m2] and [T].
-
-    ``root`` = sqrt|1 - X^2| (position,): the electric, magnetic and in-plane fields times it are finite at the edges.
-    """
-
-    contact_pressure: Array
-    shear_traction: Array
-    electric_displacement_y: Array
-    magnetic_induction_y: Array
-    stress_xx: Array
-    electric_displacement_x: Array
-    magnetic_induction_x: Array
-    root: Array
+_POSITIONS = 512  # at a time
+_VALUES = 1 << 17  # positions times cases at a time: bounded memory
+_TABLES = 32  # kept: 2 MB each at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,21 +56,20 @@ class SurfaceTable:
             values[members] = np.einsum("hfpu,huc->hfpc", local_fields(assembly), assembly.unknowns)
         return coefficients(values)
 
-    def fields(self, contact: FilmContact) -> FilmFields:
-        """Fields of contacts that were read from the same table."""
+    def fields(self, contact: FilmContact) -> dict[str, Array]:
+        """As :func:`fields`, of contacts that were read from the same table."""
         read = np.tensordot(self.table.polynomials(np.log(contact.half_width)), self.series, 1)
         whole = np.einsum("cfpq,cq->cfp", read, contact.causes.values)
-        return of_local(self.table.system, whole, self.positions)
+        return of_local(self.table.system, whole)
 
 
-def of_local(system: System, whole: Array, positions: Array) -> FilmFields:
-    """Fields of what :func:`local_fields` tells, summed over the unknowns.
+def of_local(system: System, whole: Array) -> dict[str, Array]:
+    """Fields of ``solver.fields.FIELDS`` from what :func:`local_fields` tells; (case, position) each, SI.
 
     Parameters
     ----------
     system : System, of the contacts
-    whole : ndarray, shape (case, 6, position), the sums, in the units of the stack
-    positions : ndarray, shape (position,), X = (x - c)/h
+    whole : ndarray, shape (case, 6, position), sums over the unknowns, in the units of the stack
     """
     half, scale = system.sliding.halfplane, system.kernel.stack.scale
     t = whole[:, _TRACTIONS] / scale[1:, None]
@@ -90,27 +78,15 @@ def of_local(system: System, whole: Array, positions: Array) -> FilmFields:
     flux = -np.einsum("fg,cgp->cfp", half.transverse_permittivity, gradient[:, :2])
     flux = flux + half.transverse_shear_share[:, None] * shear[:, None]
     stretch = half.in_plane_stiffness * gradient[:, 2] + np.einsum("f,cfp->cp", half.in_plane_share, t)
-    return FilmFields(
-        contact_pressure=-t[:, 0],
-        shear_traction=shear,
-        electric_displacement_y=t[:, 1],
-        magnetic_induction_y=t[:, 2],
-        stress_xx=stretch,
-        electric_displacement_x=flux[:, 0],
-        magnetic_induction_x=flux[:, 1],
-        root=np.sqrt(np.abs((1 - positions) * (1 + positions))),
-    )
-
-
-def surface_fields(contact: FilmContact, positions: Array) -> FilmFields:
-    """Fields of every case at every position.
-
-    Parameters
-    ----------
-    contact : FilmContact, of the cases
-    positions : ndarray, shape (position,), X = (x - c)/h, finite and never exactly +-1
-    """
-    return SurfaceTable(contact.table, positions).fields(contact)
+    return {
+        "contact_pressure": -t[:, 0],
+        "shear_traction": shear,
+        "electric_displacement_y": t[:, 1],
+        "magnetic_induction_y": t[:, 2],
+        "stress_xx": stretch,
+        "electric_displacement_x": flux[:, 0],
+        "magnetic_induction_x": flux[:, 1],
+    }
 
 
 def local_fields(assembly: Assembly) -> Array:
@@ -141,3 +117,30 @@ def local_fields(assembly: Assembly) -> Array:
     for f in c.fields:
         fields[:, 3 + f, inside] = 0.0  # an equipotential
     return fields
+
+
+@lru_cache(_TABLES)
+def _surface_window(kind: Kind, number: int, positions: tuple[float, ...]) -> SurfaceTable:
+    return SurfaceTable(window(kind, number), np.array(positions))
+
+
+def fields(films: Films, positions: Array) -> dict[str, Array]:
+    """Fields of ``solver.fields.FIELDS``; (case, position) each.
+
+    Parameters
+    ----------
+    films : Films, the cases
+    positions : ndarray, shape (position,), X = (x - c)/h, finite and never exactly +-1
+    """
+    count = films.load.size
+    out = {name: np.empty((count, positions.size)) for name in FIELDS}
+    block = _VALUES // min(positions.size, _POSITIONS)
+    for start in range(0, count, block):
+        part = films.part(slice(start, start + block))
+        for first in range(0, positions.size, _POSITIONS):
+            X = positions[first : first + _POSITIONS]
+            for places, number, contact in part.parts:
+                found = _surface_window(films.kind, number, tuple(X.tolist())).fields(contact)
+                for name, values in out.items():
+                    values[np.ix_(start + places, np.arange(first, first + X.size))] = found[name]
+    return out

@@ -1,7 +1,7 @@
 """Tractions on the contacts of many films in the basis of one table, and their transforms (films, sections 4, 6)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from approximation.chebyshev import coefficients
-from solver.arrays import Array, ComplexArray
+from solver.arrays import Array, ComplexArray, selected
 from solver.film.antiderivatives import Antiderivatives
 from solver.film.assembly import Assembly
 from solver.film.basis import Basis
@@ -73,12 +73,7 @@ class Tractions:
 
     def part(self, members: slice | NDArray[np.intp]) -> Self:
         """Some of the members."""
-        return replace(
-            self,
-            half_lengths=self.half_lengths[members],
-            pressures=self.pressures[members],
-            charges=self.charges[members],
-        )
+        return selected(self, members, "half_lengths", "pressures", "charges")
 
     def wavenumbers(self, body: Stack, reach: float, width: float) -> tuple[Array, Array]:
         """Nodes and weights in k of what decays like exp(-width k) in a body; (k,) each.

@@ -8,12 +8,13 @@ displacement u and stress function phi (t_2 = phi,x) of surface tractions t are
 Every field is ``pressure_scale * U + sum_j charge_density_j * W_j``, as on the surface.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from solver.arrays import Array, ComplexArray, stack
+from solver.fields import STRESSES
 from solver.halfplane.contact import Contact
 from solver.halfplane.spectrum import spectrum
 from solver.halfplane.surface import HalfPlane
@@ -129,6 +130,20 @@ def _real(coefficients: ComplexArray, values: ComplexArray) -> Array:
     return np.asarray(c.real * v.real - c.imag * v.imag)
 
 
+def with_derived(names: Sequence[str], linear: Callable[[tuple[str, ...]], Mapping[str, Array]]) -> dict[str, Array]:
+    """Fields by name, of which some follow from the four stresses: ``von_mises`` and ``principal_tension``.
+
+    Parameters
+    ----------
+    names : sequence of str, of the fields
+    linear : callable, gives all others by name, and the stresses, of a tuple of their names
+    """
+    needed = [*(name for name in names if name not in _DERIVED), *(STRESSES if _DERIVED.keys() & set(names) else ())]
+    given = linear(tuple(dict.fromkeys(needed)))
+    stresses = [given.get(name) for name in STRESSES]
+    return {name: _DERIVED[name](*stresses) if name in _DERIVED else given[name] for name in names}
+
+
 def field_rows(half: HalfPlane) -> Array:
     """What each field of ``LINEAR`` takes of the scaled [u,x; phi,x], in SI units; (..., field, 8)."""
     m, N = half.material, half.stroh_matrix
@@ -166,3 +181,6 @@ def principal_tension(xx: Array, yy: Array, xy: Array, zz: Array) -> Array:
     xx, yy, xy, zz : ndarray of any shape, stresses [Pa]
     """
     return np.asarray(np.maximum((xx + yy) / 2 + np.hypot((xx - yy) / 2, xy), zz))
+
+
+_DERIVED: dict[str, Callable[..., Array]] = {"von_mises": von_mises, "principal_tension": principal_tension}

@@ -17,9 +17,9 @@ import numpy as np
 from scipy.special import j0, j1
 
 from approximation.arrays import Indices
-from solver.arrays import Array
+from solver.arrays import Array, joined
 from solver.film.electrodes import Electrode, transfers
-from solver.film.reading import RECTANGLE, RING, STRIP, Collected, Reading, joined
+from solver.film.reading import RECTANGLE, RING, STRIP, Collected, Reading
 from solver.film.stack import StackError
 from solver.point import hankel
 from solver.point.bessel import even_orders

@@ -48,12 +48,12 @@ def fields(films: Films, permittivity: Array, positions: Array) -> dict[str, Arr
     for place, state in states(films, permittivity):
         found = surface_fields(state, positions)
         for name, values in out.items():
-            values[place] = getattr(found, name)[0]
+            values[place] = found[name][0]
     return out
 
 
 def inside(films: Films, permittivity: Array, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-    """Fields of ``solver.fields.EVERY_INTERIOR`` at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x).
+    """Fields of ``LINEAR`` and potentials at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x).
 
     Parameters
     ----------

@@ -3,12 +3,12 @@
 import numpy as np
 
 from solver.arrays import Array, ComplexArray
-from solver.film.surface import FilmFields, local_fields, of_local
+from solver.film.surface import local_fields, of_local
 from solver.surroundings.state import State
 from solver.surroundings.tractions import Solved
 
 
-def surface_fields(state: State, positions: Array) -> FilmFields:
+def surface_fields(state: State, positions: Array) -> dict[str, Array]:
     """Fields of one case at positions X = (x - c)/h, finite and never exactly +-1; (1, position) each.
 
     Parameters
@@ -30,4 +30,4 @@ def surface_fields(state: State, positions: Array) -> FilmFields:
     whole[5] -= c.coupling @ charges
     for f in c.fields:
         whole[3 + f, ~beyond] = 0.0  # an equipotential
-    return of_local(system, whole[None], positions)
+    return of_local(system, whole[None])

@@ -169,6 +169,17 @@ def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
     return t
 
 
+def physical_points(inputs: Sequence[Input], t: Array) -> Array:
+    """Map scaled coordinates to physical points, (n, d): the inverse of `unit_coordinates`.
+
+    Parameters
+    ----------
+    inputs : sequence of Input, d of them
+    t : ndarray, shape (d, n), scaled coordinates
+    """
+    return np.stack([own.from_unit(row) for own, row in zip(inputs, t, strict=True)], axis=1)
+
+
 @cache
 def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, Indices, Indices]:
     """Low ends and widths on the inputs' own scales, (d, 1) each, and which inputs are on a log and a logit scale."""

@@ -1,6 +1,6 @@
-"""What a model must give: means, distributions and gradients in scaled coordinates, and its state."""
+"""What a model must give: its posterior, what it was fitted to, and its state in files."""
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, Self
 
@@ -8,27 +8,23 @@ import xarray as xr
 
 from approximation.arrays import Array, Indices
 from surrogate.data.inputs import Input
+from surrogate.face.posterior import Posterior
 
 #: From the physical coordinates of one point, and whether standard deviations are wanted, to means and them, (p,) each;
 #: None for a point outside of the box.
 Single = Callable[[Sequence[float], bool], tuple[Array, Array | None] | None]
 
 
-class Core(ABC):
-    """A model of p outputs over d inputs, asked at B points in scaled coordinates, (d, B).
+class Core(Posterior):
+    """A model with named inputs and outputs, which a file can hold.
 
     Attributes
     ----------
-    engine : str
-        Name of the kind in files.
-    inputs_ : tuple of Input
-        Inputs of the fitted model.
-    outputs_ : tuple of str
-        Names of its outputs.
-    attrs_ : dict
-        `units` and `long_name` of every output.
-    cases_ : int
-        Number of cases that it was trained on.
+    engine : str, name of the kind in files
+    inputs_ : tuple of Input, of the fitted model
+    outputs_ : tuple of str, names of its outputs
+    attrs_ : dict, `units` and `long_name` of every output
+    cases_ : int, number of cases that it was trained on
     """
 
     engine: ClassVar[str]
@@ -36,35 +32,6 @@ class Core(ABC):
     outputs_: tuple[str, ...]
     attrs_: dict[str, dict[str, str]]
     cases_: int
-
-    @property
-    @abstractmethod
-    def parts(self) -> int:
-        """Number of parts that the variance is the sum of."""
-
-    @abstractmethod
-    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return mean and variance, (p, B) each.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
-        """
-
-    @abstractmethod
-    def slopes(self, t: Array) -> Array:
-        """Return the derivatives of the means by the scaled coordinates, (d, p, B)."""
-
-    @abstractmethod
-    def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, (d, p, B).
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance
-        """
 
     @abstractmethod
     def state(self) -> xr.Dataset:
@@ -96,7 +63,7 @@ class Core(ABC):
         return self
 
     def thinned(self, errors: Mapping[str, float]) -> Self:
-        """Return a model that costs less to ask for, with root-mean-square errors of some outputs, in their units."""
+        """Return a cheaper model, with these root-mean-square errors over the cases of some outputs, in their units."""
         return self
 
     def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
@@ -104,14 +71,10 @@ class Core(ABC):
 
         Parameters
         ----------
-        dataset : Dataset
-            The cases; it may hold more than the outputs.
-        errors : ndarray, shape (p, n)
-            True minus predicted.
-        t : ndarray, shape (d, n)
-            Scaled coordinates of the cases.
-        groups : ndarray of int, shape (n,)
-            Number of the group of every case; the cases of one share some coordinates.
+        dataset : Dataset, the cases; it may hold more than the outputs
+        errors : ndarray, shape (p, n), true minus predicted
+        t : ndarray, shape (d, n), scaled coordinates of the cases
+        groups : ndarray of int, shape (n,), number of the group of every case; the cases of one share some coordinates
         """
         return errors
 

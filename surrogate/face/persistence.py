@@ -11,10 +11,11 @@ from storage.described import described
 from storage.netcdf import FAILURES, read_whole, write_whole
 from storage.quarantine import little_memory, try_to_read
 from storage.sealed import FormatError
-from surrogate.data.inputs import Input, stored_inputs
+from surrogate.data.inputs import Input, physical_points, stored_inputs
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.face.engines import ENGINES, engine, members_of
-from surrogate.face.model import SMALLEST, GaussianProcess
+from surrogate.face.labelled import SMALLEST
+from surrogate.face.model import GaussianProcess
 from surrogate.face.region import Region
 from surrogate.face.sizes import check_sizes
 from surrogate.intervals.calibration import Calibration
@@ -207,8 +208,8 @@ def restored(stored: xr.Dataset, engines: tuple[str, ...]) -> GaussianProcess:
 def _probe_points(inputs: tuple[Input, ...]) -> Array:
     """Return a few points spread over the box, (PROBES, d): a Kronecker sequence."""
     steps = np.sqrt(np.arange(2, 2 + len(inputs)) + 0.618)
-    share = (np.arange(1, PROBES + 1)[:, None] * steps) % 1
-    return np.stack([own.from_unit(2 * share[:, k] - 1) for k, own in enumerate(inputs)], axis=1)
+    share = (steps[:, None] * np.arange(1, PROBES + 1)) % 1
+    return physical_points(inputs, 2 * share - 1)
 
 
 def _outputs(stored: xr.Dataset) -> dict[str, dict[str, str]]:

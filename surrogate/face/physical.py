@@ -1,13 +1,14 @@
-"""Answers at physical points: block by block, scaled by what held-out cases say."""
+"""Answers at physical points: block by block, their errors scaled and distributed as held-out cases say."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 
-from approximation.arrays import Array
-from surrogate.data.inputs import unit_coordinates
+from approximation.arrays import Array, blocks
+from surrogate.data.inputs import physical_points, unit_coordinates
 from surrogate.face.core import Core
 from surrogate.intervals.calibration import Calibration
+from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048
@@ -20,9 +21,12 @@ class Physical(Core):
     ----------
     calibration_ : Calibration or None
         What `calibrate` has learnt; None before.
+    level_ : float
+        Level of its intervals where none is said.
     """
 
     calibration_: Calibration | None
+    level_: float = NOMINAL
 
     def all_mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
         """Return the same as `mean_std` at any number of points, block by block: (p, n) each.
@@ -34,7 +38,7 @@ class Physical(Core):
         """
         mean = np.empty((len(self.outputs_), len(X)))
         std = np.empty_like(mean) if with_std else None
-        for block in _slices(len(X)):
+        for block in blocks(len(X), BLOCK):
             mean[:, block], deviation = self.mean_std(X[block], with_std)
             if std is not None and deviation is not None:
                 std[:, block] = deviation
@@ -84,7 +88,7 @@ class Physical(Core):
         ndarray, shape (d, p, n)
         """
         slopes = np.empty((len(self.inputs_), len(self.outputs_), len(X)))
-        for block in _slices(len(X)):
+        for block in blocks(len(X), BLOCK):
             slopes[..., block] = scaled(unit_coordinates(self.inputs_, X[block]))
         return np.asarray(slopes * self.unit_slopes(X))
 
@@ -94,19 +98,38 @@ class Physical(Core):
 
     def physical(self, t: Array) -> Array:
         """Return the physical points of scaled coordinates, (d, n): (n, d)."""
-        return np.stack([own.from_unit(row) for own, row in zip(self.inputs_, t, strict=True)], axis=1)
+        return physical_points(self.inputs_, t)
 
     def slope_stds(self, t: Array) -> Array:
         """Return the calibrated standard deviations of the derivatives by scaled coordinates (d, B): (d, p, B)."""
         std = np.sqrt(np.maximum(self.slope_variances(t, self._weights()), 0))
         return std if self.calibration_ is None else np.asarray(std * self.calibration_.stretch(t))
 
+    @property
+    def distribution(self) -> Distribution:
+        """Distribution of (truth - mean) / std: what the calibration cases say, a normal one without them."""
+        return Normal() if self.calibration_ is None else self.calibration_.distribution
+
+    def checked_level(self, level: float | None) -> float:
+        """Return a level that the calibration cases tell, by default `level_`; ValueError as `check_level`."""
+        chosen = self.level_ if level is None else level
+        self.check_level(chosen)
+        return chosen
+
+    def check_level(self, level: float) -> None:
+        """Raise ValueError, with what is allowed, for a level of intervals that the calibration cases do not tell."""
+        most = self.distribution.highest_level()
+        if not 0 < level <= most:
+            raise ValueError(f"level {level:g} is not between 0 and {most:.10g}{self._told()}")
+
+    def _told(self) -> str:
+        """Who sets the bounds of levels, for messages."""
+        if self.calibration_ is None:
+            return ""
+        return f", all that {self.calibration_.distribution.cases} calibration cases tell"
+
     def _weights(self) -> Array:
         return np.ones((self.parts, len(self.outputs_))) if self.calibration_ is None else self.calibration_.weights
-
-
-def _slices(count: int) -> Iterator[slice]:
-    return (slice(start, start + BLOCK) for start in range(0, count, BLOCK))
 
 
 def in_blocks(t: Array, asked: Callable[[Array], Array]) -> Array:
@@ -117,4 +140,4 @@ def in_blocks(t: Array, asked: Callable[[Array], Array]) -> Array:
     t : ndarray, shape (d, n), scaled coordinates
     asked : callable, (d, B) -> (p, B)
     """
-    return np.concatenate([asked(t[:, block]) for block in _slices(t.shape[1])], axis=1)
+    return np.concatenate([asked(t[:, block]) for block in blocks(t.shape[1], BLOCK)], axis=1)

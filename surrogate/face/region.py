@@ -7,11 +7,10 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
-from approximation import chebyshev
+from approximation import products
 from approximation.arrays import Array, Flags, Indices
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.points import OutOfBoxError
-from surrogate.intervals.trend import values
 
 #: Most degrees, terms and known places of a region in a file.
 _MOST_DEGREE, _MOST_TERMS, _MOST_PLACES = 20, 1000, 1000
@@ -60,7 +59,7 @@ class Region:
 
     def above(self, t: Array) -> Array:
         """Return by how much the polynomial is above the least, (n,)."""
-        return np.asarray(self.coefficients @ values(self.degrees, t)) - self.least
+        return np.asarray(self.coefficients @ products.values(self.degrees, t)) - self.least
 
     def narrower(self, share: float) -> Self:
         """Return it with a margin that is wider by a share of the polynomial's steepest rise."""
@@ -68,16 +67,7 @@ class Region:
 
     def slopes(self, t: Array) -> Array:
         """Return the derivatives of `above` by the scaled inputs, (d, n)."""
-        count = int(self.degrees.max()) + 1
-        T = np.stack([chebyshev.polynomials(row, count) for row in t])
-        S = np.stack([chebyshev.slopes(row, own) for row, own in zip(t, T, strict=True)])
-        derivatives = np.empty_like(t)
-        for j in range(len(t)):
-            product = np.ones((len(self.degrees), t.shape[1]))
-            for k, column in enumerate(self.degrees.T):
-                product *= (S if k == j else T)[k][column]
-            derivatives[j] = self.coefficients @ product
-        return derivatives
+        return np.stack([self.coefficients @ slope for slope in products.slopes(self.degrees, t)])
 
     def reason(self, t: Array) -> str:
         """Return why the known case nearest to a point, (d,), is refused."""

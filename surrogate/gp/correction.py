@@ -16,11 +16,12 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
-from approximation import chebyshev
-from approximation.arrays import Array, Indices
+from approximation import products
+from approximation.arrays import Array, Indices, blocks
+from approximation.products import product
 from surrogate.gp.factors import Features
 from surrogate.intervals.sharing import places
-from surrogate.intervals.trend import additive, values
+from surrogate.intervals.trend import additive
 
 # A degree of g_f costs half of the decay of the factor's kernel, and no more than this.
 DEAREST = 1.5
@@ -63,18 +64,18 @@ class Correction:
     def values(self, t: Array) -> Array:
         """Return what is added at scaled coordinates t, (d, B): (p, B)."""
         T = self._polynomials(t)
-        amplitudes = (self._matrix @ _products(self.indices, T)).reshape(len(t), -1, t.shape[1])
+        amplitudes = (self._matrix @ product(self.indices, T)).reshape(len(t), -1, t.shape[1])
         return np.asarray(np.einsum("fpb,fb->pb", amplitudes, self._nodal(T)))
 
     def slopes(self, t: Array) -> Array:
         """Return the derivatives of `values` with respect to the scaled coordinates, (d, p, B)."""
         T = self._polynomials(t)
-        S = chebyshev.slopes(t.ravel(), T.reshape(len(T), -1)).reshape(T.shape)
+        S = products.derivatives(t, T)
         nodal, steep = self._nodal(T), self._nodal(S)
-        amplitudes = (self._matrix @ _products(self.indices, T)).reshape(len(t), -1, t.shape[1])
+        amplitudes = (self._matrix @ product(self.indices, T)).reshape(len(t), -1, t.shape[1])
         slopes = amplitudes * steep[:, None]
         for k, slope in enumerate(slopes):
-            derived = (self._matrix @ _products(self.indices, T, S, k)).reshape(amplitudes.shape)
+            derived = (self._matrix @ product(self.indices, T, S, k)).reshape(amplitudes.shape)
             slope += np.einsum("fpb,fb->pb", derived, nodal)
         return np.asarray(slopes)
 
@@ -144,7 +145,7 @@ class Correction:
         return max(int(self.indices.max()), *self.levels)
 
     def _polynomials(self, t: Array) -> Array:
-        return chebyshev.polynomials(t.ravel(), self._degree + 1).reshape(-1, *t.shape)
+        return products.polynomials(t, self._degree + 1)
 
     def _nodal(self, T: Array) -> Array:
         """T_{n_f}(t_f), or its derivative: (d, B)."""
@@ -227,11 +228,10 @@ def correct(
     indices = degrees(rho, errors.shape[1], places(t, groups).tolist())
     if indices is None:
         return None, errors
-    made, left = _fitted(errors[:, :MOST_CASES], t[:, :MOST_CASES], levels, indices, groups[:MOST_CASES])
-    rest = [
-        errors[:, start : start + BLOCK] - made.values(t[:, start : start + BLOCK])
-        for start in range(MOST_CASES, errors.shape[1], BLOCK)
-    ]
+    first = slice(MOST_CASES)
+    made, left = _fitted(errors[:, first], t[:, first], levels, indices, groups[first])
+    further, places_beyond = errors[:, MOST_CASES:], t[:, MOST_CASES:]
+    rest = [further[:, some] - made.values(places_beyond[:, some]) for some in blocks(further.shape[1], BLOCK)]
     return made, np.concatenate([left, *rest], axis=1)
 
 
@@ -241,7 +241,7 @@ def _fitted(
     """The correction and what it leaves of every group left out."""
     empty = Correction(levels, indices, np.empty((len(t), len(indices), 0)))
     T = empty._polynomials(t)
-    features = (empty._nodal(T)[:, None] * _products(indices, T)).reshape(-1, t.shape[1])
+    features = (empty._nodal(T)[:, None] * product(indices, T)).reshape(-1, t.shape[1])
     basis, values, back = np.linalg.svd(features.T, full_matrices=False)
     kept = values > TOLERANCE * values[0]
     basis, back = basis[:, kept], (back[kept] / values[kept, None]).T
@@ -286,14 +286,9 @@ def _rough_scale(left: Array, t: Array) -> Array:
     sizes = np.abs(left)
     if not sizes.any():
         return np.ones_like(left)
-    terms, logarithm = values(additive([SCALE_DEGREE] * len(t)), t).T, np.log(np.maximum(sizes, SMALLEST * sizes.max()))
+    terms, logarithm = (
+        products.values(additive([SCALE_DEGREE] * len(t)), t).T,
+        np.log(np.maximum(sizes, SMALLEST * sizes.max())),
+    )
     scale = np.exp(terms @ np.linalg.lstsq(terms, logarithm, rcond=None)[0])
     return np.asarray(np.maximum(scale / np.median(scale), SMALLEST_SCALE))
-
-
-def _products(indices: Indices, T: Array, S: Array | None = None, derived: int = -1) -> Array:
-    """prod_j T_{a_j}(t_j) of every index, one factor's polynomials replaced by their derivatives: (m, B)."""
-    product = np.ones((len(indices), T.shape[2]))
-    for j, column in enumerate(indices.T):
-        product *= (T if S is None or j != derived else S)[column, j]
-    return product

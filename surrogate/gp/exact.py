@@ -8,8 +8,10 @@ from scipy.linalg import solve_triangular
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Kernel, Matern
+from typing_extensions import override
 
 from approximation.arrays import Array
+from surrogate.face.posterior import Posterior
 from surrogate.gp.factors import steepness
 from surrogate.gp.kernels import Noise, Poisson
 from surrogate.gp.poisson import kernel as poisson
@@ -22,7 +24,7 @@ NOISE = (1e-10, 1e1)
 CHOICES = ("chebyshev", "rbf", "matern52")
 
 
-class Exact:
+class Exact(Posterior):
     """One regressor an output.
 
     Parameters
@@ -38,14 +40,8 @@ class Exact:
     def __init__(self, kernels: Sequence[str], regressors: Sequence[GaussianProcessRegressor]) -> None:
         self.kernels, self.regressors = list(kernels), list(regressors)
 
+    @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return mean and weighted variance: (p, B) each.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (1, p), of the variance; None: no variance
-        """
         if weights is None:
             return np.stack([regressor.predict(t.T) for regressor in self.regressors]), None
         with warnings.catch_warnings():
@@ -54,22 +50,17 @@ class Exact:
             pairs = [regressor.predict(t.T, return_std=True) for regressor in self.regressors]
         return np.stack([mean for mean, _ in pairs]), weights[0][:, None] * np.stack([std**2 for _, std in pairs])
 
+    @override
     def slopes(self, t: Array) -> Array:
-        """Return the derivatives of the means by the scaled coordinates, (d, p, B)."""
         slopes = np.empty((len(t), len(self.regressors), t.shape[1]))
         for p, (kernel, regressor) in enumerate(zip(self.kernels, self.regressors, strict=True)):
             for i, slope in enumerate(_kernel_slopes(kernel, regressor, t)):
                 slopes[i, p] = slope @ regressor.alpha_ * regressor._y_train_std
         return slopes
 
+    @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, in which noise has no part, (d, p, B).
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (1, p), of the variance
-        """
+        """Return the weighted variances of these derivatives, (d, p, B); noise has no part in them."""
         slopes = np.empty((len(t), len(self.regressors), t.shape[1]))
         for p, (kernel, regressor) in enumerate(zip(self.kernels, self.regressors, strict=True)):
             size, priors = weights[0, p] * regressor._y_train_std**2, _slope_priors(kernel, regressor, t)

@@ -11,6 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 from scipy.linalg import eigh
+from typing_extensions import override
 
 from approximation import chebyshev
 from approximation.arrays import Array, Indices
@@ -159,14 +160,9 @@ class ChebyshevFactor(Factor):
         inverse = self.basis * (self.weights**2 / self.eigenvalues)
         return inverse, np.einsum("im,im->i", inverse, self.basis)
 
+    @override
     def features(self, t: Array, modes: int) -> Features:
-        """Return T_m damped by its alias, K(x, x) and what the levels leave unknown.
-
-        Parameters
-        ----------
-        t : ndarray, shape (B,), scaled coordinates
-        modes : int, number of the mean's features
-        """
+        """Return T_m damped by its alias, K(x, x) and what the levels leave unknown."""
         T = chebyshev.polynomials(t, len(self.decay))
         squares = T * T
         prior, residual = self._shares @ squares
@@ -174,14 +170,9 @@ class ChebyshevFactor(Factor):
             residual *= squares[self.levels]
         return Features(self._mean(T, modes), prior, residual)
 
+    @override
     def slopes(self, t: Array, modes: int) -> Features:
-        """Return those of T_m damped by its alias; kernel and unknown part are sums of products T(x) T(y).
-
-        Parameters
-        ----------
-        t : ndarray, shape (B,), scaled coordinates
-        modes : int, number of the mean's features
-        """
+        """Return those of T_m damped by its alias; kernel and unknown part are sums of products T(x) T(y)."""
         T = chebyshev.polynomials(t, len(self.decay))
         S = chebyshev.slopes(t, T)
         n, rows = self.levels, self._damped(modes)
@@ -250,27 +241,17 @@ class StationaryFactor(Factor):
         """Return K^-1 basis and the diagonal of K^-1, nugget included."""
         return self._cardinal.T, np.diag(self._inverse)
 
+    @override
     def features(self, t: Array, modes: int) -> Features:
-        """Return basis^T K^-1 k(X, x), the constant prior and 1 - k^T K^-1 k.
-
-        Parameters
-        ----------
-        t : ndarray, shape (B,), scaled coordinates
-        modes : int, number of the mean's features
-        """
+        """Return basis^T K^-1 k(X, x), the constant prior and 1 - k^T K^-1 k."""
         k, _ = _correlation(self._kind, t - self.t[:, None], self.parameter)
         white = self._whiten @ k
         residual = np.maximum(1 - np.einsum("ib,ib->b", white, white), 0)
         return Features(self._cardinal[:modes] @ k, np.ones_like(t), residual)
 
+    @override
     def slopes(self, t: Array, modes: int) -> Features:
-        """Return those of basis^T K^-1 k(X, x), and the variance of the derivative before and after the levels.
-
-        Parameters
-        ----------
-        t : ndarray, shape (B,), scaled coordinates
-        modes : int, number of the mean's features
-        """
+        """Return those of basis^T K^-1 k(X, x), and the variance of the derivative before and after the levels."""
         _, slope = _correlation(self._kind, t - self.t[:, None], self.parameter)
         white = self._whiten @ slope
         prior = np.full_like(t, steepness(self._kind) / self.parameter**2)

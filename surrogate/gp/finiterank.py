@@ -12,27 +12,29 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # scipy.optimize, slow to import, when something is fitted
 import xarray as xr
 from scipy.linalg import eigh
 from scipy.linalg.blas import dsyrk
+from typing_extensions import override
 
-from approximation import chebyshev
-from approximation.arrays import Array, Indices
+from approximation import products
+from approximation.arrays import Array, Indices, blocks
+from surrogate.face.posterior import Posterior
+from surrogate.gp.hyperparameters import least
 from surrogate.gp.poisson import Decay, most_likely
 
 #: Cases from which the decay of the kernel is learnt; the cost of a step grows with their cube.
 SUBSET = 800
 # Features are made for so many cases at once, so that memory stays bounded, and of degrees up to this one.
 BLOCK, DEGREES = 4096, 100
-# Noise over signal, as variances, that is searched through.
-RATIOS = (1e-16, 1e4)
+# Noise over signal, as variances, that is searched through, and first in so many steps.
+RATIOS, STEPS = (1e-16, 1e4), 60
 # Squares of features, beside the largest along any direction, that are told from zero.
 ROUNDING = 1e-14
 
 
 @dataclass(frozen=True)
-class FiniteRank:
+class FiniteRank(Posterior):
     """The posterior of all outputs.
 
     Attributes
@@ -107,33 +109,25 @@ class FiniteRank:
         coefficients = directions @ rest.weights(spectrum, noise / signal)
         return cls(indices, coefficients, directions, spectrum, signal, noise, offset, scale)
 
+    @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return the mean and the weighted variance of a new case, its noise included: (p, B) each.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (2, p), of the process's variance and of the noise's; None: no variance
-        """
-        features = _features(self.indices, t)
+        """Return mean and weighted variance of a new case, its noise included: (p, B) each."""
+        features = products.values(self.indices, t)
         mean = self._physical(self.coefficients.T @ features) + self.offset[:, None]
         if weights is None:
             return mean, None
         return mean, self._posterior(features, weights[0]) + (weights[1] * self.noise * self.scale**2)[:, None]
 
+    @override
     def slopes(self, t: Array) -> Array:
-        """Return the derivatives of the means by the scaled coordinates, (d, p, B)."""
-        return np.stack([self._physical(self.coefficients.T @ features) for features in self._derived(t)])
+        return np.stack(
+            [self._physical(self.coefficients.T @ features) for features in products.slopes(self.indices, t)]
+        )
 
+    @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, in which the noise has no part, (d, p, B).
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (2, p), of which the first counts
-        """
-        return np.stack([self._posterior(features, weights[0]) for features in self._derived(t)])
+        """Return the weighted variances of these derivatives, (d, p, B); noise has no part in them."""
+        return np.stack([self._posterior(features, weights[0]) for features in products.slopes(self.indices, t)])
 
     def state(self) -> xr.Dataset:
         """Return what a file must hold."""
@@ -191,9 +185,6 @@ class FiniteRank:
         shares = self.signal * self.noise / (self.signal * self.spectrum[:, None] + self.noise)
         return (shares * (weights * self.scale**2)).T @ along
 
-    def _derived(self, t: Array) -> Iterator[Array]:
-        return (_features(self.indices, t, derived) for derived in range(len(t)))
-
 
 def largest(decay: Decay, count: int) -> tuple[Indices, Array]:
     """Return the indices of the largest products of a kernel's coefficients, (count, d), and these, both descending.
@@ -214,31 +205,21 @@ def largest(decay: Decay, count: int) -> tuple[Indices, Array]:
     return indices, weights
 
 
-def _features(indices: Indices, t: Array, derived: int = -1) -> Array:
-    """Return prod_j T_{a_j}(t_j) of every index, one input's polynomial replaced by its derivative: (r, B).
-
-    Parameters
-    ----------
-    indices : ndarray of int, shape (r, d), degrees
-    t : ndarray, shape (d, B), scaled coordinates
-    derived : int, the input whose polynomial is replaced; -1: none
-    """
-    product = np.ones((len(indices), t.shape[1]))
-    for j, (column, x) in enumerate(zip(indices.T, t, strict=True)):
-        T = chebyshev.polynomials(x, max(2, 1 + int(column.max())))
-        product *= (chebyshev.slopes(x, T) if j == derived else T)[column]
-    return product
+def _weighted(t: Array, y: Array, indices: Indices, root_weight: Array) -> Iterator[tuple[Array, Array]]:
+    """Weighted features of the cases and their outputs, (r, B) and (B, p), block by block."""
+    for some in blocks(t.shape[1], BLOCK):
+        features = products.values(indices, t[:, some])
+        features *= root_weight[some]
+        yield features, y[some]
 
 
 def _gathered(t: Array, y: Array, indices: Indices, root_weight: Array) -> tuple[Array, Array]:
     """Products of the weighted features with each other, (r, r), and with the outputs, (r, p), over all cases."""
     gram, seen = np.zeros((len(indices), len(indices)), order="F"), np.zeros((len(indices), y.shape[1]))
-    for start in range(0, t.shape[1], BLOCK):
-        features = _features(indices, t[:, start : start + BLOCK])
-        features *= root_weight[start : start + BLOCK]
+    for features, outputs in _weighted(t, y, indices, root_weight):
         # half of the products, added in place; the block's transpose is what LAPACK's order sees
         gram = dsyrk(1.0, features.T, 1.0, gram, trans=1, lower=1, overwrite_c=1)
-        seen += features @ y[start : start + BLOCK]
+        seen += features @ outputs
     return gram + np.tril(gram, -1).T, seen
 
 
@@ -250,10 +231,8 @@ def _along(directions: Array, spectrum: Array, seen: Array) -> Array:
 def _left(t: Array, y: Array, indices: Indices, coefficients: Array, root_weight: Array) -> tuple[Array, Array]:
     """Products of the weighted features with what coefficients leave of the outputs, (r, p), and its squares, (p,)."""
     seen, energy = np.zeros_like(coefficients), np.zeros(y.shape[1])
-    for start in range(0, t.shape[1], BLOCK):
-        features = _features(indices, t[:, start : start + BLOCK])
-        features *= root_weight[start : start + BLOCK]
-        left = y[start : start + BLOCK] - features.T @ coefficients
+    for features, outputs in _weighted(t, y, indices, root_weight):
+        left = outputs - features.T @ coefficients
         seen += features @ left
         energy += np.einsum("np,np->p", left, left)
     return seen, energy
@@ -309,11 +288,6 @@ class Rest:
             determinant = float(np.log1p(spectrum / ratio).sum()) + cases * logarithm
             return cases * float(np.log(left(ratio) / ratio)) + determinant
 
-        grid = np.linspace(np.log(RATIOS[0]), np.log(RATIOS[1]), 60)
-        best = int(np.argmin([cost(logarithm) for logarithm in grid]))
-        around = (grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)])
-        ratio = float(
-            np.exp(scipy.optimize.minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": 1e-3}).x)
-        )
+        ratio = least(cost, RATIOS, STEPS)
         noise = left(ratio) / cases
         return noise / ratio, noise

@@ -6,6 +6,7 @@ from typing import Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 import xarray as xr
+from typing_extensions import override
 
 from approximation.arrays import Array, Indices
 from surrogate.data.factorial import Factorial, check_levels, complete_factorial
@@ -188,8 +189,8 @@ class GridGP(GaussianProcess):
         """
         return factor_of(self.kernel, t, parameter, self.nugget)
 
+    @override
     def state(self) -> xr.Dataset:
-        """Return what a file must hold beside inputs, outputs and probes."""
         d = len(self.inputs_)
         state = xr.Dataset(
             {
@@ -207,14 +208,9 @@ class GridGP(GaussianProcess):
             state[f"core_{k}"] = ((f"rank_{k}", f"mode_{k}", f"rank_{k + 1}" if k < d - 1 else "output"), core)
         return state if self.correction_ is None else state.assign(self.correction_.state())
 
+    @override
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the model of a stored state.
-
-        Parameters
-        ----------
-        stored, inputs, outputs : as of `Core.restore`, with its errors
-        """
         attrs, d = stored.attrs, len(inputs)
         if attrs["kernel"] not in KERNELS:
             raise ValueError(f"unknown kernel {attrs['kernel']!r}")
@@ -252,8 +248,8 @@ class GridGP(GaussianProcess):
         part._thin(columns, np.full(len(columns), self.compression))
         return part
 
+    @override
     def thinned(self, errors: Mapping[str, float]) -> Self:
-        """Return the model with root-mean-square errors over the training cases of some outputs, in their units."""
         own = zip(self.outputs_, self.scale_, strict=True)
         allowed = np.array([max(self.compression, errors.get(name, 0.0) / scale) for name, scale in own])
         part = copy(self)
@@ -274,14 +270,8 @@ class GridGP(GaussianProcess):
         """Number of parts of the variance: one a factor."""
         return len(self.inputs_)
 
+    @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return means and, with weights, variances: (p, B) each.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
-        """
         features = self._features(t)
         mean = self.train_.evaluate([features[k].mean for k in self.order_])
         mean *= self.scale_[:, None]
@@ -330,26 +320,22 @@ class GridGP(GaussianProcess):
     def _chebyshev(self) -> tuple[ChebyshevFactor, ...]:
         return tuple(factor for factor in self.factors_ if isinstance(factor, ChebyshevFactor))
 
+    @override
     def slopes(self, t: Array) -> Array:
-        """Return the derivatives of the means by the scaled coordinates (d, B): (d, p, B)."""
         features, slopes = self._features(t), self._features(t, slopes=True)
         parts = self.train_.gradient([features[k].mean for k in self.order_], [slopes[k].mean for k in self.order_])
         derivatives = np.asarray(parts[np.argsort(self.order_)] * self.scale_[:, None])
         return derivatives if self.correction_ is None else derivatives + self.correction_.slopes(t)
 
+    @override
     def uncalibrated(self) -> Self:
-        """Return the model without what `calibrate` has learnt."""
         plain = super().uncalibrated()
         plain.correction_ = None
         return plain
 
+    @override
     def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
-        """Learn the correction of the means, see `surrogate.gp.correction`; other kernels have none.
-
-        Parameters
-        ----------
-        dataset, errors, t, groups : the cases, as of `Core.corrected`
-        """
+        """Learn the correction of the means, see `surrogate.gp.correction`; other kernels have none."""
         if self.kernel != "chebyshev":
             return errors
         counts = tuple(map(len, self.levels_))
@@ -357,14 +343,8 @@ class GridGP(GaussianProcess):
         self.correction_, left = correct(errors, t, counts, decays, groups)
         return left
 
+    @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, (d, p, B).
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance
-        """
         features, slopes = self._features(t), self._features(t, slopes=True)
         if self.correction_ is not None:
             slopes = [self.correction_.steepened(k, slope) for k, slope in enumerate(slopes)]

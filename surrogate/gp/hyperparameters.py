@@ -65,11 +65,23 @@ def most_predictive(make: Callable[[float], Factor], grams: Array, bounds: tuple
             return float(np.mean(errors / variances) + np.mean(np.log(variances)))
         return float(np.mean(np.log((errors / variances).mean(axis=1))) + np.mean(np.log(variances)))
 
-    grid = np.linspace(float(np.log(bounds[0])), float(np.log(bounds[1])), COARSE)
+    return make(least(cost, bounds, COARSE))
+
+
+def least(cost: Callable[[float], float], bounds: tuple[float, float], steps: int) -> float:
+    """Return the positive number of least cost: the best of some steps, then a search between its neighbours.
+
+    Parameters
+    ----------
+    cost : callable, of the number's logarithm
+    bounds : (float, float), of the number
+    steps : int, how many are tried first, evenly spread on a log scale
+    """
+    grid = np.linspace(float(np.log(bounds[0])), float(np.log(bounds[1])), steps)
     best = int(np.argmin([cost(logarithm) for logarithm in grid]))
-    around = (grid[max(best - 1, 0)], grid[min(best + 1, COARSE - 1)])
+    around = (grid[max(best - 1, 0)], grid[min(best + 1, steps - 1)])
     optimum = scipy.optimize.minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": 1e-3})
-    return make(float(np.exp(optimum.x)))
+    return float(np.exp(optimum.x))
 
 
 def rho_bounds(levels: int) -> tuple[float, float]:

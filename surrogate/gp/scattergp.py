@@ -6,6 +6,7 @@ from typing import ClassVar, Literal, Self, get_args
 import numpy as np
 import xarray as xr
 from sklearn.gaussian_process import GaussianProcessRegressor
+from typing_extensions import override
 
 from approximation.arrays import Array
 from surrogate.data.factorial import output_names, text_attrs
@@ -142,8 +143,8 @@ class ScatterGP(GaussianProcess):
             return Exact(*zip(*[chosen(t.T, column, *how, weights) for column in values.T], strict=True))
         return Exact([self.kernel] * values.shape[1], [regressor(self.kernel, t.T, y, None, *how) for y in values.T])
 
+    @override
     def state(self) -> xr.Dataset:
-        """Return what a file must hold beside inputs, outputs and probes."""
         names = ("kernel", "nugget", "restarts", "random_state", "rank")
         attrs = {name: getattr(self, name) for name in names}
         if isinstance(self.process_, FiniteRank):
@@ -163,14 +164,9 @@ class ScatterGP(GaussianProcess):
             attrs=attrs | {"kernels": " ".join(self.process_.kernels)},
         )
 
+    @override
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the model of a stored state.
-
-        Parameters
-        ----------
-        stored, inputs, outputs : as of `Core.restore`, with its errors
-        """
         attrs = stored.attrs
         if attrs["kernel"] not in KERNELS:
             raise ValueError(f"unknown kernel {attrs['kernel']!r}")
@@ -224,28 +220,16 @@ class ScatterGP(GaussianProcess):
         """Number of parts of the variance: one, or with "chebyshev" two, that of the function and the noise."""
         return self.process_.parts
 
+    @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return means and, with weights, variances: (p, B) each.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
-        """
         return self.process_.mean_variance(t, weights)
 
+    @override
     def slopes(self, t: Array) -> Array:
-        """Return the derivatives of the means by the scaled coordinates (d, B): (d, p, B)."""
         return self.process_.slopes(t)
 
+    @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, (d, p, B).
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance
-        """
         return self.process_.slope_variances(t, weights)
 
 

@@ -8,12 +8,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from approximation import products
 from approximation.arrays import Array, Indices
 from surrogate.intervals.copula import Copula
 from surrogate.intervals.distribution import PROBABILITIES, Tabulated
 from surrogate.intervals.guard import SLABS, Guard, unguarded
 from surrogate.intervals.patches import PATCH_DIMS, Patches
-from surrogate.intervals.trend import values
 
 #: Least number of cases that a calibration rests on.
 MINIMUM = 40
@@ -91,7 +91,7 @@ class Calibration:
     def stretch(self, t: Array) -> Array:
         """Return what raw standard deviations are multiplied by at scaled coordinates (d, B): (p, B)."""
         inside = np.clip(t, -1, 1)
-        scale = self.trend.T @ values(self.trend_degree, inside)
+        scale = self.trend.T @ products.values(self.trend_degree, inside)
         np.clip(scale, *self.trend_range[..., None], out=scale)
         scale += self.guard.at(inside).T
         if self.patches is not None:

@@ -21,6 +21,7 @@ from itertools import combinations
 
 import numpy as np
 
+from approximation import products
 from approximation.arrays import Array, Flags, Indices
 from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.copula import Copula
@@ -29,7 +30,7 @@ from surrogate.intervals.guard import fill, unguarded
 from surrogate.intervals.patches import Patches
 from surrogate.intervals.quantile import quantile_regression
 from surrogate.intervals.sharing import places
-from surrogate.intervals.trend import additive, products, values
+from surrogate.intervals.trend import additive, pairwise
 
 FOLDS = 5
 # Highest degree of the local scale along an input by the number of cases, and beyond these one more for so many places
@@ -90,7 +91,7 @@ def calibrate(
     weights, floor, logarithms = _sizes(errors, parts)
     known = np.flatnonzero(np.isfinite(logarithms).all(axis=1))
     degrees, trend = _fitted(logarithms[known], t, groups)
-    A = values(degrees, t).T
+    A = products.values(degrees, t).T
     guard, whole = unguarded(len(t), len(errors)), np.zeros((len(degrees), len(errors)))
     whole[:, known] = trend
     further = None if outer is None else unguarded(len(outer), len(errors), pooled=True)
@@ -153,8 +154,8 @@ def _fitted(logarithms: Array, t: Array, groups: Indices) -> tuple[Indices, Arra
     few = max((degree for least, degree in DEGREES if cases >= least), default=0)
     degrees = additive([max(few, min(int(count) // (PLACES_A_DEGREE * d), HIGHEST)) for count in apart])
     pairs = [pair for pair in combinations(range(d), 2) if apart[list(pair)].min() >= PAIRWISE]
-    degrees = np.concatenate([degrees, *(products(d, pair, 2) for pair in pairs)])
-    A = values(degrees, t).T
+    degrees = np.concatenate([degrees, *(pairwise(d, pair, 2) for pair in pairs)])
+    A = products.values(degrees, t).T
     trend = (
         np.array([quantile_regression(A, logarithm, NOMINAL) for logarithm in logarithms]).reshape(-1, len(degrees)).T
     )
@@ -162,7 +163,7 @@ def _fitted(logarithms: Array, t: Array, groups: Indices) -> tuple[Indices, Arra
     if waves is None:
         return degrees, trend
     degrees = np.concatenate([degrees, waves])
-    A = values(degrees, t).T
+    A = products.values(degrees, t).T
     starts = np.pad(trend, ((0, len(waves)), (0, 0))).T
     fits = [quantile_regression(A, values, NOMINAL, start) for values, start in zip(logarithms, starts, strict=True)]
     return degrees, np.array(fits).T
@@ -177,8 +178,8 @@ def _waves(A: Array, logarithms: Array, trend: Array, t: Array, pairs: Sequence[
     beyond = NOMINAL - (logarithms <= (A @ trend).T)
     best, most = None, TELLING
     for pair in pairs:
-        degrees = products(len(t), pair, TOTAL, 3)
-        features = values(degrees, t).T
+        degrees = pairwise(len(t), pair, TOTAL, 3)
+        features = products.values(degrees, t).T
         basis = np.linalg.qr(features - A @ np.linalg.lstsq(A, features)[0])[0]
         told = ((beyond @ basis) ** 2).sum(axis=1) / (NOMINAL * (1 - NOMINAL) * len(degrees))
         if len(told) and (share := float(told.max())) > most:

@@ -6,7 +6,7 @@ add as deviations do, by the correlation of the points' sums.
 
 import numpy as np
 
-from approximation.arrays import Array
+from approximation.arrays import Array, blocks
 from surrogate.intervals.copula import Copula
 from surrogate.intervals.distribution import Distribution, central
 
@@ -47,8 +47,7 @@ def ends(distribution: Distribution, copula: Copula | None, level: float, sizes:
     spread = np.cov(scores).reshape(len(scores), -1) @ sizes
     scale = np.sqrt(np.maximum((sizes * spread).sum(axis=0), np.finfo(np.float64).tiny))
     squares = np.zeros(2)
-    for start in range(0, len(scale), _BLOCK):
-        some = slice(start, start + _BLOCK)
+    for some in blocks(len(scale), _BLOCK):
         alike = copula.near(t[:, some], t) * (sizes[:, some].T @ spread) / np.multiply.outer(scale[some], scale)
         squares += [float(end[some] @ alike @ end) for end in own]
     return np.sqrt(np.maximum(squares, 0)) * [-1, 1]

@@ -1,11 +1,10 @@
-"""Polynomials of the scaled inputs that a local scale is the exponential of."""
+"""Degrees of the polynomials of the scaled inputs that a local scale is the exponential of."""
 
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
 
-from approximation.arrays import Array, Indices
+from approximation.arrays import Indices
 
 
 def additive(highest: Sequence[int]) -> Indices:
@@ -17,7 +16,7 @@ def additive(highest: Sequence[int]) -> Indices:
     return np.concatenate(rows)
 
 
-def products(inputs: int, pair: tuple[int, int], total: int, least: int = 2) -> Indices:
+def pairwise(inputs: int, pair: tuple[int, int], total: int, least: int = 2) -> Indices:
     """Return the degrees of T_a T_b of two inputs, a, b >= 1, least <= a + b <= total: (m, inputs).
 
     Parameters
@@ -30,19 +29,3 @@ def products(inputs: int, pair: tuple[int, int], total: int, least: int = 2) -> 
     degrees = np.zeros((len(both), inputs), dtype=np.intp)
     degrees[:, pair] = np.reshape(both, (-1, 2))
     return degrees
-
-
-def values(degrees: Indices, t: Array) -> Array:
-    """Return prod_k T_{degrees[m, k]}(t_k), (m, n).
-
-    Parameters
-    ----------
-    degrees : ndarray of int, shape (m, d)
-    t : ndarray, shape (d, n), scaled inputs
-    """
-    T = chebvander(t, int(degrees.max())).transpose(2, 0, 1)
-    product = np.ones((len(degrees), t.shape[1]))
-    for k, column in enumerate(degrees.T):
-        held = np.flatnonzero(column)  # most of the rest is one
-        product[held] *= T[column[held], k]
-    return product

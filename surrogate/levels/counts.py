@@ -16,9 +16,9 @@ import numpy as np
 import xarray as xr
 
 from approximation.arrays import Array
+from approximation.chebyshev import coefficients
 from surrogate.data.factorial import complete_factorial
 from surrogate.data.inputs import Input
-from surrogate.gp.factors import cosine_basis
 from surrogate.levels.decay import Decay, decay_of
 
 MOST_LEVELS = 256
@@ -175,8 +175,7 @@ def _lines(values: Array) -> list[Array]:
     size = spread if spread > 0 else 1.0
     largest = []
     for axis, n in enumerate(values.shape):
-        basis, weights = cosine_basis(n)
-        along = np.moveaxis(values, axis, -1) @ (basis * weights)
+        along = np.moveaxis(coefficients(values, axis), axis, -1)
         largest.append(np.abs(along).reshape(-1, n).max(axis=0) / size)
     return largest
 

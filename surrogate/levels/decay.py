@@ -97,8 +97,7 @@ def _plateau(above: Array) -> float:
     logarithm) of what as many before them fell, which was at least a decade: neither a geometric nor a power law does
     so. A plateau above `NOISE_LIMIT` is no noise but roughness.
     """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        logs = np.log(above)
+    logs = np.log(np.maximum(above, np.finfo(np.float64).tiny))
     for start in range(2, len(above) - 3):
         length = len(above) - 1 - start
         before, after = logs[max(start - length, 0)] - logs[start], logs[start] - logs[-1]

@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 
 from approximation.arrays import Array, Indices
+from approximation.chebyshev import coefficients
 from surrogate.data.factorial import output_names
 from surrogate.gp.crossgp import CrossGP
-from surrogate.gp.factors import cosine_basis
 from surrogate.levels.counts import Decays
 from surrogate.levels.decay import decay_of
 
@@ -55,6 +55,5 @@ def _whole_lines(indices: Indices, values: Array, k: int, size: int) -> Array:
 
 def _largest(values: Array) -> Array:
     """Largest Chebyshev coefficients, (n, p), of values (lines, n, ..., p) on Chebyshev-Gauss levels."""
-    basis, weights = cosine_basis(values.shape[1])
-    along = np.tensordot(basis * weights, values, (0, 1))
+    along = np.moveaxis(coefficients(values, axis=1), 1, 0)
     return np.asarray(np.abs(along).reshape(values.shape[1], -1, values.shape[-1]).max(axis=1))

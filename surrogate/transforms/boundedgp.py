@@ -7,6 +7,7 @@ from typing import ClassVar, Self
 import numpy as np
 import xarray as xr
 from scipy.special import expit
+from typing_extensions import override
 
 from approximation.arrays import Array
 from surrogate.data.inputs import Input
@@ -114,14 +115,8 @@ class BoundedGP(Transformed):
                 out[k] = mean[k] - low if np.isfinite(low) else high - mean[k]
         return out
 
+    @override
     def reached(self, mean: Array, std: Array, away: Array) -> Array:
-        """Return what lies so many standard deviations of what is learnt away from means.
-
-        Parameters
-        ----------
-        mean, std : ndarray, shape (p, ...), of the outputs, in their units
-        away : ndarray, shape (p, ...), numbers of standard deviations
-        """
         steep = self._steepness(mean)
         told = steep > 0
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -130,55 +125,34 @@ class BoundedGP(Transformed):
         return np.asarray(np.where(told, ends, mean))
 
     # -- answers -------------------------------------------------------------------------------------------------------
-    @property
-    def parts(self) -> int:
-        """Number of parts of the variance: those of the process."""
-        return self.free_.parts
-
+    @override
     def calibrated_at(self, X: Array) -> Array:
-        """Return the scaled coordinates that the process's calibration knows points by."""
         return self.free_.calibrated_at(X)
 
+    @override
     def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
-        """Return medians and deviations to first order: (p, B) each.
-
-        Parameters
-        ----------
-        X : ndarray, shape (B, d), points in physical units
-        with_std : bool, whether deviations are wanted; None otherwise
-        """
+        """Return medians and deviations to first order: (p, B) each."""
         learnt, std = self.free_.mean_std(X, with_std)
         mean = self._outputs(learnt)
         return mean, None if std is None else std * self._steepness(mean)
 
+    @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return medians and, with weights, raw variances to first order: (p, B) each.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
-        """
+        """Return medians and, with weights, raw variances to first order: (p, B) each."""
         learnt, variance = self.free_.mean_variance(t, weights)
         mean = self._outputs(learnt)
         return mean, None if variance is None else variance * self._steepness(mean) ** 2
 
+    @override
     def slopes(self, t: Array) -> Array:
-        """Return the derivatives of the medians by the scaled inputs (d, B): (d, p, B)."""
         return self.free_.slopes(t) * self._sizes(t)
 
+    @override
     def slope_stds(self, t: Array) -> Array:
-        """Return the deviations of the derivatives, where the outputs are known: (d, p, B)."""
         return self.free_.slope_stds(t) * self._sizes(t)
 
+    @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of the derivatives, where the outputs are known, (d, p, B).
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance
-        """
         return self.free_.slope_variances(t, weights) * self._sizes(t) ** 2
 
     def _sizes(self, t: Array) -> Array:
@@ -206,14 +180,9 @@ class BoundedGP(Transformed):
             }
         )
 
+    @override
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the model of a stored state, without the process that it is around.
-
-        Parameters
-        ----------
-        stored, inputs, outputs : as of `Core.restore`, with its errors
-        """
         given, ends = (stored[name].transpose("output", "end").values for name in ("bounded", "bound"))
         if given.shape != (len(outputs), 2) or ends.shape != given.shape:
             raise ValueError("the bounds do not fit the outputs")

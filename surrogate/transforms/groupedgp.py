@@ -6,6 +6,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 import xarray as xr
+from typing_extensions import override
 
 from approximation.arrays import Array
 from surrogate.data.inputs import Input, stored_inputs, unit_coordinates
@@ -164,14 +165,9 @@ class GroupedGP(Transformed):
         """Return the groups; the process over the axes stands beside them, as `reduced`."""
         return self.grouping.state(self.outputs_).assign_attrs(kernel=self.kernel, compression=self.compression)
 
+    @override
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the model of a stored state, without the process that it is around.
-
-        Parameters
-        ----------
-        stored, inputs, outputs : as of `Core.restore`, with its errors
-        """
         attrs = stored.attrs
         if attrs["kernel"] not in KERNELS:
             raise ValueError(f"unknown kernel {attrs['kernel']!r}")
@@ -199,11 +195,6 @@ class GroupedGP(Transformed):
         return {**plain, "inputs": plain_inputs(self.inputs_), "axes": plain["inputs"], "groups": groups}
 
     # -- answers -------------------------------------------------------------------------------------------------------
-    @property
-    def parts(self) -> int:
-        """Number of parts of the variance: one an axis."""
-        return self.reduced_.parts
-
     def single(self) -> Single | None:
         """Return the short way of one query alone, where the process over the axes has one."""
         reduced = self.reduced_.single()
@@ -229,18 +220,12 @@ class GroupedGP(Transformed):
 
         return answer
 
+    @override
     def calibrated_at(self, X: Array) -> Array:
-        """Return the scaled axes at physical points (n, d), since the calibration is that of the process over them."""
         return self.reduced_.calibrated_at(self.grouping.products.values(X))
 
+    @override
     def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
-        """Return means and calibrated deviations, from those over the axes: (p, B) each.
-
-        Parameters
-        ----------
-        X : ndarray, shape (B, d), points in physical units
-        with_std : bool, whether deviations are wanted; None otherwise
-        """
         learnt, spread = self.reduced_.mean_std(self.grouping.products.values(X), with_std)
         mean = self._scales.untransform(learnt, X)
         return mean, None if spread is None else spread * self._scales.sizes(X, mean) * self._guarded(X)
@@ -250,22 +235,16 @@ class GroupedGP(Transformed):
         outer = None if self.calibration_ is None else self.calibration_.outer
         return 1.0 if outer is None else np.exp(outer.at(np.clip(unit_coordinates(self.inputs_, X), -1, 1)).T)
 
+    @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return means and, with weights, variances without the calibration: (p, B) each.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
-        """
         X = self.physical(t)
         axes = unit_coordinates(self.grouping.axes, self.grouping.products.values(X))
         learnt, variance = self.reduced_.mean_variance(axes, weights)
         mean = self._scales.untransform(learnt, X)
         return mean, None if variance is None else variance * self._scales.sizes(X, mean) ** 2
 
+    @override
     def slopes(self, t: Array) -> Array:
-        """Return the derivatives of the means by the scaled inputs (d, B): (d, p, B)."""
         X = self.physical(t)
         mean = self.mean_std(X, False)[0]
         along = self._chained(
@@ -281,14 +260,8 @@ class GroupedGP(Transformed):
         own = self.reduced_.physical_slopes(self.grouping.products.values(X), self.reduced_.slope_stds)
         return self._together(X, own * self._guarded(X), mean, std)
 
+    @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of the derivatives, (d, p, B), without the calibration.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance
-        """
         X = self.physical(t)
 
         def stds(axes: Array) -> Array:

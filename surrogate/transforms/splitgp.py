@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 import xarray as xr
+from typing_extensions import override
 
 from approximation.arrays import Array, Flags, Indices
 from surrogate.data.inputs import Input
@@ -139,11 +140,6 @@ class SplitGP(Transformed):
         self.cases_ = below.cases_ + above.cases_
 
     # -- answers -------------------------------------------------------------------------------------------------------
-    @property
-    def parts(self) -> int:
-        """Number of parts of the variance: one an input."""
-        return self.below_.parts
-
     def _split(self, t: Array) -> list[tuple[GaussianProcess, Flags, Array, float]]:
         """Both sides with the points that they answer, in their own coordinates, and half the width of their range."""
         low, found = t[self._number] <= self._at, []
@@ -156,14 +152,8 @@ class SplitGP(Transformed):
             found.append((model, own, inside, half))
         return [side for side in found if side[1].any()]
 
+    @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return means and, with weights, variances: (p, B) each.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
-        """
         mean = np.empty((len(self.outputs_), t.shape[1]))
         variance = np.zeros_like(mean)
         for model, own, inside, _ in self._split(t):
@@ -172,38 +162,24 @@ class SplitGP(Transformed):
                 variance[:, own] = spread
         return mean, None if weights is None else variance
 
+    @override
     def slopes(self, t: Array) -> Array:
-        """Return the derivatives of the means by the scaled inputs (d, B): (d, p, B)."""
         found = np.empty((len(t), len(self.outputs_), t.shape[1]))
         for model, own, inside, half in self._split(t):
             found[..., own] = model.slopes(inside)
             found[self._number][:, own] /= half
         return found
 
+    @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of the derivatives, (d, p, B).
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance
-        """
         found = np.empty((len(t), len(self.outputs_), t.shape[1]))
         for model, own, inside, half in self._split(t):
             found[..., own] = model.slope_variances(inside, weights)
             found[self._number][:, own] /= half**2
         return found
 
+    @override
     def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
-        """Correct the means of both sides from the cases there; return what is left of the errors, left out.
-
-        Parameters
-        ----------
-        dataset : Dataset, the cases
-        errors : ndarray, shape (p, n), true minus predicted
-        t : ndarray, shape (d, n), scaled coordinates
-        groups : ndarray of int, shape (n,), number of the group of every case
-        """
         left = errors.copy()
         for model, own, inside, _ in self._split(t):
             left[:, own] = model.corrected(dataset, errors[:, own], inside, groups[own])
@@ -233,21 +209,9 @@ class SplitGP(Transformed):
         sides = [side.plain() for side in (self.below_, self.above_)]
         return {"inputs": plain_inputs(self.inputs_), "split": split, "sides": sides, **plain_outputs(self)}
 
+    @override
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the split of a stored state, without its sides.
-
-        Parameters
-        ----------
-        stored : Dataset, the state
-        inputs : tuple of Input
-        outputs : dict, `units` and `long_name` of every output
-
-        Raises
-        ------
-        ValueError
-            What is inconsistent, by its name.
-        """
         kinks: dict[str, list[float]] = {}
         for name, at in zip(stored["kink_input"].values.tolist(), stored["kink"].values.tolist(), strict=True):
             kinks.setdefault(str(name), []).append(float(at))

@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 from typing import ClassVar, Self
 
+from typing_extensions import override
+
 from surrogate.face.model import GaussianProcess
 from surrogate.transforms.groups import Grouping
 
@@ -27,13 +29,13 @@ class Transformed(GaussianProcess):
     CALIBRATED: ClassVar[tuple[str, ...]] = ()
     grouping: Grouping | None = None
 
+    @override
     @property
     def members(self) -> Mapping[str, GaussianProcess]:
-        """Models that it is made of, by name."""
         return {name: getattr(self, f"{name}_") for name in self.MEMBERS}
 
+    @override
     def over(self, members: Mapping[str, GaussianProcess]) -> Self:
-        """Return the same transform of other models; ValueError unless they fit."""
         model = copy(self)
         for name, member in members.items():
             setattr(model, f"{name}_", member)
@@ -41,11 +43,16 @@ class Transformed(GaussianProcess):
         model._lay_out()
         return model
 
+    @property
+    @override
+    def parts(self) -> int:
+        return self.members[self.MEMBERS[0]].parts
+
     def _lay_out(self) -> None:
         """Take from the members what answers need; ValueError unless they fit."""
 
+    @override
     def uncalibrated(self) -> Self:
-        """Return the model without what `calibrate` has learnt."""
         plain = {name: model.uncalibrated() for name, model in self.members.items() if name in self.CALIBRATED}
         model = self.over({**self.members, **plain})
         model.calibration_ = None

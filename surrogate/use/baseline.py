@@ -1,14 +1,15 @@
 """Plain tensor Chebyshev interpolation: the baseline that every validation of a grid surrogate must show."""
 
 from collections.abc import Mapping, Sequence
+from functools import reduce
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.polynomial.chebyshev import chebvander
-from scipy.fft import dct
 
-from approximation.arrays import Array
+from approximation import chebyshev
+from approximation.arrays import Array, blocks
 from surrogate.data.factorial import complete_factorial
 from surrogate.data.inputs import Input
 from surrogate.data.points import named_points
@@ -50,8 +51,9 @@ def chebyshev_interpolation(
     t = [own.to_unit(named.X[:, k]) for k, own in enumerate(data.inputs)]
     answer = {}
     for name, values in data.outputs.items():
-        found = _evaluate(coefficients(values), t)
-        answer[name] = named.labelled(found, data.attrs[name])
+        series = reduce(chebyshev.coefficients, range(values.ndim), values)
+        rows = [chebvander(column, size - 1) for column, size in zip(t, values.shape, strict=True)]
+        answer[name] = named.labelled(contracted(series[..., None], rows)[:, 0], data.attrs[name])
     return xr.Dataset(answer)
 
 
@@ -80,26 +82,19 @@ def baseline(
     return named.dataset({name: (row, training[name].attrs) for name, row in zip(outputs, rows, strict=True)})
 
 
-def coefficients(values: Array) -> Array:
-    """Return the Chebyshev coefficients of the polynomial through values on ascending Chebyshev levels, any dims."""
-    series: Any = values
-    for axis, size in enumerate(values.shape):
-        # the transform counts points from the right end, levels ascend
-        series = dct(np.flip(series, axis), type=2, axis=axis) / size
-        first: list[Any] = [slice(None)] * values.ndim
-        first[axis] = 0
-        series[tuple(first)] /= 2
-    return np.asarray(series)
+def contracted(tensor: Array, rows: Sequence[Array]) -> Array:
+    """Return a tensor contracted with a row for every point and factor, (B, p).
 
-
-def _evaluate(coefficients: Array, t: Sequence[Array]) -> Array:
-    first, *rest = coefficients.shape
-    answer = np.empty(len(t[0]))
-    block = max(1, ELEMENTS // int(np.prod(rest)))
-    for start in range(0, len(answer), block):
-        part = slice(start, start + block)
-        state = chebvander(t[0][part], first - 1) @ coefficients.reshape(first, -1)
-        for size, coordinate in zip(rest, t[1:], strict=True):
-            state = np.einsum("bi,bij->bj", chebvander(coordinate[part], size - 1), state.reshape(len(state), size, -1))
-        answer[part] = state[:, 0]
+    Parameters
+    ----------
+    tensor : ndarray, shape (n_1, ..., n_d, p)
+    rows : sequence of ndarray, shape (B, n_f), of every factor
+    """
+    answer = np.empty((len(rows[0]), tensor.shape[-1]))
+    size = max(1, ELEMENTS // int(np.prod(tensor.shape[1:])))
+    for some in blocks(len(answer), size):
+        state = rows[0][some] @ tensor.reshape(tensor.shape[0], -1)
+        for row in rows[1:]:
+            state = np.einsum("bi,bij->bj", row[some], state.reshape(len(state), row.shape[1], -1))
+        answer[some] = state
     return answer

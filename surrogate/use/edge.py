@@ -11,9 +11,9 @@ from itertools import product
 
 import numpy as np
 
+from approximation import products
 from approximation.arrays import Array, Flags, Indices
 from surrogate.face.region import Region
-from surrogate.intervals.trend import values
 
 #: Share of the refused cases that may pass, share of the answered ones that the margin takes at least, folds, and most
 #: cases and terms that are learnt from.
@@ -55,7 +55,7 @@ def learn(t: Array, refused: Flags, even: Flags, groups: Indices, which: Indices
     apart = [_left_out(degrees, t, known, fold) for degrees in tried]
     best = int(np.argmin([_loss(score, known) for score in apart]))
     degrees, score = tried[best], apart[best]
-    coefficients = _fitted(values(degrees, t), known)
+    coefficients = _fitted(products.values(degrees, t), known)
     threshold = score[known & held] if (known & held).any() else score[known]
     rank = int(PASSING * (len(threshold) + 1))
     answered = score[~known & held] if (~known & held).any() else score[~known]
@@ -92,7 +92,7 @@ def _total(inputs: int, degree: int) -> Indices:
 
 def _left_out(degrees: Indices, t: Array, refused: Flags, fold: Indices) -> Array:
     """The value at every case of the polynomial that the other folds tell, (n,)."""
-    terms, predicted = values(degrees, t), np.empty(t.shape[1])
+    terms, predicted = products.values(degrees, t), np.empty(t.shape[1])
     for number in range(FOLDS):
         out = fold == number
         if out.any():

@@ -13,10 +13,10 @@ import xarray as xr
 from numpy.polynomial.legendre import leggauss
 
 from approximation.arrays import Array
-from approximation.chebyshev import gauss_points
+from approximation.chebyshev import coefficients, gauss_points
 from approximation.sobol import sobol_points
+from surrogate.data.inputs import physical_points
 from surrogate.face.model import GaussianProcess
-from surrogate.gp.factors import cosine_basis
 from surrogate.gp.gridgp import GridGP
 from surrogate.transforms.curves.curvegp import CurveGP
 from surrogate.transforms.groupedgp import GroupedGP
@@ -163,14 +163,12 @@ def _tails(model: GaussianProcess) -> list[Array]:
     """For every input, the largest sum of the means' Chebyshev coefficients from a degree on, over their range."""
     inputs, tails = model.inputs_, []
     at = 2 * sobol_points(LINES, len(inputs)) - 1
-    basis, weights = cosine_basis(FEWEST_NODES)
     for k in range(len(inputs)):
         t = np.repeat(at, FEWEST_NODES, axis=0)
         t[:, k] = np.tile(gauss_points(FEWEST_NODES), LINES)
-        X = np.stack([own.from_unit(column) for own, column in zip(inputs, t.T, strict=True)], axis=1)
-        values = model.predict_array(X).reshape(LINES, FEWEST_NODES, -1)
+        values = model.predict_array(physical_points(inputs, t.T)).reshape(LINES, FEWEST_NODES, -1)
         spread = np.ptp(values, axis=(0, 1))
-        sizes = np.abs(np.einsum("lnp,nm->lmp", values, basis * weights)) / np.where(spread > 0, spread, 1.0)
+        sizes = np.abs(coefficients(values, axis=1)) / np.where(spread > 0, spread, 1.0)
         tails.append(np.cumsum(sizes[:, ::-1], axis=1)[:, ::-1].max(axis=(0, 2)))
     return tails
 
@@ -189,7 +187,7 @@ def _errors(model: GaussianProcess, plain: GridGP, positions: Array) -> tuple[Ar
 
 
 def _mean_square(model: GaussianProcess, plain: GridGP, t: Array) -> Array:
-    X = np.stack([own.from_unit(column) for own, column in zip(model.inputs_, t.T, strict=True)], axis=1)
+    X = physical_points(model.inputs_, t.T)
     mean, std = model.predict_array(X, return_std=True)
     shift = mean - plain.predict_array(X)
     return np.asarray((std**2 + shift**2).mean(axis=0))

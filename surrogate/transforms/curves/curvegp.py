@@ -13,8 +13,9 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 import xarray as xr
+from typing_extensions import override
 
-from approximation.arrays import Array, Indices
+from approximation.arrays import Array, Indices, blocks
 from surrogate.data.inputs import Input
 from surrogate.face.model import GaussianProcess
 from surrogate.face.physical import in_blocks
@@ -184,19 +185,9 @@ class CurveGP(Transformed):
         return smooth.outputs_[int(rows[best])]
 
     # -- answers -------------------------------------------------------------------------------------------------------
-    @property
-    def parts(self) -> int:
-        """Number of parts of the variance: those of the process."""
-        return self.smooth_.parts
-
+    @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return means and, with weights, variances as those of the witnesses: (p, B) each.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
-        """
+        """Return means and, with weights, variances as those of the witnesses: (p, B) each."""
         smooth, _ = self.smooth_.mean_variance(t, None)
         mean = self._followed(smooth)
         if weights is None:
@@ -208,8 +199,7 @@ class CurveGP(Transformed):
         out, links = np.empty((len(self.outputs), smooth.shape[1])), self._links
         for k, row in links.plain:
             out[k] = smooth[row]
-        for start in range(0, smooth.shape[1], _BLOCK):
-            some = slice(start, start + _BLOCK)
+        for some in blocks(smooth.shape[1], _BLOCK):
             for number, measure, names in links.searches():
                 scores, land = smooth[links.scores[number], some], self._landscapes[number]
                 summit = land.summit(scores, measure)
@@ -219,8 +209,8 @@ class CurveGP(Transformed):
                     out[self.outputs.index(name), some] = value * links.size(name, smooth[:, some])
         return out
 
+    @override
     def slopes(self, t: Array) -> Array:
-        """Return the derivatives of the outputs by the scaled inputs (d, B): (d, p, B)."""
         smooth, _ = self.smooth_.mean_variance(t, None)
         slopes, links = self.smooth_.slopes(t), self._links
         out = np.empty((len(t), len(self.outputs), t.shape[1]))
@@ -229,8 +219,7 @@ class CurveGP(Transformed):
         mean = self._followed(smooth)
         for number, measure, names in links.searches():
             rows, land = links.scores[number], self._landscapes[number]
-            for start in range(0, t.shape[1], _BLOCK):
-                some = slice(start, start + _BLOCK)
+            for some in blocks(t.shape[1], _BLOCK):
                 summit = land.summit(smooth[rows, some], measure)
                 for name in names:
                     by_score = land.sensitivity(smooth[rows, some], measure, summit, self.largest[name].place)
@@ -244,14 +233,9 @@ class CurveGP(Transformed):
                     out[:, k, some] = slope
         return out
 
+    @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of the derivatives, (d, p, B), as those of the witnesses.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance
-        """
+        """Return the weighted variances of these derivatives, (d, p, B), as those of the witnesses."""
         smooth, _ = self.smooth_.mean_variance(t, None)
         return self._witness.slope_variances(t, weights) * self._links.spread(smooth) ** 2
 
@@ -307,14 +291,9 @@ class CurveGP(Transformed):
         arrays = following(self.curves, self.bases_, self.largest)
         return xr.Dataset(arrays, attrs={"error": self.error, "logarithms": int(self.logarithms)})
 
+    @override
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the model of a stored state, without the process that it is around.
-
-        Parameters
-        ----------
-        stored, inputs, outputs : as of `Core.restore`, with its errors
-        """
         curves, bases, largest = followed(stored, list(outputs))
         known = bool(stored.attrs["logarithms"]), float(stored.attrs["error"])
         model = cls(_unfitted, curves, largest, list(outputs), outputs, *known)

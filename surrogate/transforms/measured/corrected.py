@@ -5,6 +5,7 @@ from typing import ClassVar, NoReturn, Self
 
 import numpy as np
 import xarray as xr
+from typing_extensions import override
 
 from approximation.arrays import Array
 from surrogate.data.inputs import Input, unit_coordinates
@@ -109,14 +110,8 @@ class CorrectedGP(Transformed):
         """Outputs of the effects for every output."""
         return 1 + len(self.constants_)
 
+    @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return means and, with weights, variances: (p, B) each.
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (1, p), of the variance; None: no variance
-        """
         X = self.physical(t)
         base, std = self.nominal_.predict_array(X, return_std=True, extrapolate=True)
         effect = self.effect_.predict_array(X, extrapolate=True).reshape(len(X), len(self.outputs_), self._each)
@@ -140,18 +135,12 @@ class CorrectedGP(Transformed):
             slopes[q] -= by_constants
         return mean + slopes @ draw.mean, variance + np.einsum("pbk,kl,pbl->pb", slopes, draw.covariance, slopes)
 
+    @override
     def slopes(self, t: Array) -> Array:
-        """Return the derivatives of the means by the scaled coordinates (d, B): (d, p, B)."""
         return moments(self._slope_parts(t))[0] + self._derivatives(self.nominal_, t)[0]
 
+    @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, (d, p, B).
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (1, p), of the variance
-        """
         variance = moments(self._slope_parts(t))[1] + self._derivatives(self.nominal_, t)[1]
         return np.asarray(weights[0][:, None] * variance)
 
@@ -182,8 +171,8 @@ class CorrectedGP(Transformed):
         )
         return mean / chain, (std / chain) ** 2
 
+    @override
     def state(self) -> xr.Dataset:
-        """Return what a file must hold beside inputs, outputs, probes and members."""
         rows, names, first = self.rows_, list(self.constants_), self.draws_[0].discrepancies
         mean, covariance = self.posterior
         at = "measurement"
@@ -227,14 +216,9 @@ class CorrectedGP(Transformed):
             whole[self.rows_.of(q)] = part
         return whole
 
+    @override
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the model of a stored state, without its members.
-
-        Parameters
-        ----------
-        stored, inputs, outputs : as of `Core.restore`, with its errors
-        """
         model = cls.__new__(cls)
         model._describe(inputs, tuple(outputs), outputs)
         arrays = {str(name): stored[name].values for name in stored.data_vars}

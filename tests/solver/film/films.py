@@ -8,10 +8,14 @@ from numpy.typing import ArrayLike
 import solver
 from solver.arrays import Array
 from solver.film.contact import FilmContact
+from solver.film.interior import fields_of
 from solver.film.quantities import driven
 from solver.film.stack import Layer, Stack
+from solver.film.surface import SurfaceTable
 from solver.film.table import Table, table
+from solver.film.tractions import TractionTable
 from solver.halfplane.contact import Contact
+from solver.halfplane.interior import with_derived
 from solver.halfplane.profile import Profile
 from solver.halfplane.response import Response
 
@@ -48,6 +52,22 @@ def cylinder(
     """A cylinder of radius 50 mm that conducts both fields."""
     of = table(stack, friction, least=0.05, most=12.0, nodes=24, accuracy=accuracy)
     return contact(of, Profile.cylinder(np.array(0.05)), load, charges, datum)
+
+
+def surface_fields(contact: FilmContact, positions: Array) -> dict[str, Array]:
+    """Fields of ``solver.fields.FIELDS``; (case, position) each."""
+    return SurfaceTable(contact.table, positions).fields(contact)
+
+
+def interior_fields(contact: FilmContact, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
+    """Fields inside films and bases; (case, field, y, x)."""
+    tractions = TractionTable(contact.table).read(contact)
+
+    def linear(names: tuple[str, ...]) -> dict[str, Array]:
+        return dict(zip(names, np.moveaxis(fields_of(tractions, X, Y, names, contact.datum), 1, 0), strict=True))
+
+    values = with_derived(names, linear)
+    return np.stack([values[name] for name in names], 1)
 
 
 def require_closed_form(film: FilmContact, exact: Contact, response: Response) -> None:

@@ -15,12 +15,11 @@ from solver.film.electroded import surface as surface_of
 from solver.film.electrodes import Electrode
 from solver.film.fourier import Medium
 from solver.film.grading import Graded, GradedMedium
-from solver.film.interior import Interior, interior_fields
+from solver.film.interior import Interior
 from solver.film.kernel import graded_response, kernel
 from solver.film.reflection import held, waves
 from solver.film.rough import Rough
 from solver.film.stack import Layer, Stack, StackError
-from solver.film.surface import surface_fields
 from solver.film.system import System
 from solver.film.table import Table, at, table
 from solver.film.tractions import TractionTable
@@ -29,7 +28,7 @@ from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
 from tests.layers import SOAK
-from tests.solver.film.films import BTO, CFO, FIBROUS, STEEL, contact
+from tests.solver.film.films import BTO, CFO, FIBROUS, STEEL, contact, interior_fields, surface_fields
 from tests.solver.film.test_surface import FIELDS
 
 
@@ -136,8 +135,8 @@ def test_surface_fields_of_a_constant_profile_are_those_of_a_layer() -> None:
     )
     one, other = (surface_fields(contact(narrow(stack), CYLINDER, 1e5, charges), X) for stack in stacks)
     for field in FIELDS:
-        values = getattr(other, field)[0]
-        np.testing.assert_allclose(getattr(one, field)[0], values, rtol=1e-7, atol=1e-9 * np.max(np.abs(values)))
+        values = other[field][0]
+        np.testing.assert_allclose(one[field][0], values, rtol=1e-7, atol=1e-9 * np.max(np.abs(values)))
 
 
 @pytest.mark.soakable
@@ -151,11 +150,11 @@ def test_surface_fields_of_a_graded_film_are_nearly_those_of_a_staircase() -> No
     of = narrow(Stack(stairs, STEEL), count)
     other = surface_fields(contact(of, CYLINDER, 1e5), X)
     for field in FIELDS:
-        values = getattr(other, field)[0]
+        values = other[field][0]
         # the layer at the top is not the surface, by the first order: e15/c44 of 24 layers differs there by 6 %
         size = 24 / count * (5e-2 if field.endswith("_x") else 6e-3) * np.max(np.abs(values))
-        np.testing.assert_allclose(getattr(one, field)[0], values, atol=size, err_msg=field)
-    stretch = surface_fields(graded, 1 + np.array([1e-12, 1e-4])).stress_xx[0]
+        np.testing.assert_allclose(one[field][0], values, atol=size, err_msg=field)
+    stretch = surface_fields(graded, 1 + np.array([1e-12, 1e-4]))["stress_xx"][0]
     # beside the edge the field is that of M terms, at the edge that of all
     assert stretch[0] == pytest.approx(graded.edge_stress(1.0)[0], rel=5e-4)
 
@@ -235,8 +234,8 @@ def test_contact_on_a_graded_film_is_read_from_a_table() -> None:
     h, names = float(film.half_width[0]), ("stress_xx", "stress_yy", "stress_xy")
     X, Y = np.array([-0.4, 0.5]), -np.array([1e-9, 1e-4, 1.99e-4]) / h
     inside, surface = interior_fields(film, X, Y, names)[0], surface_fields(film, X)
-    np.testing.assert_allclose(inside[1, 0], -surface.contact_pressure[0], rtol=2e-4)
-    np.testing.assert_allclose(inside[0, 0], surface.stress_xx[0], rtol=2e-4)
+    np.testing.assert_allclose(inside[1, 0], -surface["contact_pressure"][0], rtol=2e-4)
+    np.testing.assert_allclose(inside[0, 0], surface["stress_xx"][0], rtol=2e-4)
     finer = Interior(TractionTable(film.table).read(film), 36).fields(X[None], Y[None, 1:], names)[0, ..., 0]
     np.testing.assert_allclose(inside[:, 1:], finer, atol=1e-4 * float(np.max(np.abs(finer))))
 

@@ -6,16 +6,24 @@ import pytest
 import solver
 from solver.arrays import Array
 from solver.film.contact import FilmContact
-from solver.film.interior import interior_fields
 from solver.film.stack import Layer, Stack, StackError
-from solver.film.surface import surface_fields
 from solver.film.table import table
 from solver.halfplane.contact import Contact
 from solver.halfplane.interior import LINEAR, interior_parts
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
-from tests.solver.film.films import BTO, CFO, ELASTIC, FIBROUS, ON_STEEL, cases, cylinder
+from tests.solver.film.films import (
+    BTO,
+    CFO,
+    ELASTIC,
+    FIBROUS,
+    ON_STEEL,
+    cases,
+    cylinder,
+    interior_fields,
+    surface_fields,
+)
 
 LAYERED = Stack((Layer(ELASTIC, 0.1e-3, "grounded"), Layer(FIBROUS, 0.1e-3), Layer(BTO, 0.1e-3, "bonded")), ELASTIC)
 
@@ -66,7 +74,7 @@ def test_fields_meet_the_surface_and_both_sides_of_interfaces() -> None:
     X = np.array([-1.5, -0.4, 0.2, 0.8, 1.3])
     at = interior_fields(film, X, np.array([-1e-9]), ("stress_yy", "stress_xx", "electric_displacement_y"))[0][:, 0]
     surface = surface_fields(film, X)
-    expected = (-surface.contact_pressure[0], surface.stress_xx[0], surface.electric_displacement_y[0])
+    expected = (-surface["contact_pressure"][0], surface["stress_xx"][0], surface["electric_displacement_y"][0])
     for one, other in zip(at, expected, strict=True):
         np.testing.assert_allclose(one, other, atol=2e-7 * np.max(np.abs(other)))
     mechanical = ("stress_xy", "stress_yy", "strain_xx")

@@ -8,14 +8,13 @@ import pytest
 import solver
 from solver.arrays import Array
 from solver.film.contact import FilmContact
-from solver.film.interior import interior_fields
 from solver.film.net import DEPTH
 from solver.film.peaks import PeakTable
 from solver.film.stack import Layer, Stack, StackError
 from solver.film.table import RangeError, table
 from solver.halfplane.profile import Profile
 from solver.names import FILM_PEAKS
-from tests.solver.film.films import FIBROUS, ON_STEEL, cases
+from tests.solver.film.films import FIBROUS, ON_STEEL, cases, interior_fields
 
 THICKNESS = 0.2e-3
 _OF = ("von_mises", "principal_tension")

@@ -9,13 +9,12 @@ import solver
 from solver.arrays import Array
 from solver.film.contact import FilmContact
 from solver.film.grading import Graded
-from solver.film.interior import interior_fields
 from solver.film.reflection import waves
 from solver.film.speed import critical_speed
 from solver.film.stack import Layer, Stack
 from solver.film.table import table
 from solver.halfplane.profile import Profile
-from tests.solver.film.films import BTO, CFO, STEEL, cases
+from tests.solver.film.films import BTO, CFO, STEEL, cases, interior_fields
 
 MIX = solver.find("BaTiO3-CoFe2O4 50:50")
 PUNCH: dict[str, Any] = {"radius": 0.05, "friction": 0.3, "load": 1e5}

@@ -1,65 +1,26 @@
 """Predictive distributions at points: intervals at any level, quantiles and samples, from means and deviations."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from approximation.arrays import Array, Flags
-from surrogate.data.labels import Attrs, Labels
+from surrogate.data.labels import Attrs
 from surrogate.data.points import Points, Queries
+from surrogate.face.labelled import EXTRAPOLATED, Labelled
 from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.copula import MOST_POINTS
-from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 from surrogate.intervals.sums import ends
 
-#: Attributes of the variable that tells where an answer is outside of the trained box.
-EXTRAPOLATED = {"extrapolated": {"long_name": "outside the trained box"}}
 
+class Predictive(Labelled):
+    """Outputs that are their mean plus their standard deviation times a standardised error of a known distribution."""
 
-class Predictive(ABC):
-    """Outputs that are their mean plus their standard deviation times a standardised error of a known distribution.
-
-    Attributes
-    ----------
-    level_ : float
-        Level of its intervals where none is said.
-    """
-
-    outputs_: tuple[str, ...]
-    attrs_: dict[str, dict[str, str]]
-    calibration_: Calibration | None
-    level_: float = NOMINAL
-    _made_labels: Labels | None = None
     # ends of one level, with what they were made from: a query alone asks for the same again and again
     _made_ends: tuple[Calibration | None, float, Array] | None = None
-
-    @abstractmethod
-    def predict(self, points: Queries, return_std: bool = True, *, extrapolate: bool = False) -> xr.Dataset:
-        """Return every output, with its standard deviation, at labelled points.
-
-        Parameters
-        ----------
-        points : mapping, Dataset, DataFrame or array, as of `GaussianProcess.predict`
-        return_std : bool, whether `<output>_std` is wanted
-        extrapolate : bool, whether points may be outside of the box
-        """
-
-    @abstractmethod
-    def predict_array(
-        self, X: NDArray[np.floating[Any]], return_std: Literal[True], *, extrapolate: bool = False
-    ) -> tuple[Array, Array]:
-        """Return means and standard deviations at plain points, (n, p) each.
-
-        Parameters
-        ----------
-        X : ndarray, shape (n, d), points in physical units
-        return_std : True
-        extrapolate : bool, whether points may be outside of the box
-        """
 
     def reached(self, mean: Array, std: Array, away: Array) -> Array:
         """Return what lies so many standard deviations away from means.
@@ -70,26 +31,6 @@ class Predictive(ABC):
         away : ndarray that broadcasts with them, numbers of standard deviations
         """
         return mean + away * std
-
-    @abstractmethod
-    def calibrated_at(self, X: Array) -> Array:
-        """Return the scaled coordinates that the calibration knows physical points (n, d) by: (e, n)."""
-
-    @abstractmethod
-    def _asked(
-        self, points: Queries, with_std: bool, extrapolate: bool
-    ) -> tuple[Points, list[Array], dict[str, Flags]]:
-        """Return points, means and, if wanted, deviations, (p, n), and what lies outside, with `extrapolate`."""
-
-    def _labels(self) -> Labels:
-        if self._made_labels is None or self._made_labels.attrs is not self.attrs_:
-            self._made_labels = Labels(self.attrs_)
-        return self._made_labels
-
-    @property
-    def distribution(self) -> Distribution:
-        """Distribution of (truth - mean) / std: what the calibration cases say, a normal one without them."""
-        return Normal() if self.calibration_ is None else self.calibration_.distribution
 
     def interval(self, points: Queries, level: float | None = None, *, extrapolate: bool = False) -> xr.Dataset:
         """Return the ends of the interval that holds the true value of an output in a share `level` of the cases.
@@ -214,14 +155,7 @@ class Predictive(ABC):
         share = self._shares(named.X, n, np.random.default_rng(seed), together)
         away = self.distribution.inverse(share.reshape(len(share), -1)).reshape(share.shape)
         drawn = self.reached(np.broadcast_to(mean[:, None], away.shape), std[:, None], away)
-        flagged = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
-        dims = ("sample", *named.dims)
-        return flagged.assign(
-            {
-                name: xr.Variable(dims, own.reshape(n, *named.shape), self.attrs_[name])
-                for name, own in zip(self.outputs_, drawn, strict=True)
-            }
-        )
+        return self._stacked("sample", drawn, named, flags)
 
     def _shares(self, X: Array, n: int, random: np.random.Generator, together: bool) -> Array:
         """Draw a probability for every output and point (m, d): (p, n, m)."""
@@ -295,32 +229,18 @@ class Predictive(ABC):
             made = self._made_ends = (self.calibration_, level, self.distribution.ends(level))
         return made[2]
 
-    def checked_level(self, level: float | None) -> float:
-        """Return a level that the calibration cases tell, by default `level_`; ValueError as `check_level`."""
-        chosen = self.level_ if level is None else level
-        self.check_level(chosen)
-        return chosen
-
-    def check_level(self, level: float) -> None:
-        """Raise ValueError, with what is allowed, for a level of intervals that the calibration cases do not tell."""
-        most = self.distribution.highest_level()
-        if not 0 < level <= most:
-            raise ValueError(f"level {level:g} is not between 0 and {most:.10g}{self._told()}")
-
-    def _told(self) -> str:
-        """Who sets the bounds of levels, for messages."""
-        if self.calibration_ is None:
-            return ""
-        return f", all that {self.calibration_.distribution.cases} calibration cases tell"
-
     def _quantiles(self, points: Queries, q: Array, extrapolate: bool) -> xr.Dataset:
         named, (mean, std), flags = self._asked(points, True, extrapolate)
         away = np.broadcast_to(self.distribution.quantile(q).T, (len(mean), len(q)))[..., None]
         values = self.reached(np.repeat(mean[:, None], len(q), axis=1), std[:, None], away)
-        flagged = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
-        dims = ("quantile", *named.dims)
-        answer = {
-            name: xr.Variable(dims, own.reshape(len(q), *named.shape), self.attrs_[name])
+        told = self._stacked("quantile", values, named, flags)
+        return told.assign_coords(quantile=("quantile", q, {"long_name": "probability of no more"}))
+
+    def _stacked(self, dim: str, values: Array, named: Points, flags: dict[str, Flags]) -> xr.Dataset:
+        """Label several values of every output at each point, (p, m, n), over a dimension of these m."""
+        dims = (dim, *named.dims)
+        each = {
+            name: xr.Variable(dims, own.reshape(-1, *named.shape), self.attrs_[name])
             for name, own in zip(self.outputs_, values, strict=True)
         }
-        return flagged.assign(answer).assign_coords(quantile=("quantile", q, {"long_name": "probability of no more"}))
+        return named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()}).assign(each)

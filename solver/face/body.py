@@ -1,0 +1,117 @@
+"""What all bodies do alike: names of their fields, what needs c12, and how answers of some cases are put together."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping, Sequence, Set
+from math import prod
+from typing import Any, ClassVar
+
+import numpy as np
+
+from approximation.arrays import Indices
+from solver.arrays import Array, joined
+from solver.face.cases import Cases
+from solver.face.refusal import CaseError
+from solver.fields import FIELDS, INTERIOR, NEED_C12, POINT_FIELDS, SINGULAR
+from solver.halfplane.interior import with_derived
+from solver.halfplane.pressing import ContactError
+from solver.material.constants import MaterialError
+
+
+class Body(ABC):
+    """Cases of one kind, solved: arrays by the names of ``solver.names`` over the axes of the cases, then own axes.
+
+    Parameters
+    ----------
+    cases
+        Of one kind, profile and corner.
+    """
+
+    #: Whether there are places without fields, which are NaN: those in a rigid base.
+    hollow: ClassVar[bool] = True
+    #: Fields inside that need c12, and fields on the surface that are singular at the edges.
+    _need_c12: ClassVar[tuple[str, ...]] = NEED_C12
+    _singular: ClassVar[tuple[str, ...]] = SINGULAR
+
+    def __init__(self, cases: Cases) -> None:
+        self.cases = cases
+        self.shape = tuple(cases.sizes.values())
+
+    @abstractmethod
+    def quantities(self) -> dict[str, Array]:
+        """Quantities that come together and that every case has; (...)."""
+
+    @abstractmethod
+    def peaks(self, asked: Set[str]) -> dict[str, Array]:
+        """Those that are searched for, asked for and that every case has; (...)."""
+
+    @abstractmethod
+    def curves(self, regions: Sequence[str]) -> dict[str, Array]:
+        """Sizes and curves of regions that every case has, see ``solver.curves``; (...) and (..., point)."""
+
+    @np.errstate(all="ignore")  # here and below: what is not finite is named in the outputs
+    def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
+        """Fields on the surface, those that are singular at the edges also in regular form if asked; (..., position).
+
+        Parameters
+        ----------
+        positions
+            X = (x - c)/h, or r/a of a point contact, where the punch slides x/a; (position,).
+        regular
+            Also give fields times sqrt|1 - X^2|.
+        """
+        values = self._surface(positions, regular)
+        ordered = [name for field in {**FIELDS, **POINT_FIELDS} for name in (field, f"{field}_regular")]
+        return {name: values[name] for name in ordered if name in values}
+
+    @np.errstate(all="ignore")
+    def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
+        """Fields inside on the grid of two axes, of a point contact in the plane of symmetry; (..., y, x).
+
+        Parameters
+        ----------
+        x, y
+            In half-widths of the contact, from its middle and the surface.
+        asked
+            Names of fields; None: all of ``solver.fields.INTERIOR`` that need no constant which a material lacks.
+        """
+        names = asked or [name for name in INTERIOR if name not in self._need_c12 or self._lacks_c12 is None]
+        for name in names:
+            if name in self._need_c12:
+                self._require_c12(f"{name} needs")
+        return with_derived(names, lambda linear: self._interior(x, y, linear))
+
+    @abstractmethod
+    def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
+        """As :meth:`surface`, in any order."""
+
+    @abstractmethod
+    def _interior(self, x: Array, y: Array, names: tuple[str, ...]) -> dict[str, Array]:
+        """As :meth:`interior`, of fields that are linear in the tractions, and of potentials."""
+
+    @property
+    @abstractmethod
+    def _lacks_c12(self) -> str | None:
+        """The name of a material without c12."""
+
+    def _require_c12(self, what_needs: str) -> None:
+        if self._lacks_c12 is not None:
+            raise MaterialError(f"{self._lacks_c12}: c12: missing; {what_needs} it [Pa]")
+
+    def _with_regular(self, values: dict[str, Array], positions: Array) -> dict[str, Array]:
+        """Surface fields, and those that are singular at the edges times their root; (..., position) each."""
+        root = np.sqrt(np.abs((1 - positions) * (1 + positions)))
+        return values | {f"{name}_regular": values[name] * root for name in self._singular if name in values}
+
+    def _flat(self, values: Any) -> Array:
+        """Values of all cases in a row; (case,)."""
+        return np.asarray(np.broadcast_to(values, self.shape).ravel(), dtype=np.float64)
+
+    @np.errstate(all="ignore")
+    def _put_together(self, parts: Iterable[tuple[Indices, Mapping[str, Array]]]) -> dict[str, Array]:
+        """Outputs of all cases from places of some among them and outputs of these, as far as all have them; (...)."""
+        try:
+            solved = list(parts)
+        except ContactError as error:
+            raise CaseError(str(error)) from None
+        outputs = joined(solved, prod(self.shape))
+        return {name: values.reshape((*self.shape, *values.shape[1:])) for name, values in outputs.items()}
