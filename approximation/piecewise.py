@@ -57,6 +57,13 @@ class Interval:
         slopes = chebder(series) * 2 / (self.high - self.low)
         return np.concatenate([slopes, np.zeros((1, *slopes.shape[1:]))])
 
+    def taylor(self, terms: int) -> Array:
+        """Return what takes values at the points to the series of f, f', f''/2 and so on; (term, count, point)."""
+        series = [coefficients(np.eye(self.count))]
+        for power in range(1, terms):
+            series.append(self.derived(series[-1]) / power)
+        return np.stack(series)
+
 
 @dataclass(frozen=True, eq=False)
 class Piecewise:
@@ -97,8 +104,8 @@ class Piecewise:
         parts: list[Array] = []
         marks = np.zeros(ends.size - 1) if groups is None else groups
         for first, last in pairwise([0, *(1 + np.flatnonzero(np.diff(marks))).tolist(), marks.size]):
-            found = values(line([count] * (last - first), ends[first : last + 1].tolist()))
-            parts.append(coefficients(found.reshape(last - first, count, *found.shape[1:]), axis=1))
+            tabled = values(line([count] * (last - first), ends[first : last + 1].tolist()))
+            parts.append(coefficients(tabled.reshape(last - first, count, *tabled.shape[1:]), axis=1))
         return cls(ends, np.concatenate(parts))
 
     def at(self, places: Array, mixing: Array | None = None) -> Array:
@@ -119,11 +126,11 @@ class Piecewise:
         bounds = np.searchsorted(own, np.arange(len(series) + 1)).tolist()
         middle, half = (self.ends[1:] + self.ends[:-1]) / 2, np.diff(self.ends) / 2
         T = polynomials((flat[order] - middle[own]) / half[own], count).T
-        found, out = np.empty((flat.size, series.shape[2])), np.empty((flat.size, series.shape[2]))
+        sorted_values, out = np.empty((flat.size, series.shape[2])), np.empty((flat.size, series.shape[2]))
         for coefficients_here, (start, stop) in zip(series, pairwise(bounds), strict=True):
             if stop > start:
-                found[start:stop] = T[start:stop] @ coefficients_here
-        out[order] = found
+                sorted_values[start:stop] = T[start:stop] @ coefficients_here
+        out[order] = sorted_values
         return out.reshape(*places.shape, *(self.series.shape[2:] if mixing is None else mixing.shape[1:]))
 
     def halved(self, values: Callable[[Array], Array], which: Flags) -> "Piecewise":

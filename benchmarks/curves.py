@@ -10,13 +10,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 import solver
+from approximation.arrays import Array
 from benchmarks.timing import least, timed
 from solver.curves import FOLLOWS, REGIONS, described
 from solver.film.contact import FilmContact
-from solver.film.curves import region_curves
 from solver.film.peaks import PeakTable
 from solver.film.stack import RIGID, Layer, Stack
 from solver.film.table import table
@@ -24,8 +23,6 @@ from solver.halfplane.profile import Profile
 from surrogate import GridGP, Input
 from surrogate.transforms.curves.basis import Curves, Largest
 from surrogate.transforms.curves.curvegp import CurveGP
-
-Array = NDArray[np.float64]
 
 THICKNESS, RADIUS = 1e-3, 1.0
 BASES = {"rigid": (RIGID, 100.0, 6.0), "steel": ("steel", 70.0, 11.0)}
@@ -39,7 +36,7 @@ _NODES, _LEAST = 30, 0.04
 _PLACES, _TOGETHER = 15, 100
 
 
-def inputs(base: str) -> list[Input]:
+def _inputs(base: str) -> list[Input]:
     """The groups: composition, friction, P R/(h^2 c33), T/P and J/P."""
     return [
         Input("volume_fraction", 0.05, 0.95, "logit"),
@@ -50,16 +47,8 @@ def inputs(base: str) -> list[Input]:
     ]
 
 
-def solved(base: str, region: str, place: Sequence[float], G: Array, charges: Array) -> dict[str, Array]:
-    """Curves and exact maxima over P/h of cases of one composition and friction; (case, ...).
-
-    Parameters
-    ----------
-    base, region : str, what is below the film, and where its curves lie
-    place : sequence of float, volume fraction and friction
-    G : ndarray, shape (case,), load P R / (h^2 c33)
-    charges : ndarray, shape (case, 2), T/P and J/P as groups
-    """
+def _solved(base: str, region: str, place: Sequence[float], G: Array, charges: Array) -> dict[str, Array]:
+    """Curves and exact maxima over P/h, (case, ...), of one composition and friction; G (case,), charges (case, 2)."""
     fraction, friction = place
     material = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), fraction)
     body = BASES[base][0]
@@ -70,36 +59,22 @@ def solved(base: str, region: str, place: Sequence[float], G: Array, charges: Ar
         whole, Profile.cylinder(np.full(G.shape, RADIUS)), load, load[:, None] * charges, np.ones(G.shape)
     )
     of, unit = PeakTable(whole), load / THICKNESS
-    found = {name: curve if name.endswith("position") else curve / unit[:, None]
-             for name, curve in region_curves(of, contact, region).items()}  # fmt: skip
+    fields = of.curves(contact, region)
+    found = {name: curve if name.endswith("position") else curve / unit[:, None] for name, curve in fields.items()}
     found |= {"mean_pressure": THICKNESS / (2 * contact.half_width), "half_length": contact.half_width}
-    if region == "interface":
-        peaks = of.interface(contact)
-        exact = dict(
-            zip(_OUTPUTS[region], (peaks.shear / unit, peaks.shear_position, peaks.tension / unit), strict=True)
-        )
-    else:
-        body_peaks = of.film(contact)
-        exact = dict(
-            zip(_OUTPUTS[region], (body_peaks.von_mises / unit, body_peaks.principal_tension / unit), strict=True)
-        )
+    peaks = of.peaks(contact, region)
+    exact = {name: peaks[name] if name.endswith("position") else peaks[name] / unit for name in _OUTPUTS[region]}
     return found | exact
 
 
-def grid(base: str, region: str, counts: Sequence[int]) -> xr.Dataset:
-    """Curves and maxima on the levels of the groups.
-
-    Parameters
-    ----------
-    base, region : str, what is below the film, and where its curves lie
-    counts : sequence of int, levels of every group
-    """
-    axes = [axis.levels(count) for axis, count in zip(inputs(base), counts, strict=True)]
+def _grid(base: str, region: str, counts: Sequence[int]) -> xr.Dataset:
+    """Curves and maxima on the levels of the groups."""
+    axes = [axis.levels(count) for axis, count in zip(_inputs(base), counts, strict=True)]
     loads, *charges = (values.ravel() for values in np.meshgrid(*axes[2:], indexing="ij"))
     parts = [
-        solved(base, region, (v, f), loads, np.stack(charges, -1)) for v in axes[0].tolist() for f in axes[1].tolist()
+        _solved(base, region, (v, f), loads, np.stack(charges, -1)) for v in axes[0].tolist() for f in axes[1].tolist()
     ]
-    names = [input_.name for input_ in inputs(base)]
+    names = [input_.name for input_ in _inputs(base)]
     data = xr.Dataset(coords=dict(zip(names, axes, strict=True)))
     for name in parts[0]:
         whole = np.stack([part[name] for part in parts])
@@ -107,16 +82,9 @@ def grid(base: str, region: str, counts: Sequence[int]) -> xr.Dataset:
     return data
 
 
-def fresh(base: str, region: str, places: int, together: int, seed: int) -> xr.Dataset:
-    """Random cases, some at a time of one composition and friction, over `case`.
-
-    Parameters
-    ----------
-    base, region : str, what is below the film, and where its curves lie
-    places, together : int, compositions with a friction, and cases of each
-    seed : int, of the random generator
-    """
-    random, groups = np.random.default_rng(seed), inputs(base)
+def _fresh(base: str, region: str, places: int, together: int, seed: int) -> xr.Dataset:
+    """Random cases, some at a time of one composition and friction, over `case`."""
+    random, groups = np.random.default_rng(seed), _inputs(base)
     columns: dict[str, list[Array]] = {}
     # few as the places are, each lies in a part of its own of either axis
     spread = [2 * (random.permutation(places) + random.uniform(size=places)) / places - 1 for _ in range(2)]
@@ -124,7 +92,7 @@ def fresh(base: str, region: str, places: int, together: int, seed: int) -> xr.D
         u = random.uniform(-1, 1, (5, together))
         u[:2] = np.array(spread)[:, k, None]
         values = [axis.from_unit(row) for axis, row in zip(groups, u, strict=True)]
-        part = solved(base, region, (float(values[0][0]), float(values[1][0])), values[2], np.stack(values[3:], -1))
+        part = _solved(base, region, (float(values[0][0]), float(values[1][0])), values[2], np.stack(values[3:], -1))
         part |= {axis.name: value for axis, value in zip(groups, values, strict=True)}
         for name, value in part.items():
             columns.setdefault(name, []).append(value)
@@ -133,14 +101,8 @@ def fresh(base: str, region: str, places: int, together: int, seed: int) -> xr.D
     )
 
 
-def model(base: str, region: str, error: float) -> CurveGP:
-    """The model of a region, not fitted.
-
-    Parameters
-    ----------
-    base, region : str, what is below the film, and where its curves lie
-    error : float, of the curves' basis, as a share of their size
-    """
+def _model(base: str, region: str, error: float) -> CurveGP:
+    """The model of a region, not fitted."""
     here = REGIONS[region]
     largest: dict[str, Largest] = {}
     for name in _OUTPUTS[region]:
@@ -151,7 +113,7 @@ def model(base: str, region: str, error: float) -> CurveGP:
     sizes = tuple("" if size == "load_over_thickness" else size for size in here.sizes)
     curves = Curves(tuple(described(region)), sizes, here.panels, f"{region}_point")
     return CurveGP(
-        lambda names: GridGP(inputs=inputs(base), compression=1e-2 * error),
+        lambda names: GridGP(inputs=_inputs(base), compression=1e-2 * error),
         [curves],
         largest,
         _OUTPUTS[region],
@@ -159,21 +121,13 @@ def model(base: str, region: str, error: float) -> CurveGP:
     )
 
 
-def compared(base: str, region: str, counts: Sequence[int], cases: xr.Dataset, error: float) -> dict[str, Any]:
-    """Errors of the curves' maxima and of the maximum itself, learnt on the same grid, and times.
-
-    Parameters
-    ----------
-    base, region : str, what is below the film, and where its curves lie
-    counts : sequence of int, levels of every group
-    cases : Dataset, fresh cases
-    error : float, of the curves' basis, as a share of their size
-    """
-    data, solved_in = timed(lambda: grid(base, region, counts))
-    curves, fitted_in = timed(lambda: model(base, region, error).fit(data))
+def _compared(base: str, region: str, counts: Sequence[int], cases: xr.Dataset, error: float) -> dict[str, Any]:
+    """Errors of the curves' maxima and of the maximum itself, learnt on the same grid, and times."""
+    data, solved_in = timed(lambda: _grid(base, region, counts))
+    curves, fitted_in = timed(lambda: _model(base, region, error).fit(data))
     names = list(_OUTPUTS[region])
-    plain = GridGP(inputs=inputs(base), outputs=names).fit(data[names])
-    X = np.stack([cases[input_.name].values for input_ in inputs(base)], axis=1)
+    plain = GridGP(inputs=_inputs(base), outputs=names).fit(data[names])
+    X = np.stack([cases[input_.name].values for input_ in _inputs(base)], axis=1)
     exact = np.stack([cases[name].values for name in names], axis=1)
     spread = np.ptp(exact, axis=0)
     out: dict[str, Any] = {
@@ -201,9 +155,9 @@ def measure() -> dict[str, Any]:
     measured: dict[str, Any] = {}
     for base in BASES:
         for region, grids in GRIDS.items():
-            cases = fresh(base, region, _PLACES, _TOGETHER, 1)
+            cases = _fresh(base, region, _PLACES, _TOGETHER, 1)
             for counts, error in zip(grids, (1e-5, 1e-6), strict=False):
-                measured[f"{base}, {region}, {np.prod(counts)} cases"] = compared(base, region, counts, cases, error)
+                measured[f"{base}, {region}, {np.prod(counts)} cases"] = _compared(base, region, counts, cases, error)
     return measured
 
 

@@ -95,8 +95,8 @@ def _part(levels: int) -> Study:
     study = load(ROOT / "config/large.yaml")
     first = next(iter(study.factors))
     axis = study.factors[first].model_copy(update={"levels": levels})
-    one = study.dataset.model_copy(update={"slabs": 1})
-    return study.model_copy(update={"factors": {**study.factors, first: axis}, "dataset": one})
+    unsplit = study.dataset.model_copy(update={"slabs": 1})
+    return study.model_copy(update={"factors": {**study.factors, first: axis}, "dataset": unsplit})
 
 
 def _contents(path: Path) -> dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:

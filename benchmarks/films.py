@@ -31,20 +31,13 @@ def measure(fresh: int = 1000, held: int = 2500, queries: int = QUERIES) -> dict
     measured: dict[str, float] = {}
     for base in BASES:
         for name, levels in LEVELS.items():
-            study = alone(whole, base, levels)
-            measured |= {f"{base}, {name}: {what}": value for what, value in of(study, fresh, held, queries).items()}
+            study = _alone(whole, base, levels)
+            measured |= {f"{base}, {name}: {what}": value for what, value in _of(study, fresh, held, queries).items()}
     return measured
 
 
-def alone(whole: Study, base: str, levels: tuple[int, ...]) -> Study:
-    """The study of films on one base, with these levels of its groups.
-
-    Parameters
-    ----------
-    whole : Study
-    base : str, below the film
-    levels : tuple of int, of every group
-    """
+def _alone(whole: Study, base: str, levels: tuple[int, ...]) -> Study:
+    """The study of films on one base, with these levels of its groups."""
     groups = {
         text: group.model_dump() | {"levels": count}
         for (text, group), count in zip(whole.groups.items(), levels, strict=True)
@@ -53,14 +46,8 @@ def alone(whole: Study, base: str, levels: tuple[int, ...]) -> Study:
     return studies.remade(whole, fixed=fixed, categories={}, groups=groups, design={}, readout={})
 
 
-def of(study: Study, fresh: int, held: int, queries: int) -> dict[str, float]:
-    """What one data set costs, and what is learnt from it.
-
-    Parameters
-    ----------
-    study : Study
-    fresh, held, queries : int, fresh cases, cases of the calibration, and queries that are timed
-    """
+def _of(study: Study, fresh: int, held: int, queries: int) -> dict[str, float]:
+    """What one data set costs, and what is learnt from it."""
     data, solved = timed(lambda: factorial.exact(study, factorial.axes(study)))
     model, fitted = timed(lambda: training.fit(study, data))
     truth, exact = timed(lambda: factorial.sample(study, fresh, (1, 0)))

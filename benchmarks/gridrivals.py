@@ -4,12 +4,11 @@ from collections.abc import Callable, Sequence
 from functools import reduce
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
 from scipy.interpolate import NdBSpline, make_interp_spline
 from scipy.optimize import minimize
 
 from approximation.arrays import Array
-from approximation.chebyshev import coefficients
+from approximation.chebyshev import coefficients, polynomials
 from benchmarks.rivals import Predict
 from surrogate.use.baseline import contracted
 
@@ -19,18 +18,12 @@ GridFit = Callable[[Sequence[Array], Array], Predict]
 _NOISE = 1e-10
 
 
-def chebyshev(levels: Sequence[Array], values: Array) -> Predict:
-    """The tensor polynomial through all cases; the transform belongs to the fit.
-
-    Parameters
-    ----------
-    levels : sequence of ndarray, shape (n_f,), of every factor in [-1, 1]
-    values : ndarray, shape (n_1, ..., n_d, p), the outputs
-    """
+def _chebyshev(levels: Sequence[Array], values: Array) -> Predict:
+    """The tensor polynomial through all cases; the transform belongs to the fit."""
     kept = reduce(coefficients, range(len(levels)), values)
 
     def predict(at: Array, with_std: bool) -> tuple[Array, None]:
-        rows = [chebvander(column, len(own) - 1) for column, own in zip(at.T, levels, strict=True)]
+        rows = [polynomials(column, len(own)).T for column, own in zip(at.T, levels, strict=True)]
         return contracted(kept, rows), None
 
     return predict
@@ -114,7 +107,7 @@ def _transformed(values: Array, bases: Sequence[Array]) -> Array:
 
 
 GRID_RIVALS: dict[str, GridFit] = {
-    "tensor Chebyshev interpolation": chebyshev,
+    "tensor Chebyshev interpolation": _chebyshev,
     "cubic grid spline (scipy NdBSpline)": _cubic_spline,
     "Kronecker RBF GP (numpy)": kronecker,
 }

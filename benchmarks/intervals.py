@@ -129,7 +129,7 @@ def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict
         }
     random = np.random.default_rng(0)
     ideal = [_worst_parts(t, random.uniform(size=true.shape) < NOMINAL) for _ in range(DRAWS)]
-    measured |= {f"ideal, {part}": float(np.mean([one[part] for one in ideal])) for part in ideal[0]}
+    measured |= {f"ideal, {part}": float(np.mean([draw[part] for draw in ideal])) for part in ideal[0]}
     measured["calibrated, more microseconds a query"] = 1e6 * seconds / len(X)
     return {key: float(value) for key, value in measured.items()}
 

@@ -17,9 +17,10 @@ from time import process_time
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from approximation.arrays import Flags
-from benchmarks.rivals import Array
+from approximation.arrays import Array, Flags
+from benchmarks.rivals import REACH
 from surrogate import Input
+from surrogate.data.inputs import physical_points, unit_coordinates
 from surrogate.data.measurements import Measurements
 from surrogate.transforms.measured.draws import moments
 from surrogate.use.learning import OWN as SHARES
@@ -35,7 +36,6 @@ FAMILY, OWN = 0.1, 0.03
 ERROR, ROWS, FRESH = 0.01, 30, 100
 #: Seeds below were used while the method was chosen.
 FIRST = 10_000
-_REACH = 1.959963984540054
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ class Device:
     def points(self) -> Array:
         """Measured ones first."""
         t = np.random.default_rng((self.seed, 2)).uniform(-1, 1, (self.rows + self.fresh, 2))
-        return np.stack([axis.from_unit(t[:, k]) for k, axis in enumerate(INPUTS)], 1)
+        return physical_points(INPUTS, t.T)
 
     @property
     def truth(self) -> Array:
@@ -141,7 +141,7 @@ class Device:
         random, X = np.random.default_rng((self.seed, 3)), self.points
         outputs = model(X, logs(self.constants))
         if self.scenario.discrepancy:
-            t = np.stack([axis.to_unit(X[:, k]) for k, axis in enumerate(INPUTS)], 1)
+            t = unit_coordinates(INPUTS, X).T
             away = cdist(t, t, "mahalanobis", VI=np.diag(random.uniform(1, 3, 2) ** -2.0))
             root = np.linalg.cholesky(np.exp(-0.5 * away**2) + 1e-9 * np.eye(len(t)))
             outputs[:, :2] += self.scenario.discrepancy * SIZES[:2] * (root @ random.normal(size=(len(t), 2)))
@@ -149,12 +149,12 @@ class Device:
 
     def read(self) -> tuple[Measurements, set[int]]:
         """What is measured, and the rows that hold an outlier."""
-        random, one = np.random.default_rng((self.seed, 4)), self.scenario
+        random, scenario = np.random.default_rng((self.seed, 4)), self.scenario
         row, output = np.nonzero(random.uniform(size=(self.rows, 2)) < 0.9)
         error = ERROR * SIZES[output]
-        value = self.truth[row, output] + one.errors * error * random.normal(size=len(row))
-        value *= 1 + np.where(output == 0, one.gain * random.normal(), 0.0)
-        off = random.choice(len(row), one.outliers, replace=False)
+        value = self.truth[row, output] + scenario.errors * error * random.normal(size=len(row))
+        value *= 1 + np.where(output == 0, scenario.gain * random.normal(), 0.0)
+        off = random.choice(len(row), scenario.outliers, replace=False)
         value[off] += error[off] * random.choice([-1, 1], len(off)) * random.uniform(6, 20, len(off))
         return Measurements(self.points[: self.rows], row, output, value, error), set(row[off].tolist())
 
@@ -198,7 +198,7 @@ def judged(device: Device) -> Held:
     by = slopes(X, found.about[:12])
     base = model(X, logs(found.about[:12])) - by @ found.about[:12]
     means, variances, drawn = [], [], []
-    t = np.stack([axis.to_unit(X[:, k]) for k, axis in enumerate(INPUTS)], 1)
+    t = unit_coordinates(INPUTS, X).T
     random = np.random.default_rng((device.seed, 5))
     for draw in found.draws:
         J = np.concatenate([by, np.zeros((*by.shape[:2], len(draw.mean) - 12))], -1)
@@ -212,29 +212,21 @@ def judged(device: Device) -> Held:
         means.append(mean + J @ draw.mean)
         variances.append(variance + np.einsum("npk,kl,npl->np", J, draw.covariance, J))
     mean, variance = moments(list(zip(means, variances, strict=True)))
-    reach = _REACH * np.sqrt(variance) + 1e-12
+    reach = REACH * np.sqrt(variance) + 1e-12
     inside, ideal = np.abs(truth - mean) <= reach, np.abs(drawn[device.seed % len(drawn)] - mean) <= reach
     whole = np.column_stack([FAMILY * np.repeat(np.eye(3), 3, 0), OWN * np.eye(9)])  # to the nine logarithms
     off_by = whole @ (device.constants - found.mean[:12])
     std = np.sqrt(np.einsum("ck,kl,cl->c", whole, found.covariance[:12, :12], whole))
-    constants = np.abs(off_by) <= _REACH * std
+    constants = np.abs(off_by) <= REACH * std
     kept = ~np.isin(rows.row, list(off))
-    left = np.abs(rows.value - found.left_out[0])[kept] <= _REACH * found.left_out[1][kept]
+    left = np.abs(rows.value - found.left_out[0])[kept] <= REACH * found.left_out[1][kept]
     held = Held(inside[:, :2], inside[:, 2:], constants, left, ideal)
-    held.wrong = wrong(found, rows, off, scenario)
+    held.wrong = _wrong(found, rows, off, scenario)
     return held
 
 
-def wrong(found: Learnt, rows: Measurements, off: set[int], scenario: Scenario) -> list[str]:
-    """What is said that is not so.
-
-    Parameters
-    ----------
-    found : Learnt
-    rows : Measurements
-    off : set of int, numbers of the values that are outliers
-    scenario : Scenario, what is true
-    """
+def _wrong(found: Learnt, rows: Measurements, off: set[int], scenario: Scenario) -> list[str]:
+    """What is said that is not so; ``off`` are the rows that hold an outlier."""
     said = []
     for q, odds in found.odds.items():
         if not scenario.discrepancy and odds > REAL:

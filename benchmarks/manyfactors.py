@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from approximation.arrays import Array
 from benchmarks.history import printed
-from benchmarks.rivals import Array
 from benchmarks.sparse import sparse_grid
 from benchmarks.timing import timed
 from surrogate import GaussianProcess
@@ -39,24 +39,24 @@ def measure(tolerance: float = 1e-3, path: str | Path = ROOT / "config" / "two_l
     box = {input_.name: input_ for input_ in factorial.inputs(study)}
     random = np.random.default_rng(1)
     fresh = random.uniform(-1, 1, (_FRESH, len(study.crossed)))
-    truth, exact = timed(lambda: blocks(study, solved(study, box, fresh)))
+    truth, exact = timed(lambda: _blocks(study, _solved(study, box, fresh)))
     low, spread = truth.min(axis=(0, 1)), np.ptp(truth, axis=(0, 1))
 
     def learned() -> tuple[xr.Dataset, GaussianProcess]:
         parts: list[xr.Dataset] = []
         while "place" in (places := training.places(study, parts)).sizes:
-            parts.append(solved(study, box, scaled(study, box, places)))
+            parts.append(_solved(study, box, _scaled(study, box, places)))
         data = batches.joined(parts)
         return data, training.fit(study, data)
 
     (data, model), ours = timed(learned)
     asked = {name: xr.DataArray(box[name].from_unit(fresh[:, k]), dims="place") for k, name in enumerate(study.crossed)}
     whole = {name: some for name, some in factorial.levels(study).items() if name not in study.crossed}
-    predicted = blocks(study, model.predict({**asked, **whole}, return_std=False))
+    predicted = _blocks(study, model.predict({**asked, **whole}, return_std=False))
     count = data.sizes["place"]
 
     def scaled_blocks(t: Array) -> Array:
-        return np.asarray((blocks(study, solved(study, box, t)) - low) / spread)
+        return np.asarray((_blocks(study, _solved(study, box, t)) - low) / spread)
 
     grid, rival = timed(lambda: sparse_grid(scaled_blocks, fresh.shape[1], count))
     measured = {
@@ -76,39 +76,19 @@ def measure(tolerance: float = 1e-3, path: str | Path = ROOT / "config" / "two_l
     return measured
 
 
-def scaled(study: Study, box: dict[str, Input], places: xr.Dataset) -> Array:
-    """Places in the scaled coordinates of the crossed factors, (n, d).
-
-    Parameters
-    ----------
-    study : Study
-    box : dict of str to Input
-    places : Dataset, the crossed factors over ``place``, SI
-    """
+def _scaled(study: Study, box: dict[str, Input], places: xr.Dataset) -> Array:
+    """Places in the scaled coordinates of the crossed factors, (n, d)."""
     return np.stack([box[name].to_unit(places[name].values) for name in study.crossed], axis=1)
 
 
-def solved(study: Study, box: dict[str, Input], t: Array) -> xr.Dataset:
-    """Exact cases at places and all levels of the other factors.
-
-    Parameters
-    ----------
-    study : Study
-    box : dict of str to Input
-    t : ndarray, shape (n, d), scaled coordinates of the crossed factors
-    """
+def _solved(study: Study, box: dict[str, Input], t: Array) -> xr.Dataset:
+    """Exact cases at places and all levels of the other factors."""
     places = {name: xr.DataArray(box[name].from_unit(t[:, k]), dims="place") for k, name in enumerate(study.crossed)}
     return batches.exact(study, xr.Dataset(places))
 
 
-def blocks(study: Study, cases: xr.Dataset) -> Array:
-    """Cases as blocks, (n, b, p).
-
-    Parameters
-    ----------
-    study : Study
-    cases : Dataset, n places with b levels of the other factors, p outputs
-    """
+def _blocks(study: Study, cases: xr.Dataset) -> Array:
+    """Cases as blocks, (n, b, p)."""
     whole = [name for name in study.factors if name not in study.crossed]
     arrays = xr.broadcast(*(cases[name] for name in study.outputs))
     return np.stack(

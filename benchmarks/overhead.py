@@ -89,12 +89,12 @@ def _clear(folder: Path, study: str) -> None:
         shutil.rmtree(folder / made)
 
 
-def _compare(one: Path, other: Path) -> None:
-    for file in sorted(one.rglob("*")):
+def _compare(first: Path, other: Path) -> None:
+    for file in sorted(first.rglob("*")):
         if file.is_file() and file.name not in NOT_COMPARED and not file.name.startswith("."):
-            twin = other / file.relative_to(one)
+            twin = other / file.relative_to(first)
             if not twin.is_file() or file.read_bytes() != twin.read_bytes():
-                raise RuntimeError(f"{file.relative_to(one)}: the two ways do not make the same")
+                raise RuntimeError(f"{file.relative_to(first)}: the two ways do not make the same")
 
 
 def _done(command: list[str], folder: Path) -> str:

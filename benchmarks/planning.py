@@ -12,10 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from approximation.arrays import Indices
+from approximation.arrays import Array, Indices
 from benchmarks.learning import ERROR, FAMILY, FIRST, INPUTS, OWN, SIZES, Device, Scenario, slopes
-from benchmarks.rivals import Array
-from surrogate.data.inputs import unit_coordinates
+from surrogate.data.inputs import physical_points, unit_coordinates
 from surrogate.transforms.measured.draws import Draw
 from surrogate.use.planning import chosen, joint, spread, widths
 from surrogate.use.residuals import Residuals
@@ -49,7 +48,7 @@ class Planned:
         draw = Draw.of(processes, PRIOR)
         asked = np.random.default_rng((seed, 6)).uniform(-1, 1, (4, 2))  # a place for every output's answer
         places, each = np.concatenate([spread(2, CANDIDATES), asked]), len(outputs)
-        points = np.stack([axis.from_unit(places[:, k]) for k, axis in enumerate(INPUTS)], 1)
+        points = physical_points(INPUTS, places.T)
         where = np.concatenate([np.repeat(np.arange(CANDIDATES), each), CANDIDATES + np.arange(4)])
         output = np.concatenate([np.tile(outputs, CANDIDATES), np.arange(4)])
         both = joint(draw, places[where], output, slopes(points, np.zeros(12))[where, output])

@@ -6,33 +6,54 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import RBFInterpolator
 from sklearn.gaussian_process import GaussianProcessRegressor
-from sklearn.gaussian_process.kernels import RBF, ConstantKernel
+from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 from sklearn.neural_network import MLPRegressor
 
-Array = NDArray[np.float64]
+from approximation.arrays import Array
+from surrogate.intervals.distribution import NOMINAL, Normal
+
+#: Standard deviations to either side that hold 95 % of a normal variable.
+REACH = float(Normal().ends(NOMINAL)[1, 0])
 #: Mean (n, p) at scaled inputs (n, d) and, where asked for and there is one, its standard deviation (n, p).
 Predict = Callable[[Array, bool], tuple[Array, Array | None]]
 #: From scaled inputs (n, d) and standardised outputs (n, p) to a predictor.
 Fit = Callable[[Array, Array], Predict]
 
 
-def scikit_learn(t: Array, y: Array) -> Predict:
+def standardised(values: Array, fit: Callable[[Array], Predict]) -> Predict:
+    """Return a predictor of values that is fitted to them with mean zero and deviation one.
+
+    Parameters
+    ----------
+    values : ndarray, shape (..., p), the outputs
+    fit : callable, gives the predictor of standardised ones
+    """
+    every = tuple(range(values.ndim - 1))
+    offset, scale = values.mean(axis=every), values.std(axis=every)
+    predict = fit((values - offset) / scale)
+
+    def scaled(at: Array, with_std: bool) -> tuple[Array, Array | None]:
+        mean, std = predict(at, with_std)
+        return offset + scale * mean, None if std is None else scale * std
+
+    return scaled
+
+
+def scikit_learn(t: Array, y: Array, noisy: bool = False) -> Predict:
     """One Gaussian process an output, RBF kernel with a length scale an input, marginal likelihood.
 
     Parameters
     ----------
     t : ndarray, shape (n, d), scaled coordinates of the cases
     y : ndarray, shape (n, p), the outputs
+    noisy : bool, whether the cases have noise, which is estimated
     """
-    models = [
-        GaussianProcessRegressor(
-            ConstantKernel(1.0, (1e-4, 1e5)) * RBF(np.ones(t.shape[1]), (1e-2, 1e3)), alpha=1e-10, random_state=0
-        ).fit(t, column)
-        for column in y.T
-    ]
+    kernel = ConstantKernel(1.0, (1e-4, 1e5)) * RBF(np.ones(t.shape[1]), (1e-2, 1e3))
+    if noisy:
+        kernel = kernel + WhiteKernel(1e-4, (1e-10, 1.0))
+    models = [GaussianProcessRegressor(kernel, alpha=1e-10, random_state=0).fit(t, column) for column in y.T]
 
     def predict(at: Array, with_std: bool) -> tuple[Array, Array | None]:
         if not with_std:
@@ -55,19 +76,20 @@ def _rbf_interpolator(t: Array, y: Array) -> Predict:
     return lambda at, with_std: (np.asarray(model(at)), None)
 
 
-def smt(t: Array, y: Array) -> Predict:
+def smt(t: Array, y: Array, noisy: bool = False) -> Predict:
     """Kriging of the Surrogate Modeling Toolbox, one model an output, one start of its search.
 
     Parameters
     ----------
     t : ndarray, shape (n, d), scaled coordinates of the cases
     y : ndarray, shape (n, p), the outputs
+    noisy : bool, whether the cases have noise, which is estimated
     """
     from smt.surrogate_models import KRG
 
     models = []
     for column in y.T:
-        model = KRG(theta0=[1e-1] * t.shape[1], print_global=False, n_start=1)
+        model = KRG(theta0=[1e-1] * t.shape[1], print_global=False, n_start=1, eval_noise=noisy)
         model.set_training_values(t, column)
         model.train()
         models.append(model)
@@ -76,20 +98,17 @@ def smt(t: Array, y: Array) -> Predict:
         mean = np.concatenate([model.predict_values(at) for model in models], axis=1)
         if not with_std:
             return mean, None
-        variance = np.concatenate([model.predict_variances(at) for model in models], axis=1)
+        noise = [np.ravel(model.optimal_noise) if noisy else 0.0 for model in models]
+        variance = np.concatenate(
+            [model.predict_variances(at) + own for model, own in zip(models, noise, strict=True)], axis=1
+        )
         return mean, np.sqrt(np.maximum(variance, 0.0))
 
     return predict
 
 
-def gpytorch(t: Array, y: Array) -> Predict:
-    """Exact batch of independent Gaussian processes in double precision, 100 steps of Adam.
-
-    Parameters
-    ----------
-    t : ndarray, shape (n, d), scaled coordinates of the cases
-    y : ndarray, shape (n, p), the outputs
-    """
+def _gpytorch(t: Array, y: Array) -> Predict:
+    """Exact batch of independent Gaussian processes in double precision, 100 steps of Adam."""
     import gpytorch as gp
     import torch
 
@@ -145,7 +164,7 @@ RIVALS = [
     Rival("scikit-learn MLP", "sklearn", False, _perceptron, (1024, 4096)),
     Rival("scipy RBFInterpolator", "scipy", False, _rbf_interpolator, (256, 1024, 4096)),
     Rival("SMT Kriging", "smt", True, smt, (64, 128)),
-    Rival("GPyTorch exact GP", "gpytorch", True, gpytorch, (256, 512)),
+    Rival("GPyTorch exact GP", "gpytorch", True, _gpytorch, (256, 512)),
 ]
 
 

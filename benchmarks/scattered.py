@@ -12,38 +12,35 @@ import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from resource import RUSAGE_SELF, getrusage
 
 import numpy as np
 import xarray as xr
-from sklearn.gaussian_process import GaussianProcessRegressor
-from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 
+from approximation.arrays import Array
 from benchmarks.history import printed
-from benchmarks.rivals import Array
+from benchmarks.rivals import REACH, Fit, Predict, scikit_learn, smt, standardised
 from benchmarks.timing import timed
 from surrogate import Input, ScatterGP
 
 #: Cases of a fit, and fresh ones.
 CASES = (1000, 10_000, 100_000)
 FRESH = 4000
-DEVIATIONS = 1.959963984540054
 # Ends of the circuit's inputs: resistances b1, b2, f, c1, c2 in kilo-ohms, and the current gain.
 _LOW = np.array([50, 25, 0.5, 1.2, 0.25, 50])
 _HIGH = np.array([150, 70, 3, 2.5, 1.2, 300])
-#: Mean and standard deviation of new cases, (m,) each, at scaled inputs (m, d).
-Predict = Callable[[Array], tuple[Array, Array]]
 
 
 @dataclass(frozen=True)
 class Method:
-    """A way to fit scaled inputs (n, d) and an output (n,), and the most cases that it can be given."""
+    """A way to fit an output, and the most cases that it can be given."""
 
     name: str
     package: str
     most: int
-    fit: Callable[[Array, Array], Predict]
+    fit: Fit
 
 
 def circuit(t: Array) -> Array:
@@ -72,72 +69,32 @@ def ours(t: Array, y: Array) -> Predict:
     Parameters
     ----------
     t : ndarray, shape (n, d), scaled coordinates of the cases
-    y : ndarray, shape (n,), the output
+    y : ndarray, shape (n, 1), the output
     """
     names = [f"x{k}" for k in range(t.shape[1])]
     data = xr.Dataset({name: ("case", column) for name, column in zip(names, t.T, strict=True)})
-    model = ScatterGP(inputs=[Input(name, -1, 1) for name in names]).fit(data.assign(y=("case", y)))
-
-    def predict(at: Array) -> tuple[Array, Array]:
-        mean, std = model.predict_array(at, return_std=True)
-        return mean[:, 0], std[:, 0]
-
-    return predict
-
-
-def scikit_learn(t: Array, y: Array) -> Predict:
-    """Its Gaussian process, RBF kernel with a length scale an input, noise by marginal likelihood.
-
-    Parameters
-    ----------
-    t : ndarray, shape (n, d), scaled coordinates of the cases
-    y : ndarray, shape (n,), the output
-    """
-    smooth = ConstantKernel(1.0, (1e-4, 1e5)) * RBF(np.ones(t.shape[1]), (1e-2, 1e3))
-    kernel = smooth + WhiteKernel(1e-4, (1e-10, 1.0))
-    model = GaussianProcessRegressor(kernel, normalize_y=True, random_state=0).fit(t, y)
-    return lambda at: model.predict(at, return_std=True)
+    model = ScatterGP(inputs=[Input(name, -1, 1) for name in names]).fit(data.assign(y=("case", y[:, 0])))
+    return lambda at, with_std: model.predict_array(at, return_std=True)
 
 
 def _libkriging(t: Array, y: Array) -> Predict:
     """Nested kriging (D. Rulliere et al., Stat. Comput. 28 (2018) 849), groups of 250 cases, without noise."""
     import pylibkriging
 
-    model = pylibkriging.NestedKriging(y, np.asfortranarray(t), "matern5_2", max(2, len(t) // 250))
+    model = pylibkriging.NestedKriging(y[:, 0], np.asfortranarray(t), "matern5_2", max(2, len(t) // 250))
 
-    def predict(at: Array) -> tuple[Array, Array]:
+    def predict(at: Array, with_std: bool) -> tuple[Array, Array]:
         mean, std = model.predict(np.asfortranarray(at), True)
-        return np.ravel(mean), np.ravel(std)
-
-    return predict
-
-
-def smt(t: Array, y: Array) -> Predict:
-    """Kriging of the Surrogate Modeling Toolbox, noise estimated, one start of its search.
-
-    Parameters
-    ----------
-    t : ndarray, shape (n, d), scaled coordinates of the cases
-    y : ndarray, shape (n,), the output
-    """
-    from smt.surrogate_models import KRG
-
-    model = KRG(theta0=[1e-1] * t.shape[1], print_global=False, n_start=1, eval_noise=True)
-    model.set_training_values(t, y)
-    model.train()
-
-    def predict(at: Array) -> tuple[Array, Array]:
-        variance = model.predict_variances(at)[:, 0] + model.optimal_noise
-        return model.predict_values(at)[:, 0], np.sqrt(np.maximum(variance, 0.0))
+        return np.reshape(mean, (-1, 1)), np.reshape(std, (-1, 1))
 
     return predict
 
 
 METHODS = [
     Method("ScatterGP", "surrogate", CASES[-1], ours),
-    Method("scikit-learn GP (RBF, noise)", "sklearn", 1000, scikit_learn),
+    Method("scikit-learn GP (RBF, noise)", "sklearn", 1000, partial(scikit_learn, noisy=True)),
     Method("libKriging nested kriging", "pylibkriging", 10_000, _libkriging),
-    Method("SMT Kriging", "smt", 1000, smt),
+    Method("SMT Kriging", "smt", 1000, partial(smt, noisy=True)),
 ]
 
 
@@ -165,8 +122,9 @@ def _row(method: Method, name: str, count: int) -> dict[str, float]:
     y, new = (values + share * over * random.normal(size=len(values)) for values in (function(t), truth))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a bound met: the rivals' own affair
-        predict, cost = timed(lambda: method.fit(t, y))
-        (mean, std), answered = timed(lambda: predict(fresh))
+        predict, cost = timed(lambda: standardised(y[:, None], lambda values: method.fit(t, values)))
+        answers, answered = timed(lambda: predict(fresh, True))
+    mean, std = (np.asarray(answer)[:, 0] for answer in answers)
     return {
         "fit, seconds": cost.seconds,
         "fit, seconds of processor time": cost.processor,
@@ -174,7 +132,7 @@ def _row(method: Method, name: str, count: int) -> dict[str, float]:
         "a query, microseconds": 1e6 * answered.seconds / FRESH,
         "largest error over range": float(np.abs(mean - truth).max()) / over,
         "root-mean-square error over range": float(np.sqrt(np.mean((mean - truth) ** 2))) / over,
-        "coverage": float(np.mean(np.abs(mean - new) <= DEVIATIONS * std)),
+        "coverage": float(np.mean(np.abs(mean - new) <= REACH * std)),
     }
 
 

@@ -9,9 +9,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.rivals import Array
+from approximation.arrays import Array
 
-_CANDIDATES = np.linspace(-1, 1, 2001)
+_CANDIDATES, _LEVELS = np.linspace(-1, 1, 2001), 16  # of Leja points, and most along a dimension
 
 
 def _leja(count: int) -> Array:
@@ -38,24 +38,22 @@ def basis(t: Array, points: Array) -> Array:
     return polynomials
 
 
-def sparse_grid(
-    solve: Callable[[Array], Array], dimensions: int, most: int, levels: int = 16
-) -> Callable[[Array], Array]:
+def sparse_grid(solve: Callable[[Array], Array], dimensions: int, most: int) -> Callable[[Array], Array]:
     """Learn a function from at most so many points, each where the surplus next to it is largest.
 
     Parameters
     ----------
     solve
         Blocks (n, ...) at points (n, d) of [-1, 1]^d; each value should have a range of about 1.
-    dimensions, most, levels
-        d, points in all, and most levels along a dimension.
+    dimensions, most
+        d, and points in all.
 
     Returns
     -------
     callable
         Blocks at further points.
     """
-    leja_points = _leja(levels)
+    leja_points = _leja(_LEVELS)
     indices, surpluses, accepted = [(0,) * dimensions], [solve(np.zeros((1, dimensions)))[0]], set[int]()
 
     def at(t: Array) -> Array:
@@ -72,7 +70,7 @@ def sparse_grid(
         for k in range(dimensions):
             new = tuple(level + (axis == k) for axis, level in enumerate(indices[best]))
             below = [tuple(n - (axis == j) for axis, n in enumerate(new)) for j in range(dimensions) if new[j]]
-            if max(new) < levels and new not in known and all(one in done for one in below):
+            if max(new) < _LEVELS and new not in known and all(index in done for index in below):
                 point = leja_points[list(new)][None]
                 # a point of the same degree or more in all dimensions is no other's predecessor: surpluses stay
                 surpluses.append(solve(point)[0] - at(point)[0])

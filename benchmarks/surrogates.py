@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.stats import norm, qmc
 
+from approximation.arrays import Array, blocks
 from approximation.chebyshev import gauss_points
+from approximation.sobol import sobol_points
 from benchmarks.gridrivals import GRID_RIVALS
-from benchmarks.rivals import Array, Predict, installed
+from benchmarks.rivals import REACH, Predict, installed, standardised
 from benchmarks.timing import least, timed
 from surrogate import GaussianProcess, GridGP, Input
 from surrogate.data.inputs import unit_coordinates
@@ -154,7 +155,7 @@ def _grid_rivals(data: xr.Dataset, inputs: list[Input], counts: tuple[int, ...])
         [data[name].broadcast_like(data).transpose(*(i.name for i in inputs)).values for name in OUTPUTS], -1
     )
     return [
-        Entry(name, cases, lambda fit=fit: _standardised(values, lambda y: fit(levels, y)), _asker(inputs))  # type: ignore[misc]  # bound now
+        Entry(name, cases, lambda fit=fit: standardised(values, lambda y: fit(levels, y)), _asker(inputs))  # type: ignore[misc]  # bound now
         for name, fit in GRID_RIVALS.items()
     ]
 
@@ -162,26 +163,17 @@ def _grid_rivals(data: xr.Dataset, inputs: list[Input], counts: tuple[int, ...])
 def _scattered(
     name: str, fit: Callable[[Array, Array], Predict], study: Study, inputs: list[Input], size: int
 ) -> Entry:
-    t = 2 * qmc.Sobol(len(inputs), rng=0).random(size) - 1
+    t = 2 * sobol_points(size, len(inputs)) - 1
     values = _stacked(factorial.exact(study, _points(inputs, t.T)))
-    return Entry(name, size, lambda: _standardised(values, lambda y: fit(t, y)), _asker(inputs))
+    return Entry(name, size, lambda: standardised(values, lambda y: fit(t, y)), _asker(inputs))
 
 
-def _standardised(values: Array, fit: Callable[[Array], Predict]) -> tuple[Predict, Array, Array]:
-    """A rival fitted to values (..., p) of mean zero and deviation one, and what gives the old ones back."""
-    every = tuple(range(values.ndim - 1))
-    offset, scale = values.mean(axis=every), values.std(axis=every)
-    return fit((values - offset) / scale), offset, scale
-
-
-def _asker(inputs: list[Input]) -> Callable[[Any, Array, bool], tuple[Array, Array | None]]:
-    def ask(model: tuple[Predict, Array, Array], X: Array, with_std: bool) -> tuple[Array, Array | None]:
-        predict, offset, scale = model
+def _asker(inputs: list[Input]) -> Callable[[Predict, Array, bool], tuple[Array, Array | None]]:
+    def ask(predict: Predict, X: Array, with_std: bool) -> tuple[Array, Array | None]:
         t = unit_coordinates(inputs, X).T
-        parts = [predict(t[start : start + BLOCK], with_std) for start in range(0, len(t), BLOCK)]
+        parts = [predict(t[some], with_std) for some in blocks(len(t), BLOCK)]
         stds = [std for _, std in parts if std is not None]
-        mean = np.concatenate([mean for mean, _ in parts])
-        return offset + scale * mean, scale * np.concatenate(stds) if stds else None
+        return np.concatenate([mean for mean, _ in parts]), np.concatenate(stds) if stds else None
 
     return ask
 
@@ -203,7 +195,7 @@ def _row(entry: Entry, inputs: list[Input], fresh: xr.Dataset) -> dict[str, Any]
         "error": _by_output(error), "coverage": None, "crps": None,
     }  # fmt: skip
     if std is not None:
-        own = np.abs(mean - truth) <= norm.ppf(0.975) * std, crps(truth, mean, std) / over
+        own = np.abs(mean - truth) <= REACH * std, crps(truth, mean, std) / over
         coverage, score = entry.judge(model) if entry.judge else (own[0].mean(axis=0), own[1].mean(axis=0))
         row |= {"coverage": _by_output(coverage), "crps": _by_output(score)}
     print(f"  {told(row)}", flush=True)

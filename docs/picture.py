@@ -58,9 +58,28 @@ def shortened(pairs: Arrows) -> Arrows:
         after[first].add(then)
 
     def reached(rule: str) -> set[str]:
-        return after[rule].union(*(reached(one) for one in after[rule])) if after[rule] else set()
+        return after[rule].union(*map(reached, after[rule]))
 
-    return {(a, b) for a, b in pairs if not any(b in reached(one) for one in after[a] - {b})}
+    return {(a, b) for a, b in pairs if not any(b in reached(other) for other in after[a] - {b})}
+
+
+def opened(title: str, size: tuple[float, float], font: int) -> list[str]:
+    """The first lines of a picture: its paper, and the tips of its arrows.
+
+    Parameters
+    ----------
+    title : str
+    size : (float, float), width and height
+    font : int, size of its letters [px]
+    """
+    wide, high = size
+    return [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide:g} {high:g}"',
+        f'font-family="sans-serif" font-size="{font}">',
+        f'<title>{title}</title><rect width="{wide:g}" height="{high:g}" fill="#fff"/>',
+        '<marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
+        '<path d="M0 0 8 4 0 8z" fill="#777"/></marker>',
+    ]
 
 
 def draw(pairs: Arrows) -> str:
@@ -74,13 +93,7 @@ def draw(pairs: Arrows) -> str:
 
     wide = max(corner(rule)[0] for rule in at) + _WIDTH + _EDGE
     high = max(corner(rule)[1] for rule in at) + _HEIGHT + _EDGE
-    lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide:g} {high:g}"',
-        'font-family="sans-serif" font-size="13">',
-        f'<title>Rules of the pipeline</title><rect width="{wide:g}" height="{high:g}" fill="#fff"/>',
-        '<marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
-        '<path d="M0 0 8 4 0 8z" fill="#777"/></marker>',
-    ]
+    lines = opened("Rules of the pipeline", (wide, high), 13)
     for first, then in sorted(shortened(pairs)):
         (x0, y0), (x1, y1) = corner(first), corner(then)
         x0, y0, y1 = x0 + _WIDTH, y0 + _HEIGHT / 2, y1 + _HEIGHT / 2

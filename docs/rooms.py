@@ -13,7 +13,7 @@ from pathlib import Path
 
 import grimp
 
-from docs.picture import Arrows, shortened
+from docs.picture import Arrows, opened, shortened
 
 FOLDER = Path(__file__).parent
 PAGE = FOLDER / "architecture.md"
@@ -55,10 +55,8 @@ def room(module: str) -> str:
 def places(pairs: Arrows) -> dict[str, tuple[float, int]]:
     """Left end and row of every room; row 0 is the lowest."""
     after: dict[str, set[str]] = defaultdict(set)
-    before: dict[str, set[str]] = defaultdict(set)
     for above, below in pairs:
         after[above].add(below)
-        before[below].add(above)
 
     @cache
     def row(name: str) -> int:
@@ -89,13 +87,7 @@ def draw(pairs: Arrows) -> str:
 
     wide = max(x for x, _ in at.values()) + _WIDTH + _EDGE
     high = _EDGE * 2 + _HEAD + (top + 1) * (_HEIGHT + _GAP_Y) - _GAP_Y
-    lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide:g} {high:g}"',
-        'font-family="sans-serif" font-size="14">',
-        f'<title>Rooms and what they import</title><rect width="{wide:g}" height="{high:g}" fill="#fff"/>',
-        '<marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
-        '<path d="M0 0 8 4 0 8z" fill="#777"/></marker>',
-    ]
+    lines = opened("Rooms and what they import", (wide, high), 14)
     frames = _frames({name: corner(name) for name in at})
     for column, (x, y, x1, y1) in frames.items():
         paper = COLUMNS[column][1]

@@ -1,8 +1,8 @@
 """Curves whose largest values are peaks: which fields on which panels, and how every peak follows from them.
 
-A peak is kinked where its place jumps, the stresses over a region tied to the contact are smooth in every factor. The
-curves of a case are fields at the nodes of Chebyshev panels side by side; a peak is the largest value of a measure of
-these fields, ``max over branches of linear . s + |root s|``, or what another field is at that place.
+A peak has a kink where the place of the largest stress jumps; the stresses over a region that is tied to the contact
+are smooth in every factor. The curves of a case are fields at the nodes of Chebyshev panels side by side. A peak is the
+largest value of a measure of these fields, ``max over branches of linear . s + |root s|``, or another field there.
 """
 
 from dataclasses import dataclass
@@ -13,6 +13,7 @@ from approximation.arrays import Array
 from approximation.measure import Measure
 from approximation.panels import Panels, line
 from solver.described import Described
+from solver.fields import STRESSES
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,11 @@ class Region:
         return Panels(self.across, self.down)
 
     @property
+    def stresses(self) -> tuple[str, ...]:
+        """Those of its fields that are stresses."""
+        return tuple(name for name in self.fields if name.startswith("stress_"))
+
+    @property
     def sizes(self) -> tuple[str, ...]:
         """What every field scales by from case to case; empty where by nothing."""
         own = {"position": "", "depth": "half_length"}
@@ -76,7 +82,6 @@ class Peak:
     place: str = ""
 
 
-_STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
 _HALF = 0.5**0.5
 
 #: Von Mises stress of (sigma_xx, sigma_yy, sigma_xy, sigma_zz) in plane strain.
@@ -97,21 +102,21 @@ PULL = Measure(np.array([[0.0, 1.0], [0.0, 0.0]]), np.zeros((2, 1, 2)))
 
 _BODY = (-2.0, -1.5, -1.2, -1.0, -0.8, -0.5, 0.5, 0.8, 1.0, 1.2, 1.5, 2.0)
 # narrow beside the edges: a tenth of the contact below these, tension is as narrow
-# 1 to 3 is beside an edge, 3 to 5 as far as anything can be largest, even in the logarithm (solver/film/net.py)
+# 1 to 3 is beside an edge, 3 to 5 as far as anything can be largest, even in the logarithm (solver/film/stressnets.py)
 _FILM = (-5.0, -4.0, -3.0, -2.0, -1.0, -0.75, -0.4, 0.4, 0.75, 1.0, 2.0, 3.0, 4.0, 5.0)
 _ACROSS = (10, 10, 10, 11, 11, 11, 14, 11, 11, 11, 10, 10, 10)
 
 #: Regions by name: the half-plane, the lowest interface, the film and its base.
 REGIONS: dict[str, Region] = {
-    "body": Region((*_STRESSES, "depth"), (8, 9, 11, 11, 9, 13, 9, 11, 11, 9, 8), _BODY, (9, 9), (0.0, 0.5, 1.0)),
+    "body": Region((*STRESSES, "depth"), (8, 9, 11, 11, 9, 13, 9, 11, 11, 9, 8), _BODY, (9, 9), (0.0, 0.5, 1.0)),
     "interface": Region(
         ("stress_xy", "stress_yy", "position"),
         (24, 24, 40, 24, 24),
         (-5.0, -3.0, -1.0, 1.0, 3.0, 5.0),
         size="load_over_thickness",
     ),
-    "film": Region(_STRESSES, _ACROSS, _FILM, (10, 9), (-1.0, 0.0, 1.0)),
-    "base": Region(_STRESSES, _ACROSS, _FILM, (10, 9), (-1.0, 0.0, 1.0)),
+    "film": Region(STRESSES, _ACROSS, _FILM, (10, 9), (-1.0, 0.0, 1.0)),
+    "base": Region(STRESSES, _ACROSS, _FILM, (10, 9), (-1.0, 0.0, 1.0)),
 }
 
 #: How every peak follows, by its name.
@@ -130,7 +135,7 @@ FOLLOWS: dict[str, Peak] = {
 
 #: What a field of any region is.
 FIELDS: dict[str, Described] = {
-    **{name: Described("Pa", f"sigma_{name[-2:]} at the points of the panels") for name in _STRESSES},
+    **{name: Described("Pa", f"sigma_{name[-2:]} at the points of the panels") for name in STRESSES},
     "depth": Described("m", "depth of the points"),
     "position": Described("1", "position X = (x - c)/h of the points"),
 }

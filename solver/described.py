@@ -90,6 +90,29 @@ class Outline:
         return (*self.needs, *self.may)
 
 
+def positive(units: str, long_name: str, default: float | None = None, *, optional: bool = False) -> Factor:
+    """A factor that is > 0.
+
+    Parameters
+    ----------
+    units, long_name : str
+    default : float or None, as of :class:`Factor`
+    optional : bool, whether a case may be without it
+
+    Examples
+    --------
+    >>> positive("m", "punch radius R").allowed
+    'a finite number > 0 [m]'
+    """
+    return Factor(units, long_name, default, 0.0, low_allowed=False, optional=optional)
+
+
+def poisson(of: str) -> Factor:
+    """Poisson's ratio of a body that a case may be without."""
+    long_name = f"Poisson's ratio of {of}"
+    return Factor("1", long_name, None, -1.0, low_allowed=False, high=0.5, high_allowed=False, optional=True)
+
+
 def on_datum(units: str, long_name: str, *, on_punch: bool = False) -> Described:
     """An output that depends on the datum of a half-plane.
 

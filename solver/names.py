@@ -1,75 +1,47 @@
 """Names, units and meanings of factors and quantities: one table each, used everywhere."""
 
-from solver.described import Contact, Described, Factor, Loads, Outline, on_datum
+from solver.described import Contact, Described, Factor, Loads, Outline, on_datum, poisson, positive
 
 #: Numeric factors of a case.
 FACTORS: dict[str, Factor] = {
     "volume_fraction": Factor("1", "volume fraction of phase one", None, 0.0, high=1.0),
     "scandium_fraction": Factor("1", "scandium's share x of the metal atoms of Al(1-x)Sc(x)N", None, 0.0, high=0.5),
-    "radius": Factor("m", "punch radius R", None, 0.0, low_allowed=False),
-    "width": Factor("m", "width of a flat punch", None, 0.0, low_allowed=False),
+    "radius": positive("m", "punch radius R"),
+    "width": positive("m", "width of a flat punch"),
     "slope": Factor("1", "slope dg/dx of a wedge's face, or tilt of a flat punch"),
     "moment": Factor("N", "moment int x p dx of the pressure about the middle of a flat punch, instead of its slope"),
     "friction": Factor("1", "Coulomb coefficient eta", 0.0, 0.0),
-    "load": Factor("N m-1", "normal load P", None, 0.0, low_allowed=False),
+    "load": positive("N m-1", "normal load P"),
     "charge": Factor("C m-1", "electric charge T", 0.0),
     "magnetic_charge": Factor("Wb m-1", "magnetic charge J", 0.0),
-    "exponent": Factor("1", "exponent of a punch's profile coefficient r^exponent", None, 0.0, low_allowed=False),
-    "coefficient": Factor("1", "coefficient of a punch's profile, lengths in m", None, 0.0, low_allowed=False),
-    "force": Factor("N", "normal force of a point contact", None, 0.0, low_allowed=False),
+    "exponent": positive("1", "exponent of a punch's profile coefficient r^exponent"),
+    "coefficient": positive("1", "coefficient of a punch's profile, lengths in m"),
+    "force": positive("N", "normal force of a point contact"),
     "total_charge": Factor("C", "electric charge of the punch of a point contact", 0.0),
     "total_flux": Factor("Wb", "magnetic charge of the punch of a point contact", 0.0),
     "speed": Factor("m s-1", "steady sliding speed V", 0.0, 0.0),
-    "datum": Factor("m", "reference length L of the potentials", 1.0, 0.0, low_allowed=False),
-    "gap_permittivity": Factor(
-        "1", "relative permittivity of what fills the gap beside the contact", 1.0, 0.0, low_allowed=False
-    ),
-    "gap_radius": Factor(
-        "m", "radius at which the gap beside a point contact ends", None, 0.0, low_allowed=False, optional=True
-    ),
-    "thickness": Factor("m", "thickness of a film", None, 0.0, low_allowed=False, optional=True),
+    "datum": positive("m", "reference length L of the potentials", 1.0),
+    "gap_permittivity": positive("1", "relative permittivity of what fills the gap beside the contact", 1.0),
+    "gap_radius": positive("m", "radius at which the gap beside a point contact ends", optional=True),
+    "thickness": positive("m", "thickness of a film", optional=True),
     "base_volume_fraction": Factor(
         "1", "volume fraction of phase one at the base of a graded film", None, 0.0, high=1.0, optional=True
     ),
     "grading_exponent": Factor("1", "exponent of a graded film's depth", None, 1.0, optional=True),
     "collector": Factor("1", "number of the electrode that is read, from the top", None, 1.0),
     "electrode_voltage": Factor("V", "of the whole electrode that is read, all others at zero", None),
-    "patch_size": Factor(
-        "m",
-        "of the patch along x: diameter of a disc or ring, width of a strip or rectangle",
-        None,
-        0.0,
-        low_allowed=False,
-    ),
-    "patch_hole": Factor("m", "inner diameter of a patch that is a ring", None, 0.0, low_allowed=False),
-    "patch_length": Factor("m", "of a patch that is a rectangle, across x", None, 0.0, low_allowed=False),
+    "patch_size": positive("m", "of the patch along x: diameter of a disc or ring, width of a strip or rectangle"),
+    "patch_hole": positive("m", "inner diameter of a patch that is a ring"),
+    "patch_length": positive("m", "of a patch that is a rectangle, across x"),
     "patch_position": Factor("m", "of the patch's middle from that of the contact", 0.0),
-    "patch_pitch": Factor("m", "distance of the middles of neighbouring patches", None, 0.0, low_allowed=False),
+    "patch_pitch": positive("m", "distance of the middles of neighbouring patches"),
     "floating_neighbours": Factor(
         "1", "strips or discs that float on each side of that which is read, bare gaps between", None, 0.0, high=20.0
     ),
-    "base_modulus": Factor("Pa", "Young's modulus of a film's base", None, 0.0, low_allowed=False, optional=True),
-    "base_poisson": Factor(
-        "1",
-        "Poisson's ratio of a film's base",
-        None,
-        -1.0,
-        low_allowed=False,
-        high=0.5,
-        high_allowed=False,
-        optional=True,
-    ),
-    "punch_modulus": Factor("Pa", "Young's modulus of the punch", None, 0.0, low_allowed=False, optional=True),
-    "punch_poisson": Factor(
-        "1",
-        "Poisson's ratio of the punch",
-        None,
-        -1.0,
-        low_allowed=False,
-        high=0.5,
-        high_allowed=False,
-        optional=True,
-    ),
+    "base_modulus": positive("Pa", "Young's modulus of a film's base", optional=True),
+    "base_poisson": poisson("a film's base"),
+    "punch_modulus": positive("Pa", "Young's modulus of the punch", optional=True),
+    "punch_poisson": poisson("the punch"),
 }
 
 #: The factor that says what each composite is made of; the laws are those of ``solver/material/laws.py``.

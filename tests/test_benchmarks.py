@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import benchmarks.__main__ as runner
+from approximation.arrays import Array
 from approximation.chebyshev import gauss_points
 from benchmarks import direct, gridrivals, intervals, overhead, page, planning, rivals, scattered, sparse, surrogates
-from benchmarks.rivals import Array
 from benchmarks.timing import least, timed
 from surrogate import GridGP
 from surrogate.gp import finiterank

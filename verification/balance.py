@@ -2,18 +2,15 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
-import xarray as xr
 
 import solver
 from solver.fields import FIELDS as SURFACE_FIELDS
-from verification.cases import CHARGED, SIH_SONG, Array, constants
+from verification.cases import CHARGED, SIH_SONG, Array, Case, constants, half_length
 from verification.findings import Check, Findings, Sizes, check, off
 from verification.oracles.fem import FIELDS, constitutive_matrix
 
-Case = dict[str, Any]
 CASES: dict[str, Case] = {
     "cylinder": {"material": SIH_SONG, **CHARGED},
     "tilted flat punch": {
@@ -48,8 +45,8 @@ def run(sizes: Sizes) -> Findings:
             "work of E and of H around closed boxes inside, over that along their sides", 1e-11,
             partial(_circulation, seed=sizes.seed),
         ),
-        "Totals": ("resultants of stress, D and B on a box about the contact, and Q, P, T, J", 1e-10, totals),
-        "Constitutive law": ("fluxes, and those of strains, E and H by equations (1a)-(1c)", 1e-12, constitutive),
+        "Totals": ("resultants of stress, D and B on a box about the contact, and Q, P, T, J", 1e-10, _totals),
+        "Constitutive law": ("fluxes, and those of strains, E and H by equations (1a)-(1c)", 1e-12, _constitutive),
         "Surface": ("interior fields at y = 0, and the surface solution", 1e-11, _at_surface),
         "Far field": ("r times the fields at 1e7 half-widths, and at 1e8", 1e-5, _far_field),
     }  # fmt: skip
@@ -110,10 +107,10 @@ def _sides(case: Case, box: Array, across: str, along: str) -> tuple[Array, Arra
     return upright[:, 0] * heights, upright[:, 1] * heights, horizontal[0] * widths, horizontal[1] * widths
 
 
-def totals(case: Case) -> float:
+def _totals(case: Case) -> float:
     """Resultants on a box about the contact against Q, P, T, J; over the sum of the sizes of its sides' resultants."""
     found = solver.solve(case)
-    half = float(found.contact_trailing + found.contact_leading) / 2
+    half = half_length(found)
     charges = [case.get("charge", 0.0), case.get("magnetic_charge", 0.0)]
     loads = np.array([case["friction"] * case["load"], case["load"], *charges])
     worst = 0.0
@@ -127,7 +124,7 @@ def totals(case: Case) -> float:
     return worst
 
 
-def constitutive(case: Case) -> float:
+def _constitutive(case: Case) -> float:
     """Largest error of a flux over its largest value."""
     fields = [name for pair in (*FLOWS, *POTENTIAL_FIELDS) for name in pair]
     inside = solver.solve_interior(case, X, Y, fields=[*fields, "strain_xx", "strain_yy", "strain_xy"])
@@ -135,7 +132,7 @@ def constitutive(case: Case) -> float:
     state += [-inside[name] for pair in POTENTIAL_FIELDS for name in pair]
     material = constants(solver.find(case["material"]))
     fluxes = np.einsum("ij,jkl->ikl", constitutive_matrix(material), np.stack([part.values for part in state]))
-    return max(_off(inside[name], flux) for name, flux in zip(FIELDS, fluxes, strict=True))
+    return max(off(inside[name], flux) for name, flux in zip(FIELDS, fluxes, strict=True))
 
 
 def _at_surface(case: Case) -> float:
@@ -143,15 +140,15 @@ def _at_surface(case: Case) -> float:
     surface = solver.solve(case, X)
     names = [name for name in SURFACE_FIELDS if name not in ("contact_pressure", "shear_traction")]
     inside = solver.solve_interior(case, X, [0.0], fields=[*names, "stress_yy", "stress_xy"]).isel(y=0)
-    traction = max(_off(-inside.stress_yy, surface.contact_pressure), _off(inside.stress_xy, surface.shear_traction))
-    return max(traction, *(_off(inside[name], surface[name]) for name in names))
+    traction = max(off(-inside.stress_yy, surface.contact_pressure), off(inside.stress_xy, surface.shear_traction))
+    return max(traction, *(off(inside[name], surface[name]) for name in names))
 
 
 def _far_field(case: Case) -> float:
     """Largest change of r times a field, over its largest value, from 1e7 to 1e8 half-widths."""
     names = [name for pair in FLOWS for name in pair]
     near, far = (solver.solve_interior(case, r * X, r * Y[:-1], fields=names) * r for r in (1e7, 1e8))
-    return max(_off(near[name], far[name]) for name in names if np.any(far[name]))
+    return max(off(near[name], far[name]) for name in names if np.any(far[name]))
 
 
 def _flamant() -> float:
@@ -159,8 +156,7 @@ def _flamant() -> float:
     load, friction, r = 1e5, 0.3, 1e6
     material = solver.Material.isotropic(200e9, 0.3)
     case = {"material": material, "radius": 0.05, "load": load, "friction": friction}
-    ends = solver.solve(case)
-    half = float(ends.contact_trailing + ends.contact_leading) / 2
+    half = half_length(solver.solve(case))
     fields = solver.solve_interior(case, r * X, r * Y, fields=["stress_xx", "stress_yy", "stress_xy"])
     x, y = np.meshgrid(r * half * X, r * half * Y)
     distance = np.hypot(x, y)
@@ -168,8 +164,3 @@ def _flamant() -> float:
     expected = {"stress_xx": x * x, "stress_yy": y * y, "stress_xy": x * y}
     size = float(np.max(np.abs(radial)))
     return max(float(np.max(np.abs(fields[k] - radial * v / distance**2))) / size for k, v in expected.items())
-
-
-def _off(found: xr.DataArray, expected: xr.DataArray | Array) -> float:
-    """As :func:`off`; 0 where both vanish."""
-    return off(found, expected) if np.any(np.asarray(expected)) else float(np.max(np.abs(found)))

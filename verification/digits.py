@@ -1,12 +1,10 @@
 """Every quantity and field against the 50-digit evaluation: random cases, and the extremes."""
 
-from typing import Any
-
 import numpy as np
 from mpmath import isnan
 
 import solver
-from verification.cases import CHARGED, SIH_SONG, constants
+from verification.cases import CHARGED, SIH_SONG, Case, constants
 from verification.findings import Check, Findings, Sizes, check, off_each
 from verification.oracles import interior, precise
 
@@ -17,7 +15,7 @@ TOLERANCE = 1e-11
 _KINDS = ("conducting", "insulating")
 _HUGE = {"radius": 1e6, "load": 1e6, "charge": -1e-5, "magnetic_charge": 2e-2, "datum": 3e5}
 _TINY = {"radius": 1e-6, "load": 1e-6, "charge": -1e-17, "magnetic_charge": 2e-14, "datum": 3e5}
-EXTREMES: dict[str, dict[str, Any]] = {
+EXTREMES: dict[str, Case] = {
     "no friction": {"friction": 0.0},
     "next to no friction": {"friction": 1e-12},
     "steep friction": {"friction": 10.0},
@@ -55,11 +53,11 @@ def run(sizes: Sizes) -> Findings:
     )
 
 
-def _extremes() -> dict[str, dict[str, Any]]:
+def _extremes() -> dict[str, Case]:
     return {name: {"material": SIH_SONG, **CHARGED, **change} for name, change in EXTREMES.items()}
 
 
-def _random(random: np.random.Generator) -> dict[str, Any]:
+def _random(random: np.random.Generator) -> Case:
     """A case over the wide ranges that the solver is for."""
     electric, magnetic = (str(kind) for kind in random.choice(_KINDS, 2, p=(0.7, 0.3)))
     load = float(10 ** random.uniform(1, 6))
@@ -76,12 +74,12 @@ def _random(random: np.random.Generator) -> dict[str, Any]:
     }
 
 
-def _told(case: dict[str, Any]) -> str:
+def _told(case: Case) -> str:
     numbers = ", ".join(f"{name} {case[name]:.2g}" for name in ("radius", "friction", "load"))
     return f"{case['material']}, {numbers}, {case['electric']}/{case['magnetic']}"
 
 
-def _surface_error(case: dict[str, Any], places: tuple[float, ...]) -> float:
+def _surface_error(case: Case, places: tuple[float, ...]) -> float:
     """Largest relative error of a quantity or of a surface field at a place."""
     solved = solver.solve(case, places)
     factors = {name: value for name, value in case.items() if name != "material"}
@@ -91,7 +89,7 @@ def _surface_error(case: dict[str, Any], places: tuple[float, ...]) -> float:
     return max(quantities, *(off_each(solved[name], np.array(v, float)) for name, v in exact.fields.items()))
 
 
-def _interior_error(case: dict[str, Any]) -> float:
+def _interior_error(case: Case) -> float:
     """Largest error of a field inside, over its largest value."""
     material = solver.find(case["material"])
     points = [(x, y) for y in Y_INSIDE for x in X_INSIDE]

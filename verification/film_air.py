@@ -1,19 +1,19 @@
 """Contacts with air beside them against spectral finite elements of body, gap and punch."""
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
 
 import numpy as np
+import xarray as xr
 
 import solver
-from verification.cases import constants
-from verification.findings import Curve, Findings, Sizes, check, off
+from verification.cases import Case, constants, half_length
+from verification.findings import Findings, Sizes, off
 from verification.oracles.fem_film import ELECTRIC, Layer, Punch
 from verification.oracles.fem_gap import GapContact
 from verification.oracles.sample_materials import isotropic
+from verification.orders import orders_of, refined
 
-Case = dict[str, Any]
 STEEL = 210e9, 0.3  # of the punch
 _FROM, _TO = 1.02, 5.0  # abs((x - c)/h) beside the contact, at which potentials are compared
 SLIDING: Case = {
@@ -41,26 +41,14 @@ INSIDE = ("stress_xx", "stress_yy", "stress_xy", "electric_displacement_x", "ele
 
 def run(sizes: Sizes) -> Findings:
     """Every case at rising orders."""
-    orders = range(4, 3 + sizes.elements // 6, 2)
-    slack = 10 ** ((10 - orders[-1]) / 2)
-    checks, curves = [], []
-    for name, case in CASES.items():
-        compared = [Compared(case, order) for order in orders]
-        asked = COMPARED if "punch_modulus" in case else COMPARED | FIELDS_COMPARED
-        checks += [
-            check(f"{what}: {name}", text, tolerance * slack, compared[-1].error, what)
-            for what, (text, tolerance) in asked.items()
-        ]
-        errors = [contact.error("voltage") for contact in compared]
-        curves.append(Curve("film_air", name, "order of the polynomials", list(map(float, orders)), errors))
+    contacts = {name: partial(Compared, case) for name, case in CASES.items()}
     return Findings(
         "Air beside the contact by finite elements",
         "Layers, base and an elastic punch in spectral elements, the air a spring on the potentials of the surface "
         "beside the contact, as strong as the gap says that the solution has. They are given the solver's half-length; "
         "load, centre and voltage must come out, potentials beside the contact and fields inside the film. "
-        f"Order {orders[-1]}.",
-        checks,
-        curves,
+        f"Order {orders_of(sizes)[-1]}.",
+        *refined("film_air", "voltage", contacts, sizes),
     )
 
 
@@ -70,6 +58,11 @@ class Compared:
 
     case: Case
     order: int
+
+    @property
+    def compared(self) -> dict[str, tuple[str, float]]:
+        """What is, and the tolerance at order 10."""
+        return COMPARED if "punch_modulus" in self.case else COMPARED | FIELDS_COMPARED
 
     def error(self, what: str) -> float:
         """Relative error of one of ``COMPARED`` or ``FIELDS_COMPARED``."""
@@ -93,20 +86,17 @@ class Compared:
         depth = self.case["thickness"] / 2
         expected, y = self.contact.fields(X, depth), -depth / self.contact.half_length
         found = solver.solve_interior(self.case, X, [y], fields=INSIDE)
-        return max(
-            float(np.max(np.abs(found[name].to_numpy()[0] - expected[name])) / np.max(np.abs(expected[name])))
-            for name in INSIDE
-        )
+        return max(off(found[name][0], expected[name]) for name in INSIDE)
 
     @cached_property
-    def solved(self) -> dict[str, float]:
+    def solved(self) -> xr.Dataset:
         """Quantities of the solver."""
-        return {str(name): float(value) for name, value in solver.solve(self.case).items()}
+        return solver.solve(self.case)
 
     @cached_property
     def contact(self) -> GapContact:
         """The finite elements."""
-        case, half = self.case, (self.solved["contact_trailing"] + self.solved["contact_leading"]) / 2
+        case, half = self.case, float(half_length(self.solved))
         layer = Layer(constants(solver.find(case["material"])), case["thickness"], (ELECTRIC,))
         punch = Punch(case["radius"], case["friction"], case["charge"], 0.0, (ELECTRIC,))
         elastic = isotropic(case["punch_modulus"], case["punch_poisson"]) if "punch_modulus" in case else None

@@ -1,27 +1,16 @@
-"""Cases of films and the solver's answers: through its face, but stacks and the tractions of interfaces by its room."""
+"""Cases of films, and what the solver says of them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
-
-import numpy as np
 
 import solver
-from solver.film.contact import FilmContact
-from solver.film.interior import fields_of
-from solver.film.peaks import PeakTable
-from solver.film.stack import RIGID, Layer, Stack
-from solver.film.surface import SurfaceTable
-from solver.film.table import table
-from solver.film.tractions import TractionTable
-from solver.halfplane.profile import Profile
-from verification.cases import Array
+from verification.cases import Array, Case, half_length
 from verification.oracles.fem import FIELDS
 
-Case = dict[str, Any]
 Answers = dict[str, Array]
 PUNCH: Case = {"radius": 0.05, "load": 1e5, "surroundings": "insulated"}
 COMPOSITE: Case = {**PUNCH, "volume_fraction": 0.5, "thickness": 2e-4, "friction": 0.3}
+STACK = solver.Stack([solver.Layer(solver.find("BaTiO3"), 1e-4), solver.Layer(solver.find("CoFe2O4"), 1.5e-4)], "rigid")
 CASES: dict[str, Case] = {
     "BaTiO3 on a rigid base": {**PUNCH, "material": "BaTiO3", "thickness": 5e-4, "base": "rigid"},
     "composite on a rigid base, charged": {**COMPOSITE, "base": "rigid", "charge": 2e-5, "magnetic_charge": 1e-2},
@@ -39,30 +28,26 @@ CASES: dict[str, Case] = {
         "friction": 0.3, "charge": 1e-5,
     },
     "BaTiO3 on CoFe2O4 on a rigid base": {
-        **PUNCH, "layers": (("BaTiO3", 1e-4), ("CoFe2O4", 1.5e-4)), "friction": 0.3, "charge": 1e-5,
+        **PUNCH, "body": STACK, "friction": 0.3, "charge": 1e-5,
     },
 }  # fmt: skip
 FLUXES = ("electric_displacement_y", "magnetic_induction_y")
 RESPONSES = ("depth", "voltage", "magnetic_potential")
+EXTREMES = ("interface_shear", "interface_tension")
 INTENSITIES = ("electric_edge_intensity", "magnetic_edge_intensity")
 
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A case by the solver: stacks, and peaks of interfaces, by its room of films, the rest through its face."""
+    """A case, and what the solver says of it."""
 
     case: Case
-
-    @property
-    def stacked(self) -> bool:
-        """Whether there are several layers."""
-        return "layers" in self.case
 
     @cached_property
     def layers(self) -> list[tuple[solver.Material, float]]:
         """Material and thickness [m] of every layer."""
-        if self.stacked:
-            return [(solver.find(name), thickness) for name, thickness in self.case["layers"]]
+        if "body" in self.case:
+            return [(layer.material, layer.thickness) for layer in self.case["body"].layers]
         if "material" in self.case:
             return [(solver.find(self.case["material"]), self.case["thickness"])]
         phases = solver.find("BaTiO3"), solver.find("CoFe2O4")
@@ -91,37 +76,19 @@ class Solved:
         return self.case.get("charge", 0.0), self.case.get("magnetic_charge", 0.0)
 
     @cached_property
-    def contact(self) -> FilmContact:
-        """The contact by a table of its own about the half-length."""
-        *upper, lowest = self.layers
-        layers = *(Layer(*layer) for layer in upper), Layer(*lowest, *self.interface)
-        profile, load = Profile.cylinder(np.array(self.case["radius"])), np.array([self.case["load"]])
-        stack = Stack(layers, self.base or RIGID)
-        wide = table(stack, self.case.get("friction", 0.0), self.conducts, least=0.05, most=12.0, nodes=24)
-        solved = FilmContact(wide, profile, load, np.array([self.charges]), np.array(1.0))
-        return replace(solved, table=wide.narrowed(float(solved.half_width[0])))
+    def half_length(self) -> float:
+        """(a + b)/2 [m]."""
+        return float(half_length(solver.solve(self.case)))
 
     def quantities(self, datum: float) -> Answers:
         """Quantities by name, the largest tractions of the lowest interface among them."""
-        contact = self.contact
-        peaks = PeakTable(contact.table).interface(contact)
-        extremes = {"interface_shear": peaks.shear[0], "interface_tension": peaks.tension[0]}
-        if not self.stacked:
-            found = solver.solve(self.case | {"datum": datum})
-            return {str(name): value.values for name, value in found.items()} | extremes
-        out = dict(zip(RESPONSES, contact.response[0], strict=True)) | extremes
-        for end, side in (("trailing", 1.0), ("leading", -1.0)):
-            out |= zip((f"{name}_{end}" for name in INTENSITIES), contact.edge_intensity(side)[0], strict=True)
-        return out | {"contact_trailing": contact.trailing[0], "contact_leading": contact.leading[0]}
+        found = solver.solve(self.case | {"datum": datum}, peaks=EXTREMES)
+        return {str(name): value.values for name, value in found.items()}
 
     def surface(self, at: Array) -> Answers:
         """Surface fields by name."""
-        names = ("contact_pressure", "stress_xx", *FLUXES)
-        if self.stacked:
-            found = SurfaceTable(self.contact.table, at).fields(self.contact)
-            return {name: found[name][0] for name in names}
         solved = solver.solve(self.case, at)
-        return {name: solved[name].values for name in names}
+        return {name: solved[name].values for name in ("contact_pressure", "stress_xx", *FLUXES)}
 
     def inside(self, at: Array, Y: Array) -> Answers:
         """``FIELDS`` (depth, place).
@@ -131,8 +98,5 @@ class Solved:
         at : ndarray, shape (place,), along the surface over the contact's half-width
         Y : ndarray, shape (depth,), depths over the same
         """
-        if not self.stacked:
-            found = solver.solve_interior(self.case, at, Y, fields=FIELDS)
-            return {name: found[name].values for name in FIELDS}
-        tractions = TractionTable(self.contact.table).read(self.contact)
-        return dict(zip(FIELDS, fields_of(tractions, at, Y, FIELDS, self.contact.datum)[0], strict=True))
+        found = solver.solve_interior(self.case, at, Y, fields=FIELDS)
+        return {name: found[name].values for name in FIELDS}

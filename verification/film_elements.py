@@ -1,16 +1,18 @@
 """Films against spectral finite elements of the whole coupled contact, which find its edges as well."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from typing import ClassVar
 
 import numpy as np
 
-from verification.cases import Array, constants
-from verification.film_cases import CASES, FLUXES, INTENSITIES, RESPONSES, Answers, Solved
-from verification.findings import Curve, Findings, Sizes, check, off
+from verification.cases import constants
+from verification.film_cases import CASES, EXTREMES, FLUXES, INTENSITIES, RESPONSES, Answers, Solved
+from verification.findings import Findings, Sizes, off
 from verification.oracles import fem_film
 from verification.oracles.fem import FIELDS
 from verification.oracles.fem_film import ELECTRIC, MAGNETIC
+from verification.orders import orders_of, refined
 
 X, BESIDE = np.array([-0.9, -0.5, 0.0, 0.5, 0.9]), np.array([-1.5, -1.2, 1.2, 1.5])
 WHERE = np.sort(np.concatenate([X, BESIDE, [-1.0, 1.0]]))
@@ -31,25 +33,13 @@ COMPARED = {
 
 def run(sizes: Sizes) -> Findings:
     """Every case at rising orders."""
-    orders = range(4, 3 + sizes.elements // 6, 2)
-    slack = 10 ** ((10 - orders[-1]) / 2)
-    checks, curves = [], []
-    for name, case in CASES.items():
-        solved = Solved(case)
-        finest = Compared(solved, orders[-1])
-        checks += [
-            check(f"{what}: {name}", text, tolerance * slack, finest.error, what)
-            for what, (text, tolerance) in COMPARED.items()
-        ]
-        errors = [*(Compared(solved, order).load for order in orders[:-1]), finest.load]
-        curves.append(Curve("film_elements", name, "order of the polynomials", list(map(float, orders)), errors))
+    contacts = {name: partial(Compared, Solved(case)) for name, case in CASES.items()}
     return Findings(
         "Films by finite elements",
         "Layers and base in spectral elements that shrink towards both edges, under the conditions of the contact "
         "itself: displacement and potentials below the punch, Coulomb's law, no singular pressure. They are given the "
-        f"solver's half-length; load, centre and all else must come out. Order {orders[-1]}.",
-        checks,
-        curves,
+        f"solver's half-length; load, centre and all else must come out. Order {orders_of(sizes)[-1]}.",
+        *refined("film_elements", "load", contacts, sizes),
     )
 
 
@@ -59,13 +49,14 @@ class Compared:
 
     solved: Solved
     order: int
+    compared: ClassVar[dict[str, tuple[str, float]]] = COMPARED
 
     def error(self, what: str) -> float:
         """Largest error of one of ``COMPARED``."""
         if what == "load":
             return self.load
         found, expected = getattr(self, what)
-        return max(_off(found[name], value) for name, value in expected.items())
+        return max(off(found[name], value) for name, value in expected.items())
 
     @property
     def load(self) -> float:
@@ -83,7 +74,7 @@ class Compared:
         sliding = one.case["radius"], one.case.get("friction", 0.0)
         punch = fem_film.Punch(*sliding, *one.charges, tuple(numbers[list(one.conducts)]))
         base = None if one.base is None else constants(one.base)
-        return fem_film.FilmContact(layers, base, punch, float(one.contact.half_width[0]), self.order)
+        return fem_film.FilmContact(layers, base, punch, one.half_length, self.order)
 
     @cached_property
     def quantities(self) -> Answers:
@@ -141,7 +132,7 @@ class Compared:
     def interface(self) -> tuple[Answers, Answers]:
         """Largest shear, and largest tension or 0."""
         tractions = self.contact.interface(len(self.solved.layers) - 1)
-        expected = [self.quantities[f"interface_{name}"] for name in ("shear", "tension")]
+        expected = [self.quantities[name] for name in EXTREMES]
         return {"extremes": np.array([tractions["shear"], max(tractions["tension"], 0.0)])}, {
             "extremes": np.array(expected)
         }
@@ -156,9 +147,3 @@ class Compared:
 def _by_unit(fields: Answers) -> Answers:
     """Fields of one unit together, so that small ones count by the large."""
     return {unit: np.stack([fields[name] for name in names]) for unit, names in _BY_UNIT.items()}
-
-
-def _off(found: Array, expected: Array) -> float:
-    """Largest difference over the largest expected size; 0 where both vanish."""
-    size = np.max(np.abs(expected))
-    return float(np.max(np.abs(found - expected)) / size) if size else float(np.max(np.abs(found)))

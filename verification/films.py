@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import cache, partial
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -15,10 +14,9 @@ from solver.film.system import System
 from solver.film.table import at
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
-from verification.cases import SIH_SONG, Array
+from verification.cases import SIH_SONG, Array, Case, half_length
 from verification.findings import Check, Curve, Findings, Sizes, check, off, off_each
 
-Case = dict[str, Any]
 CHARGED: Case = {"load": 1e5, "friction": 0.4, "datum": 0.2}
 CHARGES = {"electric": ("charge", 2e-6), "magnetic": ("magnetic_charge", -3e-3)}
 PROFILES: dict[str, Case] = {
@@ -43,17 +41,17 @@ def run(_: Sizes) -> Findings:
     """All of them."""
     own = "every quantity of a film of its own base, four kinds of conduction, and of the half-plane"
     checks = [
-        *(check(f"Film of its own base: {name}", own, 1e-11, own_base, punch) for name, punch in PROFILES.items()),
+        *(check(f"Film of its own base: {name}", own, 1e-11, _own_base, punch) for name, punch in PROFILES.items()),
         *(check(f"Thick film on a {name}", "half-length less the closed form's, and the theory's, at 10 and 100 "
-                "half-lengths", 0.03, thick, *of) for name, of in THICK.items()),
-        check("Thin film, insulating punch", "P R h1/h^3, h1/h to 0, and 2/3 of the uniaxial modulus", 5e-4, uniaxial),
+                "half-lengths", 0.03, _thick, *of) for name, of in THICK.items()),
+        check("Thin film, insulating punch", "P R h1/h^3, h1/h to 0, and 2/3 of the uniaxial modulus", 5e-4, _uniaxial),
         check("Thin film, conducting punch", "charge per load, h1/h to 0, and e33/c33", 1e-3, _thin_charge),
         check("Thin incompressible film", "P R h1^3/h^5, h1/h to 0, and 2/15 of the shear modulus (Johnson 1985)", 1e-2,
-              incompressible),
-        check("Totals", "P, T, J and the integrals of p, D_y, B_y", 1e-12, totals),
+              _incompressible),
+        check("Totals", "P, T, J and the integrals of p, D_y, B_y", 1e-12, _totals),
         check("Betti", "flat punch: d depth/dT and -dV/dP, d depth/dJ and -dPsi/dP, dV/dJ and dPsi/dT", 1e-12, _betti),
     ]  # fmt: skip
-    resolution, curves = resolved()
+    resolution, curves = _resolved()
     return Findings(
         "Films",
         "Films through solver.solve against the half-plane's closed form, textbook limits, balance and reciprocity; "
@@ -64,7 +62,7 @@ def run(_: Sizes) -> Findings:
     )
 
 
-def own_base(punch: Case) -> float:
+def _own_base(punch: Case) -> float:
     """Largest relative difference of a quantity of the half-plane, and of a film of the same material on it."""
     worst = 0.0
     for fields in ((), ("electric",), ("magnetic",), ("electric", "magnetic")):
@@ -80,20 +78,14 @@ def own_base(punch: Case) -> float:
     return worst
 
 
-def thick(base: Case, expected: tuple[float, float]) -> float:
-    """Largest relative error of how much shorter a thick film makes the contact.
-
-    Parameters
-    ----------
-    base : mapping, what is below the film
-    expected : (float, float), length over that on a half-plane less one, at 10 and at 100 half-widths
-    """
-    half = _half(solver.solve(COMPOSITE))
+def _thick(base: Case, expected: tuple[float, float]) -> float:
+    """Largest relative error of how much shorter films of 10 and 100 half-lengths make the contact."""
+    half = half_length(solver.solve(COMPOSITE))
     films = (solver.solve(COMPOSITE | base | {"thickness": ratio * half}) for ratio in (10.0, 100.0))
-    return off_each([_half(film) / half - 1 for film in films], expected)
+    return off_each([half_length(film) / half - 1 for film in films], expected)
 
 
-def uniaxial() -> float:
+def _uniaxial() -> float:
     """Error of the load of a thin film of BaTiO3 on a rigid base, under a punch that takes no charge anywhere."""
     material = solver.find("BaTiO3")
     expected = 2 / 3 * float(material.c33 + material.e33**2 / material.eps33)
@@ -109,7 +101,7 @@ def _thin_charge() -> float:
     return off(_limit(ratios, found.charge_sensitivity.values), float(material.e33 / material.c33))
 
 
-def incompressible() -> float:
+def _incompressible() -> float:
     """Error of the load of a thin incompressible film on a rigid base."""
     shear, poisson = 1e9, 0.4999999
     case = {"material": solver.Material.isotropic(2 * shear * (1 + poisson), poisson), "electric": "insulating"}
@@ -123,7 +115,7 @@ def _thin(case: Case, scaled: list[float]) -> tuple[Array, xr.Dataset]:
     solved = solver.solve(
         {"radius": 0.05, "base": "rigid", "surroundings": "insulated", "thickness": THIN, "load": loads, **case}
     )
-    return _half(solved) / THIN, solved
+    return half_length(solved) / THIN, solved
 
 
 def _limit(ratios: Array, values: Array) -> float:
@@ -131,12 +123,7 @@ def _limit(ratios: Array, values: Array) -> float:
     return float(np.polyfit(1 / ratios, values, len(values) - 1)[-1])
 
 
-def _half(found: xr.Dataset) -> Array:
-    """Half-length [m]."""
-    return np.asarray(found.contact_trailing + found.contact_leading) / 2
-
-
-def totals() -> float:
+def _totals() -> float:
     """Largest relative error of the integrals of p, -D_y and -B_y, by Gauss panels in theta = acos X."""
     case = {
         **COMPOSITE,
@@ -152,7 +139,7 @@ def totals() -> float:
     middle, width = (ends[1:] + ends[:-1])[:, None] / 2, np.diff(ends)[:, None] / 2
     theta, weight = (middle + width * nodes).ravel(), (width * weights).ravel()
     solved = solver.solve(case, np.cos(theta), regular=True)
-    half = float(_half(solved))
+    half = half_length(solved)
     pressed = solved.contact_pressure.values * np.sin(theta)
     whole = (pressed, -solved.electric_displacement_y_regular.values, -solved.magnetic_induction_y_regular.values)
     loads = [case[name] for name in ("load", "charge", "magnetic_charge")]
@@ -184,7 +171,7 @@ def _systems() -> dict[str, tuple[Stack, float]]:
     }
 
 
-def resolved() -> tuple[list[Check], list[Curve]]:
+def _resolved() -> tuple[list[Check], list[Curve]]:
     """Errors of outputs at the default resolution over half-lengths, and the load's as curves."""
     kinds = {
         "load": (slice(0, 1), 1e-8),

@@ -117,14 +117,15 @@ def check(name: str, compared: str, tolerance: float, error: Callable[..., float
 
 
 def off(found: ArrayLike, expected: ArrayLike) -> float:
-    """Largest difference over the largest expected size.
+    """Largest difference over the largest expected size; itself where nothing is expected.
 
     Parameters
     ----------
     found, expected : array_like of one shape, in one unit
     """
     found, expected = np.asarray(found, dtype=float), np.asarray(expected, dtype=float)
-    return float(np.max(np.abs(found - expected)) / np.max(np.abs(expected)))
+    size = float(np.max(np.abs(expected)))
+    return float(np.max(np.abs(found - expected))) / (size or 1.0)
 
 
 def off_each(found: ArrayLike, expected: ArrayLike) -> float:

@@ -5,7 +5,7 @@ from functools import cached_property
 import numpy as np
 
 import solver
-from verification.cases import CHARGED, SIH_SONG, Array, constants
+from verification.cases import CHARGED, SIH_SONG, Array, constants, half_length
 from verification.findings import Check, Curve, Findings, Sizes, check, off
 from verification.oracles import fem, fem_contact
 
@@ -65,7 +65,7 @@ class Loaded:
         self.body = fem.Body(constants(solver.find(SIH_SONG)), fem.contact_mesh(elements))
         ends = solver.solve(CASE)
         self.centre = float(ends.contact_trailing - ends.contact_leading) / 2
-        self.half = float(ends.contact_trailing + ends.contact_leading) / 2
+        self.half = float(half_length(ends))
 
     @cached_property
     def u(self) -> Array:

@@ -6,14 +6,13 @@ from functools import partial
 from itertools import product
 from math import comb
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 import solver
 from verification import sliding_points
-from verification.cases import SIH_SONG, Array, constants
+from verification.cases import SIH_SONG, Array, Case, constants, half_length
 from verification.findings import Check, Curve, Findings, Sizes, Timing, check, off
 from verification.oracles import collocation, profile
 from verification.oracles.collocated import fields
@@ -31,7 +30,7 @@ def _polynomial(*slope: float) -> solver.Profile:
 
 
 #: Factors of each punch, and the same punch for the collocation.
-PUNCHES: dict[str, tuple[dict[str, Any], profile.Profile]] = {
+PUNCHES: dict[str, tuple[Case, profile.Profile]] = {
     "cylinder": ({"radius": RADIUS}, profile.cylinder(RADIUS)),
     "flat": ({"profile": "flat", "width": WIDTH}, profile.flat(WIDTH)),
     "tilted flat": ({"profile": "flat", "width": WIDTH, "slope": 1e-4}, profile.flat(WIDTH, 1e-4)),
@@ -66,7 +65,7 @@ def run(sizes: Sizes) -> Findings:
         for (name, (conducted, fields)) in product(PUNCHES, CONDUCTED.items())
     ]  # fmt: skip
     checks.append(check("Moment", "flat punch given the moment of the collocated tilted one: its slope's response",
-                        TOLERANCE, moment, surface))  # fmt: skip
+                        TOLERANCE, _moment, surface))  # fmt: skip
     curves = [
         Curve(
             "collocation_terms",
@@ -115,11 +114,11 @@ def run(sizes: Sizes) -> Findings:
         "shares no code with the closed form: even the constants of the half-plane are its own, by angular integrals.",
         checks,
         curves,
-        [timing(name, surface, sizes) for name in PUNCHES] if sizes.timed else [],
+        [_timing(name, surface, sizes) for name in PUNCHES] if sizes.timed else [],
     )
 
 
-def _case(name: str, conducted: tuple[int, ...]) -> dict[str, Any]:
+def _case(name: str, conducted: tuple[int, ...]) -> Case:
     case = {"material": SIH_SONG, **PUNCHES[name][0], **LOADS}
     for i, field, charge in ((1, "electric", "charge"), (2, "magnetic", "magnetic_charge")):
         if i not in conducted:
@@ -127,7 +126,7 @@ def _case(name: str, conducted: tuple[int, ...]) -> dict[str, Any]:
     return case
 
 
-def _problem(name: str, case: dict[str, Any], terms: int, surface: SurfaceResponse) -> collocation.Problem:
+def _problem(name: str, case: Case, terms: int, surface: SurfaceResponse) -> collocation.Problem:
     conducted = tuple(
         i for i, field in ((1, "electric"), (2, "magnetic")) if case.get(field, "conducting") == "conducting"
     )
@@ -151,7 +150,7 @@ def error(name: str, conducted: tuple[int, ...], terms: int, surface: SurfaceRes
     return _difference(solver.solve(case, X), _collocated(name, case, terms, surface))
 
 
-def _collocated(name: str, case: dict[str, Any], terms: int, surface: SurfaceResponse) -> dict[str, Array]:
+def _collocated(name: str, case: Case, terms: int, surface: SurfaceResponse) -> dict[str, Array]:
     return _answers(collocation.solve(_problem(name, case, terms, surface)), surface, case["datum"])
 
 
@@ -173,7 +172,7 @@ def _difference(found: xr.Dataset, expected: dict[str, Array]) -> float:
     return worst
 
 
-def moment(surface: SurfaceResponse) -> float:
+def _moment(surface: SurfaceResponse) -> float:
     """Relative error of the depth of a flat punch whose moment replaces its slope."""
     case = _case("tilted flat", (1, 2))
     numerical = collocation.solve(_problem("tilted flat", case, 8, surface))
@@ -195,7 +194,7 @@ def _circle(surface: SurfaceResponse) -> list[float]:
     del case["radius"]
     inside = X[np.abs(X) < 0.95]
     exact = solver.solve(case | {"profile": _polynomial(*slope)}, inside)
-    half = float(exact.contact_trailing + exact.contact_leading) / 2
+    half = half_length(exact)
     solutions = (collocation.solve(replace(problem, terms=terms)) for terms in _CIRCLE_TERMS)
     return [
         max(off(solution.half_width, half), off(-solution.tractions(inside)[0], exact.contact_pressure))
@@ -203,17 +202,11 @@ def _circle(surface: SurfaceResponse) -> list[float]:
     ]
 
 
-def timing(name: str, surface: SurfaceResponse, sizes: Sizes) -> Timing:
+def _timing(name: str, surface: SurfaceResponse, sizes: Sizes) -> Timing:
     """Seconds a case with ends, response and surface fields at the same places, at the same accuracy.
 
     The collocation has as few terms as 1e-8 needs, and gets the constants of the half-plane for nothing; the closed
     form finds them anew in every call.
-
-    Parameters
-    ----------
-    name : str, the profile's
-    surface : SurfaceResponse, of the half-plane
-    sizes : Sizes, how many cases are timed
     """
     terms = next(n for n in range(3, 9) if error(name, (1, 2), n, surface) <= TOLERANCE)
     random = np.random.default_rng(sizes.seed)

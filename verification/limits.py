@@ -6,7 +6,7 @@ import solver
 from verification.cases import CHARGED, SIH_SONG, Array, constants
 from verification.findings import Check, Findings, Sizes, check, off, off_each
 from verification.oracles import precise
-from verification.oracles.surface_response import surface_response
+from verification.oracles.surface_response import angular_integrals, surface_response
 
 X = np.array([-6.0, -1.5, -0.999, -0.4, 0.1, 0.6, 0.98, 1.2, 4.0])
 INSIDE = np.abs(X) < 1
@@ -28,14 +28,14 @@ def run(_: Sizes) -> Findings:
         [
             check("Hertz", "ends, peak and pressure of a cylinder on steel", 1e-13, hertz),
             check("Hertz, inside", "stresses on the axis below the contact (Johnson 1985, 4.2)", 1e-12, _hertz_inside),
-            check("Isotropic sliding", "exponent, ends, pressure of Guler and Erdogan (2007)", 1e-12, sliding),
-            check("Sadowsky", "pressure of a flat punch without friction", 1e-13, flat, 0.0),
-            check("Flat punch, sliding", "p = P sin(pi alpha)/pi (a-x)^(alpha-1) (x+b)^-alpha", 1e-12, flat, 0.7),
-            check("Piezoelectric", smaller.format("electric"), 1e-11, uncoupled, 1),
-            check("Piezomagnetic", smaller.format("magnetic"), 1e-11, uncoupled, 2),
-            *reciprocity(),
-            check("Mirror", "sliding the other way, by the 50-digit oracle at -eta", 1e-11, mirror),
-            check("Units", "everything in millimetres, tonnes and milliamperes", 1e-11, units),
+            check("Isotropic sliding", "exponent, ends, pressure of Guler and Erdogan (2007)", 1e-12, _sliding),
+            check("Sadowsky", "pressure of a flat punch without friction", 1e-13, _flat, 0.0),
+            check("Flat punch, sliding", "p = P sin(pi alpha)/pi (a-x)^(alpha-1) (x+b)^-alpha", 1e-12, _flat, 0.7),
+            check("Piezoelectric", smaller.format("electric"), 1e-11, _uncoupled, 1),
+            check("Piezomagnetic", smaller.format("magnetic"), 1e-11, _uncoupled, 2),
+            *_reciprocity(),
+            check("Mirror", "sliding the other way, by the 50-digit oracle at -eta", 1e-11, _mirror),
+            check("Units", "everything in millimetres, tonnes and milliamperes", 1e-11, _units),
         ],
     )  # fmt: skip
 
@@ -63,7 +63,7 @@ def _hertz_inside() -> float:
     return max(off(out.stress_xx.values[:, 0], xx), off(out.stress_yy.values[:, 0], yy))
 
 
-def sliding() -> float:
+def _sliding() -> float:
     """Largest relative error of alpha, a, b and the pressure over frictions from 0.01 to 3."""
     young, poisson = STEEL
     worst = 0.0
@@ -80,7 +80,7 @@ def sliding() -> float:
     return worst
 
 
-def flat(friction: float) -> float:
+def _flat(friction: float) -> float:
     """Largest relative error of the pressure under a flat punch."""
     case = {"material": SIH_SONG, "profile": "flat", "width": 4e-4, "load": 1e5, "friction": friction}
     out = solver.solve(case, X)
@@ -98,7 +98,7 @@ def _unitless(values: Array) -> Array:
     return scale[:, None] * values * scale if values.ndim == 2 else (scale * values)[:, None]
 
 
-def uncoupled(field: int) -> float:
+def _uncoupled(field: int) -> float:
     """Error of a material without the coupling of the other field against the smaller problem; that field's answer.
 
     The other field must not answer at all, and its constants must not matter.
@@ -136,18 +136,12 @@ def _smaller(m: dict[str, float], field: int) -> tuple[Array, Array]:
     full = surface_response(m)
     units = np.array([1.0, 1.0, (1e10, 1e8)[field - 1]])
     Q, R, T = (units[:, None] * block[np.ix_(keep, keep)] * units / 1e11 for block in (full.Q, full.R, full.T))
-    angle = (np.pi * np.arange(2048) / 2048)[:, None, None]
-    c, s = np.cos(angle), np.sin(angle)
-    q = Q * c**2 + (R + R.T) * c * s + T * s**2
-    r = R * c**2 + (T - Q) * c * s - R.T * s**2
-    n1 = -np.linalg.solve(T * c**2 - (R + R.T) * c * s + Q * s**2, np.swapaxes(r, 1, 2))
-    L_inv = np.linalg.inv((q + r @ n1).mean(axis=0))
-    SL = n1.mean(axis=0) @ L_inv
+    local, compliance = angular_integrals(Q, R, T)
     scale = units[:, None] * units / 1e11
-    return (L_inv * scale)[1:, 1:], (-SL * scale)[1:, 0]
+    return (compliance * scale)[1:, 1:], (local * scale)[1:, 0]
 
 
-def reciprocity() -> list[Check]:
+def _reciprocity() -> list[Check]:
     """Betti: without friction the depth per charge is minus the voltage per load; of both fields."""
     case = {"material": SIH_SONG, **PUNCH}
     rest = solver.solve(case)
@@ -163,7 +157,7 @@ def reciprocity() -> list[Check]:
     ]  # fmt: skip
 
 
-def mirror() -> float:
+def _mirror() -> float:
     """Largest relative error of the mirror image of every surface field."""
     solved = solver.solve({"material": SIH_SONG, **CHARGED}, X)
     other = precise.solve(
@@ -176,7 +170,7 @@ def mirror() -> float:
     )
 
 
-def units() -> float:
+def _units() -> float:
     """Largest relative change of quantities when constants, factors and answers are in other base units."""
     m, kg, A = 1e3, 1e-3, 1e3  # new units in a metre, a kilogram, an ampere
     of = {"c": kg / m, "e": A / m**2, "f": kg / A, "eps": A**2 / (kg * m**3), "g": 1 / m, "mu": kg * m / A**2}

@@ -7,7 +7,7 @@ import numpy as np
 
 import solver
 from solver.names import POINT_QUANTITIES
-from verification.cases import constants
+from verification.cases import Case, constants
 from verification.findings import Curve, Findings, Sizes, check, off, off_each
 from verification.oracles import point
 from verification.oracles.fem_film import Layer
@@ -16,19 +16,17 @@ from verification.oracles.fem_point import PointContact
 _MODULUS, _POISSON = 210e9, 0.3
 _PLANE = _MODULUS / (1 - _POISSON**2)
 _BODY = solver.Material.isotropic(_MODULUS, _POISSON)
-_BARE: dict[str, Any] = {"material": _BODY, "electric": "insulating", "magnetic": "insulating", "force": 10.0}
-_BALL: dict[str, Any] = {"profile": "sphere", "radius": 5e-3}
-_CONE: dict[str, Any] = {"profile": "cone", "slope": 0.05}
-_DISC: dict[str, Any] = {"profile": "disc", "width": 1e-4}
-_POWER: dict[str, Any] = {"profile": "power", "exponent": 4.0, "coefficient": 1e9}
+_BARE: Case = {"material": _BODY, "electric": "insulating", "magnetic": "insulating", "force": 10.0}
+_BALL: Case = {"profile": "sphere", "radius": 5e-3}
+_CONE: Case = {"profile": "cone", "slope": 0.05}
+_DISC: Case = {"profile": "disc", "width": 1e-4}
+_POWER: Case = {"profile": "power", "exponent": 4.0, "coefficient": 1e9}
 #: Exponent and coefficient of each, as the oracle in 50 digits has them.
 _PROFILES = ((_BALL, 2.0, 100.0), (_CONE, 1.0, 0.05), (_DISC, 0.0, 5e-5), (_POWER, 4.0, 1e9))
 #: P (1 - nu) / (4 G a d) of a disc on a bonded layer, nu = 0.3, at a/h: Hayes et al. (1972), solved anew to six digits.
 _HAYES = {0.2: 1.20656, 0.4: 1.47261, 1.0: 2.48352, 2.0: 4.35324}
 _INSULATED = {"surroundings": "insulated"}
-_FILM: dict[str, Any] = (
-    {"material": "PZT-4", "thickness": 1e-4, "magnetic": "insulating", "force": 10.0} | _BALL | _INSULATED
-)
+_FILM: Case = {"material": "PZT-4", "thickness": 1e-4, "magnetic": "insulating", "force": 10.0} | _BALL | _INSULATED
 _BASES = {"rigid": "a rigid base", "silicon": "silicon"}
 _TENSE = ("stress_xx", "stress_yy", "stress_zz")
 
@@ -37,18 +35,18 @@ def run(sizes: Sizes) -> Findings:
     """All that is known of points."""
     orders = range(4, max(7, 3 + sizes.elements // 6), 2)
     checks = [
-        check("Hertz, sphere", "radius, depth, largest pressure and pressure", 1e-13, hertz),
+        check("Hertz, sphere", "radius, depth, largest pressure and pressure", 1e-13, _hertz),
         check("Sneddon, cone and disc", "radius and depth; depth and pressure", 1e-13, _sneddon),
         check("Huber, inside", "stresses on the axis below a sphere (Johnson 1985, 3.4)", 1e-11, _huber),
-        check("Hamilton, sliding sphere", "tension behind the trailing edge (1983)", 1e-12, hamilton),
-        *(check(f"50 digits: {punch['profile']}", "quantities of a charged half-space", 1e-12, precise, punch, *power)
+        check("Hamilton, sliding sphere", "tension behind the trailing edge (1983)", 1e-12, _hamilton),
+        *(check(f"50 digits: {punch['profile']}", "quantities of a charged half-space", 1e-12, _precise, punch, *power)
           for punch, *power in _PROFILES),
-        check("Film of its base's own material, points", "every quantity of a half-space", 1e-11, own_base),
+        check("Film of its base's own material, points", "every quantity of a half-space", 1e-11, _own_base),
         check("Hayes, Keer, Herrmann and Mockros", "stiffness of a disc on a bonded layer", 4e-6, _hayes),
-        check("Thin films below balls", "P R h/a^4 to (pi/4) c33, T/P to e33/c33, extrapolated", 5e-3, thin),
-        check("Charge per force of half-spaces", "-r_1 for every profile and force, and stroke per volt", 1e-12, alike),
+        check("Thin films below balls", "P R h/a^4 to (pi/4) c33, T/P to e33/c33, extrapolated", 5e-3, _thin),
+        check("Charge per force of half-spaces", "-r_1 of every profile and force, and stroke per volt", 1e-12, _alike),
         check("Reciprocity, discs on films", "charge per force and stroke per volt", 1e-12, _fixed_edge),
-        check("Tangents, film", "stroke per volt and stiffness against differences of solutions", 1e-7, tangents),
+        check("Tangents, film", "stroke per volt and stiffness against differences of solutions", 1e-7, _tangents),
     ]  # fmt: skip
     curves = []
     for base, words in _BASES.items():
@@ -66,7 +64,7 @@ def run(sizes: Sizes) -> Findings:
     )
 
 
-def hertz() -> float:
+def _hertz() -> float:
     """Largest relative error."""
     r = np.array([0.0, 0.4, 0.9])
     solved = solver.solve(_BARE | _BALL, r)
@@ -99,7 +97,7 @@ def _huber() -> float:
     return max(float(np.abs(inside[name].values.ravel() / p0 - value).max()) for name, value in exact.items())
 
 
-def hamilton() -> float:
+def _hamilton() -> float:
     """Largest relative error, of three frictions."""
     eta = np.array([0.0, 0.25, 0.5])
     solved = solver.solve(_BARE | _BALL | {"punch": _BODY, "friction": eta})
@@ -107,14 +105,8 @@ def hamilton() -> float:
     return off_each(solved["trailing_tension"] / solved["peak_pressure"], share)
 
 
-def precise(case: Mapping[str, Any], exponent: float, coefficient: float) -> float:
-    """Largest relative error of every quantity that the oracle tells.
-
-    Parameters
-    ----------
-    case : mapping, SI, as of `solver.solve`
-    exponent, coefficient : float, the profile is coefficient r^exponent; of a disc 0 and its radius [m]
-    """
+def _precise(case: Mapping[str, Any], exponent: float, coefficient: float) -> float:
+    """Largest relative error of every quantity that the oracle tells, under coefficient r^exponent."""
     charges = {"total_charge": 3e-10, "total_flux": -2e-8}
     solved = solver.solve({"material": "BaTiO3-CoFe2O4 50:50", "force": 10.0} | charges | dict(case))
     exact = point.quantities(
@@ -125,12 +117,12 @@ def precise(case: Mapping[str, Any], exponent: float, coefficient: float) -> flo
     return off_each([solved[name] for name in names], [exact[name] for name in names])
 
 
-def own_base() -> float:
+def _own_base() -> float:
     """Largest relative difference, sphere and disc, both fields."""
     bonded = {"thickness": 1e-4, "base": "BaTiO3", "interface_electric": "bonded", "interface_magnetic": "bonded"}
     worst = 0.0
     for punch in (_BALL, _DISC):
-        case: dict[str, Any] = {"material": "BaTiO3", "force": 10.0} | punch
+        case: Case = {"material": "BaTiO3", "force": 10.0} | punch
         film, alone = solver.solve(case | bonded | _INSULATED), solver.solve(case)
         names = [name for name in POINT_QUANTITIES if name in alone and float(np.abs(alone[name])) > 0]
         worst = max(worst, off_each([film[name] for name in names], [alone[name] for name in names]))
@@ -150,10 +142,10 @@ def _hayes() -> float:
     return off_each(ratios, list(_HAYES.values()))
 
 
-def thin() -> float:
+def _thin() -> float:
     """Largest relative error of both limits, what goes like h/a taken off by two radii, (h/a)^2 left."""
     body, h, R, ratios = solver.find("PZT-4"), 1e-4, 10.0, np.array([20.0, 40.0])
-    film: dict[str, Any] = {"profile": "sphere", "radius": R, "thickness": h, "base": "rigid"} | _INSULATED
+    film: Case = {"profile": "sphere", "radius": R, "thickness": h, "base": "rigid"} | _INSULATED
     forces = np.pi / 4 * float(_BODY.c33) * (ratios * h) ** 4 / (R * h)
     stiff, charged = (
         solver.solve(_BARE | film | {"force": forces}),
@@ -167,7 +159,7 @@ def thin() -> float:
     return float(max(errors))
 
 
-def alike() -> float:
+def _alike() -> float:
     """Largest relative difference from the material's own constant."""
     values = [
         solver.solve({"material": "BaTiO3", "force": force} | punch)[name]
@@ -185,7 +177,7 @@ def _fixed_edge() -> float:
     return max(off_each(solution["charge_sensitivity"], solution["stroke_per_volt"]) for solution in solutions)
 
 
-def tangents() -> float:
+def _tangents() -> float:
     """Relative difference of stroke per volt and stiffness and what solutions beside each other differ by.
 
     On films the edge of a conductor is singular at V = 0 too and moves: what it releases is no work of the force, so

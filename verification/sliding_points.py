@@ -1,12 +1,12 @@
 """Sliding balls of the first order in friction: against a grid that knows every order, in air against collocation."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 import solver
-from verification.cases import constants
+from verification.cases import Array, Case, constants
+from verification.findings import off
 from verification.oracles.sliding_gap import SlidingGap
 from verification.oracles.sliding_point import SlidingSphere
 
@@ -14,10 +14,10 @@ TOLERANCE = 3e-3  # the grid of 128 x 128: half of it on 256 x 256
 _ANGLES = 24  # nodes of the moments, in the angle whose sine is r/a
 _BEYOND = 1.25  # half the side of the grid's square over the contact radius
 MATERIAL = "BaTiO3"
-BALL: dict[str, Any] = {
+BALL: Case = {
     "material": MATERIAL, "profile": "sphere", "radius": 5e-3, "force": 10.0, "magnetic": "insulating",
 }  # fmt: skip
-FILM: dict[str, Any] = BALL | {"thickness": 6e-5, "base": "rigid", "surroundings": "insulated"}
+FILM: Case = BALL | {"thickness": 6e-5, "base": "rigid", "surroundings": "insulated"}
 AIR_TOLERANCE = 5e-5  # three times the collocation's own
 _AIR_RADIUS, _AIR_FRICTION = 7e-5, 0.3  # of the contact in air [m]
 _AIR_PLACES = 0.05, 0.93, 1.02, 8.0  # r/a at which tractions are compared, below the contact and beside it
@@ -41,7 +41,7 @@ class Difference:
     charge_moment: float
 
 
-def difference(case: dict[str, Any], friction: float, cells: int) -> Difference:
+def difference(case: Case, friction: float, cells: int) -> Difference:
     """Of a ball on a half-space or a film, at the depth that its force has at rest.
 
     Force and charge are over those of the same grid at rest, so that only friction tells them apart.
@@ -62,7 +62,7 @@ def difference(case: dict[str, Any], friction: float, cells: int) -> Difference:
     )
 
 
-def raised(case: dict[str, Any], friction: float, cells: int) -> tuple[float, float]:
+def raised(case: Case, friction: float, cells: int) -> tuple[float, float]:
     """What friction adds to the largest pressure of a grounded ball over that at rest: on the grid, in first order.
 
     Parameters
@@ -76,23 +76,22 @@ def raised(case: dict[str, Any], friction: float, cells: int) -> tuple[float, fl
     return slid["peak_pressure"] / still["peak_pressure"] - 1, float(own[0] / own[1]) - 1
 
 
-def _on_grids(
-    case: dict[str, Any], friction: float, cells: int
-) -> tuple[dict[str, Any], float, tuple[dict[str, float], dict[str, float]]]:
+def _on_grids(case: Case, friction: float, cells: int) -> tuple[Case, float, tuple[dict[str, float], dict[str, float]]]:
     """The case without voltage, its contact radius at rest [m], and grids at its depth: sliding and at rest."""
     grounded = case | {"total_charge": float(solver.solve(case)["charge_sensitivity"]) * case["force"]}
     at_rest = solver.solve(grounded)
     a, depth = float(at_rest["contact_radius"]), float(at_rest["depth"])
-    top, base = solver.find(case["material"]), case.get("base", "rigid")
-    layers = [solver.Layer(top, case["thickness"])] if "thickness" in case else []
-    body = solver.Stack(layers, base if base == "rigid" else solver.find(base)) if layers else top
+    base = None if case.get("base", "rigid") == "rigid" else constants(solver.find(case["base"]))
+    body = case.get("thickness", np.inf), base
+    material = constants(solver.find(case["material"]))
     slid, still = (
-        SlidingSphere(body, case["radius"], depth, eta, _BEYOND * a, cells).solved() for eta in (friction, 0.0)
+        SlidingSphere(material, case["radius"], depth, eta, _BEYOND * a, cells, *body).solved()
+        for eta in (friction, 0.0)
     )
     return grounded, a, (slid, still)
 
 
-def _moments(case: dict[str, Any], a: float) -> tuple[float, float]:
+def _moments(case: Case, a: float) -> tuple[float, float]:
     """First moments of pressure and charge about the axis of the ball [N m, C m]."""
     x, w = np.polynomial.legendre.leggauss(_ANGLES)
     angle, weights = np.pi / 4 * (1 + x), np.pi / 4 * w
@@ -109,7 +108,7 @@ def _moments(case: dict[str, Any], a: float) -> tuple[float, float]:
     return moment("contact_pressure", case["force"], 1.0), moment("electric_displacement", charge, -1.0)
 
 
-def first_order(case: dict[str, Any]) -> float:
+def first_order(case: Case) -> float:
     """Largest difference of the moments at little friction, where the second order is below the grid's error."""
     differences = difference(case, 0.05, 128)
     return max(abs(differences.force_moment), abs(differences.charge_moment))
@@ -149,16 +148,15 @@ def in_air(thickness: float = np.inf, charge: float = 0.0) -> AirDifference:
     r = other.r[some]
     found = solver.solve(case, np.concatenate([r, -r]))
 
-    def off(name: str, exact: np.ndarray[Any, np.dtype[np.float64]]) -> float:
+    def missed(name: str, exact: Array) -> float:
         values = found[name].values.ravel()
-        own = ((values[: r.size] - values[r.size :]) / (2 * _AIR_FRICTION))[: exact.size]
-        return float(np.max(np.abs(own - exact)) / np.max(np.abs(exact)))
+        return off(((values[: r.size] - values[r.size :]) / (2 * _AIR_FRICTION))[: exact.size], exact)
 
     pressures = other.pressures[1]
     return AirDifference(
         float(found["contact_offset"]) / (_AIR_FRICTION * other.offset) - 1,
-        off("electric_displacement", other.charges[1][some]),
-        off("contact_pressure", pressures[some[some < pressures.size]]),
+        missed("electric_displacement", other.charges[1][some]),
+        missed("contact_pressure", pressures[some[some < pressures.size]]),
     )
 
 

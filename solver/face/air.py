@@ -8,7 +8,7 @@ from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.body import HALF_PLANE_IN_AIR
 from solver.face.film import OnFilm
-from solver.face.filmbodies import Bodies, HalfPlanes
+from solver.face.filmbodies import Bodies, half_planes
 from solver.face.halfplane import contact_of
 from solver.film.similar import Films
 from solver.names import PEAKS
@@ -43,7 +43,7 @@ class FilmInAir(OnFilm):
 
     def _medium(self, places: Indices) -> Array:
         """Relative permittivity of what fills the gaps of some cases; (place,)."""
-        return self._chosen(self.cases.number("gap_permittivity"), places)
+        return self._flat(self.cases.number("gap_permittivity"))[places]
 
 
 class HalfPlaneInAir(FilmInAir):
@@ -55,7 +55,7 @@ class HalfPlaneInAir(FilmInAir):
     def _made(self) -> Bodies:
         contact = contact_of(self.cases)
         with np.errstate(all="ignore"):
-            return HalfPlanes(self.cases, contact.halfplane.material, contact.half_width)
+            return half_planes(self.cases, contact.halfplane.material, contact.half_width)
 
     def quantities(self) -> dict[str, Array]:
         """Those of a half-plane in air that every case has; (...)."""

@@ -3,14 +3,16 @@
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence, Set
 from math import prod
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from approximation.arrays import Indices
-from solver.arrays import Array, joined
+from solver.arrays import Array, Scalar, joined
 from solver.face.cases import Cases
-from solver.face.refusal import CaseError
+from solver.face.electrodes import electroded
+from solver.face.refusal import CaseError, FactorError
 from solver.fields import FIELDS, INTERIOR, NEED_C12, POINT_FIELDS, SINGULAR
 from solver.halfplane.interior import with_derived
 from solver.halfplane.pressing import ContactError
@@ -102,9 +104,13 @@ class Body(ABC):
         root = np.sqrt(np.abs((1 - positions) * (1 + positions)))
         return values | {f"{name}_regular": values[name] * root for name in self._singular if name in values}
 
-    def _flat(self, values: Any) -> Array:
-        """Values of all cases in a row; (case,)."""
-        return np.asarray(np.broadcast_to(values, self.shape).ravel(), dtype=np.float64)
+    def _refuse_electroded(self, what: str) -> None:
+        if np.any(electroded(self.cases)):
+            raise FactorError(f"electrode: 'top': {what} under it are not given; ask for quantities alone")
+
+    def _flat(self, values: NDArray[Scalar], *own: int) -> NDArray[Scalar]:
+        """Values of all cases in a row; (case, own axes)."""
+        return np.broadcast_to(values, (*self.shape, *own)).reshape(-1, *own)
 
     @np.errstate(all="ignore")
     def _put_together(self, parts: Iterable[tuple[Indices, Mapping[str, Array]]]) -> dict[str, Array]:

@@ -9,9 +9,9 @@ import xarray as xr
 from solver.arrays import Array, BoolArray
 from solver.body import KINDS
 from solver.face.cases import Cases
-from solver.face.filmfactors import kinds_of, refuse
+from solver.face.filmfactors import among, bare, kinds_of, refuse
 from solver.face.refusal import FactorError
-from solver.film.reading import Reading
+from solver.film.electrodereading import Reading
 from solver.names import CHOICES, FACTORS, OF_AN_ELECTRODE
 
 _NEEDS = {
@@ -69,24 +69,23 @@ def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
                 else next(choice for choice, own in _OWN.items() if own == name)
             )
             raise FactorError(f"{needed}: missing; {name} needs it; must be {allowed}")
-    kinds, plain = kinds_of(arrays), {name: arrays[name].drop_vars(arrays[name].coords) for name in given}
+    kinds, plain = kinds_of(arrays), {name: bare(arrays, name) for name in given}
     read = [kind.name for kind in KINDS.values() if "collector" in kind.factors and not kind.air]
+    points = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "point"])
     for name in given:
-        bare = plain[name] == "none" if name == "electrode" else xr.DataArray(False)
-        refuse(arrays, name, ~bare & ~kinds.isin(read), "without a film in insulated surroundings")
+        none = plain[name] == "none" if name == "electrode" else xr.DataArray(False)
+        refuse(arrays, name, ~none & ~kinds.isin(read), "without a film in insulated surroundings")
     if "collector" not in arrays:
         return
     for name, least in (("collector", 1), ("floating_neighbours", 0)):
         if name in arrays:
             refuse(arrays, name, plain[name] != np.floor(plain[name]), f"is not a whole number >= {least} [1]")
     if "floating_neighbours" in arrays:  # a strip without end takes no voltage of a finite charge
-        points = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "point"])
         no_discs = plain["patch"] != "disc" if "patch" in arrays else xr.DataArray(False)
         refuse(arrays, "floating_neighbours", points & no_discs, "below a point contact, of patches that are no discs")
     if "patch" in arrays:
-        lines = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "line"])
-        round_ = plain["patch"].isin(["disc", "ring"])
-        refuse(arrays, "patch", round_ & lines, "below a contact along a line; must be strip or rectangle")
+        round_ = among(arrays, "patch", ["disc", "ring"])
+        refuse(arrays, "patch", round_ & ~points, "below a contact along a line; must be strip or rectangle")
         for shape, own in _OWN.items():
             there = plain["patch"] == shape
             if own not in arrays:

@@ -10,7 +10,7 @@ import xarray as xr
 from solver.arrays import is_finite, shown
 from solver.described import Contact
 from solver.face.electrodes import check_electrodes
-from solver.face.filmfactors import check_elasticity, check_films, check_gaps
+from solver.face.filmfactors import among, bare, check_elasticity, check_films, check_gaps, refuse
 from solver.face.refusal import FactorError
 from solver.face.surroundings import settled
 from solver.film.stack import Stack
@@ -109,11 +109,9 @@ def _check_profile(arrays: Mapping[str, xr.DataArray]) -> None:
             raise FactorError(f"{name}: the profile {', '.join(profiles) or 'given'} has none")
     if "moment" in arrays and "slope" in arrays and "flat" in profiles:
         raise FactorError("moment: give either the slope or the moment of a flat punch, not both")
-    for sharp in {"wedge", "cone"} & set(profiles):
-        if np.any(arrays["slope"].values <= 0) and "flat" not in profiles:
-            bad = arrays["slope"].values[arrays["slope"].values <= 0].flat[0]
-            raise FactorError(f"slope: {bad:g} is not a finite number > 0 [1] (profile {sharp})")
-        if "flat" not in profiles and (steepest := float(np.max(arrays["slope"].values))) > _STEEPEST:
+    for sharp in {"wedge", "cone"} & set(profiles) if "flat" not in profiles else ():
+        refuse(arrays, "slope", bare(arrays, "slope") <= 0, f"is not a finite number > 0 [1] (profile {sharp})")
+        if (steepest := float(np.max(arrays["slope"].values))) > _STEEPEST:
             raise FactorError(
                 f"slope: {steepest:g} is {np.degrees(np.arctan(steepest)):.4g} degrees from the surface; must be <= "
                 f"{_STEEPEST:g}, 45 degrees: the theory is linear (profile {sharp})"
@@ -140,11 +138,9 @@ def _check_contacts(arrays: Mapping[str, xr.DataArray], contacts: set[Contact], 
 def _check_charges(arrays: Mapping[str, xr.DataArray]) -> None:
     """No charge stands on a punch that does not conduct it."""
     for charge, field in _CHARGES.items():
-        if charge in arrays and field in arrays:
-            carried, kept = xr.broadcast(arrays[charge], arrays[field] == "insulating")
-            bad = carried.values[(carried.values != 0) & kept.values]
-            if bad.size:
-                raise FactorError(f"{charge}: {bad[0]:g} on a punch that is {field} insulating; must be 0")
+        if charge in arrays:
+            carried = (bare(arrays, charge) != 0) & among(arrays, field, ["insulating"])
+            refuse(arrays, charge, carried, f"on a punch that is {field} insulating; must be 0")
 
 
 def _array(name: str, value: object) -> xr.DataArray:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -14,8 +13,8 @@ from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import CaseError, FactorError
-from solver.film.collected import electrode_quantities
-from solver.film.inside import inside
+from solver.film.electrodecharge import electrode_quantities
+from solver.film.interiorfields import interior_fields
 from solver.film.quantities import curves, peaks, quantities
 from solver.film.similar import Films
 from solver.film.surface import fields
@@ -98,15 +97,11 @@ class OnFilm(Body):
         return fields(films, positions)
 
     def _inside(self, films: Films, _: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-        return inside(films, x, y, names)
+        return interior_fields(films, x, y, names)
 
     def _of_groups(self, output: Callable[[Films, Indices], dict[str, Array]]) -> dict[str, Array]:
         """Outputs of the films of every group; these are made anew: tables of thousands of stacks are not kept."""
         return self._put_together((group.places, output(self._films(group), group.places)) for group in self._groups)
-
-    def _refuse_electroded(self, what: str) -> None:
-        if any(group.kind.electroded for group in self._groups):
-            raise FactorError(f"electrode: 'top': {what} under it are not given; ask for quantities alone")
 
     def _made(self) -> Bodies:
         """What the cases lie on."""
@@ -138,35 +133,25 @@ class OnFilm(Body):
         if covered or kind.stack().conductors[0]:  # the electrode on top has the potential, not the punch
             refuse_charge(self.cases)  # a stack refuses what its base does not have before anything is computed
             kind = replace(kind, conducts=(False, bool(magnetic)))
-        if speed > 0 and not speed < (limit := self._critical(kind)):
-            raise CaseError(f"speed: {speed:g} m/s is not below the first critical speed of the film, {limit:.6g} m/s")
+        if speed > 0:
+            try:
+                limit = critical(kind)
+            except MaterialError as error:
+                raise FactorError(f"speed: {error}") from None
+            if not speed < limit:
+                raise CaseError(
+                    f"speed: {speed:g} m/s is not below the first critical speed of the film, {limit:.6g} m/s"
+                )
         return replace(kind, speed=speed)
 
-    @staticmethod
-    def _critical(kind: Kind) -> float:
-        """First critical speed [m/s]."""
-        try:
-            return critical(kind)
-        except MaterialError as error:
-            raise FactorError(f"speed: {error}") from None
-
-    def _chosen(self, values: Any, places: Indices) -> Array:
-        """Values of the cases at some places; (place,)."""
-        return np.asarray(np.broadcast_to(values, self.shape).ravel()[places])
-
     def _films(self, group: _Group) -> Films:
-        def chosen(values: Any) -> Array:
-            return self._chosen(values, group.places)
-
-        number, profile = self.cases.number, self.cases.profile.part(group.places, self.shape)
-        own = punch_datum(self.cases)
-        charges = np.stack([chosen(charge) for charge in np.moveaxis(self.cases.charges, -1, 0)], -1)
+        places, number, own = group.places, self.cases.number, punch_datum(self.cases)
         return Films(
             group.kind,
-            profile,
-            chosen(self.cases.force),
-            charges,
-            chosen(number("datum")),
-            chosen(self._bodies.thickness),
-            None if own is None else chosen(own),
+            self.cases.profile.part(places, self.shape),
+            self._flat(self.cases.force)[places],
+            self._flat(self.cases.charges, 2)[places],
+            self._flat(number("datum"))[places],
+            self._flat(self._bodies.thickness)[places],
+            None if own is None else self._flat(own)[places],
         )

@@ -1,10 +1,9 @@
 """Which film every case lies on, by factors or as a stack: told apart by numbers, made of layers."""
 
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray
 from solver.face.cases import Cases
@@ -15,7 +14,7 @@ from solver.film.powerlaw import Constants, PowerLaw, constants_of
 from solver.film.stack import Stack
 from solver.film.windows import Coat
 from solver.material.constants import UNITS, Material
-from solver.names import CHOICES, MIXTURES
+from solver.names import BODY, CHOICES, MIXTURES
 
 _UNGRADED = -1.0
 _HALF_LENGTH = 10**0.25  # of half-planes over the thickness: the middle of a window
@@ -24,114 +23,102 @@ _INTERFACES = ("interface_electric", "interface_magnetic")
 Film = tuple[tuple[Coat, ...], Constants | None]
 
 
-class Bodies(Protocol):
-    """Films, told apart by numbers, whose top layer has a thickness [m] over the case axes."""
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """Films, told apart by numbers.
+
+    Attributes
+    ----------
+    thickness
+        Of the top layer [m], over the case axes.
+    columns
+        Numbers that tell films apart, each over the case axes.
+    film
+        From one row of the columns to the layers, the top one of unit thickness, and the base.
+    lacks_c12
+        The name of a material without c12, of layers and of bases that are not rigid.
+    """
 
     thickness: Array
-
-    @property
-    def columns(self) -> list[Array]:
-        """Numbers that tell films apart, each over the case axes."""
-
-    def film(self, row: Sequence[float]) -> Film:
-        """The layers, the top one of unit thickness, and the base, of one row of the columns."""
-
-    @property
-    def lacks_c12(self) -> str | None:
-        """The name of a material without c12."""
+    columns: list[Array]
+    film: Callable[[Sequence[float]], Film]
+    lacks_c12: str | None
 
 
-class ByFactors:
-    """Single films: a material or a composite, perhaps graded, on a base.
+def films_of(cases: Cases) -> Bodies:
+    """The films of cases that are all on films.
 
     Raises
     ------
     FactorError, MaterialError
         A material or a base that is unknown or inadmissible.
     """
-
-    def __init__(self, cases: Cases) -> None:
-        self._cases = cases
-        self._material, (self._base, self._rigid) = material_of(cases), base_of(cases)
-        self.thickness: Array = cases.values["thickness"]
-
-    @property
-    def columns(self) -> list[Array]:
-        """Numbers that tell films apart, each over the case axes."""
-        values = self._cases.values
-        graded = values.get("base_volume_fraction", np.array(np.nan))
-        there = ~np.isnan(graded)
-        kind = values.get("composite", np.array(CHOICES["composite"][0]))
-        mixture = np.select([kind == name for name in MIXTURES], range(len(MIXTURES)), len(MIXTURES))
-        exponent = np.nan_to_num(values.get("grading_exponent", np.array(np.nan)), nan=1.0)
-        return [
-            *_known(self._cases, self._material),
-            *(np.where(self._rigid, 0.0, constant) for constant in _known(self._cases, self._base)),
-            self._rigid,
-            *(self._interface(name) for name in _INTERFACES),
-            np.where(there, graded, _UNGRADED),
-            np.where(there, values.get("volume_fraction", np.array(0.0)), _UNGRADED),
-            np.where(there, mixture, _UNGRADED),
-            np.where(there, exponent, _UNGRADED),
-        ]
-
-    def film(self, row: Sequence[float]) -> Film:
-        """The layers, the top one of unit thickness, and the base, of one row of the columns."""
-        count = len(UNITS) + 1  # and whether it is a conductor
-        rigid, electric, magnetic, lowest, surface, kind, exponent = row[2 * count :]
-        of: Constants | PowerLaw = _constants(row[:count])
-        if lowest != _UNGRADED:
-            one, two = (constants_of(phase) for phase in phases_of(self._cases))
-            if kind >= len(MIXTURES):
-                raise FactorError(f"base_volume_fraction: {lowest:g} of a composite that has no volume_fraction")
-            of = PowerLaw(MIXTURES[int(kind)], (one, two), surface, lowest, exponent)
-        interfaces = (
-            None if code < 0 else CHOICES[name][int(code)]
-            for name, code in zip(_INTERFACES, (electric, magnetic), strict=True)
-        )
-        return (Coat(of, 1.0, *interfaces),), None if rigid else _constants(row[count : 2 * count])
-
-    @property
-    def lacks_c12(self) -> str | None:
-        """The name of a material without c12, of films and of bases that are not rigid."""
-        return _lacking([(self._material, np.array(True)), (self._base, ~self._rigid)])
-
-    def _interface(self, name: str) -> Array:
-        """What the interface is to a field: the place among the choices, -1 for the default of its base."""
-        values = self._cases.values.get(name, np.array(None, dtype=object))
-        codes = [-1.0 if absent(value) else CHOICES[name].index(str(value)) for value in values.flat]
-        return np.array(codes).reshape(values.shape)
+    return _by_stack(cases) if BODY in cases.values else _by_factors(cases)
 
 
-class ByStack:
-    """Films given as :class:`solver.Stack`."""
+def _by_factors(cases: Cases) -> Bodies:
+    """Single films: a material or a composite, perhaps graded, on a base."""
+    values = cases.values
+    material, (base, rigid) = material_of(cases), base_of(cases)
+    graded = values.get("base_volume_fraction", np.array(np.nan))
+    there = ~np.isnan(graded)
+    kind = values.get("composite", np.array(CHOICES["composite"][0]))
+    mixture = np.select([kind == name for name in MIXTURES], range(len(MIXTURES)), len(MIXTURES))
+    exponent = np.nan_to_num(values.get("grading_exponent", np.array(np.nan)), nan=1.0)
+    columns = [
+        *_known(cases, material),
+        *(np.where(rigid, 0.0, constant) for constant in _known(cases, base)),
+        rigid,
+        *(_interface(cases, name) for name in _INTERFACES),
+        np.where(there, graded, _UNGRADED),
+        np.where(there, values.get("volume_fraction", np.array(0.0)), _UNGRADED),
+        np.where(there, mixture, _UNGRADED),
+        np.where(there, exponent, _UNGRADED),
+    ]
+    lacks = _lacking([(material, np.array(True)), (base, ~rigid)])
+    return Bodies(values["thickness"], columns, lambda row: _film(cases, row), lacks)
 
-    def __init__(self, cases: Cases) -> None:
-        which = cases.values["body"]
-        self._stacks: list[Stack] = list(dict.fromkeys(which.flat))
-        films = [_over_the_top(stack) for stack in self._stacks]
-        self._films = list(dict.fromkeys(films))  # those that differ in size alone share tables
-        number = {film: place for place, film in enumerate(self._films)}
-        place = {stack: number[film] for stack, film in zip(self._stacks, films, strict=True)}
-        top = {stack: stack.top.thickness for stack in self._stacks}
-        self._number: NDArray[np.intp] = np.array([place[stack] for stack in which.flat]).reshape(which.shape)
-        self.thickness: Array = np.array([top[stack] for stack in which.flat]).reshape(which.shape)
 
-    @property
-    def columns(self) -> list[Array]:
-        """Numbers that tell films apart, each over the case axes."""
-        return [np.asarray(self._number, dtype=np.float64)]
+def _film(cases: Cases, row: Sequence[float]) -> Film:
+    """One of the films by factors."""
+    count = len(UNITS) + 1  # and whether it is a conductor
+    rigid, electric, magnetic, lowest, surface, kind, exponent = row[2 * count :]
+    of: Constants | PowerLaw = _constants(row[:count])
+    if lowest != _UNGRADED:
+        one, two = (constants_of(phase) for phase in phases_of(cases))
+        if kind >= len(MIXTURES):
+            raise FactorError(f"base_volume_fraction: {lowest:g} of a composite that has no volume_fraction")
+        of = PowerLaw(MIXTURES[int(kind)], (one, two), surface, lowest, exponent)
+    interfaces = (
+        None if code < 0 else CHOICES[name][int(code)]
+        for name, code in zip(_INTERFACES, (electric, magnetic), strict=True)
+    )
+    return (Coat(of, 1.0, *interfaces),), None if rigid else _constants(row[count : 2 * count])
 
-    def film(self, row: Sequence[float]) -> Film:
-        """The layers, the top one of unit thickness, and the base, of one row of the columns."""
-        return self._films[int(row[0])]
 
-    @property
-    def lacks_c12(self) -> str | None:
-        """The name of a material without c12, of layers and of bases that are not rigid."""
-        bodies = [layer.material for stack in self._stacks for layer in stack.layers]
-        bodies += [stack.base for stack in self._stacks if not isinstance(stack.base, str)]
-        return _lacking([(body, np.array(True)) for body in bodies])
+def _interface(cases: Cases, name: str) -> Array:
+    """What the interface is to a field: the place among the choices, -1 for the default of its base."""
+    values = cases.values.get(name, np.array(None, dtype=object))
+    codes = [-1.0 if absent(value) else CHOICES[name].index(str(value)) for value in values.flat]
+    return np.array(codes).reshape(values.shape)
+
+
+def _by_stack(cases: Cases) -> Bodies:
+    """Films given as :class:`solver.Stack`; those that differ in size alone share tables."""
+    which = cases.values[BODY]
+    stacks: dict[Stack, Film] = {stack: _over_the_top(stack) for stack in dict.fromkeys(which.flat)}
+    films = list(dict.fromkeys(stacks.values()))
+    number = {film: float(place) for place, film in enumerate(films)}
+
+    def of_cases(values: Mapping[Stack, float]) -> Array:
+        return np.array([values[stack] for stack in which.flat]).reshape(which.shape)
+
+    materials = [layer.material for stack in stacks for layer in stack.layers]
+    materials += [stack.base for stack in stacks if not isinstance(stack.base, str)]
+    thickness = of_cases({stack: stack.top.thickness for stack in stacks})
+    columns = [of_cases({stack: number[film] for stack, film in stacks.items()})]
+    lacks = _lacking([(material, np.array(True)) for material in materials])
+    return Bodies(thickness, columns, lambda row: films[int(row[0])], lacks)
 
 
 def _over_the_top(stack: Stack) -> Film:
@@ -140,35 +127,24 @@ def _over_the_top(stack: Stack) -> Film:
     return layers, None if isinstance(stack.base, str) else constants_of(stack.base)
 
 
-class HalfPlanes:
+def half_planes(cases: Cases, material: Material, half_length: Array) -> Bodies:
     """Half-planes as films bonded to their own material: of any thickness, which the contact is given in proportion to.
 
     All lie in the middle of one window of half-lengths, whatever their punch and load.
+
+    Parameters
+    ----------
+    cases : Cases
+    material : Material, of every case
+    half_length : ndarray, over the case axes, of the contacts [m]
     """
 
-    def __init__(self, cases: Cases, material: Material, half_length: Array) -> None:
-        self._cases, self._material = cases, material
-        self.thickness: Array = half_length / _HALF_LENGTH
-
-    @property
-    def columns(self) -> list[Array]:
-        """Numbers that tell films apart, each over the case axes."""
-        return _known(self._cases, self._material)
-
-    def film(self, row: Sequence[float]) -> Film:
-        """The layers, the top one of unit thickness, and the base, of one row of the columns."""
+    def film(row: Sequence[float]) -> Film:
         of = (*_constants(row)[:-1], 0.0)  # the closed form knows no conductors
         return (Coat(of, 1.0, "bonded", "bonded"),), of
 
-    @property
-    def lacks_c12(self) -> str | None:
-        """The name of a material without c12."""
-        return _lacking([(self._material, np.array(True))])
-
-
-def films_of(cases: Cases) -> Bodies:
-    """The films of cases that are all on films."""
-    return ByStack(cases) if "body" in cases.values else ByFactors(cases)
+    lacks = _lacking([(material, np.array(True))])
+    return Bodies(half_length / _HALF_LENGTH, _known(cases, material), film, lacks)
 
 
 def refuse_charge(cases: Cases) -> None:

@@ -36,11 +36,11 @@ def _has(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
 
 
 def kinds_of(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
-    """The kind of body of every case, by name: without thickness or stack, of no layers."""
+    """The kind of body of every case, by name; a case with a thickness or a stack has layers."""
     if not arrays.keys() & {BODY, "thickness", "profile", "surroundings"}:
         return xr.DataArray(KINDS["line", False, False].name)
     layered = xr.DataArray(True) if BODY in arrays else _has(arrays, "thickness")
-    pointed, air = _among(arrays, "profile", _POINTED), _among(arrays, "surroundings", [AIR])
+    pointed, air = among(arrays, "profile", _POINTED), among(arrays, "surroundings", [AIR])
     layered, pointed, air = xr.broadcast(layered, pointed, air)
     holds = [
         (pointed.values == (contact == "point")) & (layered.values == layers) & (air.values == airy)
@@ -120,29 +120,43 @@ def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
     """
     if not arrays.keys() & {"surroundings", *OF_A_GAP}:
         return
-    air = _among(arrays, "surroundings", [AIR])
+    air = among(arrays, "surroundings", [AIR])
     for name in OF_A_GAP:
         if name in arrays:
             usual = FACTORS[name].default
-            told = _has(arrays, name) if usual is None else _bare(arrays, name) != usual
+            told = _has(arrays, name) if usual is None else bare(arrays, name) != usual
             refuse(arrays, name, told & ~air, f"without surroundings: {AIR}; only its gap has one")
-    pointed = _among(arrays, "profile", _POINTED)
+    pointed = among(arrays, "profile", _POINTED)
     ended = _has(arrays, "gap_radius")
     if "gap_radius" in arrays:
         refuse(arrays, "gap_radius", ended & ~pointed, "beside a contact along a line; only a point's gap has one")
-    if np.any(air & ~ended & _among(arrays, "profile", ["cone", "power"])):
+    if np.any(air & ~ended & among(arrays, "profile", ["cone", "power"])):
         raise FactorError(
             f"gap_radius: missing; must be {FACTORS['gap_radius'].allowed}: a cone or a power beside air says nowhere "
             "how wide the punch is, and the charge in its gap grows with that"
         )
 
 
-def _bare(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
+def bare(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
+    """A factor without coordinates.
+
+    Parameters
+    ----------
+    arrays : mapping of str to DataArray, the cases' factors
+    name : str, the factor
+    """
     return arrays[name].drop_vars(arrays[name].coords)
 
 
-def _among(arrays: Mapping[str, xr.DataArray], name: str, some: Sequence[str]) -> xr.DataArray:
-    """Which cases have one of some names."""
+def among(arrays: Mapping[str, xr.DataArray], name: str, some: Sequence[str]) -> xr.DataArray:
+    """Which cases have one of some names; none where the factor is not given.
+
+    Parameters
+    ----------
+    arrays : mapping of str to DataArray, the cases' factors
+    name : str, the factor
+    some : sequence of str, the names
+    """
     if name not in arrays:
         return xr.DataArray(False)
     matches = [arrays[name].values == choice for choice in some]
@@ -173,7 +187,7 @@ def refuse(arrays: Mapping[str, xr.DataArray], name: str, bad: xr.DataArray, why
     """
     if not np.any(bad):
         return
-    values, places = xr.broadcast(arrays[name].drop_vars(arrays[name].coords), bad)
+    values, places = xr.broadcast(bare(arrays, name), bad)
     first: Any = values.values[places.values].flat[0]
     number = isinstance(first, float | np.floating)
     raise FactorError(f"{name}: {f'{first:g}' if number else shown(getattr(first, 'name', first))} {why}")

@@ -1,6 +1,5 @@
 """Cases of point contacts on half-spaces, all of them at once."""
 
-from dataclasses import fields
 from functools import cached_property
 
 import numpy as np
@@ -21,7 +20,6 @@ from solver.point.pressed import Friction, Pressed
 from solver.point.profile import Shape
 from solver.point.response import contact_coupling
 from solver.point.rim import Rim
-from solver.point.surface import Stretch
 
 
 class OnHalfSpace(OnPoints):
@@ -74,14 +72,12 @@ class OnHalfSpace(OnPoints):
         k = contact_coupling(
             half.friction_coupling / (half.scale[..., :1] * units), half.scale, punch.coupling, conducts
         )
-        sizes = ((N, (3, 3)), (k, (3,)), (half.scale, (4,)))
-        N, k, units = (np.broadcast_to(v, (*self.shape, *own)).reshape(-1, *own) for v, own in sizes)
-        return N, k, units
+        return self._flat(N, 3, 3), self._flat(k, 3), self._flat(half.scale, 4)
 
     def _of(self, own: Indices, shape: Shape, coefficient: Array) -> Pressed:
         """Some cases of one exponent."""
         N, k, units = self._compliances
-        conducts = np.broadcast_to(self.cases.conducts, (*self.shape, 2)).reshape(-1, 2)
+        conducts = self._flat(self.cases.conducts, 2)
         friction = Friction(self._friction[own], k[own]) if "friction" in self.cases.values else None
         return Pressed(
             HalfSpace(N[own], shape), units[own], coefficient, *self._loads(own), conducts[own], friction=friction
@@ -96,18 +92,12 @@ class OnHalfSpace(OnPoints):
     def _rims(self) -> Rim:
         rim = Rim.of(self._half)
         stiffness, shear, *compliances = map(self._flat, (rim.stiffness, rim.shear, rim.tangential, rim.transverse))
-        coupling, share = (np.broadcast_to(of, (*self.shape, 3)).reshape(-1, 3) for of in (rim.coupling, rim.share))
-        return Rim(coupling, stiffness, shear, share, *compliances)
+        return Rim(self._flat(rim.coupling, 3), stiffness, shear, self._flat(rim.share, 3), *compliances)
 
     def _rim(self, places: Indices) -> Rim | None:
         if self._lacks_c12 is not None:
             return None
-        return Rim(*(getattr(self._rims, field.name)[places] for field in fields(Rim)))
-
-    def _stretch(self, own: Indices) -> Stretch | None:
-        if self._lacks_c12 is not None:
-            return None
-        return Stretch(*(getattr(self._rims, field.name)[own] for field in fields(Stretch)))
+        return self._rims.part(places)
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         own = [float(values[places[0]]) for values in self._constants]

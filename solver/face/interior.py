@@ -73,8 +73,8 @@ def solve_interior(
     def part(cases: Cases) -> xr.Dataset:
         body = body_of(cases)
         values = body.interior(grid_x, grid_y, fields)
-        found = cases.labelled(values, EVERY_INTERIOR, "factors and points (overflow)", axes, hollow=body.hollow)
-        return xr.Dataset(found, cases.coordinates | axes)
+        outputs = cases.labelled(values, EVERY_INTERIOR, "factors and points (overflow)", axes, hollow=body.hollow)
+        return xr.Dataset(outputs, cases.coordinates | axes)
 
     return cases.solved("exact fields inside a magneto-electro-elastic half-plane below a punch", part)
 

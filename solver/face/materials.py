@@ -11,7 +11,7 @@ from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.refusal import FactorError
 from solver.film.stack import RIGID
-from solver.material.constants import UNITS, Material, MaterialError
+from solver.material.constants import Material, MaterialError, combined
 from solver.material.laws import made
 from solver.material.library import find
 from solver.names import CHOICES, COMPOSITES
@@ -35,8 +35,7 @@ def material_of(cases: Cases) -> Material:
     if len(composites) == 1:
         return next(iter(composites.values()))
     places = [kinds == kind for kind in composites]
-    either: dict[str, Any] = {c: np.select(places, [getattr(m, c) for m in composites.values()]) for c in UNITS}
-    return Material(**either, name="composite")
+    return combined(lambda *values: np.select(places, values), composites.values(), "composite")
 
 
 def phases_of(cases: Cases) -> tuple[Material, Material]:
@@ -76,10 +75,7 @@ def base_of(cases: Cases) -> tuple[Material, BoolArray]:
         raise FactorError(f"base: {rest} and {RIGID}" if rest else f"base: {error}") from None
     if "base_modulus" not in cases.values:
         return base, rigid
-    other = _isotropic(cases)
-    by_name = named | rigid
-    either: dict[str, Any] = {c: np.where(by_name, getattr(base, c), getattr(other, c)) for c in (*UNITS, "conductor")}
-    return Material(**either, name="base"), rigid
+    return combined(lambda *values: np.where(named | rigid, *values), (base, _isotropic(cases)), "base"), rigid
 
 
 def _isotropic(cases: Cases) -> Material:
@@ -99,8 +95,8 @@ def _chosen(which: NDArray[Any], materials: Mapping[str, Material]) -> Material:
             raise FactorError(f"material: {material.name!r} holds arrays; a factor takes one material a value")
         material.check()
     of_case = np.array([place[m] for m in asked], dtype=np.intp).reshape(which.shape)
-    constants: dict[str, Any] = {c: np.array([getattr(m, c) for m in chosen])[of_case] for c in (*UNITS, "conductor")}
-    return Material(**constants, name=chosen[0].name if len(chosen) == 1 else "material")
+    name = chosen[0].name if len(chosen) == 1 else "material"
+    return combined(lambda *values: np.array(values)[of_case], chosen, name)
 
 
 def _named(factor: str, values: Iterable[object]) -> list[str | Material]:

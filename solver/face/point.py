@@ -21,7 +21,7 @@ from solver.point.profile import DISC, Shape
 from solver.point.quantities import quantities, sliding_quantities
 from solver.point.rim import Rim
 from solver.point.sliding import Rubbed, warn_of_order
-from solver.point.surface import Stretch, surface_fields
+from solver.point.surface import surface_fields
 
 #: Surface fields as fields inside, which have what friction adds.
 SURFACE = {
@@ -62,10 +62,6 @@ class OnPoints(Body):
     def _rim(self, places: Indices) -> Rim | None:
         """The surface beside the contacts; None where a c12 is missing."""
 
-    @abstractmethod
-    def _stretch(self, places: Indices) -> Stretch | None:
-        """What the surfaces do along themselves; None where a c12 is missing."""
-
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """Those of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and every case has; (...)."""
         self._require_c12("largest stresses under a point need")
@@ -76,7 +72,7 @@ class OnPoints(Body):
         raise FactorError("curves: of a body under a point contact are not given; ask for peaks")
 
     def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
-        values = self._of_parts(lambda pressed, own: surface_fields(pressed, positions, self._stretch(own)))
+        values = self._of_parts(lambda pressed, own: surface_fields(pressed, positions, self._rim(own)))
         if np.any(self._friction):
             values |= self._slid(positions)
         return self._with_regular(values, positions) if regular else values
@@ -165,5 +161,4 @@ class OnPoints(Body):
 
     def _loads(self, places: Indices) -> tuple[Array, Array]:
         """P (case,) and T, J (case, 2)."""
-        charges = np.stack([self._flat(self.cases.charges[..., field])[places] for field in (0, 1)], -1)
-        return self._flat(self.cases.force)[places], charges
+        return self._flat(self.cases.force)[places], self._flat(self.cases.charges, 2)[places]

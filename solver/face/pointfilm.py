@@ -10,11 +10,9 @@ from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.point import OnPoints
 from solver.face.punches import punch_of
-from solver.face.refusal import FactorError
 from solver.film.electroded import surface
 from solver.film.stack import Stack
 from solver.film.windows import Kind
-from solver.halfplane.surface import HalfPlane
 from solver.point.body import Film
 from solver.point.electrodes import electrode_quantities
 from solver.point.gradedinside import GradedInside
@@ -22,7 +20,6 @@ from solver.point.inside import Inside
 from solver.point.pressed import Friction, Pressed
 from solver.point.response import contact_coupling
 from solver.point.rim import Rim
-from solver.point.surface import Stretch
 from solver.point.table import PointKind
 
 
@@ -59,10 +56,6 @@ class OnPointFilm(OnPoints):
                 pressed.append((own, Pressed(body, kind.scale, coefficient, *loads, np.array(held), read, friction)))
         return pressed
 
-    def _refuse_electroded(self, what: str) -> None:
-        if any(pressed.body.kind.film.electroded for _, pressed in self._parts if isinstance(pressed.body, Film)):
-            raise FactorError(f"electrode: 'top': {what} under it are not given; ask for quantities alone")
-
     def _rubbing(self, kind: PointKind, own: Indices, punch: float) -> Friction | None:
         """What slides; None where nothing is said of it."""
         if "friction" not in self.cases.values:
@@ -81,18 +74,10 @@ class OnPointFilm(OnPoints):
         return self._bodies.lacks_c12
 
     def _rim(self, places: Indices) -> Rim | None:
-        half = self._beside(places)
-        return None if half is None else Rim.of(half)
-
-    def _stretch(self, places: Indices) -> Stretch | None:
-        half = self._beside(places)
-        return None if half is None else Stretch.of(half)
-
-    def _beside(self, places: Indices) -> HalfPlane | None:
-        """The half-plane of the top of cases of one body, as the surface beside their contacts is to be told by it."""
+        """Of the half-plane of the top of cases of one body, where it tells the surface beside their contacts."""
         stack = next(_stack(pressed) for own, pressed in self._parts if own is places)
         told = self._lacks_c12 is None and not stack.electroded and not stack.top.graded
-        return stack.media[0].halfplane if told else None
+        return Rim.of(stack.media[0].halfplane) if told else None
 
     def _within(self, places: Indices, pressed: Pressed) -> Inside | GradedInside:
         self._refuse_electroded("fields")

@@ -29,13 +29,13 @@ def settled(arrays: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:
         return dict(arrays)
     read = {name: _labels(arrays[name], name in _THERE) for name in (*_READ, *_THERE) if name in arrays}
     cases = xr.broadcast(*read.values())
-    found: dict[tuple[Any, ...], str] = {}
+    around_of: dict[tuple[Any, ...], str] = {}
     for values in (every := list(zip(*(labels.values.flat for labels in cases), strict=True))):
-        if values not in found:
+        if values not in around_of:
             case = {name: value for name, value in zip(read, values, strict=True) if not absent(value)}
-            found[values] = str(case.get("surroundings") or around(case))
-    chosen = xr.DataArray(np.reshape([found[values] for values in every], cases[0].shape), dims=cases[0].dims)
-    return {**arrays, "surroundings": chosen if len({*found.values()}) > 1 else chosen[(0,) * chosen.ndim]}
+            around_of[values] = str(case.get("surroundings") or around(case))
+    chosen = xr.DataArray(np.reshape([around_of[values] for values in every], cases[0].shape), dims=cases[0].dims)
+    return {**arrays, "surroundings": chosen if len({*around_of.values()}) > 1 else chosen[(0,) * chosen.ndim]}
 
 
 def _labels(array: xr.DataArray, there: bool) -> xr.DataArray:

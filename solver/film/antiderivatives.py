@@ -13,7 +13,7 @@ from numpy.polynomial.chebyshev import chebint, chebvander
 
 from approximation.chebyshev import coefficients, gauss_points
 from solver.arrays import Array, ComplexArray
-from solver.film.basis import CANCELS, RULES, Basis, ellipse, gauss_jacobi, jacobi
+from solver.film.basis import CANCELS, RULES, Basis, by_gauss, ellipse, gauss_jacobi, jacobi, off_contact
 from solver.halfplane.potentials import LINE, LINE_WEIGHTS
 
 _FAR = 2.0  # |z| from which F_0 is a series of moments
@@ -83,23 +83,25 @@ class Antiderivatives:
 
     def _others(self, z: ComplexArray, terms: Array) -> ComplexArray:
         """Sum of F_j, j >= 1; (point, c)."""
+        share = -terms / (2 * np.arange(1, len(terms) + 1))[:, None]
+        return off_contact(
+            z,
+            self.basis.terms,
+            self._raised,
+            share,
+            lambda near: self._near(near, share) + self._polynomial(near, terms),
+        )
+
+    @property
+    def _raised(self) -> tuple[float, float]:
+        """A + 1 and B + 1."""
         A, B = self.basis.exponents
-        share = terms / (2 * np.arange(1, len(terms) + 1))[:, None]
-        apart = 2 * self.basis.terms * np.log(np.abs(ellipse(z)[0]))
-        out: ComplexArray = np.empty((z.size, terms.shape[1]), np.complex128)
-        near = apart < CANCELS
-        out[near] = self._near(z[near], share) + self._polynomial(z[near], terms)
-        for count, least, most in RULES:
-            far = (apart >= least) & (apart < most)
-            S, weights = gauss_jacobi(int(np.ceil(count * self.basis.terms)), A + 1, B + 1)
-            rule = weights[:, None] * (jacobi(len(terms), A + 1, B + 1, S) @ share) / np.pi
-            out[far] = (-1 / (S - z[far][:, None])) @ rule
-        return out
+        return A + 1, B + 1
 
     def _near(self, z: ComplexArray, share: Array) -> ComplexArray:
         """What is not a polynomial near the contact."""
         A, B = self.basis.exponents
-        edge = (z - 1) ** (A + 1) * (z + 1) ** (B + 1) / np.sin(np.pi * A)
+        edge = -((z - 1) ** (A + 1)) * (z + 1) ** (B + 1) / np.sin(np.pi * A)
         return np.asarray(edge[:, None] * (jacobi(len(share), A + 1, B + 1, z) @ share))
 
     def _polynomial(self, z: ComplexArray, terms: Array) -> ComplexArray:
@@ -112,10 +114,8 @@ class Antiderivatives:
         """Minus the integrals of the polynomial parts, j >= 1, and their constants, from a point off the contact."""
         size, count = self.basis.terms + 2, self.basis.pressures - 1
         series = -chebint(coefficients(self.basis.local(gauss_points(size))[:, 1:]))
-        A, B = self.basis.exponents
-        z = 1j * np.sinh(np.array([CANCELS / (2 * self.basis.terms)]))
-        share = np.eye(count) / (2 * np.arange(1, count + 1))
-        S, weights = gauss_jacobi(int(np.ceil(RULES[0][0] * self.basis.terms)), A + 1, B + 1)
-        exact = (-1 / (S - z[:, None])) @ (weights[:, None] * (jacobi(count, A + 1, B + 1, S) @ share) / np.pi)
+        z: ComplexArray = 1j * np.sinh(np.array([CANCELS / (2 * self.basis.terms)]))
+        share = -np.eye(count) / (2 * np.arange(1, count + 1))
+        exact = by_gauss(z, int(np.ceil(RULES[0][0] * self.basis.terms)), self._raised, share)
         known = self._near(z, share) + chebvander(z, len(series) - 1) @ series
         return np.asarray(series), np.asarray((exact - known)[0].real)

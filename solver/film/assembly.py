@@ -10,9 +10,10 @@ from solver.arrays import Array
 from solver.film.basis import Basis
 from solver.film.electroded import lowest, surface
 from solver.film.grading import GradedResponse
-from solver.film.kernel import CHANNEL, POTENTIAL, POTENTIAL_SHEAR, SHEAR, TANGENTIAL, wavenumbers
+from solver.film.kernel import CHANNEL, POTENTIAL, POTENTIAL_SHEAR, SHEAR, TANGENTIAL
 from solver.film.rough import Rough, weights
 from solver.film.system import System
+from solver.film.wavenumbers import wavenumbers
 
 EDGES = np.array([1.0, -1.0])
 

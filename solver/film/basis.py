@@ -7,6 +7,7 @@ w = (1 - X)^A (1 + X)^B, k0 = A + B. With tan(theta) = eta kap / lam and A = 1/2
     (eta kap + lam H)[w P_j^(A,B)] = -(lam 2^k0 / sin(pi A)) P_(j+k0)^(-A,-B),    H[T_n / sqrt(1 - X^2)] = U_(n-1).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -15,9 +16,9 @@ from scipy.special import beta, roots_jacobi
 
 from solver.arrays import Array, Points
 
-#: By the logarithm of what the closed transforms cancel, 2 M times that of the ellipse through z: beyond three digits,
-#: Gauss's rules are exact to rounding, with so many nodes a term.
+#: The closed transforms cancel exp(c), c = 2 M log of the ellipse through z: below this c, three digits, they are used.
 CANCELS = 6.9
+#: Beyond, Gauss's rules are exact to rounding: nodes a term, and the range of c.
 RULES = ((5.0, CANCELS, 20.0), (2.4, 20.0, 60.0), (1.2, 60.0, np.inf))
 
 
@@ -107,9 +108,8 @@ class Basis:
     @cached_property
     def mean(self) -> Array:
         """Weights, at the nodes, of the mean over the contact with weight (1 - X^2)^(3/2); (M,)."""
-        angle = np.pi * np.arange(1, self.terms + 1) / (self.terms + 1)
-        weights = 8 / 3 * np.sin(angle) ** 4 / (self.terms + 1)  # Gauss's of weight sqrt(1 - X^2)
-        return np.asarray(weights @ self.dual(np.cos(angle), self.terms).T @ self.projection)
+        X, weights = mean_rule(self.terms)
+        return np.asarray(weights @ self.dual(X, self.terms).T @ self.projection)
 
     def pressure_factor(self, X: Points) -> Points:
         """P_j^(A,B); (X, pressures)."""
@@ -166,19 +166,12 @@ class Basis:
         z : ndarray, shape (...), points as for :meth:`transforms`
         terms : ndarray, shape (pressures, c)
         """
-        apart = 2 * self.terms * np.log(np.abs(ellipse(z)[0]))
-        A, B = self.exponents
-        out = np.empty((*z.shape, terms.shape[-1]), z.dtype)
-        near = apart < CANCELS
-        one = z[near]
-        own = self._outside(one)[..., None] * (self.pressure_factor(one) @ terms)
-        out[near] = own - self.local(one) @ terms
-        for count, least, most in RULES:
-            far = (apart >= least) & (apart < most)
-            S, weights = gauss_jacobi(int(np.ceil(count * self.terms)), A, B)
-            rule = weights[:, None] * (self.pressure_factor(S) @ terms) / np.pi
-            out[far] = (1 / (S - z[far][..., None])) @ rule
-        return out
+
+        def near(z: Points) -> Points:
+            own = self._outside(z)[..., None] * (self.pressure_factor(z) @ terms)
+            return own - self.local(z) @ terms
+
+        return off_contact(z, self.terms, self.exponents, terms, near)
 
     def _outside(self, z: Points) -> Points:
         """(z - 1)^A (z + 1)^B / sin pi A off the contact."""
@@ -206,38 +199,93 @@ class Basis:
     def sign_moments(self) -> Array:
         """Integrals of w P_j times the mean of sgn(X - S) / 2 over X; (pressures,): by a double exponential rule."""
         A, B = self.exponents
-        end = np.arcsinh(40 / (np.pi * min(A + 1, B + 1)))  # e^-40 of the integrand is left out
-        steps = np.linspace(-end, end, 241 + 8 * self.terms)
-        share = 1 / (1 + np.exp(-np.pi * np.sinh(steps)))
-        S, one, other = 2 * share - 1, 2 / (1 + np.exp(np.pi * np.sinh(steps))), 2 * share  # 1 - S, 1 + S
-        weight = (steps[1] - steps[0]) * np.pi / 2 * np.cosh(steps) * one ** (A + 1) * other ** (B + 1)
-        angle = np.arctan2(S, np.sqrt(one * other))
+        S, to_trailing, to_leading, weight = double_exponential(min(A + 1, B + 1), 241 + 8 * self.terms)
+        weight = weight * to_trailing**A * to_leading**B
+        angle = np.arctan2(S, np.sqrt(to_trailing * to_leading))
         mean = -(angle + 2 / 3 * np.sin(2 * angle) + np.sin(4 * angle) / 12) / np.pi
         return np.asarray((weight * mean) @ self.pressure_factor(S))
 
 
 @lru_cache(256)
-def gauss_jacobi(count: int, one: float, other: float) -> tuple[Array, Array]:
-    """Gauss's rule of weight (1 - X)^one (1 + X)^other: nodes and weights, which cannot be written to.
+def gauss_jacobi(count: int, A: float, B: float) -> tuple[Array, Array]:
+    """Gauss's rule of weight (1 - X)^A (1 + X)^B: nodes and weights, which cannot be written to.
 
     Parameters
     ----------
     count : int, number of nodes
-    one, other : float, > -1
+    A, B : float, > -1
     """
     with np.errstate(
         invalid="ignore", divide="ignore"
-    ):  # SciPy divides by 0 where one + other = -1, in a place that it then replaces
-        X, weights = roots_jacobi(count, one, other)
+    ):  # SciPy divides by 0 where A + B = -1, in a place that it then replaces
+        X, weights = roots_jacobi(count, A, B)
     for array in (X, weights):
         array.flags.writeable = False
     return X, weights
+
+
+def off_contact(
+    z: Points, count: int, exponents: tuple[float, float], terms: Array, near: Callable[[Points], Points]
+) -> Points:
+    """H[w sum_j terms_j P_j] off the contact: by Gauss's rules, next to it closed; (..., c).
+
+    Parameters
+    ----------
+    z : ndarray, shape (...), points, real with |z| > 1, or complex with Im z >= 0
+    count : int, M, by which rules and closed form are told apart
+    exponents : (float, float), A and B of w and P_j
+    terms : ndarray, shape (j, c)
+    near : callable, the closed form of some of the points
+    """
+    apart = 2 * count * np.log(np.abs(ellipse(z)[0]))
+    out = np.empty((*z.shape, terms.shape[-1]), z.dtype)
+    close = apart < CANCELS
+    out[close] = near(z[close])
+    for share, least, most in RULES:
+        far = (apart >= least) & (apart < most)
+        out[far] = by_gauss(z[far], int(np.ceil(share * count)), exponents, terms)
+    return out
+
+
+def by_gauss(z: Points, nodes: int, exponents: tuple[float, float], terms: Array) -> Points:
+    """H[w sum_j terms_j P_j] by Gauss's rule, away from the contact; (..., c).
+
+    Parameters
+    ----------
+    z, exponents, terms : as of :func:`off_contact`
+    nodes : int
+    """
+    S, weights = gauss_jacobi(nodes, *exponents)
+    rule = weights[:, None] * (jacobi(len(terms), *exponents, S) @ terms) / np.pi
+    values: Points = (1 / (S - z[..., None])) @ rule
+    return values
 
 
 def ellipse(z: Points) -> tuple[Points, Points]:
     """z + sqrt(z^2 - 1), outside of the unit disk, and the root."""
     root = np.sqrt(z - 1) * np.sqrt(z + 1) if np.iscomplexobj(z) else np.sign(z) * np.sqrt(z * z - 1)
     return z + root, root
+
+
+def double_exponential(least: float, count: int) -> tuple[Array, Array, Array, Array]:
+    """Nodes X, 1 - X, 1 + X and weights of a rule on [-1, 1] for any behaviour at its ends; (count,) each.
+
+    Parameters
+    ----------
+    least : float, the least exponent of the distance from an end in the integral of what is integrated
+    count : int
+    """
+    end = np.arcsinh(40 / (np.pi * least))  # e^-40 of the integrand is left out
+    steps = np.linspace(-end, end, count)
+    below, above = 2 / (1 + np.exp(-np.pi * np.sinh(steps))), 2 / (1 + np.exp(np.pi * np.sinh(steps)))
+    weights = (steps[1] - steps[0]) * np.pi / 2 * np.cosh(steps) * below * above
+    return (below - above) / 2, above, below, np.asarray(weights)
+
+
+def mean_rule(count: int) -> tuple[Array, Array]:
+    """Nodes X and weights of the mean with weight (1 - X^2)^(3/2), by Gauss's rule of sqrt(1 - X^2); (count,) each."""
+    angle = np.pi * np.arange(1, count + 1) / (count + 1)
+    return np.cos(angle), 8 / 3 * np.sin(angle) ** 4 / (count + 1)
 
 
 def log_mean(S: Array) -> Array:

@@ -11,9 +11,10 @@ import numpy as np
 
 from solver.arrays import Array, dot
 from solver.film import outputs
-from solver.film.causes import Causes, Loading
+from solver.film.basis import mean_rule
 from solver.film.electroded import lowest
-from solver.film.press import extent
+from solver.film.extent import extent
+from solver.film.loading import Causes, Loading
 from solver.film.table import Table
 from solver.halfplane.profile import Profile
 
@@ -285,7 +286,5 @@ def mean_power(centre: Array, n: int) -> Array:
     centre : ndarray, shape (case,), c/h
     n : int
     """
-    count = n // 2 + 4
-    angle = np.pi * np.arange(1, count + 1) / (count + 1)
-    weights = 8 / 3 * np.sin(angle) ** 4 / (count + 1)
-    return np.asarray((np.cos(angle) + centre[:, None]) ** n @ weights)
+    X, weights = mean_rule(n // 2 + 4)
+    return np.asarray((X + centre[:, None]) ** n @ weights)

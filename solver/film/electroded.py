@@ -110,14 +110,14 @@ def grounded_tails(stack: Stack, tails: Array) -> Array:
     tails : ndarray, shape (order, 4, 4), Y1, Y2, ...
     """
     D, own = _shared(stack, tails), stack.media[0].compliance[_PHI, _PHI]
-    inverse, found = [1 / own], np.array(D)  # of p + D_ff, from order 0 on
+    inverse, added = [1 / own], np.array(D)  # of p + D_ff, from order 0 on
     for order in range(1, len(D)):
         inverse.append(-sum(D[i - 1, _PHI, _PHI] * inverse[order - i] for i in range(1, order + 1)) / own)
     for first, second in product(range(1, len(D) + 1), repeat=2):
         for third in range(len(D) + 1 - first - second):
             both = np.outer(D[first - 1, _PHI], D[second - 1, _PHI])
-            found[first + second + third - 1] -= both * inverse[third]
-    return _without_phi(found)
+            added[first + second + third - 1] -= both * inverse[third]
+    return _without_phi(added)
 
 
 def _shared(stack: Stack, added: Array) -> Array:

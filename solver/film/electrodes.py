@@ -12,20 +12,24 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray
 from solver.film.electroded import beyond_local, local
 from solver.film.fourier import falling
 from solver.film.grading import extrapolated, staircase
-from solver.film.kernel import strip, wavenumbers
-from solver.film.reading import FarError
+from solver.film.layerwaves import below
 from solver.film.reflection import waves
 from solver.film.stack import Stack, StackError
-from solver.film.within import below
+from solver.film.wavenumbers import strip, wavenumbers
 
 _TOP, _PHI = -1, 2  # the surface among the interfaces; phi among (x, y, phi, psi)
 _FARTHEST = 2000.0  # distance over the width of the strip: bounded time
 _KEPT = 128  # transfers: 0.1 MB each
 _STEPS = (8, 16, 32, 64)  # of a graded layer: rows to 1e-9 of the largest
+
+
+class FarError(StackError):
+    """A patch that reaches farther than is resolved; what is said of it stands behind its size."""
 
 
 def electrodes(stack: Stack) -> list[tuple[int, ...]]:
@@ -108,7 +112,7 @@ class Electrode:
     def capacitance(self) -> float:
         """To the next electrodes per area [F m-2], of plates whose layers are free to thicken and not to widen."""
         if self.stack.top.graded:
-            return 1 / float(self._extrapolated(lambda one: np.array(1 / one.capacitance)))
+            return 1 / float(self._extrapolated(lambda stepped: np.array(1 / stepped.capacitance)))
         scale, total = float(self.stack.scale[_PHI]), 0.0
         for layers in self.between:
             own = [(self.stack.layers[i].thickness, self.stack.media[i].system[_PHI, 4 + _PHI]) for i in layers]
@@ -142,7 +146,7 @@ class Electrode:
         if self.stack.top.graded:
             if self.on_top:
                 raise StackError("patch_size: of the electrode on top of a film that is graded is not given")
-            return self._extrapolated(lambda one: one.rows(k))
+            return self._extrapolated(lambda stepped: stepped.rows(k))
         if self.on_top:
             return np.stack([beyond_local(self.stack, k), np.zeros((k.size, 4))], 1)
         layers = waves(self.stack, k)
@@ -174,7 +178,7 @@ class Electrode:
     def whole(self) -> Array:
         """Charge of the electrode without end per total (sigma_yy, D_y, B_y) at the surface; (3,)."""
         if self.stack.top.graded:
-            return self._extrapolated(lambda one: one.whole)
+            return self._extrapolated(lambda stepped: stepped.whole)
         t, charge = np.eye(4)[:, 1:], np.zeros(3)
         held = ((_PHI,) if self.stack.electroded else (), *self.stack.grounded)
         for number, (A, C) in enumerate(_small(self.stack), _TOP):
@@ -208,6 +212,11 @@ def transfers(stack: Stack, number: int, octave: int) -> tuple[Array, Array, Arr
     octave : int, for distances up to 2^octave times the thickness of the top layer
     """
     return Electrode(stack, number).transfers(2.0**octave * stack.top.thickness)
+
+
+def octave_of(reach: Array) -> Indices:
+    """Least power of two, from 1 on, of distances over the thickness of the top layer; as ``reach``."""
+    return np.asarray(np.ceil(np.log2(np.maximum(reach, 1.0))), dtype=np.intp)
 
 
 def _small(stack: Stack) -> list[tuple[Array, Array]]:

@@ -20,9 +20,9 @@ from scipy.special import jv
 from solver.arrays import Array, ComplexArray
 from solver.film.electrodes import Electrode
 from solver.film.fourier import FLIP, falling
-from solver.film.kernel import wavenumbers
 from solver.film.reflection import held, waves
 from solver.film.stack import Stack, StackError
+from solver.film.wavenumbers import wavenumbers
 
 _PHI = 2  # of (x, y, phi, psi)
 _NODES = 64  # of Chebyshev's rule for two gaps that do not touch
@@ -75,14 +75,14 @@ def stiffness(stack: Stack, number: int, k: Array) -> tuple[Array, float]:
         return above[:, _PHI, _PHI], float(limit[_PHI, _PHI])
     others = tuple(c for c in stack.grounded[place] if c != _PHI)
     under = [*stack.media, *filter(None, [stack.base_medium])][place + 1]
-    found = [
+    below = [
         -1 / np.linalg.solve(np.eye(4) - Y @ Z, Y)[..., _PHI, _PHI]
         for Y, Z in (
             (held(np.array(layers[place].below), others), above),
             (held(np.array(under.compliance), others), limit),
         )
     ]
-    return found[0], float(found[1])
+    return below[0], float(below[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,10 +125,10 @@ class Patches(ABC):
     @cached_property
     def voltages(self) -> Array:
         """Of the parts where the middle one has one volt and the others float; (part,)."""
-        found = np.ones(len(self.matrix))
-        others = np.arange(found.size) != self.read
-        found[others] = -np.linalg.solve(self.matrix[np.ix_(others, others)], self.matrix[others, self.read])
-        return found
+        voltages = np.ones(len(self.matrix))
+        others = np.arange(voltages.size) != self.read
+        voltages[others] = -np.linalg.solve(self.matrix[np.ix_(others, others)], self.matrix[others, self.read])
+        return voltages
 
     @property
     def capacitance(self) -> float:
@@ -220,7 +220,7 @@ class Strips(Patches):
 
 @lru_cache(_KEPT)
 def strips(stack: Stack, number: int, size: float, pitch: float, floating: int) -> Strips:
-    """Kept: what they are found from does not depend on the contact.
+    """Strips, kept: they do not depend on the contact.
 
     Parameters
     ----------

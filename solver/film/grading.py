@@ -172,8 +172,8 @@ class GradedMedium:
         k : ndarray, shape (k,), wavenumbers
         below : ndarray, shape (k, 4, 4), response of the body below
         """
-        found = extrapolated(lambda count: self._staircase(k, below, count), _SUBLAYERS)
-        return found - self.at(np.zeros(()))[0]
+        Y = extrapolated(lambda count: self._staircase(k, below, count), _SUBLAYERS)
+        return Y - self.at(np.zeros(()))[0]
 
     def _staircase(self, k: Array, below: Array, count: int) -> Array:
         """Y_top by homogeneous sublayers of the materials at their middles; (k, 4, 4)."""

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.film.fourier import Medium
 from solver.film.grading import Graded, staircase
-from solver.film.kernel import strip
+from solver.film.layerwaves import TURN, below, layer_waves, modal
 from solver.film.reflection import LayerWaves, held, waves
 from solver.film.stack import Stack, StackError
 from solver.film.tractions import Tractions
-from solver.film.within import TURN, below, layer_waves, modal
+from solver.film.wavenumbers import strip
 from solver.halfplane.interior import LINEAR, field_rows
 from solver.halfplane.potentials import POTENTIALS
 
@@ -171,10 +171,10 @@ class Interior:
             for start in range(0, h.size, share):
                 some = slice(start, start + share)
                 top = self.tractions.part(some).in_fourier_space(k[here])
-                found = self._waves(layers, k[here], top, depth[some], body[some], rows)
-                found *= shares[here, None, None, None]
+                own_waves = self._waves(layers, k[here], top, depth[some], body[some], rows)
+                own_waves *= shares[here, None, None, None]
                 x = X[some] if len(X) > 1 else X
-                _add(out[some], x * h[some, None], k[here], found)
+                _add(out[some], x * h[some, None], k[here], own_waves)
         if np.any(inside := np.any(body == 0, 0)):
             upper = (body[:, inside] == 0)[:, :, None, None, None]
             own = self._halfplane(X, Y[:, inside], rows[0], integrated=integrated)
@@ -247,13 +247,13 @@ def _blocks(inside: BoolArray) -> Iterator[tuple[NDArray[np.intp], NDArray[np.in
         yield members, places, inside[np.ix_(members, places)]
 
 
-def _add(out: Array, x: Array, k: Array, found: ComplexArray) -> None:
+def _add(out: Array, x: Array, k: Array, transforms: ComplexArray) -> None:
     """Add waves (member, k, y, 8, column) at positions x (member, x) to ``out`` (member, y, 8, x, column)."""
     phase = x[..., None] * k
-    flat = found.reshape(*found.shape[:2], -1)
+    flat = transforms.reshape(*transforms.shape[:2], -1)
     real, imaginary = (np.ascontiguousarray(part) for part in (flat.real, flat.imag))
     summed = np.cos(phase) @ real - np.sin(phase) @ imaginary
-    out += np.moveaxis(summed.reshape(*phase.shape[:2], *found.shape[2:]), 1, 3)
+    out += np.moveaxis(summed.reshape(*phase.shape[:2], *transforms.shape[2:]), 1, 3)
 
 
 def fields_of(tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...], datum: Array) -> Array:

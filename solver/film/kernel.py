@@ -10,10 +10,10 @@ where U' = K gives displacements. They are analytic in the strip |Im x| < b = 2 
 """
 
 from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.special import erfc, exp1
+from scipy.special import exp1
 
 from approximation.piecewise import Piecewise
 from solver.arrays import Array, BoolArray
@@ -21,6 +21,7 @@ from solver.film.electroded import difference, lowest, surface
 from solver.film.grading import GradedResponse, smooth_tails
 from solver.film.reflection import sideways
 from solver.film.stack import Stack, StackError
+from solver.film.wavenumbers import ended_at, graded_strip, panels, strip, tapered, wavenumbers
 
 #: Entries of Delta in the order of the channels: six oo, three ox, then xx (of K only).
 ENTRIES = ((1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3), (1, 0), (2, 0), (3, 0), (0, 0))
@@ -34,18 +35,11 @@ POTENTIAL = CHANNEL + 10
 POTENTIAL_SHEAR = SHEAR + 10
 
 _ODD = np.array([True] * 6 + [False] * 3 + [True] + [False] * 6 + [True] * 3)  # parity of K, then of U
-#: Exponent at the largest wavenumber: e^-34 is below rounding.
-DECAYED = 34.0
-_GROWTH, _GROWN = 2.5, 1.35  # of the panels in k, and in x
-_NODES = 16  # a panel in k, beside those that the phase needs
-_PHASE = 150.0  # the most of a panel: small rules are cheap to find
+_GROWN = 1.35  # growth of the panels in x
 #: Degree on every panel.
 DEGREE = 16  # of the Chebyshev panels in x, the first half as long as the strip is wide: 8.3^-17 is below rounding
-_ENDED = 40.0  # thicknesses from which Delta is ended
-_END, _SLOPE = 72.0, 12.0  # k times the distance where it ends, and the width of that: e^-36 of it is left
 _TAIL = 1e-11  # of the largest coefficient: what the last ones of a resolved kernel fall below
 FINEST = 10  # halvings of the first panel under a graded layer, whose kernels are rough at 0
-_GRADED_END = 2000.0  # largest wavenumber times the thickness of a graded layer
 _GRADED_TAIL = 1e-8
 _HALVINGS = 6  # of panels that do not resolve: roots with a large real part put singularities beside the first ones
 _MOST = 20_000_000  # entries of one block of the transform: bounded memory
@@ -188,18 +182,18 @@ def _resolved(
     def values(x: Array) -> Array:
         return _transforms(stack, width, x) if graded is None else _graded(graded, width, x)
 
-    found = Piecewise.of(values, ends, DEGREE + 1, octaves)
+    channels = Piecewise.of(values, ends, DEGREE + 1, octaves)
     for _ in range(_HALVINGS):
-        large = _undecayed(found.series, least)
+        large = _undecayed(channels.series, least)
         if not np.any(large):
-            return found
-        found = found.halved(values, large)
-    if np.any(_undecayed(found.series, least)):
+            return channels
+        channels = channels.halved(values, large)
+    if np.any(_undecayed(channels.series, least)):
         raise StackError(
             "kernel: its table does not resolve this stack: layers too different in thickness or stiffness "
             "(or a speed next to the critical one)"
         )
-    return found
+    return channels
 
 
 def _undecayed(series: Array, least: float) -> BoolArray:
@@ -214,98 +208,6 @@ def graded_response(stack: Stack) -> GradedResponse:
     return GradedResponse(stack, panels(stack, graded_strip(stack)))
 
 
-def strip(stack: Stack) -> float:
-    """b = 2 h1 g [m]: Delta(k), or what is left of it without its tails, decays like exp(-b k)."""
-    return 2 * stack.top.thickness * float(stack.media[0].slowest)
-
-
-def graded_strip(stack: Stack) -> float:
-    """Width whose exponential ends where the remainder of a graded layer, which decays like k^-4, is small."""
-    return DECAYED * stack.top.thickness / _GRADED_END
-
-
-def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
-    """Nodes and weights in k for what decays like exp(-width k); (k,) each.
-
-    Parameters
-    ----------
-    stack : Stack
-    reach : float, the largest distance [m]
-    width : float, m
-    """
-    ends = panels(stack, width)
-    return on_panels(ends, np.full(ends.size - 1, reach))
-
-
-def on_panels(ends: Array, reaches: Array) -> tuple[Array, Array]:
-    """Nodes and weights in k on panels; (k,) each.
-
-    Parameters
-    ----------
-    ends : ndarray, shape (panel + 1,), of the panels [1/m]
-    reaches : ndarray, shape (panel,), the largest distance that each is for [m]
-    """
-    nodes, weights = [], []
-    for start, end, reach in zip(ends[:-1], ends[1:], reaches, strict=True):
-        parts = int(np.ceil((end - start) * reach / _PHASE))
-        half = (end - start) / max(parts, 1) / 2
-        x, w = _gauss(_NODES + int(2 * half * reach / 3.2))
-        middles = start + half * (2 * np.arange(max(parts, 1)) + 1)
-        nodes.append((middles[:, None] + half * x).ravel())
-        weights.append(np.tile(half * w, middles.size))
-    return np.concatenate(nodes), np.concatenate(weights)
-
-
-def _ended_at(stack: Stack, width: float, x: Array, long: float = _ENDED) -> float | None:
-    """Wavenumber at which Delta may end at distances x that are all long [m]; none where it decays before."""
-    least = float(np.min(x))
-    if least <= long * stack.thickness:
-        return None
-    end = (_END + 6 * _SLOPE) / least
-    return end if end < DECAYED / width else None
-
-
-def tapered(stack: Stack, width: float, x: Array, long: float = _ENDED) -> tuple[Array, Array, Array]:
-    """Nodes and weights in k at distances, and a smooth end of Delta that long ones do not see; (k,) each.
-
-    Parameters
-    ----------
-    stack, width
-        What decays like exp(-width k) of which films.
-    x
-        Distances [m].
-    long
-        Thicknesses from which distances are long.
-    """
-    end = _ended_at(stack, width, x, long)
-    k, weights = wavenumbers(stack, float(np.max(x)), width if end is None else DECAYED / end)
-    taper = np.ones_like(k) if end is None else erfc((k * float(np.min(x)) - _END) / _SLOPE) / 2
-    return k, weights, taper
-
-
-def panels(stack: Stack, width: float) -> Array:
-    """Ends of panels in k, which grow from the smallest structure: unlike layers shift it to k H << 1; (end,).
-
-    Parameters
-    ----------
-    stack : Stack
-    width : float, of what decays like exp(-width k) [m]
-    """
-    bodies = [np.diagonal(medium.compliance) for medium in (*stack.media, *filter(None, [stack.base_medium]))]
-    size = np.abs(bodies)
-    least = float(np.min(np.min(size, 0) / np.max(size, 0)))
-    ends = [0.0, 0.1 * least / stack.thickness]
-    while ends[-1] < DECAYED / width:
-        ends.append(ends[-1] * _GROWTH)
-    ends[-1] = DECAYED / width
-    return np.array(ends)
-
-
-@cache
-def _gauss(count: int) -> tuple[Array, Array]:
-    return np.polynomial.legendre.leggauss(count)
-
-
 def _transforms(stack: Stack, width: float, x: Array) -> Array:
     """K and U at distances x >= 0; (x, 19)."""
     k, weights, taper = tapered(stack, width, x)
@@ -318,17 +220,12 @@ def _transforms(stack: Stack, width: float, x: Array) -> Array:
     by_sine = (weights * np.concatenate([rows[[*range(6), 9]], rows[6:9] / k])).T
     by_cosine = (weights * np.concatenate([rows[6:9], rows[:6] / k])).T
     offset = (datum * weights / k).sum(-1)
-    if (end := _ended_at(stack, width, x)) is not None:  # beyond, the datum's part alone is left
+    if (end := ended_at(stack, width, x)) is not None:  # beyond, the datum's part alone is left
         offset += np.array([regular[i, j] for i, j in ENTRIES[:6]]) * float(exp1(end * width))
-    out = np.empty((x.size, 19))
-    for block in range(0, x.size, step := max(_MOST // k.size, 1)):
-        some = slice(block, block + step)
-        phase = x[some, None] * k
-        sines, cosines = np.sin(phase) @ by_sine, np.cos(phase) @ by_cosine
-        out[some, [*range(6), TANGENTIAL]] = -sines[:, :7]
-        out[some, 6:9] = -cosines[:, :3]
-        out[some, 10:16] = cosines[:, 3:] + offset
-        out[some, 16:19] = -sines[:, 7:]
+    sines, cosines = _summed(x, k, by_sine, by_cosine)
+    out = np.concatenate(
+        [-sines[:, :6], -cosines[:, :3], -sines[:, 6:7], cosines[:, 3:] + offset, -sines[:, 7:]], axis=1
+    )
     out /= np.pi
     # the part c_B/k of a stack that passes its flux on sideways, in closed form
     angle = np.arctan(x / width)
@@ -343,12 +240,17 @@ def _graded(response: GradedResponse, width: float, x: Array) -> Array:
     rows = np.array([(weights[:, None, None] * response.decayed(k, width))[:, i, j] for i, j in ENTRIES]).T
     tails = np.array([response.tails[:3, i, j] for i, j in ENTRIES]).T  # (order, channel)
     sines, cosines = smooth_tails(x, width)
-    out = np.zeros((x.size, 19))
-    odd = _ODD[:10]
-    for block in range(0, x.size, step := max(_MOST // k.size, 1)):
-        some = slice(block, block + step)
-        phase = x[some, None] * k
-        out[some, np.flatnonzero(odd)] = np.sin(phase) @ rows[:, odd]
-        out[some, np.flatnonzero(~odd)] = np.cos(phase) @ rows[:, ~odd]
-    out[:, :10] += np.where(odd, sines.T @ tails, cosines.T @ tails)
+    out, odd = np.zeros((x.size, 19)), np.flatnonzero(_ODD[:10])
+    even = np.setdiff1d(np.arange(10), odd)
+    out[:, odd], out[:, even] = _summed(x, k, rows[:, odd], rows[:, even])
+    out[:, :10] += np.where(_ODD[:10], sines.T @ tails, cosines.T @ tails)
     return -out / np.pi
+
+
+def _summed(x: Array, k: Array, by_sine: Array, by_cosine: Array) -> tuple[Array, Array]:
+    """Sums over wavenumbers of rows (k, row) times sin kx and times cos kx; (x, row) each."""
+    sines, cosines = (np.empty((x.size, rows.shape[1])) for rows in (by_sine, by_cosine))
+    for start in range(0, x.size, step := max(_MOST // k.size, 1)):
+        phase = x[start : start + step, None] * k
+        sines[start : start + step], cosines[start : start + step] = np.sin(phase) @ by_sine, np.cos(phase) @ by_cosine
+    return sines, cosines

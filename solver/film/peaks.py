@@ -4,55 +4,31 @@ Stresses on Chebyshev panels tied to the edges of the contact are linear in the 
 its logarithm. A case is a product; the best nodes of several hills start climbs on the interpolant.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
-from approximation.chebyshev import coefficients
-from approximation.measure import ITSELF, Measure
-from approximation.summit import Top, highest
-from solver.arrays import Array
-from solver.curves import PRINCIPAL, SHEAR, VON_MISES
+from approximation.chebyshev import coefficients, interpolation
+from approximation.measure import ITSELF
+from approximation.summit import highest
+from solver.arrays import Array, joined
+from solver.curves import PRINCIPAL, REGIONS, SHEAR, VON_MISES
 from solver.film.contact import FilmContact
 from solver.film.interior import Interior
-from solver.film.net import DEPTH, Net, Nets
-from solver.film.stack import Stack, StackError
+from solver.film.stack import StackError
+from solver.film.stressnets import DEPTH, Net, Nets
 from solver.film.table import RangeError, Table
 from solver.film.tractions import Tractions
 
-_STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
+#: What is searched for in each region of ``solver.curves.REGIONS``.
+PEAKS_OF = {
+    "interface": ("interface_shear", "interface_shear_position", "interface_tension", "interface_tension_position"),
+    "film": ("film_peak_von_mises", "film_peak_principal_tension"),
+    "base": ("base_peak_von_mises", "base_peak_principal_tension"),
+}
 _CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width: the next is of its square
 _CHUNK = 256  # cases at a time: bounded memory
-
-
-@dataclass(frozen=True, eq=False)
-class InterfacePeaks:
-    """Largest stresses on the upper side of the lowest interface; (case,) each, positions X = (x - c)/h.
-
-    Attributes
-    ----------
-    shear, shear_position
-        Largest abs(sigma_xy) [Pa].
-    tension, tension_position
-        Largest sigma_yy [Pa]; 0 and NaN where none is tensile.
-    """
-
-    shear: Array
-    shear_position: Array
-    tension: Array
-    tension_position: Array
-
-
-@dataclass(frozen=True, eq=False)
-class BodyPeaks:
-    """Largest von Mises and principal stress of the film below depth 0.1 h, or of the base [Pa]; (case,) each.
-
-    The principal stress is 0 where none is tensile.
-    """
-
-    von_mises: Array
-    principal_tension: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,54 +42,31 @@ class PeakTable:
     """
 
     table: Table
+    _tabled: dict[str, tuple[Net, Array]] = field(default_factory=dict, init=False, repr=False)
 
-    # -- nets ----------------------------------------------------------------------------------------------------------
-    @cached_property
-    def interface_net(self) -> Net:
-        """Points on the upper side of the lowest interface."""
-        return self._nets.interface
+    def tabled(self, region: str) -> tuple[Net, Array]:
+        """Net over a region, and Chebyshev coefficients in log h of its stresses; (node, stress, depth, x, cause).
 
-    @cached_property
-    def film_net(self) -> Net:
-        """Points of the film from depth 0.1 h to the interface."""
-        if DEPTH * self.table.upper >= self._thickness:
-            raise RangeError(f"film peaks: contacts wider than {1 / DEPTH:g} thicknesses have no film under 0.1 h")
-        return self._nets.film
+        Parameters
+        ----------
+        region : str, one of :data:`PEAKS_OF`
 
-    @cached_property
-    def base_net(self) -> Net:
-        """Points of the base from the interface to two half-lengths and a thickness below it."""
-        if self._stack.rigid:
-            raise StackError("base peaks: a rigid base has no stresses")
-        return self._nets.base
-
-    @property
-    def _nets(self) -> Nets:
-        return Nets(self._stack, self.table.lower, self.table.upper)
-
-    @property
-    def _thickness(self) -> float:
-        return self._stack.thickness
-
-    @property
-    def _stack(self) -> Stack:
-        return self.table.system.kernel.stack
-
-    # -- series --------------------------------------------------------------------------------------------------------
-    @cached_property
-    def interface_series(self) -> Array:
-        """Chebyshev coefficients in log h of (sigma_xy, sigma_yy) on the interface; (node, 2, 1, x, cause)."""
-        return self._series(self.interface_net, ("stress_xy", "stress_yy"))
-
-    @cached_property
-    def film_series(self) -> Array:
-        """Chebyshev coefficients in log h of the four stresses; (node, 4, depth, x, cause)."""
-        return self._series(self.film_net, _STRESSES)
-
-    @cached_property
-    def base_series(self) -> Array:
-        """As of the film."""
-        return self._series(self.base_net, _STRESSES)
+        Raises
+        ------
+        RangeError
+            Contacts so wide that the film has no depth below 0.1 h.
+        StackError
+            Stresses of a rigid base.
+        """
+        if region not in self._tabled:
+            stack, upper = self.table.system.kernel.stack, self.table.upper
+            if region == "film" and DEPTH * upper >= stack.thickness:
+                raise RangeError(f"film peaks: contacts wider than {1 / DEPTH:g} thicknesses have no film under 0.1 h")
+            if region == "base" and stack.rigid:
+                raise StackError("base peaks: a rigid base has no stresses")
+            net: Net = getattr(Nets(stack, self.table.lower, upper), region)
+            self._tabled[region] = net, self._series(net, REGIONS[region].stresses)
+        return self._tabled[region]
 
     def _series(self, net: Net, names: tuple[str, ...]) -> Array:
         lengths = self.table.half_lengths
@@ -124,37 +77,39 @@ class PeakTable:
     def _tractions(self) -> Tractions:
         return Tractions.by_cause(self.table.system, self.table.half_lengths)
 
-    # -- peaks ---------------------------------------------------------------------------------------------------------
-    def interface(self, contact: FilmContact) -> InterfacePeaks:
-        """Largest stresses on the lowest interface of contacts read from the same table."""
-        net = self.interface_net
-        stresses = self.read(contact, self.interface_series)
-        shear, pull = _summit(stresses, SHEAR, net), _summit(stresses[:, 1:], ITSELF, net)
-        pulled = pull.value > 0
-        return InterfacePeaks(
-            shear.value,
-            _place(shear, contact, net),
-            np.where(pulled, pull.value, 0.0),
-            np.where(pulled, _place(pull, contact, net), np.nan),
-        )
+    def peaks(self, contact: FilmContact, region: str) -> dict[str, Array]:
+        """Peaks in a region of contacts read from the same table, by name; (case,) each. Raises as :meth:`tabled`.
 
-    def film(self, contact: FilmContact) -> BodyPeaks:
-        """Largest stresses of the film below depth 0.1 h of contacts read from the same table."""
-        return self._body(contact, self.film_net, self.film_series)
+        Parameters
+        ----------
+        contact : FilmContact, with half-lengths and causes
+        region : str, one of :data:`PEAKS_OF`
+        """
+        (net, series), h = self.tabled(region), contact.half_width
+        parts = []
+        for places in np.split(np.arange(h.size), range(_CHUNK, h.size, _CHUNK)):
+            stresses = self.read(contact, series, slice(places[0], places[-1] + 1))
+            parts.append((places, largest(stresses, net, h[places], region)))
+        return joined(parts, h.size)
 
-    def base(self, contact: FilmContact) -> BodyPeaks:
-        """Largest stresses of the half-plane below the film, of contacts read from the same table."""
-        return self._body(contact, self.base_net, self.base_series)
+    def curves(self, contact: FilmContact, region: str) -> dict[str, Array]:
+        """Fields of a region of ``solver.curves`` of contacts read from the same table, by name; (case, point), SI.
 
-    def _body(self, contact: FilmContact, net: Net, series: Array) -> BodyPeaks:
-        count = contact.load.size
-        largest = np.empty((2, count))
-        for start in range(0, count, _CHUNK):
-            some = slice(start, start + _CHUNK)
-            stresses = self.read(contact, series, some)
-            for number, measure in enumerate((VON_MISES, PRINCIPAL)):
-                largest[number, some] = _summit(stresses, measure, net).value
-        return BodyPeaks(largest[0], np.maximum(largest[1], 0.0))
+        They are what is searched by :meth:`peaks`, at fewer points in the bodies. Raises as :meth:`tabled`.
+
+        Parameters
+        ----------
+        contact : FilmContact, of the cases
+        region : str, one of :data:`PEAKS_OF`
+        """
+        here, (net, series) = REGIONS[region], self.tabled(region)
+        across, down = here.lines()
+        values = interpolation(net.down, down) @ self.read(contact, series) @ _along(net.across, across).T
+        stresses = here.panels.by_panel(values)
+        out = {f"{region}_{name}": stresses[:, k] for k, name in enumerate(here.stresses)}
+        if "position" in here.fields:
+            out[f"{region}_position"] = net.positions(contact.half_width, across)
+        return out
 
     def read(self, contact: FilmContact, series: Array, some: slice = slice(None)) -> Array:
         """What some contacts read from a series of this table; (case, ...).
@@ -171,12 +126,40 @@ class PeakTable:
         return np.asarray((weights @ flat).reshape(-1, *series.shape[1:-1]))
 
 
-def _summit(stresses: Array, measure: Measure, net: Net) -> Top:
-    """Where a measure of stresses (case, field, depth, x) is largest on a net."""
-    return highest(stresses, net.across, measure, _CLOSE)
+def largest(stresses: Array, net: Net, half_lengths: Array, region: str) -> dict[str, Array]:
+    """Peaks of stresses on the net of a region, by name; (case,) each, positions X = (x - c)/h, SI.
+
+    Principal stresses and tension are 0 where none is tensile, and the position of the tension is then NaN.
+
+    Parameters
+    ----------
+    stresses : ndarray, shape (case, stress, depth, x)
+    net : Net, with their places
+    half_lengths : ndarray, shape (case,), in the unit of the net
+    region : str, one of :data:`PEAKS_OF`
+    """
+    measured = ((stresses, SHEAR), (stresses[:, 1:], ITSELF))
+    if region != "interface":
+        measured = (stresses, VON_MISES), (stresses, PRINCIPAL)
+    first, second = (highest(fields, net.across, measure, _CLOSE) for fields, measure in measured)
+    tension = np.maximum(second.value, 0.0)
+    if region != "interface":
+        return dict(zip(PEAKS_OF[region], (first.value, tension), strict=True))
+    places = [
+        net.positions(half_lengths, (2.0 * top.panel - len(net.across) + 1 + top.across)[:, None])[:, 0]
+        for top in (first, second)
+    ]
+    values = (first.value, places[0], tension, np.where(second.value > 0, places[1], np.nan))
+    return dict(zip(PEAKS_OF[region], values, strict=True))
 
 
-def _place(top: Top, contact: FilmContact, net: Net) -> Array:
-    """X of tops; (case,)."""
-    t = 2.0 * top.panel - len(net.across) + 1 + top.across
-    return net.positions(contact.half_width, t[:, None])[:, 0]
+def _along(counts: tuple[int, ...], places: Array) -> Array:
+    """From values at the points of panels across to those at places; a panel is 2 wide. (place, point)."""
+    whole = np.zeros((places.size, sum(counts)))
+    panel = np.clip(np.floor((places + len(counts)) / 2).astype(int), 0, len(counts) - 1)
+    ends = np.cumsum((0, *counts))
+    for number, count in enumerate(counts):
+        own = np.flatnonzero(panel == number)
+        local = places[own] + len(counts) - 1 - 2 * number
+        whole[own, ends[number] : ends[number + 1]] = interpolation(count, local)
+    return whole

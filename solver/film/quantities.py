@@ -1,21 +1,21 @@
 """Every quantity of films by its name: those of a half-plane that a contact has, and those that only a film has."""
 
-from collections.abc import Callable, Iterator, Sequence, Set
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import replace
 
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array
+from solver.arrays import Array, joined
 from solver.film.contact import FilmContact
-from solver.film.crest import peak_pressure
-from solver.film.curves import region_curves
-from solver.film.net import DEPTH
-from solver.film.peaks import PeakTable
+from solver.film.peakpressure import peak_pressure
+from solver.film.peaks import PEAKS_OF, PeakTable
 from solver.film.similar import Films
 from solver.film.stack import StackError
+from solver.film.stressnets import DEPTH
 from solver.film.table import RangeError
 from solver.film.windows import Kind, peak_window
+from solver.halfplane.quantities import at_edges
 from solver.names import RESPONSES
 
 _STEPS = 20
@@ -23,8 +23,6 @@ _CLOSE = 1e-9  # of a charge: the next step is of its square
 
 #: Cases, a table of their stresses, and their contacts in it.
 PeakTables = Iterator[tuple[Indices, PeakTable, FilmContact]]
-
-_INTERFACE = ("interface_shear", "interface_shear_position", "interface_tension", "interface_tension_position")
 
 
 def quantities(films: Films) -> dict[str, Array]:
@@ -44,26 +42,17 @@ def quantities(films: Films) -> dict[str, Array]:
     smooth = films.kind.smooth
     if all(smooth):
         out["peak_pressure"] = gather(peak_pressure)
-    for name, stress, edge, is_smooth in (
-        ("trailing", "trailing_tension", 1.0, smooth[0]),
-        ("leading", "leading_compression", -1.0, smooth[1]),
-    ):
-        if is_smooth:
-            if not films.kind.electroded:
-                out[stress] = gather(_at(FilmContact.edge_stress, edge))
-            intensity = np.sqrt(h)[:, None] * gather(_at(FilmContact.edge_intensity, edge))
-            out[f"electric_edge_intensity_{name}"] = intensity[:, 0]
-            out[f"magnetic_edge_intensity_{name}"] = intensity[:, 1]
+    out |= at_edges(
+        smooth,
+        None if films.kind.electroded else lambda edge: gather(lambda c: c.edge_stress(edge)),
+        lambda edge: np.sqrt(h)[:, None] * gather(lambda c: c.edge_intensity(edge)),
+    )
     for field, conducts in enumerate(films.kind.conducts):
         if conducts:
             out |= _responses(films, field)
     if "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (h * films.kind.above_ground)
     return out
-
-
-def _at(output: Callable[[FilmContact, float], Array], edge: float) -> Callable[[FilmContact], Array]:
-    return lambda contact: output(contact, edge)
 
 
 def _responses(films: Films, field: int) -> dict[str, Array]:
@@ -109,7 +98,7 @@ def _short_circuit(uncharged: Films, field: int) -> Array:
     return np.asarray(state.charges[:, field] / state.load)
 
 
-def peaks(films: Films, asked: Set[str]) -> dict[str, Array]:
+def peaks(films: Films, asked: Set[str], tables: PeakTables | None = None) -> dict[str, Array]:
     """Quantities of ``solver.names.FILM_PEAKS`` that are asked for and the cases have; (case,) each.
 
     A film of several layers has those of its lowest interface and of its base.
@@ -118,6 +107,7 @@ def peaks(films: Films, asked: Set[str]) -> dict[str, Array]:
     ----------
     films : Films, the cases
     asked : set of str, names of quantities
+    tables : iterable of places among the cases, table and contacts of these; None: those of their windows
 
     Raises
     ------
@@ -126,36 +116,17 @@ def peaks(films: Films, asked: Set[str]) -> dict[str, Array]:
     StackError
         A graded film, whose stresses are not tabulated.
     """
-    return peaks_of(films, asked, _peak_tables(films))
+    regions = [region for region in _regions(films.kind) if asked & set(PEAKS_OF[region])]
+    if not regions:
+        return {}
+    parts = [
+        (places, {name: peak for region in regions for name, peak in table.peaks(contacts, region).items()})
+        for places, table, contacts in tables or _peak_tables(films)
+    ]
+    return {name: values for name, values in joined(parts, films.load.size).items() if name in asked}
 
 
-def peaks_of(films: Films, asked: Set[str], tables: PeakTables) -> dict[str, Array]:
-    """The same from tables of some of the cases each.
-
-    Parameters
-    ----------
-    films : Films, the cases
-    asked : set of str, names of quantities
-    tables : iterable of places among the cases, table and contacts of these
-    """
-    bodies = [body for body in _bodies(films.kind) if any(name.startswith(f"{body}_") for name in asked)]
-    names = [*_INTERFACE] if asked & set(_INTERFACE) else []
-    names += [f"{body}_peak_{of}" for body in bodies for of in ("von_mises", "principal_tension")]
-    out = {name: np.empty(films.load.size) for name in names}
-    for places, of, own in tables if names else ():
-        read: list[Array] = []
-        if _INTERFACE[0] in out:
-            interface = of.interface(own)
-            read += [interface.shear, interface.shear_position, interface.tension, interface.tension_position]
-        for body in bodies:
-            largest = of.film(own) if body == "film" else of.base(own)
-            read += [largest.von_mises, largest.principal_tension]
-        for name, value in zip(names, read, strict=True):
-            out[name][places] = value
-    return {name: values for name, values in out.items() if name in asked}
-
-
-def curves(films: Films, regions: Sequence[str]) -> dict[str, Array]:
+def curves(films: Films, regions: Sequence[str], tables: PeakTables | None = None) -> dict[str, Array]:
     """Sizes of the contacts, and the curves of regions that the cases have, see ``solver.curves``; (case, ...) each.
 
     Raises as :func:`peaks`.
@@ -164,31 +135,20 @@ def curves(films: Films, regions: Sequence[str]) -> dict[str, Array]:
     ----------
     films : Films, the cases
     regions : sequence of str, of ``solver.curves.REGIONS``
+    tables : as of :func:`peaks`
     """
     films.require_one_length()
-    return curves_of(films, regions, _peak_tables(films))
-
-
-def curves_of(films: Films, regions: Sequence[str], tables: PeakTables) -> dict[str, Array]:
-    """The same from tables of some of the cases each.
-
-    Parameters
-    ----------
-    films : Films, the cases
-    regions : sequence of str, of ``solver.curves.REGIONS``
-    tables : iterable of places among the cases, table and contacts of these
-    """
-    sizes = ("mean_pressure", "half_length")
-    out = {name: np.empty(films.load.size) for name in sizes} | {"load_over_thickness": films.load / films.thickness}
-    for places, of, own in tables:
-        half_length = films.thickness[places] * own.half_width
-        out["half_length"][places] = half_length
-        out["mean_pressure"][places] = films.load[places] / (2 * half_length)
+    parts = []
+    for places, table, contacts in tables or _peak_tables(films):
+        load, thickness = films.load[places], films.thickness[places]
+        half_length = thickness * contacts.half_width
+        out = {"mean_pressure": load / (2 * half_length), "half_length": half_length}
+        out["load_over_thickness"] = load / thickness
         for region in regions:
-            if region == "interface" or region in _bodies(films.kind):
-                for name, values in region_curves(of, own, region).items():
-                    out.setdefault(name, np.empty((films.load.size, values.shape[1])))[places] = values
-    return out
+            if region in _regions(films.kind):
+                out |= table.curves(contacts, region)
+        parts.append((places, out))
+    return joined(parts, films.load.size)
 
 
 def _peak_tables(films: Films) -> PeakTables:
@@ -222,6 +182,6 @@ def require_depth(kind: Kind, half_lengths: Array) -> None:
         )
 
 
-def _bodies(kind: Kind) -> list[str]:
-    """Bodies whose largest stresses are given: panels through several layers would meet their jumps."""
-    return ["film"] * kind.uniform + ["base"] * (kind.base is not None)
+def _regions(kind: Kind) -> list[str]:
+    """Regions whose largest stresses are given: panels through several layers would meet their jumps."""
+    return ["interface"] + ["film"] * kind.uniform + ["base"] * (kind.base is not None)

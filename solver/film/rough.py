@@ -18,7 +18,7 @@ from scipy.special import betainc
 
 from approximation.chebyshev import coefficients, gauss_points
 from solver.arrays import Array
-from solver.film.basis import Basis, jacobi
+from solver.film.basis import Basis, double_exponential, jacobi
 
 #: Types of integrals: sgn, its product with (X - S) and (X - S)^2; the same of log; the same of 1.
 SIGN, LOG, PLAIN = 0, 3, 6
@@ -40,11 +40,7 @@ class Rough:
     def _rule(self) -> tuple[Array, Array, Array, Array]:
         """X, 1 - X, 1 + X and weights of a double exponential rule on [-1, 1]."""
         A, B = self.basis.exponents
-        end = np.arcsinh(40 / (np.pi * min(1 - A, 1 - B, 1 + A, 1 + B)))
-        steps = np.linspace(-end, end, 301 + 8 * self.basis.terms)
-        below, above = 2 / (1 + np.exp(-np.pi * np.sinh(steps))), 2 / (1 + np.exp(np.pi * np.sinh(steps)))
-        weights = (steps[1] - steps[0]) * np.pi / 2 * np.cosh(steps) * below * above
-        return (below - above) / 2, above, below, np.asarray(weights)
+        return double_exponential(min(1 - A, 1 - B, 1 + A, 1 + B), 301 + 8 * self.basis.terms)
 
     @cached_property
     def projected(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
@@ -53,15 +49,15 @@ class Rough:
         Behind the M coefficients in U stand the sums of all, M and beyond, at X = 1 and at X = -1 with the signs of
         T_n there: integrals with sqrt((1 +- X) / (1 -+ X)) / pi.
         """
-        X, one, other, weights = self._rule
+        X, to_trailing, to_leading, weights = self._rule
         basis = self.basis
         A, B = basis.exponents
-        dual = basis.dual(X, basis.terms) * (weights * one**-A * other**-B) / basis.dual_norms[:, None]
-        angle = 2 * np.arctan2(np.sqrt(one), np.sqrt(other))
+        dual = basis.dual(X, basis.terms) * (weights * to_trailing**-A * to_leading**-B) / basis.dual_norms[:, None]
+        angle = 2 * np.arctan2(np.sqrt(to_trailing), np.sqrt(to_leading))
         orders = np.arange(1, basis.terms + 1)[:, None]
         whole = np.stack([1 / np.tan(angle / 2), -np.tan(angle / 2)]) / 2  # sums of sin(n angle), with the signs
         series = 2 / np.pi * np.concatenate([np.sin(orders * angle), whole]) * weights  # U_(n-1) sqrt(1 - X^2)
-        pressed, charged = self.pressures(X, one, other), self.charges(one, other)
+        pressed, charged = self.pressures(X, to_trailing, to_leading), self.charges(to_trailing, to_leading)
         return (dual @ pressed, series @ pressed), (dual @ charged, series @ charged)
 
     def at(self, X: Array) -> tuple[Array, Array]:
@@ -69,14 +65,14 @@ class Rough:
         inside = np.abs(X) <= 1
         within, beyond = X[inside], X[~inside]
         own = self.pressures(within, 1 - within, 1 + within), self.charges(1 - within, 1 + within)
-        S, one, other, weights = self._rule
+        S, to_trailing, to_leading, weights = self._rule
         A, B = self.basis.exponents
-        angle = 2 * np.arctan2(np.sqrt(one), np.sqrt(other))[:, None]
+        angle = 2 * np.arctan2(np.sqrt(to_trailing), np.sqrt(to_leading))[:, None]
         terms = (
-            (weights * one**A * other**B)[:, None] * self.basis.pressure_factor(S),
-            (weights / np.sqrt(one * other))[:, None] * np.cos(angle * np.arange(self.basis.terms + 1)),
+            (weights * to_trailing**A * to_leading**B)[:, None] * self.basis.pressure_factor(S),
+            (weights / np.sqrt(to_trailing * to_leading))[:, None] * np.cos(angle * np.arange(self.basis.terms + 1)),
         )
-        distance = np.where(beyond[:, None] > 0, beyond[:, None] - 1 + one, beyond[:, None] + 1 - other)
+        distance = np.where(beyond[:, None] > 0, beyond[:, None] - 1 + to_trailing, beyond[:, None] + 1 - to_leading)
         functions = np.array([np.sign(distance), np.log(np.abs(distance)), np.ones_like(distance)])
         parts = []
         for values, rule in zip(own, terms, strict=True):
@@ -87,19 +83,19 @@ class Rough:
             parts.append(whole)
         return parts[0], parts[1]
 
-    def pressures(self, X: Array, one: Array, other: Array) -> Array:
+    def pressures(self, X: Array, to_trailing: Array, to_leading: Array) -> Array:
         """Integrals of w P_j; (type, point, pressures).
 
         Parameters
         ----------
-        X, one, other : ndarray, shape (point,), points, and 1 - X and 1 + X of them
+        X, to_trailing, to_leading : ndarray, shape (point,), points, and 1 - X and 1 + X of them
         """
         A, B = self.basis.exponents
         count = self.basis.pressures + 2
         j = np.arange(1, count)
         sign = np.empty((X.size, count))
-        sign[:, 0] = self.basis.total * (2 * betainc(B + 1, A + 1, other / 2) - 1)
-        edge = (one ** (A + 1) * other ** (B + 1))[:, None]
+        sign[:, 0] = self.basis.total * (2 * betainc(B + 1, A + 1, to_leading / 2) - 1)
+        edge = (to_trailing ** (A + 1) * to_leading ** (B + 1))[:, None]
         sign[:, 1:] = -edge * jacobi(count - 1, A + 1, B + 1, X) / j
         # d/dX int w P_j log|X - S| = pi tan(theta) w P_j + pi gain P_(j+k0)^(-A,-B)
         tan = np.tan(np.pi * self.basis.delta)
@@ -117,21 +113,21 @@ class Rough:
         series = chebint(np.pi * self.basis.gain * coefficients(local))
         values = chebvander(X, size) @ series
         at_one = np.sum(series, 0)  # T_n(1) = 1
-        S, one, other, weights = self._rule
-        exact = (weights * one**A * other**B * np.log(one)) @ jacobi(count, A, B, S)
+        S, to_trailing, to_leading, weights = self._rule
+        exact = (weights * to_trailing**A * to_leading**B * np.log(to_trailing)) @ jacobi(count, A, B, S)
         moments = np.zeros(count)
         moments[0] = self.basis.total
         return np.asarray(values + (exact - np.pi / 2 * tan * moments - at_one))
 
-    def charges(self, one: Array, other: Array) -> Array:
+    def charges(self, to_trailing: Array, to_leading: Array) -> Array:
         """Integrals of T_n / sqrt(1 - X^2); (type, point, M + 1).
 
         Parameters
         ----------
-        one, other : ndarray, shape (point,), 1 - X and 1 + X of points
+        to_trailing, to_leading : ndarray, shape (point,), 1 - X and 1 + X of points
         """
         count = self.basis.terms + 3
-        angle = 2 * np.arctan2(np.sqrt(one), np.sqrt(other))[:, None]
+        angle = 2 * np.arctan2(np.sqrt(to_trailing), np.sqrt(to_leading))[:, None]
         n = np.arange(1, count)
         sign = np.concatenate([np.pi - 2 * angle, -2 / n * np.sin(n * angle)], 1)
         log = np.concatenate([np.full_like(angle, -np.pi * np.log(2)), -np.pi / n * np.cos(n * angle)], 1)

@@ -14,12 +14,12 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, joined, selected
-from solver.film.causes import Loading
 from solver.film.contact import FilmContact
 from solver.film.electroded import met
-from solver.film.press import LengthsError, load_at_nodes
-from solver.film.table import LEAST, MOST, RangeError, Table, told
-from solver.film.windows import FIRST, LAST, Kind, number_of, rough_window, window
+from solver.film.extent import load_at_nodes
+from solver.film.loading import Loading
+from solver.film.table import LengthsError, Table
+from solver.film.windows import FIRST, LAST, Kind, number_of, searched, window
 from solver.halfplane.contact import Contact
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
@@ -96,23 +96,10 @@ class Films:
         """Window of every case; (case,)."""
         if self.profile.width is not None:
             return number_of(np.broadcast_to(self.profile.width / (2 * self.thickness), self.load.shape))
-        number = number_of(self._guess)
-        asked = np.arange(self.load.size)
-        for _ in range(LAST - FIRST + 2):
-            beside = np.zeros(asked.size, dtype=np.intp)
-            for place in np.unique(number[asked]).tolist():
-                here = number[asked] == place
-                beside[here] = self._beside(asked[here], window(self.kind, place))
-            asked, beside = asked[beside != 0], beside[beside != 0]
-            if not asked.size:
-                return number
-            number[asked] += beside
-            if np.any((number < FIRST) | (number > LAST)):
-                raise RangeError(
-                    f"contact: {'narrower' if np.any(number < FIRST) else 'wider'} than the resolved range, "
-                    f"{LEAST:g} to {MOST:g} of half-length over thickness ({told(self.thickness)})"
-                )
-        raise LengthsError("contact: no contact of one length carries the load (charges too large for it)")
+        return searched(
+            self._guess, lambda places, number: self._beside(places, window(self.kind, number)), self.thickness,
+            "half-length", "load",
+        )  # fmt: skip
 
     def _beside(self, places: Indices, of: Table) -> Indices:
         """-1 or 1 where the half-length is below or above a table's, 0 where it is within."""
@@ -142,7 +129,7 @@ class Films:
             own = window(self.kind, number)
             lengths, enough = [own.half_lengths], [self._enough(places, own)]
             for other in {*range(max(number - _BELOW, FIRST), min(number + _ABOVE, LAST) + 1)} - {number}:
-                rough = rough_window(self.kind, other)
+                rough = window(self.kind, other, rough=True)
                 apart = (rough.half_lengths * _APART < own.lower) | (rough.half_lengths > own.upper * _APART)
                 lengths.append(rough.half_lengths[apart])
                 enough.append(self._enough(places, rough)[:, apart])

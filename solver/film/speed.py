@@ -18,6 +18,7 @@ _SUBLAYERS = 8
 _SHORT_OF = 1 - 1e-6  # at a transonic speed itself the responses are not defined
 
 
+@np.errstate(all="ignore")  # beyond the critical speed responses may be anything
 def critical_speed(stack: Stack, conducts: tuple[bool, bool] = (True, True)) -> float:
     """First critical speed [m/s]: the least of the transonic speeds and of the free waves under the punch's conduction.
 
@@ -37,11 +38,6 @@ def critical_speed(stack: Stack, conducts: tuple[bool, bool] = (True, True)) -> 
     MaterialError
         A material without density.
     """
-    with np.errstate(all="ignore"):  # beyond the critical speed responses may be anything
-        return _found(stack, conducts)
-
-
-def _found(stack: Stack, conducts: tuple[bool, bool]) -> float:
     whole = staircase(stack, _SUBLAYERS) if stack.top.graded else stack
     bodies = [layer.material for layer in whole.layers]
     bodies += [] if isinstance(whole.base, str) else [whole.base]

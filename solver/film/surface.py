@@ -140,7 +140,7 @@ def fields(films: Films, positions: Array) -> dict[str, Array]:
         for first in range(0, positions.size, _POSITIONS):
             X = positions[first : first + _POSITIONS]
             for places, number, contact in part.parts:
-                found = _surface_window(films.kind, number, tuple(X.tolist())).fields(contact)
-                for name, values in out.items():
-                    values[np.ix_(start + places, np.arange(first, first + X.size))] = found[name]
+                values = _surface_window(films.kind, number, tuple(X.tolist())).fields(contact)
+                for name, whole in out.items():
+                    whole[np.ix_(start + places, np.arange(first, first + X.size))] = values[name]
     return out

@@ -37,6 +37,10 @@ class RangeError(ContactError):
     """A contact narrower or wider than the range of half-lengths that is resolved."""
 
 
+class LengthsError(ContactError):
+    """A load that contacts of more than one size carry, or none of one size: charges too large for it."""
+
+
 def told(thickness: Array) -> str:
     """Thicknesses in the words of a message: one that has lost its unit shows.
 

@@ -14,11 +14,11 @@ from solver.film.antiderivatives import Antiderivatives
 from solver.film.assembly import Assembly
 from solver.film.basis import Basis
 from solver.film.contact import FilmContact
-from solver.film.kernel import wavenumbers
 from solver.film.stack import Stack
 from solver.film.system import System
 from solver.film.table import BATCH, Table
 from solver.film.transforms import Transforms
+from solver.film.wavenumbers import wavenumbers
 
 _MOST = 1 << 20  # entries of a block of exponentials: bounded memory
 

@@ -10,12 +10,13 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.film.grading import Graded
-from solver.film.net import DEPTH
 from solver.film.peaks import PeakTable
 from solver.film.powerlaw import Constants, constants_of, material_from
 from solver.film.speed import critical_speed
 from solver.film.stack import RIGID, Layer, Stack
-from solver.film.table import LEAST, MOST, Table, table
+from solver.film.stressnets import DEPTH
+from solver.film.table import LEAST, MOST, LengthsError, RangeError, Table, table, told
+from solver.film.tractions import TractionTable
 from solver.halfplane.punch import Punch
 from solver.material.constants import Material
 
@@ -26,7 +27,7 @@ FIRST = int(np.floor(_A_DECADE * np.log10(LEAST)))
 LAST = int(np.ceil(_A_DECADE * np.log10(MOST))) - 1
 _ACCURACY = 1.25  # factor on the number of terms: 1e-9 of tractions that are next to zero, too
 _ROUGH_NODES, _ROUGH_ACCURACY = 8, 0.5  # of their tables: 1e-3 of the load, for a fifth of the time
-_TABLES, _PEAK_TABLES = 256, 32  # kept: 0.4 MB and some MB each
+_TABLES, _PEAK_TABLES, _TRACTION_TABLES = 512, 32, 64  # kept: 0.4 MB, some MB and 0.1 MB each
 _STACKS = 256
 
 
@@ -154,37 +155,35 @@ def critical(kind: Kind) -> float:
 
 
 @lru_cache(_TABLES)
-def window(kind: Kind, number: int) -> Table:
+def window(kind: Kind, number: int, *, rough: bool = False) -> Table:
     """Table of a film of unit thickness over one window of half-lengths, counted in half decades from 1.
 
     Parameters
     ----------
     kind : Kind, that of the films
     number : int, that of the window, in half decades from 1
+    rough : bool, whether it need only tell if its half-lengths carry a load
     """
-    return _table(kind, number, _NODES, _ACCURACY)
+    ends = 10.0 ** (np.array([number, number + 1]) / _A_DECADE) * np.array([1 / _OVERLAP, _OVERLAP])
+    least, most = np.clip(ends, LEAST, MOST)
+    nodes, accuracy = (_ROUGH_NODES, _ROUGH_ACCURACY) if rough else (_NODES, _ACCURACY)
+    return table(
+        kind.stack(), kind.friction, kind.conducts,
+        smooth=kind.smooth, degree=kind.degree, least=float(least), most=float(most), nodes=nodes, accuracy=accuracy,
+        punch=kind.elastic,
+    )  # fmt: skip
 
 
-@lru_cache(_TABLES)
-def rough_window(kind: Kind, number: int) -> Table:
-    """The same, good enough to tell whether its half-lengths carry a load.
+@lru_cache(_TRACTION_TABLES)
+def traction_window(kind: Kind, number: int) -> TractionTable:
+    """Tractions over one window.
 
     Parameters
     ----------
     kind : Kind, that of the films
     number : int, that of the window, in half decades from 1
     """
-    return _table(kind, number, _ROUGH_NODES, _ROUGH_ACCURACY)
-
-
-def _table(kind: Kind, number: int, nodes: int, accuracy: float) -> Table:
-    ends = 10.0 ** (np.array([number, number + 1]) / _A_DECADE) * np.array([1 / _OVERLAP, _OVERLAP])
-    least, most = np.clip(ends, LEAST, MOST)
-    return table(
-        kind.stack(), kind.friction, kind.conducts,
-        smooth=kind.smooth, degree=kind.degree, least=float(least), most=float(most), nodes=nodes, accuracy=accuracy,
-        punch=kind.elastic,
-    )  # fmt: skip
+    return TractionTable(window(kind, number))
 
 
 @lru_cache(_PEAK_TABLES)
@@ -204,3 +203,55 @@ def number_of(ratio: Array) -> Indices:
     """The window that holds half-lengths over the thickness; any shape."""
     number = np.floor(_A_DECADE * np.log10(ratio))
     return np.asarray(np.clip(number, FIRST, LAST), dtype=np.intp)
+
+
+def searched(
+    guess: Array, beside: Callable[[Indices, int], Indices], thickness: Array, size: str, load: str
+) -> Indices:
+    """The window of every contact, from a guess on; (case,).
+
+    Parameters
+    ----------
+    guess : ndarray, shape (case,), half-length or radius over the thickness
+    beside : callable, says of places of cases and a window whether the contacts are below (-1), above (1) or within (0)
+    thickness : ndarray, shape (case,), of the top layers [m]
+    size, load : str, what is sought and what is carried, in words
+
+    Raises
+    ------
+    RangeError
+        A contact that is not resolved.
+    LengthsError
+        No contact of one size carries the load.
+    """
+    numbers = number_of(guess)
+    asked = np.arange(numbers.size)
+    for _ in range(LAST - FIRST + 2):
+        moved = np.zeros(asked.size, dtype=np.intp)
+        for number in np.unique(numbers[asked]).tolist():
+            here = numbers[asked] == number
+            moved[here] = beside(asked[here], number)
+        asked, moved = asked[moved != 0], moved[moved != 0]
+        if not asked.size:
+            return numbers
+        numbers[asked] += moved
+        if np.any((numbers < FIRST) | (numbers > LAST)):
+            raise beyond(bool(np.any(numbers < FIRST)), thickness, size)
+    raise LengthsError(
+        f"contact: no contact of one {size.split('-')[-1]} carries the {load} (charges too large for it)"
+    )
+
+
+def beyond(narrower: bool, thickness: Array, size: str) -> RangeError:
+    """What refuses contacts that are narrower, or else wider, than what is resolved.
+
+    Parameters
+    ----------
+    narrower : bool
+    thickness : ndarray, of the top layers [m]
+    size : str, ``half-length`` or ``radius``
+    """
+    how = "narrower" if narrower else "wider"
+    return RangeError(
+        f"contact: {how} than the resolved range, {LEAST:g} to {MOST:g} of {size} over thickness ({told(thickness)})"
+    )

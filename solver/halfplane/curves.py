@@ -1,8 +1,8 @@
 """Stresses of the body below depth 0.1 h on panels tied to the edges of the contact: what the peaks are searched in.
 
-The coordinate across is X up to the edges and 2 at infinity, X = 1 + (s - 1)/(2 - s); that of the depth, from 0 to 1,
-is the logarithm of 0.1 h to 2 h.
-No largest von Mises stress lies deeper, and no tension that is as large as one at the least depth.
+The coordinate s across is X up to the edges; beyond, X = 1 + (s - 1)/(2 - s), so that s = 2 at infinity. The coordinate
+of the depth, from 0 to 1, is even in the logarithm from 0.1 h to 2 h. No largest von Mises stress lies deeper, and no
+tension as large as one at the least depth.
 """
 
 import numpy as np

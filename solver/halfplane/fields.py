@@ -38,10 +38,10 @@ class Separable:
         return self._sum(self.shared, self.weight)
 
     def _sum(self, shared: Array, weight: Array) -> Array:
-        one, other = self.scale * shared, self.strength * weight
-        if np.broadcast_shapes(one.shape, other.shape) != other.shape:
-            return np.asarray(one + other)
-        return np.add(one, other, out=other)  # of two arrays of full size, one is enough
+        pressed, carried = self.scale * shared, self.strength * weight
+        if np.broadcast_shapes(pressed.shape, carried.shape) != carried.shape:
+            return np.asarray(pressed + carried)
+        return np.add(pressed, carried, out=carried)  # of two arrays of full size, one is enough
 
 
 @dataclass(frozen=True, eq=False)

@@ -95,10 +95,10 @@ def parts_of(contact: Contact, x: Array, y: Array, fields: tuple[str, ...], func
     both = np.concatenate([half.surface_impedance, np.broadcast_to(np.eye(4), half.surface_impedance.shape)], -2)
     answers = 1j * (rows @ both)[..., None, :, :] @ (weights * half.scale[..., None, None, :])  # (..., node, field, 4)
 
-    nothing, one, eta, r = np.zeros(()), np.ones(()), contact.friction, sliding.screening
+    zero, unit, eta, r = np.zeros(()), np.ones(()), contact.friction, sliding.screening
     d = eta[..., None] * sliding.friction_screening
-    pressed = _applied(answers, stack(eta, one, -r[..., 0], -r[..., 1]))
-    followed = _applied(answers, stack(nothing, nothing, d[..., 0], d[..., 1]))
+    pressed = _applied(answers, stack(eta, unit, -r[..., 0], -r[..., 1]))
+    followed = _applied(answers, stack(zero, zero, d[..., 0], d[..., 1]))
     charged = [_applied(answers, np.eye(4)[2 + j]) for j in (0, 1)]
 
     load = np.zeros(())

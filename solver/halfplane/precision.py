@@ -6,6 +6,7 @@ low at worst.
 """
 
 import warnings
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,22 +22,18 @@ class PrecisionWarning(UserWarning):
     """A solution that rounding has cost more digits than the others."""
 
 
+@dataclass(frozen=True, eq=False)
 class _Rescaled(HalfPlane):
     """The same half-plane in other units, which are no powers of two of its own: it rounds another way."""
 
-    units: tuple[float, float, float, float]
+    units: tuple[float, float, float, float] = (1.1, 1.1, 1.7, 0.7)
 
     @property
     def scale(self) -> Array:
         return super().scale * self.units
 
 
-class _Once(_Rescaled):
-    units = (1.1, 1.1, 1.7, 0.7)
-
-
-class _Again(_Rescaled):
-    units = (0.9, 0.9, 0.6, 1.3)
+_AGAIN = (0.9, 0.9, 0.6, 1.3)
 
 
 def rounding(half: HalfPlane) -> float:
@@ -60,7 +57,8 @@ def rounding(half: HalfPlane) -> float:
     with np.errstate(all="ignore"):
         if not np.any(half.speed > 0) and unit * np.max(half.condition) <= _SUSPECT:
             return 0.0
-        return max(float(np.max(_apart(half, other(half.material, half.speed)))) for other in (_Once, _Again))
+        others = (_Rescaled(half.material, half.speed), _Rescaled(half.material, half.speed, _AGAIN))
+        return max(float(np.max(_apart(half, other))) for other in others)
 
 
 def _apart(half: HalfPlane, other: HalfPlane) -> Array:

@@ -166,7 +166,7 @@ def _searched(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -
     else:
         raise ContactError("slope: no contact of this punch carries the load")
     width_rate, centre_rate = equations.rates
-    value, by_width, by_centre = _slopes(profile, half, centre)
+    value, by_width, by_centre = slopes(profile.slope, half, centre)
     change = width_rate[..., None] * by_width + centre_rate[..., None] * by_centre
     shape, shape_rate = (Shape.of_slope(angle, profile.smooth, g) for g in (value, change))
     return Pressing(half, centre, np.ones(()), value, np.zeros(1), shape, shape_rate, width_rate, centre_rate)
@@ -196,14 +196,14 @@ class _Equations:
     @classmethod
     def at(cls, profile: Profile, angle: FrictionAngle, loaded: Array, half: Array, centre: Array) -> Self:
         """The equations at h and c / h, of ``loaded = lam P``."""
-        slopes = _slopes(profile, half, centre)
-        total, by_width, by_centre = (Shape.of_slope(angle, profile.smooth, g).total for g in slopes)
+        every = slopes(profile.slope, half, centre)
+        total, by_width, by_centre = (Shape.of_slope(angle, profile.smooth, g).total for g in every)
         if not np.all(total < 0):
             raise ContactError("slope: no contact of this punch carries the load without tension")
         miss = np.log(-half * total / loaded)
         off, off_by_width, off_by_centre = 0 * miss, 0 * miss, 1 + 0 * miss  # a corner stays in its place
         if all(profile.smooth):
-            off, off_by_width, off_by_centre = (imbalance(angle, g) for g in slopes)
+            off, off_by_width, off_by_centre = (imbalance(angle, g) for g in every)
         return cls((miss, 1 + by_width / total, by_centre / total), (off, off_by_width, off_by_centre))
 
     @property
@@ -224,9 +224,15 @@ class _Equations:
         return self.balance[2] / self.determinant, -self.balance[1] / self.determinant
 
 
-def _slopes(profile: Profile, half: Array, centre: Array) -> tuple[Array, Array, Array]:
-    """Coefficients of g'(h (X + c/h)) in powers of X, and of its derivatives in log h and c / h; (..., power)."""
-    terms = [c * half**k for k, c in enumerate(profile.slope)]
+def slopes(slope: Sequence[Array], half: Array, centre: Array) -> tuple[Array, Array, Array]:
+    """Coefficients of g'(h (X + c/h)) in powers of X, and of its derivatives in log h and c / h; (..., power).
+
+    Parameters
+    ----------
+    slope : sequence of ndarray, coefficients of g' in ascending powers of x, each (...)
+    half, centre : ndarray, h and c / h; (...)
+    """
+    terms = [coefficient * half**k for k, coefficient in enumerate(slope)]
     in_width = [k * term for k, term in enumerate(terms)]
     size = len(terms)
     return _shifted(terms, centre, size), _shifted(in_width, centre, size), _shifted(in_width[1:], centre, size)

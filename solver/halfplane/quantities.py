@@ -1,5 +1,7 @@
 """Every quantity of ``solver.names.QUANTITIES`` that a contact has, from its closed forms."""
 
+from collections.abc import Callable
+
 from solver.arrays import Array
 from solver.halfplane.contact import Contact
 from solver.halfplane.response import Response
@@ -29,17 +31,32 @@ def quantities(contact: Contact, datum: Array, punch_datum: Array | None = None)
     smooth = contact.profile.smooth
     if all(smooth):
         out["peak_pressure"] = contact.peak_pressure
-    if smooth[0]:
-        out["trailing_tension"] = contact.edge_stress(1.0)
-    if smooth[1]:
-        out["leading_compression"] = contact.edge_stress(-1.0)
-    for name, edge, is_smooth in (("trailing", 1.0, smooth[0]), ("leading", -1.0, smooth[1])):
-        if is_smooth:
-            intensity = contact.edge_intensity(edge)
-            out[f"electric_edge_intensity_{name}"] = intensity[..., 0]
-            out[f"magnetic_edge_intensity_{name}"] = intensity[..., 1]
+    out |= at_edges(smooth, contact.edge_stress, contact.edge_intensity)
     answers = response.potential, response.sensitivity, response.short_circuit, response.stroke, response.blocked_load
     for field, names in enumerate(RESPONSES):
         if contact.sliding.conducts[..., field].all():
             out |= {name: answer(field) for name, answer in zip(names, answers, strict=False)}
+    return out
+
+
+def at_edges(
+    smooth: tuple[bool, bool], stress: Callable[[float], Array] | None, intensity: Callable[[float], Array]
+) -> dict[str, Array]:
+    """Stresses and edge intensities at the smooth edges of a contact, by name; (...) each.
+
+    Parameters
+    ----------
+    smooth : (bool, bool), whether the trailing and the leading edge are
+    stress : callable, gives sigma_xx [Pa] just outside the edge X = 1 or -1; None: it is not known
+    intensity : callable, gives the intensities of (D_y, B_y) there; (..., 2)
+    """
+    out = {}
+    for end, stretch, edge, is_smooth in (
+        ("trailing", "trailing_tension", 1.0, smooth[0]), ("leading", "leading_compression", -1.0, smooth[1]),
+    ):  # fmt: skip
+        if is_smooth:
+            if stress is not None:
+                out[stretch] = stress(edge)
+            both = intensity(edge)
+            out[f"electric_edge_intensity_{end}"], out[f"magnetic_edge_intensity_{end}"] = both[..., 0], both[..., 1]
     return out

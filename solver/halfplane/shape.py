@@ -17,16 +17,18 @@ With ``E = 1 + delta Phi`` nothing is divided by theta. In ``u = z - sqrt(z^2 - 
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import factorial
 
 import numpy as np
-from scipy.special import exprel
+from scipy.special import exprel, polygamma
 
 from solver.arrays import Array, Points, dot, power_series, stack
 from solver.halfplane.angle import FrictionAngle
-from solver.halfplane.special import digamma_difference
 
 _FAR = 0.3  # |u| below which the series is summed; above it the closed form cancels less than (1/u)^(degree + 2)
 _TERMS = 32  # 0.3^32 is below rounding
+#: Taylor coefficients of (digamma(3/2 + delta) - digamma(3/2)) / delta.
+DIGAMMA_SERIES = np.array([float(polygamma(n, 1.5)) / factorial(n) for n in range(1, 49)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,9 +116,9 @@ class Shape:
     def first_moment(self) -> Array:
         """Integral of X S; (...)."""
         head, tail = self._laurent
-        one = self._chebyshev[..., 1] if self._chebyshev.shape[-1] > 1 else 0.0
+        first = self._chebyshev[..., 1] if self._chebyshev.shape[-1] > 1 else 0.0
         mirrored = head[..., 1] if head.shape[-1] > 1 else 0.0
-        return np.asarray(self._sign * np.pi / 2 * (one + self.angle.delta * (tail[..., 0] + mirrored)))
+        return np.asarray(self._sign * np.pi / 2 * (first + self.angle.delta * (tail[..., 0] + mirrored)))
 
     @cached_property
     def logarithmic_moment(self) -> Array:
@@ -247,3 +249,11 @@ def _coefficient(slope: Array, series: list[Array], shift: int) -> Array:
     """Sum over k of slope_k series_(k - shift)."""
     picked = [slope[..., k] * series[k - shift] for k in range(slope.shape[-1]) if k >= shift]
     return np.asarray(sum(picked, np.zeros(())))
+
+
+def digamma_difference(delta: Array) -> Array:
+    """``(digamma(3/2 + delta) - digamma(3/2)) / delta`` for ``|delta| <= 1/2``; trigamma(3/2) at 0.
+
+    The Taylor series about 3/2 has radius 3/2, so 48 terms reach rounding at ``|delta| = 1/2``.
+    """
+    return np.asarray(np.polynomial.polynomial.polyval(delta, DIGAMMA_SERIES, tensor=False))

@@ -45,8 +45,8 @@ def spectrum(halfplane: HalfPlane) -> tuple[ComplexArray, ComplexArray]:
 
 def _apart(roots: ComplexArray) -> BoolArray:
     """Which roots no other one is close to; (..., 4)."""
-    one, two = roots[..., :, None], roots[..., None, :]
-    distance = np.abs((one - two) / (one - np.conj(two))) + np.eye(4)
+    p, q = roots[..., :, None], roots[..., None, :]
+    distance = np.abs((p - q) / (p - np.conj(q))) + np.eye(4)
     return np.asarray(np.min(distance, -1) >= _APART)
 
 

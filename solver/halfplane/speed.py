@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from solver.arrays import Array, BoolArray
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
-from solver.material.constants import UNITS, Material, MaterialError
+from solver.material.constants import Material, MaterialError, combined
 
 _SLOPES = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 241)])
 _SHORT_OF = 1 - 1e-6  # at the transonic speed itself a Stroh root is real, and the tensors are not defined
@@ -44,14 +44,13 @@ def limiting_speed(material: Material, conducts: BoolArray | tuple[bool, bool] =
         raise MaterialError(f"{material.name}: rho: missing; a speed needs the density [kg m-3]")
     conducts = np.asarray(conducts)
     shape = np.broadcast_shapes(material.shape, conducts.shape[:-1])
-    cases = Material(**_flat(material, shape), name=material.name)
+    cases = _flat(material, shape)
     conducted = np.broadcast_to(conducts, (*shape, 2)).reshape(-1, 2)
     everywhere = np.arange(conducted.shape[0])
 
     def stiffness(speed: Array, case: NDArray[Any]) -> Array:
         which = case.astype(int)
-        picked: dict[str, Any] = {name: getattr(cases, name)[which] for name in UNITS}
-        moving = HalfPlane(Material(**picked, name=material.name), speed)
+        moving = HalfPlane(combined(lambda values: values[which], [cases], material.name), speed)
         return 1 / Sliding(moving, np.zeros(()), conducted[which]).lam
 
     transonic = transonic_speed(cases)
@@ -68,7 +67,7 @@ def transonic_speed(material: Material) -> Array:
     """
     from scipy.optimize import elementwise
 
-    cases = Material(**_flat(material, material.shape), name=material.name)
+    cases = _flat(material, material.shape)
     scale = HalfPlane(cases).scale
     both = scale[..., :, None] * scale[..., None, :]
     Q, R, T = (block * both for block in cases.generalised_stiffness())
@@ -92,6 +91,6 @@ def transonic_speed(material: Material) -> Array:
     return np.asarray(np.sqrt(value / unit / cases.rho).reshape(material.shape))
 
 
-def _flat(material: Material, shape: tuple[int, ...]) -> dict[str, Any]:
-    """Constants along one axis of cases."""
-    return {name: np.broadcast_to(getattr(material, name), shape).ravel() for name in UNITS}
+def _flat(material: Material, shape: tuple[int, ...]) -> Material:
+    """The material along one axis of cases."""
+    return combined(lambda values: np.broadcast_to(values, shape).ravel(), [material], material.name)

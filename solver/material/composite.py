@@ -1,5 +1,7 @@
 """Effective constants of two-phase composites poled along y (theory section 7)."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -60,12 +62,7 @@ def fibrous(fibre: Material, matrix: Material, fraction: ArrayLike) -> Material:
 
     return _admissible(
         Material(
-            c11=bulk + shear, c12=bulk - shear,
-            c13=h[..., 0], e31=h[..., 1], f31=h[..., 2],
-            c33=T[..., 0, 0], e33=T[..., 0, 1], f33=T[..., 0, 2],
-            eps33=-T[..., 1, 1], g33=-T[..., 1, 2], mu33=-T[..., 2, 2],
-            c44=G[..., 0, 0], e15=G[..., 0, 1], f15=G[..., 0, 2],
-            eps11=-G[..., 1, 1], g11=-G[..., 1, 2], mu11=-G[..., 2, 2],
+            **_of_blocks(h, T, G), c11=bulk + shear, c12=bulk - shear,
             rho=v * fibre.rho + (1 - v) * matrix.rho,
             name=f"fibrous {fibre.name} in {matrix.name}", source="Mori-Tanaka of the phases",
         )
@@ -121,15 +118,21 @@ def laminate(first: Material, second: Material, fraction: ArrayLike) -> Material
     shear = v * (first.c11 - first.c12) / 2 + (1 - v) * (second.c11 - second.c12) / 2
     return _admissible(
         Material(
-            c11=Q[..., 0, 0], c12=Q[..., 0, 0] - 2 * shear, c13=R[..., 0, 1], e31=R[..., 0, 2], f31=R[..., 0, 3],
-            c33=T[..., 1, 1], e33=T[..., 1, 2], f33=T[..., 1, 3],
-            eps33=-T[..., 2, 2], g33=-T[..., 2, 3], mu33=-T[..., 3, 3],
-            c44=Q[..., 1, 1], e15=Q[..., 1, 2], f15=Q[..., 1, 3],
-            eps11=-Q[..., 2, 2], g11=-Q[..., 2, 3], mu11=-Q[..., 3, 3],
+            **_of_blocks(R[..., 0, 1:], T[..., 1:, 1:], Q[..., 1:, 1:]),
+            c11=Q[..., 0, 0], c12=Q[..., 0, 0] - 2 * shear,
             rho=v * first.rho + (1 - v) * second.rho,
             name=f"laminate of {first.name} and {second.name}", source="exact laminate of the phases",
         )
     )  # fmt: skip
+
+
+def _of_blocks(h: Array, T: Array, G: Array) -> dict[str, Any]:
+    """Constants of the rows (y, phi, psi): h couples them to eps_xx, T to their y-, G to their x-derivatives."""
+    constants = {"c13": h[..., 0], "e31": h[..., 1], "f31": h[..., 2]}
+    for block, (c, e, f, axis) in ((T, ("c33", "e33", "f33", "33")), (G, ("c44", "e15", "f15", "11"))):
+        constants |= {c: block[..., 0, 0], e: block[..., 0, 1], f: block[..., 0, 2]}
+        constants |= {f"eps{axis}": -block[..., 1, 1], f"g{axis}": -block[..., 1, 2], f"mu{axis}": -block[..., 2, 2]}
+    return constants
 
 
 def _fraction(fraction: ArrayLike) -> Array:

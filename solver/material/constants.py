@@ -1,6 +1,6 @@
 """Material constants of a transversely isotropic magneto-electro-elastic solid, poled along y."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from html import escape
 from typing import Any, Self
@@ -233,7 +233,7 @@ class Material:
         """
         several = (self, *self.variants())
         values = {name: [float(getattr(variant, name)) for variant in several] for name in UNITS}
-        return {name: (min(found), max(found)) for name, found in values.items() if min(found) < max(found)}
+        return {name: (min(own), max(own)) for name, own in values.items() if min(own) < max(own)}
 
     def plain(self) -> dict[str, Any]:
         """The mapping that :meth:`from_mapping` reads back to the last bit, of a material without case axes."""
@@ -320,6 +320,27 @@ class Material:
         if not np.all(holds):
             value = np.broadcast_to(getattr(self, constant), np.shape(holds))[np.logical_not(holds)].flat[0]
             raise MaterialError(f"{self.name}: {constant} = {value:g} {UNITS[constant]}: {rule}")
+
+
+def combined(change: Callable[..., Array], materials: Iterable[Material], name: str) -> Material:
+    """The material whose every constant is made of those of some materials; no limits and alternatives.
+
+    Parameters
+    ----------
+    change : callable, from one constant of each material to that of the result
+    materials : iterable of Material
+    name : str, of the result
+
+    Examples
+    --------
+    >>> import solver
+    >>> steel, copper = solver.find("steel"), solver.find("copper")
+    >>> combined(lambda one, two: np.where([True, False], one, two), (steel, copper), "either").conductor
+    array([ True,  True])
+    """
+    several = tuple(materials)
+    made: dict[str, Any] = {c: change(*(getattr(material, c) for material in several)) for c in (*UNITS, "conductor")}
+    return Material(**made, name=name)
 
 
 def _matrix(rows: list[list[Array]]) -> Array:

@@ -3,15 +3,14 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, Self
+from typing import Self
 
 import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
-from solver.film.table import LEAST, MOST, RangeError, told
-from solver.film.windows import FIRST, LAST, number_of
-from solver.halfplane.pressing import ContactError
+from solver.film.table import LEAST, MOST, LengthsError
+from solver.film.windows import FIRST, LAST, beyond, number_of, searched
 from solver.point.contact import State
 from solver.point.halfspace import Stiffness, halfspace
 from solver.point.profile import Shape
@@ -22,10 +21,6 @@ _CLOSE = 1e-8  # step in log a: the one after it would be of its square
 _SLACK = 1e-6
 _AROUND = 2  # windows searched for other radii of charged contacts
 _SEVERAL = "contact: contacts of several radii carry the force (charges too large for it)"
-
-
-class LengthsError(ContactError):
-    """A force that contacts of several radii carry: charges too large for it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,20 +65,6 @@ class Loading:
 
 def _column(values: Array | float) -> Array:
     return np.asarray(values)[..., None]
-
-
-class Body(Protocol):
-    """A body under punches of one shape."""
-
-    @property
-    def shape(self) -> Shape:
-        """The punch."""
-
-    def stiffness(self, radius: Array) -> Stiffness:
-        """What contacts of these radii answer; arrays over the cases."""
-
-    def radius(self, loading: Loading) -> Array:
-        """Radii of the contacts that carry the forces of curved punches; (case,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,8 +113,12 @@ class Film:
         """The punch."""
         return self.kind.shape
 
-    def windows(self, radius: Array) -> Iterator[tuple[Indices, Window]]:
-        """Cases by the window that holds their radius [m].
+    def part(self, places: Indices) -> "Film":
+        """Some of the cases."""
+        return Film(self.kind, self.thickness[places])
+
+    def windows(self, radius: Array) -> Iterator[tuple[Indices, Window, Array]]:
+        """Cases by the window that holds their radius [m], and log (a/h) of these.
 
         Raises
         ------
@@ -142,24 +127,25 @@ class Film:
         """
         ratio = radius / self.thickness
         if not (np.all(ratio >= LEAST * (1 - _SLACK)) and np.all(ratio <= MOST * (1 + _SLACK))):
-            raise RangeError(_beyond(bool(np.any(ratio < LEAST)), self.thickness))
+            raise beyond(bool(np.any(ratio < LEAST)), self.thickness, "radius")
         numbers = number_of(ratio)
         for number in np.unique(numbers).tolist():
-            yield np.flatnonzero(numbers == number), window(self.kind, number)
+            places = np.flatnonzero(numbers == number)
+            yield places, window(self.kind, number), np.log(ratio[places])
 
     def gathered(self, radius: Array, output: Callable[[Window, Array, Indices], Array]) -> Array:
-        """An output of the windows at log (a/h) of their cases; (case, ...).
+        """An output of the windows at log (a/h) of their cases, zeros where that of another is longer; (case, ...).
 
         Parameters
         ----------
         radius : ndarray, shape (case,), a [m]
         output : callable, gives values of a window at log (a/h) and places of its cases, (case, ...)
         """
-        log_ratio = np.log(radius / self.thickness)
-        parts = [(places, output(of, log_ratio[places], places)) for places, of in self.windows(radius)]
-        whole = np.empty((radius.size, *parts[0][1].shape[1:]))
+        parts = [(places, output(of, log_ratio, places)) for places, of, log_ratio in self.windows(radius)]
+        longest = np.max([values.shape[1:] for _, values in parts], axis=0)
+        whole = np.empty((radius.size, *longest))
         for places, values in parts:
-            whole[places] = values
+            whole[places] = np.pad(values, [(0, 0), *((0, int(more)) for more in longest - values.shape[1:])])
         return whole
 
     def stiffness(self, radius: Array) -> Stiffness:
@@ -177,26 +163,18 @@ class Film:
         LengthsError
             A force that no radius carries, or more than one.
         """
-        found = np.empty(loading.force.size)
-        numbers = number_of(self._guess(loading) / self.thickness)
-        asked = np.arange(found.size)
-        for _ in range(LAST - FIRST + 2):
-            beside = np.zeros(asked.size, dtype=np.intp)
-            for number in np.unique(numbers[asked]).tolist():
-                here = np.flatnonzero(numbers[asked] == number)
-                search = Search(window(self.kind, number), self.thickness[asked[here]], loading.part(asked[here]))
-                beside[here] = search.beside
-                inside = search.beside == 0
-                if np.any(inside):
-                    found[asked[here[inside]]] = search.part(np.flatnonzero(inside)).radius()
-            asked, beside = asked[beside != 0], beside[beside != 0]
-            if not asked.size:
-                self._require_one(loading, found)
-                return found
-            numbers[asked] += beside
-            if np.any((numbers < FIRST) | (numbers > LAST)):
-                raise RangeError(_beyond(bool(np.any(numbers < FIRST)), self.thickness))
-        raise LengthsError("contact: no contact of one radius carries the force (charges too large for it)")
+        radii = np.empty(loading.force.size)
+
+        def beside(places: Indices, number: int) -> Indices:
+            search = Search(window(self.kind, number), self.thickness[places], loading.part(places))
+            inside = np.flatnonzero(search.beside == 0)
+            if inside.size:
+                radii[places[inside]] = search.part(inside).radius()
+            return search.beside
+
+        searched(self._guess(loading) / self.thickness, beside, self.thickness, "radius", "force")
+        self._require_one(loading, radii)
+        return radii
 
     def _require_one(self, loading: Loading, radius: Array) -> None:
         """Refuse contacts of other radii that carry the force: charges can make some."""
@@ -288,10 +266,3 @@ class Search:
             if np.all((moved <= _CLOSE) | (high - low <= _CLOSE)):
                 break
         return np.asarray(self.thickness * np.exp(at))
-
-
-def _beyond(narrow: bool, thickness: Array) -> str:
-    return (
-        f"contact: {'narrower' if narrow else 'wider'} than the resolved range, {LEAST:g} to {MOST:g} of radius over "
-        f"thickness ({told(thickness)})"
-    )

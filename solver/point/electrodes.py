@@ -2,24 +2,25 @@
 
 With q(k) = 2 pi a sum_n c_n . rows j_2n(ka), in the units of the stack, a disc of radius b in the distance d collects
 b int q J0(kd) J1(kb) dk, a strip of width w across x (1/pi) int q cos(kd) 2 sin(kw/2) dk/k. A ring is a disc less
-another, a rectangle four times two triangles with a corner below the contact: see :func:`corners`. A disc beside others
-that float is that of :mod:`solver.point.floating`. On top a part of q is v of the tractions at the same place
-(:mod:`solver.point.local`).
+another, a rectangle four times two triangles with a corner below the contact, each an integral over discs. A disc
+beside others that float is that of :mod:`solver.point.floating`. On top a part of q is v of the tractions at the same
+place (:mod:`solver.point.local`).
 
 A ball that slides adds waves J1(kr) cos(angle). These are -1/k times the derivatives of J0(kr) along x: what a patch
 makes of them is -1/k times the derivative by the distance of what it makes of those.
 """
 
 from collections.abc import Callable, Iterator
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.special import j0, j1
 
 from approximation.arrays import Indices
 from solver.arrays import Array, joined
+from solver.film.electrodecharge import Collected, together
+from solver.film.electrodereading import RECTANGLE, RING, STRIP, Reading
 from solver.film.electrodes import Electrode, transfers
-from solver.film.reading import RECTANGLE, RING, STRIP, Collected, Reading
 from solver.film.stack import StackError
 from solver.point import hankel
 from solver.point.bessel import even_orders
@@ -56,16 +57,9 @@ def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict
     """
     reading.refused(conducts=film.kind.conducts[0])
     reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
-    for places, window in film.windows(contact.radius):
-
-        def answer(
-            some: Indices, number: int, octave: int, places: Indices = places, window: Window = window
-        ) -> dict[str, Array]:
-            cases = places[some]
-            return _Read(contact, film, window, reading.part(cases), cases, number, octave).quantities()
-
-        extent = (contact.radius / film.thickness)[places]
-        parts.append((places, reading.part(places).together(answer, extent)))
+    for places, window, _ in film.windows(contact.radius):
+        own, extent = reading.part(places), (contact.radius / film.thickness)[places]
+        parts.append((places, together(own, partial(_OfPoint, contact, film, window, own, places), extent)))
     return joined(parts, contact.radius.size)
 
 
@@ -74,15 +68,11 @@ def _slides(contact: Contact) -> bool:
     return friction is not None and bool(np.any(friction.coefficient))
 
 
-def corners(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
+def _corners(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
     """Radii and weights by which charges of discs make twice that of the rectangle from (0, 0) to (x, y), y > 0.
 
     A triangle with corners in (0, 0), (x, 0) and (x, y) has int F(x cosh u) / cosh u du / 2 pi of 0 to asinh(y/x),
     F the charge of a disc about (0, 0) by its radius.
-
-    Parameters
-    ----------
-    x, y : ndarray, shape (case,), the corner over the radius of the contact
     """
     away = np.maximum(np.abs(x), _TINY * y)
     for leg, other in ((away, y), (y, away)):
@@ -92,14 +82,8 @@ def corners(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
             yield leg * stretch, np.where(x == 0, 0.0, np.sign(x) * weight * most / (2 * np.pi * stretch))
 
 
-def along(x: Array, y: Array, scale: float) -> Iterator[tuple[Array, Array]]:
-    """Radii and weights of an integral along the line from (x, 0) to (x, y), of what is smooth over a distance.
-
-    Parameters
-    ----------
-    x, y : ndarray, shape (case,), the far end of the line
-    scale : ndarray or float, the distance over which what is integrated is smooth
-    """
+def _along(x: Array, y: Array, scale: float) -> Iterator[tuple[Array, Array]]:
+    """Radii and weights of an integral along the line from (x, 0) to (x, y), of what is smooth over the scale."""
     size = np.hypot(x, scale)
     most = np.arcsinh(y / size)
     for node, weight in zip(_NODES, _WEIGHTS, strict=True):
@@ -107,18 +91,21 @@ def along(x: Array, y: Array, scale: float) -> Iterator[tuple[Array, Array]]:
         yield np.hypot(x, size * np.sinh(place)), weight * most / 2 * size * np.cosh(place)
 
 
-class _Read:
+class _OfPoint(Collected):
     """Cases of one window and electrode whose distances are of like size; lengths over the top layer's thickness."""
 
+    floats = ("disc_capacitance", "disc_voltage_per_force")
+
     def __init__(
-        self, contact: Contact, film: Film, window: Window, reading: Reading, places: Indices, number: int, octave: int
-    ) -> None:
-        stack, self.reading = film.kind.film.stack(), reading
-        self.scale, self.electrode = stack.scale, Electrode(stack, number)
-        self.radius = contact.radius[places] / film.thickness[places]
-        self.thickness, self.force = film.thickness[places], contact.pressed.force[places]
-        self.size = contact.size[places] * film.thickness[places]
-        self.loads = contact.loads[places]
+        self, contact: Contact, film: Film, window: Window, reading: Reading, window_places: Indices,
+        some: Indices, number: int, octave: int,
+    ) -> None:  # fmt: skip
+        stack, places = film.kind.film.stack(), window_places[some]
+        super().__init__(
+            Electrode(stack, number), reading.part(some), contact.pressed.force[places], contact.loads[places]
+        )
+        self.thickness = film.thickness[places]
+        self.radius, self.size = contact.radius[places] / self.thickness, contact.size[places] * self.thickness
         if self.electrode.on_top and reading.size is None:
             return
         slides = reading.size is not None and _slides(contact)
@@ -139,21 +126,13 @@ class _Read:
         self.terms[..., : added.shape[-1]] += added
         self.tractions = Below(contact, places, added)
 
-    def quantities(self) -> dict[str, Array]:
-        """By name, SI; (case,) each."""
-        whole = -np.einsum("j,cj->c", self.electrode.whole, self.loads * self.scale[1:]) / self.scale[2]
-        out = {"electrode_charge_per_force": whole / self.force}
-        out["electrode_stroke_per_volt"] = np.full_like(self.force, self.electrode.stroke)
-        if not self.electrode.on_top:
-            pressure = self._integrated(1, lambda some: self.k / (2 * np.pi) * np.ones((some.size, 1)))
-            out["electrode_pressure"] = -pressure / self.thickness**2 * self.scale[2] / self.scale[1]
-        collected = Collected(self.reading, self._patch, lambda at: self._slope(at) / self.thickness)
-        out |= collected.quantities(self.force)
-        if self.reading.floating is not None:
-            of_case, found = self._discs
-            out["disc_capacitance"] = np.array([electrode.capacitance for electrode in found])[of_case] * self.thickness
-            out["disc_voltage_per_force"] = -out["patch_charge_per_force"] / out["disc_capacitance"]
-        return out
+    def _pressure(self) -> Array:
+        pressure = self._integrated(1, lambda some: self.k / (2 * np.pi) * np.ones((some.size, 1)))
+        return np.asarray(-pressure / self.thickness**2 * self.scale[2] / self.scale[1])
+
+    def _capacitance(self) -> Array:
+        of_case, found = self._discs
+        return np.array([electrode.capacitance for electrode in found])[of_case] * self.thickness
 
     @cached_property
     def _discs(self) -> tuple[Indices, list[Discs]]:
@@ -173,8 +152,8 @@ class _Read:
         found = self._charge(distance, slope=False)
         return found if self.rubbed is None else found + self._turned(self.rubbed, distance)
 
-    def _slope(self, distance: Array) -> Array:
-        return self._charge(distance, slope=True)
+    def _gradient(self, distance: Array) -> Array:
+        return self._charge(distance, slope=True) / self.thickness
 
     def _turned(self, rubbed: Tractions, distance: Array) -> Array:
         """What friction adds to charges [C] of patches in distances, odd in these; (case,)."""
@@ -254,10 +233,10 @@ class _Read:
         for side in (1.0, -1.0):
             x, y = distance + side * size / 2, length / 2
             if slope:
-                for r, weight in along(x, y, self.electrode.width):
+                for r, weight in _along(x, y, self.electrode.width):
                     found += side * weight[:, None] / np.pi * self.k * j0(self.k * r[:, None])
                 continue
-            for r, weight in corners(x, y):
+            for r, weight in _corners(x, y):
                 found += side * weight[:, None] * r[:, None] * j1(self.k * r[:, None])
         return found
 

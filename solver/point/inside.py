@@ -13,9 +13,9 @@ from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.film.fourier import Medium
 from solver.film.grading import Graded
-from solver.film.kernel import strip
 from solver.film.reflection import sideways
 from solver.film.stack import Layer, Stack, StackError
+from solver.film.wavenumbers import strip
 from solver.material.constants import Material
 from solver.point import hankel
 from solver.point.rows import ORDERS, parted, rows_of, shear_rows
@@ -169,32 +169,30 @@ class Inside:
                 if reach > _FARTHEST * max(width, strip(self.stack) / 2):
                     raise StackError(f"x: {np.max(np.abs(X)):g} is farther from the contact than is resolved")
                 k, weights = tractions.wavenumbers(self.stack, 2 * reach, width)
+                taken = self._rows(number, depth[rows], names)
                 step = max(_ENTRIES // (8 * rows.size * columns.size), 8)
                 for first in range(0, k.size, min(step, _STEP)):
                     here = slice(first, first + min(step, _STEP))
-                    of = Block(self, tractions, columns, k[here], weights[here] * k[here] * ratio**2)
+                    of = Block(self.stack, tractions, columns, k[here], weights[here] * k[here] * ratio**2)
                     out[np.ix_(columns, np.arange(len(names)), rows)] += of.summed(
-                        X * ratio, depth[rows], number, names, reflected=reflected
+                        X * ratio, depth[rows], number, names, taken, reflected=reflected
                     )
 
-    def rows(self, number: int, depth: Array, names: tuple[str, ...], *, sliding: bool) -> Array:
-        """:func:`rows_of` at depths within one body, the base the last, of the material there; (depth, n, field, 8).
-
-        Parameters
-        ----------
-        number : int, of the layer; that of the base is the number of layers
-        depth : ndarray, shape (depth,), below the surface, in the unit of the body's lengths
-        names : tuple of str, of the fields
-        sliding : bool, of the part that goes with cos(angle)
-        """
+    def _rows(self, number: int, depth: Array, names: tuple[str, ...]) -> tuple[Array, Array]:
+        """:func:`rows_of` at depths in one body: at rest, and of cos(angle); (depth, n, field, 8)."""
         stack, layer = self.stack, self.graded
         if layer is None or number >= self._steps:
             medium = [*stack.media, stack.base_medium][number]
             assert medium is not None
-            own = rows_of(medium, stack.scale, names, sliding=sliding)
-            return np.broadcast_to(own, (depth.size, *own.shape))
-        materials = [layer.profile(np.array(share)) for share in np.clip(depth / layer.thickness, 0.0, 1.0).tolist()]
-        return np.array([rows_of(Medium(one, stack.scale), stack.scale, names, sliding=sliding) for one in materials])
+            media = [medium]
+        else:
+            shares = np.clip(depth / layer.thickness, 0.0, 1.0).tolist()
+            media = [Medium(layer.profile(np.array(share)), stack.scale) for share in shares]
+        at_rest, sliding = (
+            np.stack([rows_of(medium, stack.scale, names, sliding=slides) for medium in media])
+            for slides in (False, True)
+        )
+        return _everywhere(at_rest, depth.size), _everywhere(sliding, depth.size)
 
     @cached_property
     def _steps(self) -> int:
@@ -214,7 +212,7 @@ class Inside:
             rates = np.append(rates, shear.rate)
         count = len(answers)
         depth, continued = _from_below(depth)
-        plain, moved = (self.rows(0, depth * float(tractions.ratio[0]), names, sliding=of) for of in (False, True))
+        plain, moved = self._rows(0, depth * float(tractions.ratio[0]), names)
         out = np.empty((tractions.ratio.size, len(names), len(continued), X.size))
         for place, x in enumerate(X.tolist()):
             at = tractions.nodes(abs(x), float(np.min(depth)))
@@ -235,6 +233,11 @@ class Inside:
                     own = own + np.einsum("nf,nzc->cfz", rows, pulled) / scale[0]
             out[..., place] = own @ continued.T
         return out
+
+
+def _everywhere(rows: Array, count: int) -> Array:
+    """Rows at every depth, of one material without copies."""
+    return np.broadcast_to(rows, (count, *rows.shape[1:]))
 
 
 def _shear_rate(material: Material) -> float:

@@ -10,9 +10,9 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.electroded import difference
-from solver.film.kernel import DECAYED, strip, wavenumbers
 from solver.film.reflection import sideways
 from solver.film.stack import Stack, StackError
+from solver.film.wavenumbers import DECAYED, strip, wavenumbers
 from solver.point.bessel import even_orders
 
 _BLOCK = 2_000_000  # values of the Bessel functions held at once

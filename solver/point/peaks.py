@@ -9,11 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from approximation.arrays import Indices
-from approximation.measure import ITSELF, Measure
+from approximation.measure import Measure
 from approximation.summit import Top, highest
 from solver.arrays import Array
-from solver.curves import PRINCIPAL, SHEAR, VON_MISES
-from solver.film.net import DEPTH, Net, Nets, of_whole
+from solver.curves import PRINCIPAL, REGIONS, VON_MISES
+from solver.fields import STRESSES
+from solver.film.peaks import PEAKS_OF, largest
+from solver.film.stressnets import DEPTH, Net, Nets, of_whole
 from solver.film.table import RangeError
 from solver.names import FILM_PEAKS, PEAKS
 from solver.point.gradedinside import GradedInside
@@ -22,11 +24,9 @@ from solver.point.pressed import Pressed
 from solver.point.sliding import Rubbed
 from solver.point.tractions import Tractions
 
-_STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
 _CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width
 _BOTTOM, _FAR = 6.0, 6.0  # of a: how deep and how far from the edge a half-space is searched
 _TOGETHER = 64  # cases at a time: bounded memory
-_INTERFACE = ("interface_shear", "interface_shear_position", "interface_tension", "interface_tension_position")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,29 +63,17 @@ class _Searched:
         X, Y = net.positions(sizes, net.line)[0], -net.depths(sizes)[0]
         return cls(net, ratio, inside.fields(tractions, X, Y, names))
 
-    def top(self, measure: Measure, first: int = 0) -> Top:
-        """Where a measure of the stresses from the first on is largest.
-
-        Parameters
-        ----------
-        measure : Measure, of the stresses
-        first : int, place of the first of them
-        """
-        return highest(self.stresses[:, first:], self.net.across, measure, _CLOSE)
-
-    def place(self, top: Top) -> Array:
-        """x/a of tops; (case,)."""
-        t = 2.0 * top.panel - len(self.net.across) + 1 + top.across
-        return np.asarray(self.net.positions(np.array([self.ratio]), t)[0])
+    def top(self, measure: Measure) -> Top:
+        """Where a measure of the stresses is largest."""
+        return highest(self.stresses, self.net.across, measure, _CLOSE)
 
     def depth(self, top: Top) -> Array:
         """Depth over a of tops; (case,)."""
         return self.net.depth_at(self.ratio, top.down)
 
-    @property
-    def largest(self) -> tuple[Array, Array]:
-        """Von Mises and principal stress, 0 where none is tensile; (case,) each."""
-        return self.top(VON_MISES).value, np.maximum(self.top(PRINCIPAL).value, 0.0)
+    def largest(self, region: str) -> dict[str, Array]:
+        """Peaks of a region of films, by name; (case,) each."""
+        return largest(self.stresses, self.net, np.full(len(self.stresses), self.ratio), region)
 
 
 def peaks(pressed: Pressed, inside: Inside | GradedInside, asked: Set[str]) -> dict[str, Array]:
@@ -134,7 +122,7 @@ def _by_radius(ratio: Array) -> list[Indices]:
 
 
 def _of_halfspace(inside: Inside | GradedInside, tractions: Tractions, radius: Array) -> dict[str, Array]:
-    searched = _Searched.on(inside, of_whole(inside.stack, 1.0, _BOTTOM, _FAR), tractions, _STRESSES)
+    searched = _Searched.on(inside, of_whole(inside.stack, 1.0, _BOTTOM, _FAR), tractions, STRESSES)
     highest_stress = searched.top(VON_MISES)
     return {
         "peak_von_mises": highest_stress.value,
@@ -145,23 +133,16 @@ def _of_halfspace(inside: Inside | GradedInside, tractions: Tractions, radius: A
 
 def _of_film(inside: Inside | GradedInside, tractions: Tractions, asked: Set[str]) -> dict[str, Array]:
     stack, ratio = inside.stack, float(tractions.ratio[0])
-    nets, found = Nets(inside.steps, ratio, ratio), dict[str, Array]()
-    if asked & set(_INTERFACE):
-        searched = _Searched.on(inside, nets.interface, tractions, ("stress_xy", "stress_yy"))
-        shear, pull = searched.top(SHEAR), searched.top(ITSELF, 1)
-        pulled = pull.value > 0
-        tension = np.where(pulled, pull.value, 0.0), np.where(pulled, searched.place(pull), np.nan)
-        found |= dict(zip(_INTERFACE, (shear.value, searched.place(shear), *tension), strict=True))
-    bodies = {"film": nets.film} if len(stack.layers) == 1 else {}  # panels through layers would meet their jumps
-    bodies |= {} if stack.rigid else {"base": nets.base}
-    for body, net in bodies.items():
-        names = tuple(f"{body}_peak_{of}" for of in ("von_mises", "principal_tension"))
-        if not asked & set(names):
+    nets, out = Nets(inside.steps, ratio, ratio), dict[str, Array]()
+    regions = ["interface"] + ["film"] * (len(stack.layers) == 1) + ["base"] * (not stack.rigid)
+    for region in regions:  # panels through several layers would meet their jumps
+        if not asked & set(PEAKS_OF[region]):
             continue
-        if body == "film" and ratio >= 0.99 / DEPTH * stack.thickness:
+        if region == "film" and ratio >= 0.99 / DEPTH * stack.thickness:
             raise RangeError(
                 f"contact: radius over thickness {ratio / stack.thickness:g} is too wide for peaks; must be < "
                 f"{1 / DEPTH:g}"
             )
-        found |= dict(zip(names, _Searched.on(inside, net, tractions, _STRESSES).largest, strict=True))
-    return found
+        searched = _Searched.on(inside, getattr(nets, region), tractions, REGIONS[region].stresses)
+        out |= searched.largest(region)
+    return out

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array, BoolArray
-from solver.film.reading import Reading
+from solver.film.electrodereading import Reading
 from solver.point.body import Film, HalfSpace, Loading
 from solver.point.contact import State
 from solver.point.pressure import SAMPLES, climbed, halfspace_form, halfspace_peak
@@ -182,13 +182,11 @@ class Contact:
         values = of_one[:, None] * form + added
         best = np.argmax(values, -1)
         found = values[np.arange(best.size), best]
-        beside = best < SAMPLES.size - 1
-        for places, of in film.windows(self.radius):
-            some = places[beside[places]]
-            if some.size:
-                log_ratio = np.log(self.radius[some] / film.thickness[some])
-                low, high = SAMPLES[np.maximum(best[some] - 1, 0)], SAMPLES[best[some] + 1]
-                found[some] = self._climbed(of, log_ratio, causes[some], of_one[some], (low, high))
+        beside = np.flatnonzero(best < SAMPLES.size - 1)
+        for places, of, log_ratio in film.part(beside).windows(self.radius[beside]):
+            some = beside[places]
+            between = SAMPLES[np.maximum(best[some] - 1, 0)], SAMPLES[best[some] + 1]
+            found[some] = self._climbed(of, log_ratio, causes[some], of_one[some], between)
         return np.asarray(found)
 
     def _climbed(self, of: Window, at: Array, causes: Array, of_one: Array, between: tuple[Array, Array]) -> Array:

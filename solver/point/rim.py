@@ -1,10 +1,10 @@
 """What the surface of a body answers just outside a contact that slides (points, 8)."""
 
 from dataclasses import dataclass, fields
-from typing import Self
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.halfplane.surface import HalfPlane
 from solver.point.density import Density
@@ -44,16 +44,11 @@ class Rim:
         of_body = half.friction_coupling, half.in_plane_stiffness, shear, half.in_plane_share
         return cls(*of_body, half.tangential_compliance, transverse)
 
-    def of_case(self, case: int) -> Self:
-        """That of one case, or of the one body.
-
-        Parameters
-        ----------
-        case : int, its place
-        """
-        values = (getattr(self, own.name) for own in fields(self))
-        several = self.coupling.ndim > 1
-        return type(self)(*(np.asarray(value[case] if several else value) for value in values))
+    def part(self, cases: Indices | int) -> "Rim":
+        """Those of some cases, or the one body."""
+        if self.coupling.ndim == 1:
+            return self
+        return Rim(*(getattr(self, field.name)[cases] for field in fields(self)))
 
     def tension(self, moments: Array, rubbed: tuple[Array, Array]) -> Array:
         """sigma_xx at the trailing edge of a half-space whose tractions lie below the contact [Pa]; (...).

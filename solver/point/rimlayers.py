@@ -14,8 +14,8 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.electroded import difference
-from solver.film.kernel import strip, wavenumbers
 from solver.film.stack import Stack
+from solver.film.wavenumbers import strip, wavenumbers
 from solver.point.bessel import bessel_orders
 from solver.point.rim import Rim
 from solver.point.rows import ORDERS

@@ -10,7 +10,7 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.film.fourier import Medium
-from solver.film.within import TURN
+from solver.film.layerwaves import TURN
 from solver.halfplane.interior import LINEAR, field_rows
 from solver.halfplane.potentials import POTENTIALS
 from solver.point.shear import Sheared

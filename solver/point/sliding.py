@@ -27,6 +27,7 @@ from solver.point.pressed import Contact, Friction, Pressed
 from solver.point.response import Response
 from solver.point.rim import Rim, edge_sums
 from solver.point.slidingtable import sliding_window, turns
+from solver.point.table import Window
 from solver.point.tractions import Tractions
 
 _MOST_FRICTION, _MOST_ANGLE = 0.6, 0.2  # beyond which a warning tells the size of what is neglected
@@ -56,7 +57,9 @@ class Rubbed:
         contact, body = self.contact, self.contact.pressed.body
         inverse = np.linalg.inv(contact.state.stiffness.compliance)
         form = np.broadcast_to(-2 / np.pi * inverse[..., :, 0], contact.state.strengths.shape)
-        series = _series(contact) if isinstance(body, Film) else np.zeros((*form.shape, 0))
+        series, causes = np.zeros((*form.shape, 0)), contact.state.causes
+        if isinstance(body, Film):
+            series = body.gathered(contact.radius, lambda of, at, places: of.tractions(at, causes[places]))
         unit = self._unit[:, None]
         own = self._pieces(odd=False)
         return Density(body.shape, contact.state.strengths * unit, form * unit, series * unit[..., None], own)
@@ -83,8 +86,7 @@ class Rubbed:
     @property
     def _friction(self) -> Friction:
         friction = self.contact.pressed.friction
-        if friction is None:
-            raise ValueError("contacts without friction do not slide")
+        assert friction is not None
         return friction
 
     @cached_property
@@ -100,20 +102,14 @@ class Rubbed:
         if not isinstance(body, Film):
             shift = self._response.shift(self.density.turned(_EDGE)[:, 0, 0])
             return shift / self._unit, np.zeros((*self.density.form.shape, 1))
-        parts = []
-        for places, of in body.windows(contact.radius):
-            log_ratio = np.log(contact.radius[places] / body.thickness[places])
-            read = sliding_window(of.kind, of.number, self._friction.punch).read(log_ratio)
-            parts.append((places, np.einsum("cdf,cd->cf", read, contact.state.causes[places, body.shape.driving])))
-        longest = max(found.shape[1] for _, found in parts)
-        whole = np.zeros((contact.radius.size, longest))
-        for places, found in parts:
-            whole[places, : found.shape[1]] = found
-        series = np.zeros((contact.radius.size, 3, (longest - 1) // 3))
-        for places, found in parts:
-            own = found[:, 1:].reshape(places.size, 3, -1)
-            series[places, :, : own.shape[2]] = own
-        return whole[:, 0], series * self._unit[:, None, None]
+
+        def read(of: Window, log_ratio: Array, places: Indices) -> Array:
+            table = sliding_window(of.kind, of.number, self._friction.punch)
+            own = np.einsum("cdf,cd->cf", table.read(log_ratio), contact.state.causes[places, body.shape.driving])
+            return np.insert(own[:, 1:].reshape(places.size, 3, -1), 0, own[:, :1], axis=-1)
+
+        whole = body.gathered(contact.radius, read)
+        return whole[:, 0, 0], whole[..., 1:] * self._unit[:, None, None]
 
     @property
     def offset(self) -> Array:
@@ -152,11 +148,13 @@ class Rubbed:
         moments = 2 * turned - contact.loads / (2 * np.pi * contact.radius[:, None] ** 2)
         found = rim.tension(moments, (unit * first, unit * third))
         if isinstance(body := contact.pressed.body, Film):
-            for places, of in body.windows(contact.radius):
-                log_ratio = np.log(contact.radius[places] / body.thickness[places])
-                read = sliding_window(of.kind, of.number, friction.punch).tensions(log_ratio)
-                plain, slid = np.einsum("cmd,cd->mc", read, contact.state.causes[places, 1:])
-                found[places] += (plain + friction.coefficient[places] * slid) * self._unit[places]
+
+            def read(of: Window, log_ratio: Array, places: Indices) -> Array:
+                own = sliding_window(of.kind, of.number, friction.punch).tensions(log_ratio)
+                plain, slid = np.einsum("cmd,cd->mc", own, contact.state.causes[places, 1:])
+                return np.asarray(plain + friction.coefficient[places] * slid)
+
+            found = found + body.gathered(contact.radius, read) * self._unit
         return np.asarray(found)
 
     @property
@@ -186,17 +184,3 @@ def warn_of_order(pressed: Pressed) -> None:
             FirstOrderWarning,
             stacklevel=2,
         )
-
-
-def _series(contact: Contact) -> Array:
-    """What the layers add without friction, times a; (case, 3, n)."""
-    body = contact.pressed.body
-    assert isinstance(body, Film)
-    parts = [
-        (places, of.tractions(np.log(contact.radius[places] / body.thickness[places]), contact.state.causes[places]))
-        for places, of in body.windows(contact.radius)
-    ]
-    whole = np.zeros((contact.radius.size, 3, max(found.shape[2] for _, found in parts)))
-    for places, found in parts:
-        whole[places, :, : found.shape[2]] = found
-    return whole

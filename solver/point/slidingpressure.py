@@ -220,13 +220,9 @@ def _pressures(contact: Contact, friction: Friction, some: Indices) -> tuple[Arr
         coupled = np.einsum("ci,ci->c", inverse[:, 0], friction.coupling[some])
         return middle, eta * (2 / np.pi * inverse[:, 0, 0] * coupled)[:, None] * _of_halfspace(shape)
     turned = np.empty_like(middle)
-    for places, of in body.windows(contact.radius):
-        own = np.flatnonzero(np.isin(some, places))
-        if own.size:
-            chosen = some[own]
-            log_ratio, causes = np.log(contact.radius[chosen] / body.thickness[chosen]), contact.state.causes[chosen]
-            series = of.tractions(log_ratio, causes)[:, 0]
-            middle[own] -= series @ of.terms.forms(ray.x).T
-            table = _turned_window(sliding_window(of.kind, of.number, friction.punch))
-            turned[own] = table.read(log_ratio, causes[:, 1:])
+    for places, of, log_ratio in body.part(some).windows(contact.radius[some]):
+        causes = contact.state.causes[some[places]]
+        middle[places] -= of.tractions(log_ratio, causes)[:, 0] @ of.terms.forms(ray.x).T
+        table = _turned_window(sliding_window(of.kind, of.number, friction.punch))
+        turned[places] = table.read(log_ratio, causes[:, 1:])
     return middle, eta * turned

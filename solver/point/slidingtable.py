@@ -5,7 +5,7 @@ Nystroem's method, spectral.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -14,11 +14,10 @@ from approximation.arrays import Indices
 from approximation.chebyshev import coefficients
 from solver.arrays import Array
 from solver.film.electroded import difference, surface
-from solver.film.kernel import strip, wavenumbers
+from solver.film.wavenumbers import strip, wavenumbers
 from solver.point import hankel
 from solver.point.density import Density
 from solver.point.gradedsliding import GradedLayers, odd_shares
-from solver.point.gradedterms import pieces_below
 from solver.point.inside import Inside
 from solver.point.pieces import Pieces
 from solver.point.response import Response, contact_coupling, legendre
@@ -63,8 +62,7 @@ class SlidingWindow:
         """c/a and Legendre coefficients per (V, Psi, g) and eta, at the nodes; (node, 3, 1 + 3 n)."""
         kind = self.window.kind
         stack, radii = kind.film.stack(), np.exp(self.window.nodes)
-        stiffness = kind.stiffness(self.window.read(self.window.nodes))
-        every = [(self._causes(number, stiffness.edges[number]), a) for number, a in enumerate(radii.tolist())]
+        every = [(self._causes(number), a) for number, a in enumerate(radii.tolist())]
         if stack.top.graded:
             below = GradedLayers(stack, np.array(kind.conducts), kind.shape, 2 * float(np.max(radii)))
             return np.array([below.solved(self.response, causes, a) for causes, a in every])
@@ -84,23 +82,19 @@ class SlidingWindow:
     @property
     def solutions(self) -> Iterator[tuple[Density, Array, Array]]:
         """Per node: densities of V, Psi and the profile, c/a and Legendre coefficients of each per eta."""
-        stiffness = self.window.kind.stiffness(self.window.read(self.window.nodes))
         for number, solved in enumerate(self._solved):
-            yield self._causes(number, stiffness.edges[number]), solved[:, 0], solved[:, 1:].reshape(3, 3, -1)
+            yield self._causes(number), solved[:, 0], solved[:, 1:].reshape(3, 3, -1)
 
-    def _causes(self, number: int, edges: Array) -> Density:
+    def _causes(self, number: int) -> Density:
         """Densities of V, Psi and the profile, each with the depth that makes its edge smooth; below a disc of u0."""
-        kind = self.window.kind
+        shape, edges = self.window.kind.shape, self.window.edges[number]
         causes = np.zeros((3, 4))
-        causes[:, kind.shape.driving] = np.eye(3)
-        if not kind.shape.flat:
-            causes[:, 0] = -edges[0, 1:] / edges[0, 0]
-        strengths = causes @ edges.T
-        if not kind.shape.flat:
-            strengths[:, 0] = 0.0
-        form = causes[:, 3:] * (-2 / np.pi * np.linalg.inv(kind.compliance)[:, 0])
-        series = np.einsum("ind,cd->cin", self.window.added[number], causes)
-        return Density(kind.shape, strengths, form, series, pieces_below(kind.film.stack(), kind.shape))
+        causes[:, shape.driving] = np.eye(3)
+        if shape.flat:
+            return self.window.density(number, causes)
+        causes[:, 0] = -edges[0, 1:] / edges[0, 0]
+        density = self.window.density(number, causes)
+        return replace(density, strengths=density.strengths * [0.0, 1.0, 1.0])
 
     def read(self, log_radius: Array) -> Array:
         """At radii within the window; (case, 3, 1 + 3 n)."""
@@ -113,11 +107,10 @@ class SlidingWindow:
         Per (V, Psi, g), without friction and per eta [Pa].
         """
         kind, nodes = self.window.kind, self.window.nodes
-        stiffness = kind.stiffness(self.window.read(nodes))
         inside, rows, rim = Inside(kind.film.stack()), ("stress_xx",), np.ones(1)
         found = []
         for number, ratio in enumerate(np.exp(nodes).tolist()):
-            density = self._causes(number, stiffness.edges[number])
+            density = self._causes(number)
             ratios, sines = np.full(3, ratio), _Slid(self.response, density, self._solved[number])
             plain = inside.of_layers(Tractions(ratios, density, np.zeros(3)), rim, rows)[:, 0, 0]
             slid = inside.of_layers(Tractions(ratios, density, np.ones(3), sines), rim, rows)[:, 0, 0]

@@ -21,9 +21,10 @@ from approximation.arrays import Indices
 from approximation.piecewise import Piecewise
 from solver.arrays import Array
 from solver.film.grading import local_sines, local_tails
-from solver.film.kernel import DEGREE, ENTRIES, FINEST, graded_response, graded_strip, growing, octave, strip, tapered
+from solver.film.kernel import DEGREE, ENTRIES, FINEST, graded_response, growing, octave
 from solver.film.reflection import waves
 from solver.film.stack import Stack
+from solver.film.wavenumbers import graded_strip, strip, tapered
 
 #: The pairs, over (x, y, phi, psi).
 PAIRS = ENTRIES[:6]

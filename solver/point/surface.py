@@ -13,40 +13,12 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.halfplane.pressing import ContactError
-from solver.halfplane.surface import HalfPlane
 from solver.point.body import Film
 from solver.point.pressed import Contact, Pressed
 from solver.point.pressure import added_forms, added_means, finite, halfspace_form
+from solver.point.rim import Rim
 from solver.point.surfacetable import added_stresses
 from solver.point.table import Window
-
-
-@dataclass(frozen=True, eq=False)
-class Stretch:
-    """What the surface of a half-space does along itself, SI; (case,) each, or of one body.
-
-    Attributes
-    ----------
-    coupling
-        k of the body: div u = -k . t; (..., 3).
-    stiffness
-        c11 - h T3^-1 h.
-    shear
-        c11 - c12.
-    share
-        h T3^-1; (..., 3).
-    """
-
-    coupling: Array
-    stiffness: Array
-    shear: Array
-    share: Array
-
-    @classmethod
-    def of(cls, half: HalfPlane) -> "Stretch":
-        """Of a material with c12."""
-        shear = np.asarray(half.material.c11 - half.material.c12)
-        return cls(half.friction_coupling, half.in_plane_stiffness, shear, half.in_plane_share)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +77,7 @@ class Along:
         """Cases, their window and what the layers add, whose strength is counted with the half-space's."""
         contact = self.contact
         if isinstance(film := contact.pressed.body, Film):
-            for places, of in film.windows(contact.radius):
-                log_ratio = np.log(contact.radius[places] / film.thickness[places])
+            for places, of, log_ratio in film.windows(contact.radius):
                 yield places, of, of.tractions(log_ratio, contact.state.causes[places])
 
     def means(self) -> Array:
@@ -120,18 +91,18 @@ class Along:
             own[places] += series @ added_means(x, series.shape[-1]).T
         return np.asarray(own * beyond * self._units)
 
-    def stresses(self, stretch: Stretch) -> dict[str, Array]:
+    def stresses(self, rim: Rim) -> dict[str, Array]:
         """sigma_rr and sigma_tt [Pa] of the half-space of the top; (case, position) each."""
         tractions = self.tractions()
-        dilation = -np.einsum("...j,...jp->...p", stretch.coupling, tractions)
-        hoop = -np.einsum("...j,...jp->...p", stretch.coupling, self.means())
-        shear = stretch.shear[..., None]
-        pressed = np.einsum("...j,...jp->...p", stretch.share, tractions)
-        both = (stretch.stiffness[..., None] - shear) * dilation + pressed
+        dilation = -np.einsum("...j,...jp->...p", rim.coupling, tractions)
+        hoop = -np.einsum("...j,...jp->...p", rim.coupling, self.means())
+        shear = rim.shear[..., None]
+        pressed = np.einsum("...j,...jp->...p", rim.share, tractions)
+        both = (rim.stiffness[..., None] - shear) * dilation + pressed
         return {"radial_stress": both + shear * (dilation - hoop), "hoop_stress": both + shear * hoop}
 
 
-def surface_fields(pressed: Pressed, positions: Array, stretch: Stretch | None = None) -> dict[str, Array]:
+def surface_fields(pressed: Pressed, positions: Array, rim: Rim | None = None) -> dict[str, Array]:
     """Fields of ``solver.fields.POINT_FIELDS`` that every case has, SI; (case, position) each.
 
     Parameters
@@ -140,8 +111,8 @@ def surface_fields(pressed: Pressed, positions: Array, stretch: Stretch | None =
         The cases.
     positions
         r/a, of either sign, never +-1; (position,).
-    stretch
-        Of the surface of the top; None: no stresses.
+    rim
+        The surface of the top; None: no stresses.
 
     Raises
     ------
@@ -156,10 +127,10 @@ def surface_fields(pressed: Pressed, positions: Array, stretch: Stretch | None =
     out = {"contact_pressure": 0.0 - normal, "electric_displacement": electric, "magnetic_induction": magnetic}
     if isinstance(pressed.body, Film) and pressed.body.kind.film.electroded:
         del out["electric_displacement"]  # the electrode's, also beside the punch
-    if stretch is None:
+    if rim is None:
         return out
     added = added_stresses(along.contact, positions)
-    return out | {name: own + added[:, number] for number, (name, own) in enumerate(along.stresses(stretch).items())}
+    return out | {name: own + added[:, number] for number, (name, own) in enumerate(along.stresses(rim).items())}
 
 
 @dataclass(frozen=True, eq=False)

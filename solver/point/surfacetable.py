@@ -11,10 +11,9 @@ import numpy as np
 from approximation.chebyshev import coefficients
 from solver.arrays import Array
 from solver.point.body import Film
-from solver.point.density import Density
 from solver.point.inside import Inside
 from solver.point.pressed import Contact
-from solver.point.table import PointKind, Window, window
+from solver.point.table import PointKind, window
 from solver.point.tractions import Tractions
 
 _STRESSES = ("stress_xx", "stress_zz")
@@ -50,17 +49,7 @@ def _series(kind: PointKind, number: int, positions: tuple[float, ...]) -> Array
     """Chebyshev coefficients per (u0, g) over C a^e; (node, stress and position and cause)."""
     of, inside, places = window(kind, number), Inside(kind.film.stack()), np.array(positions)
     found = [
-        inside.of_layers(Tractions(np.full(4, ratio), density, np.zeros(4)), places, _STRESSES)
-        for ratio, density in zip(np.exp(of.nodes).tolist(), _densities(of), strict=True)
+        inside.of_layers(Tractions(np.full(4, ratio), of.density(number, np.eye(4)), np.zeros(4)), places, _STRESSES)
+        for number, ratio in enumerate(np.exp(of.nodes).tolist())
     ]
     return coefficients(np.moveaxis(np.stack(found), 1, -1).reshape(len(found), -1))
-
-
-def _densities(of: Window) -> list[Density]:
-    """Of the four causes at every node."""
-    kind, edges = of.kind, of.kind.stiffness(of.read(of.nodes)).edges
-    form = np.eye(4)[:, 3:] * (-2 / np.pi * np.linalg.inv(kind.compliance)[:, 0])
-    return [
-        Density(kind.shape, strengths.T, form, np.moveaxis(added, -1, 0))
-        for strengths, added in zip(edges, of.added, strict=True)
-    ]

@@ -4,11 +4,9 @@ By dimension only P R/h^3 of a sphere, P/(tan beta h^2) of a cone and their kind
 interactions of a stack are found once and serve every punch: its profile, its elasticity, what it conducts.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import product
-from typing import Protocol
 
 import numpy as np
 
@@ -19,8 +17,9 @@ from solver.film.electroded import surface
 from solver.film.table import LEAST, MOST
 from solver.film.windows import Kind
 from solver.point.contact import State
+from solver.point.density import Density
 from solver.point.galerkin import Added
-from solver.point.gradedterms import GradedTerms
+from solver.point.gradedterms import GradedTerms, pieces_below
 from solver.point.halfspace import Stiffness, conducted, halfspace
 from solver.point.interactions import interactions
 from solver.point.pressure import SAMPLES
@@ -83,34 +82,6 @@ def _contact_compliance(compliance: Array, kind: PointKind) -> Array:
     return conducted(both, np.array(kind.conducts))
 
 
-class Terms(Protocol):
-    """What the layers of a film add to the tractions of a half-space, as coefficients at radii."""
-
-    @property
-    def coefficients(self) -> Array:
-        """Times a, of u0 in each channel and of g = (r/a)^exponent; (radius, 3, n, 4)."""
-
-    @property
-    def loads(self) -> Array:
-        """Shares of the coefficients in a load over 2 pi; (n,)."""
-
-    @property
-    def edges(self) -> Array:
-        """Shares of them in the strength at the edge; (n,)."""
-
-    def forms(self, x: Array) -> Array:
-        """Shares of them in a traction less its strength over x = sqrt(1 - r^2/a^2) > 0; (x, n)."""
-
-    def between(self, series: Array, low: Array, high: Array) -> Callable[[Array], Array]:
-        """A traction less its strength over x at x within limits (case,), of coefficients (case, n).
-
-        Parameters
-        ----------
-        series : ndarray, shape (case, n), coefficients
-        low, high : ndarray, shape (case,), limits of x
-        """
-
-
 @dataclass(frozen=True, eq=False)
 class Window:
     """Contacts on one film of unit thickness, over half a decade of radii and a little more.
@@ -137,19 +108,38 @@ class Window:
         return self.interval.points
 
     @cached_property
-    def terms(self) -> Terms:
+    def terms(self) -> Added | GradedTerms:
         """What the layers add, at the nodes: Legendre functions, or densities on pieces below a graded layer."""
         kind, stack = self.kind, self.kind.film.stack()
         if stack.top.graded:
             return GradedTerms(stack, np.array(kind.conducts), kind.compliance, kind.shape, np.exp(self.nodes))
         return Added(
-            kind.compliance, _masked(kernel(kind.film, self.number, kind.shape.exponent % 2 == 0), kind), kind.shape
+            kind.compliance, _masked(_kernel(kind.film, self.number, kind.shape.exponent % 2 == 0), kind), kind.shape
         )
 
     @property
     def added(self) -> Array:
         """Coefficients that the layers add, at the nodes; (node, 3, n, 4)."""
         return self.terms.coefficients
+
+    @cached_property
+    def edges(self) -> Array:
+        """Strengths times a at the nodes, of u0 and g; (node, 3, 4)."""
+        return self.kind.stiffness(self.read(self.nodes)).edges
+
+    def density(self, number: int, causes: Array) -> Density:
+        """Of causes over C a^e at a node, one column each.
+
+        Parameters
+        ----------
+        number : int, of the node
+        causes : ndarray, shape (column, 4), u0 and g
+        """
+        kind = self.kind
+        form = causes[:, 3:] * (-2 / np.pi * np.linalg.inv(kind.compliance)[:, 0])
+        series = np.einsum("ind,cd->cin", self.added[number], causes)
+        pieces = pieces_below(kind.film.stack(), kind.shape)
+        return Density(kind.shape, causes @ self.edges[number].T, form, series, pieces)
 
     @cached_property
     def _series(self) -> Array:
@@ -165,14 +155,6 @@ class Window:
     def _read(self) -> Array:
         """Those of loads, edge strengths and the derivatives of these in log a; (node, 36)."""
         return np.concatenate([self._series[:, :24], self.interval.derived(self._series[:, 12:24])], -1)
-
-    @property
-    def resolved(self) -> float:
-        """Last coefficients over the largest of the half-space's and their own: the error of reading."""
-        own = halfspace(self.kind.compliance, self.kind.shape)
-        size = np.concatenate([np.abs(own.loads).ravel(), np.abs(own.edges).ravel()])
-        size = np.maximum(size, np.max(np.abs(self._series[:, :24]), 0))
-        return float(np.max(np.abs(self._series[-2:, :24]) / np.where(size > 0, size, 1.0)))
 
     def read(self, log_radius: Array) -> Array:
         """What the layers add to loads, edges and their rates, at radii within the window; (case, 3, 3, 4)."""
@@ -261,21 +243,12 @@ def window(kind: PointKind, number: int) -> Window:
 
 
 @lru_cache(_KERNELS)
-def kernel(film: Kind, number: int, smooth: bool) -> Array:
-    """Interactions of a film at the radii of a window; (node, 3, 3, n, n).
-
-    Parameters
-    ----------
-    film
-        The film, its top layer of unit thickness.
-    number
-        Of the window.
-    smooth
-        Whether the profile is smooth at its apex: a kink takes more functions.
-    """
+def _kernel(film: Kind, number: int, smooth: bool) -> Array:
+    """Interactions of a film of unit thickness at the radii of a window; (node, 3, 3, n, n)."""
     stack = film.stack()
     radii = np.exp(interval(number).points)
     reach = float(np.max(radii)) / min(float(stack.media[0].slowest), 1.0)
+    # a kink of the profile at its apex takes more functions
     share = (_SMOOTH_WIDE if number >= _WIDE else _SMOOTH) if smooth else _KINKED
     count = _FIRST + int(share * np.sqrt(reach))
     return interactions(stack, radii, count)

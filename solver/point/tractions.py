@@ -7,8 +7,8 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.film.kernel import wavenumbers
 from solver.film.stack import Stack
+from solver.film.wavenumbers import wavenumbers
 from solver.point import hankel
 from solver.point.density import Density
 

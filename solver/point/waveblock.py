@@ -1,44 +1,21 @@
 """Waves of some wavenumbers inside a body under point contacts, summed with Bessel functions (points, 7)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray
+from solver.film.layerwaves import TURN, below, layer_waves, modal
 from solver.film.reflection import LayerWaves, waves
 from solver.film.stack import Stack
-from solver.film.within import TURN, below, layer_waves, modal
 from solver.material.constants import Material
 from solver.point.bessel import bessel_orders
 from solver.point.rows import ORDERS, parted, shear_rows
 from solver.point.shear import Sheared, ShearWaves
 from solver.point.tractions import Tractions
-
-
-class Layered(Protocol):
-    """What waves run in."""
-
-    @property
-    def stack(self) -> Stack:
-        """Layers and base."""
-
-    @property
-    def shear(self) -> Sheared | None:
-        """The shear waves of the top; none without c12."""
-
-    def rows(self, number: int, depth: Array, names: tuple[str, ...], *, sliding: bool) -> Array:
-        """What fields take of the waves at depths within one body.
-
-        Parameters
-        ----------
-        number : int, of the body
-        depth : ndarray, shape (depth,), over the unit of the body's lengths
-        names : tuple of str, the fields
-        sliding : bool, whether the waves are those of friction
-        """
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,15 +24,17 @@ class Block:
 
     Attributes
     ----------
-    inside, tractions
-        Of which body, of all columns.
+    stack
+        Layers and base.
+    tractions
+        Of all columns.
     columns
         Those of one radius.
     k, shares
         Over the unit of the body's lengths; (k,).
     """
 
-    inside: Layered
+    stack: Stack
     tractions: Tractions
     columns: Indices
     k: Array
@@ -66,7 +45,9 @@ class Block:
         """Tractions at the surface, of 1 and of cos(angle), but for the sums over b; (k, 4, column) each."""
         return self.tractions.transforms(self.k * float(self.tractions.ratio[self.columns[0]]), self.columns)
 
-    def summed(self, x: Array, depth: Array, number: int, names: tuple[str, ...], *, reflected: bool) -> Array:
+    def summed(
+        self, x: Array, depth: Array, number: int, names: tuple[str, ...], taken: Sequence[Array], *, reflected: bool
+    ) -> Array:
         """Fields at depths within one body, the base the last; (column, field, depth, x).
 
         Parameters
@@ -74,21 +55,21 @@ class Block:
         x, depth : ndarray, shape (x,) and (depth,), in the unit of the body's lengths
         number : int, of the layer; that of the base is the number of layers
         names : tuple of str, of the fields
+        taken : sequence of ndarray, shape (depth, n, field, 8), what fields take of waves: at rest, and of cos(angle)
         reflected : bool, without what the layer's own half-space would carry
         """
-        stack = self.inside.stack
+        stack = self.stack
         out = np.zeros((len(self.columns), len(names), depth.size, x.size))
         orders = bessel_orders(self.k, x, 3 if self._tops[1] is None else ORDERS) * self.shares[:, None]
         parts = [(part, orders / self.k[:, None] if potentials else orders) for part, potentials in parted(names)]
-        for sliding, top in enumerate(self._tops):
+        for sliding, (top, rows) in enumerate(zip(self._tops, taken, strict=True)):
             if top is None:
                 continue
             states = self._states(top, depth, number, reflected=reflected)
-            rows = self.inside.rows(number, depth, names, sliding=bool(sliding))
             for part, weighted in parts:
                 for n, J in enumerate(weighted):
                     _add(out, part, rows[:, n, part], states, J)
-            if sliding and self.inside.shear is not None:
+            if sliding and not np.isnan(stack.top.material.c12):
                 waved = ShearWaves(stack, self.k).at(number, depth, reflected=reflected)
                 pulled = np.einsum("skz,kc->kzsc", waved, -top[:, 0]) / stack.scale[0]
                 material = stack.layers[number].material if number < len(stack.layers) else stack.base
@@ -99,7 +80,7 @@ class Block:
 
     def _states(self, top: Array, depth: Array, number: int, *, reflected: bool) -> Array:
         """The real form [k u; t] at depths; (k, depth, 8, column)."""
-        stack, k, t = self.inside.stack, self.k, top[None].astype(np.complex128)
+        stack, k, t = self.stack, self.k, top[None].astype(np.complex128)
         start = 0.0
         for place, layer in enumerate(self._layers):
             amplitude = layer.amplitude @ t
@@ -113,7 +94,7 @@ class Block:
 
     @cached_property
     def _layers(self) -> list[LayerWaves]:
-        return waves(self.inside.stack, self.k)
+        return waves(self.stack, self.k)
 
 
 def _real(turned: ComplexArray) -> Array:

@@ -11,9 +11,12 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
+from solver.point.profile import Shape
 from solver.surroundings.opening import MOST, reopened
 from solver.surroundings.refusal import GapError, require_open
-from solver.surroundings.ringtable import Read, RingsByRadius
+from solver.surroundings.ringoperators import Rows
+from solver.surroundings.rings import Rings
+from solver.surroundings.ringtable import RingsByRadius
 
 _STEPS = 40
 _CLOSE = 1e-11
@@ -22,7 +25,7 @@ _MOST = 0.3  # of log a in a step
 
 
 @dataclass(frozen=True, eq=False)
-class AirPoint(Read):
+class AirPoint:
     """A punch with air beside it, in the units of the body; lengths over that of the body.
 
     Parameters
@@ -56,6 +59,21 @@ class AirPoint(Read):
     end: float
     start: float
     near: Array | None = None
+
+    @property
+    def rows(self) -> Rows:
+        """Places of the outputs."""
+        return self.operators.exact.rows
+
+    @property
+    def rings(self) -> Rings:
+        """Panels beside the contact."""
+        return self.operators.exact.rings
+
+    @property
+    def shape(self) -> Shape:
+        """The punch."""
+        return self.operators.exact.shape
 
     @cached_property
     def profile(self) -> Array:
@@ -162,7 +180,7 @@ class PointState:
 
     @cached_property
     def _read(self) -> tuple[Array, Array]:
-        return self.of.operators.read(float(self.unknowns[0]), self.of.rows.pressure.start)
+        return self.of.operators.read(float(self.unknowns[0]))
 
     @cached_property
     def outputs(self) -> Array:

@@ -65,26 +65,14 @@ class Charges:
         """(interval, node)."""
         return np.asarray(self._middles[:, None] + self._halves[:, None] * _NODES)
 
-    def densities(self, interval: int, u: Array) -> Array:
-        """Densities at points u of an interval; (side, 2, point).
-
-        Parameters
-        ----------
-        interval : int, of :attr:`ends`
-        u : ndarray, shape (point,), within it
-        """
-        panel, last = min(interval, self.grid.panels - 1), self.grid.panels - 1
-        part = self.unknowns[..., self.grid.slice(panel)]
-        if panel < last:
-            return np.asarray(part @ self.grid.interpolation(panel, u).T)
-        inverse = np.exp(-u)
-        return np.asarray(part @ self.grid.interpolation(panel, inverse).T * inverse**2)
+    def densities(self, u: Array) -> Array:
+        """Densities at points u beside the contact; (side, 2, point)."""
+        return np.asarray(self.unknowns @ self.grid.at(u).T * self.grid.size_at(u))
 
     @cached_property
     def _lines(self) -> Array:
         """Charge per u, D sinh u, at the nodes; (side, 2, interval, node)."""
-        values = [self.densities(number, u) for number, u in enumerate(self._u)]
-        return np.stack(values, 2) * np.sinh(self._u)
+        return self.densities(self._u.ravel()).reshape(2, 2, *self._u.shape) * np.sinh(self._u)
 
     @cached_property
     def _series(self) -> Array:
@@ -107,13 +95,8 @@ class Charges:
     # -- on the surface ------------------------------------------------------------------------------------------------
     def at(self, X: Array) -> Array:
         """Densities at X beside the contact; (2, point)."""
-        u = np.arccosh(np.abs(X))
-        interval = np.minimum(np.searchsorted(self.ends[1:], u), self._middles.size - 1)
-        found = np.zeros((2, X.size))
-        for number in np.unique(interval).tolist():
-            here = np.flatnonzero(interval == number)
-            found[:, here] = np.where(X[here] > 0, *self.densities(number, u[here]))
-        return found
+        right, left = self.densities(np.arccosh(np.abs(X)))
+        return np.asarray(np.where(X > 0, right, left))
 
     def drawn(self, X: Array) -> Array:
         """Densities that they draw into the contact, at abs(X) < 1; (2, point)."""
@@ -122,10 +105,8 @@ class Charges:
 
     def terms(self, count: int) -> Array:
         """The same as coefficients of T_n / sqrt(1 - X^2), n < count; (2, n)."""
-        orders = np.arange(count)
-        moments = self.grid.moments(count).T * np.where(orders, 2, 1) / -np.pi
-        right, left = self.unknowns @ moments
-        return np.asarray(right + (-1.0) ** orders * left)
+        right, left = self.unknowns @ self.grid.induced_terms(count).T
+        return np.asarray(right + (-1.0) ** np.arange(count) * left)
 
     # -- off the surface -----------------------------------------------------------------------------------------------
     def transforms(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:

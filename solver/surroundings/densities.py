@@ -5,9 +5,8 @@ intervals end where the kernel's panels do. About the contact, where densities l
 the kernel is smooth over all of them: a few Chebyshev points stand for the panels, and a few for the targets.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,13 +35,10 @@ class Densities:
         Their panels.
     kernel
         Kernels as far as charges lie.
-    far
-        Sums of channels at distances [m], beyond the kernels' reach too.
     """
 
     grid: Grid
     kernel: Kernel
-    far: Callable[[Array, Array], Array]
 
     def integrals(self, h: float, X: Array, mix: Array) -> Array:
         """Integrals of sums of channels (19, c) against the densities, at targets; (target, c, n).
@@ -63,7 +59,7 @@ class Densities:
         rules = grid.rules
         target, interval = np.nonzero(~rough[:, first:])
         values = np.zeros((rules.panel.size - first, X.size, RULE, mix.shape[1]))
-        values[interval, target] = self.far(h * (X[target, None] - np.cosh(rules.theta[first + interval])), mix)
+        values[interval, target] = far(self.kernel, h * (X[target, None] - np.cosh(rules.theta[first + interval])), mix)
         parts = np.swapaxes(values, 2, 3) @ rules.shape[first:, None]  # (interval, target, c, node)
         out = np.zeros((X.size, mix.shape[1], grid.panels, grid.count // grid.panels))
         for panel, part in zip(rules.panel[first:].tolist(), parts, strict=True):
@@ -71,7 +67,7 @@ class Densities:
         whole: Array = out.reshape(X.size, mix.shape[1], grid.count)
         if first:
             points, weights = grid.close_rule(enough(strip, CLOSE - 1))
-            close = self.far(h * (X[:, None] - points), mix)
+            close = far(self.kernel, h * (X[:, None] - points), mix)
             whole[..., : weights.shape[1]] = np.swapaxes(close, 1, 2) @ weights
         return whole + self._by_pieces(h, X, rough, mix) if np.any(rough) else whole
 
@@ -80,13 +76,10 @@ class Densities:
         grid = self.grid
         some = np.flatnonzero(rough.any(1))
         found = []
-        for piece, infinite in zip(self._pieces(h, X[some], self.kernel.ends, rough[some]), (False, True), strict=True):
-            row, panel, start, stop = piece
-            u, weights = spans(start, stop)
-            theta = -np.log(u) if infinite else u
-            slope = (1 - u**2) / 2 if infinite else np.sinh(u)
-            weighted = self.far(h * (X[some][row, None] - np.cosh(theta)), mix) * (weights * slope)[..., None]
-            found.append((some[row] * grid.panels + panel, np.swapaxes(weighted, 1, 2) @ grid.interpolations(panel, u)))
+        for row, panel, start, stop in self._pieces(h, X[some], self.kernel.ends, rough[some]):
+            theta, shape = grid.ruled(panel, *spans(start, stop))
+            values = far(self.kernel, h * (X[some][row, None] - np.cosh(theta)), mix)
+            found.append((some[row] * grid.panels + panel, np.swapaxes(values, 1, 2) @ shape))
         out = np.zeros((X.size * grid.panels, mix.shape[1], grid.count // grid.panels))
         for place, own in found:  # pieces of a panel follow each other
             first = np.flatnonzero(np.diff(place, prepend=-1))
@@ -180,7 +173,7 @@ def sampled(
     h : float, half-length, m
     points : tuple of float, X about the contact
     """
-    densities = Densities(grid, wide, partial(far, wide))
+    densities = Densities(grid, wide)
     mix = np.stack([mixing(0.0, np.eye(3)[1 + f]) for f in fields], 1)
     X = grid.distance[grid.close :]
     about = densities.integrals(h, np.array(points), mix.reshape(19, -1))

@@ -10,13 +10,13 @@ from approximation.summit import highest
 from solver.arrays import Array
 from solver.curves import PRINCIPAL, REGIONS, VON_MISES
 from solver.fields import FIELDS
+from solver.film import quantities as film
 from solver.film.contact import FilmContact
-from solver.film.inside import in_blocks
 from solver.film.interior import Interior, fields_of
-from solver.film.net import Net, Nets, of_whole
+from solver.film.interiorfields import in_blocks
 from solver.film.peaks import PeakTable
-from solver.film.quantities import curves_of, peaks_of, require_depth
 from solver.film.similar import Films
+from solver.film.stressnets import Net, Nets, of_whole
 from solver.halfplane.curves import lines as region_lines
 from solver.halfplane.curves import named
 from solver.halfplane.interior import LINEAR
@@ -86,7 +86,7 @@ def peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, Array
     films, permittivity : as of :func:`fields`
     asked : set of str, names of quantities
     """
-    return peaks_of(films, asked, _tables(films, permittivity))
+    return film.peaks(films, asked, _tables(films, permittivity))
 
 
 def curves(films: Films, permittivity: Array, regions: Sequence[str]) -> dict[str, Array]:
@@ -97,7 +97,7 @@ def curves(films: Films, permittivity: Array, regions: Sequence[str]) -> dict[st
     films, permittivity : as of :func:`fields`
     regions : sequence of str, of ``solver.curves.REGIONS``
     """
-    return curves_of(films, regions, _tables(films, permittivity))
+    return film.curves(films, regions, _tables(films, permittivity))
 
 
 def body_peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, Array]:
@@ -154,7 +154,7 @@ def _tables(films: Films, permittivity: Array) -> Iterator[tuple[Indices, PeakTa
     """Cases with the stresses below them, one at a time."""
     for place, state in states(films, permittivity):
         half = np.array([state.half])
-        require_depth(films.kind, half)
+        film.require_depth(films.kind, half)
         table = replace(state.of.contact.table, lower=state.half, upper=state.half)
         c = state.of.contact
         extent = Extent(table, c.profile, c.load, c.charges, c.datum, c.punch_datum, half)

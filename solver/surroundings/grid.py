@@ -11,12 +11,14 @@ on the same side and across, the contact's potential changes by -M/pi times thet
 -(1/pi) (2 - delta_n0) exp(-n theta') (+-1)^n of T_n / sqrt(1 - X^2).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Indices
 from approximation.chebyshev import gauss_points, interpolation
 from solver.arrays import Array, BoolArray
 from solver.surroundings.rules import GRADED, Rules, gauss, spans
@@ -72,17 +74,15 @@ class Grid:
         """Number of panels, the last one infinite."""
         return len(self.ends)
 
-    def limits(self, panel: int) -> tuple[float, float]:
-        """Ends of a panel in u."""
-        if panel < self.panels - 1:
-            return self.ends[panel], self.ends[panel + 1]
-        return 0.0, float(np.exp(-self.ends[-1]))
+    @cached_property
+    def limits(self) -> Array:
+        """Ends of the panels in u; (panel, 2)."""
+        return np.array([*pairwise(self.ends), (0.0, np.exp(-self.ends[-1]))])
 
     @cached_property
     def u(self) -> Array:
         """Nodes in u; (panel, node)."""
-        limits = np.array([self.limits(p) for p in range(self.panels)])
-        return np.asarray(limits.mean(1)[:, None] + np.diff(limits, axis=1) / 2 * self._local)
+        return np.asarray(self.limits.mean(1)[:, None] + np.diff(self.limits, axis=1) / 2 * self._local)
 
     @cached_property
     def theta(self) -> Array:
@@ -101,12 +101,14 @@ class Grid:
         """Number of nodes."""
         return self.theta.size
 
+    def size_at(self, theta: Array) -> Array:
+        """Density over the unknown: 1, on the infinite panel u^2; any shape."""
+        return np.where(theta > self.ends[-1], np.exp(-2 * theta), 1.0)
+
     @cached_property
     def size(self) -> Array:
-        """Density over the unknown at the nodes: 1, on the infinite panel u^2; (n,)."""
-        size = np.ones_like(self.u)
-        size[-1] = self.u[-1] ** 2
-        return size.ravel()
+        """The same at the nodes; (n,)."""
+        return self.size_at(self.theta)
 
     @cached_property
     def _barycentric(self) -> Array:
@@ -120,89 +122,63 @@ class Grid:
 
     def _far_terms(self, u: Array) -> Array:
         """Terms of u^-2 times the density on the last panel: powers, and some with the logarithm; (..., term)."""
-        share = u[..., None] / self.limits(self.panels - 1)[1]
+        share = u[..., None] / self.limits[-1, 1]
         powers = share ** np.arange(_NODES - len(self.logarithms))
         logs = np.log(np.where(share > 0, share, 1.0)) * share ** np.array(self.logarithms)
         return np.concatenate([powers, logs], -1)
 
-    def _far_interpolation(self, u: Array) -> Array:
-        return np.asarray(self._far_terms(u) @ self._at_infinity)
-
-    def interpolation(self, panel: int, u: Array) -> Array:
-        """From values at a panel's nodes to those at points u of it; (point, node).
-
-        Parameters
-        ----------
-        panel : int
-        u : ndarray, shape (point,)
-        """
-        if panel == self.panels - 1:
-            return self._far_interpolation(u)
-        low, high = self.limits(panel)
-        distance = (2 * u - low - high)[:, None] / (high - low) - self._local
-        hit = distance == 0
-        share = self._barycentric / np.where(hit, 1.0, distance)
-        share = np.where(hit.any(1)[:, None], hit, share)
-        return np.asarray(share / share.sum(1)[:, None])
-
-    def interpolations(self, panels: NDArray[np.intp], u: Array) -> Array:
-        """The same for points u (piece, point) of panels (piece,) at once; (piece, point, node).
+    def interpolations(self, panels: Indices, u: Array) -> Array:
+        """From values at the nodes of panels (piece,) to those at points u (piece, point); (piece, point, node).
 
         Parameters
         ----------
         panels : ndarray of int, shape (piece,)
         u : ndarray, shape (piece, point)
         """
-        low, high = np.array([self.limits(p) for p in range(self.panels)])[panels].T[..., None]
+        low, high = self.limits[panels].T[..., None]
         distance = ((2 * u - low - high) / (high - low))[..., None] - self._local
         share = self._barycentric / np.where(distance == 0, 1e-200, distance)  # at a node it alone counts
         share /= share.sum(-1, keepdims=True)
         infinite = panels == self.panels - 1
-        share[infinite] = self._far_interpolation(u[infinite])
+        share[infinite] = self._far_terms(u[infinite]) @ self._at_infinity
         return np.asarray(share)
 
-    def theta_of(self, panel: int, u: Array) -> Array:
-        """theta at points of a panel.
+    def interpolations_at(self, panels: Indices, theta: Array) -> Array:
+        """The same at theta.
 
         Parameters
         ----------
-        panel, u : as of :meth:`interpolation`
+        panels : ndarray of int, shape (piece,)
+        theta : ndarray, shape (piece, point)
         """
-        return u if panel < self.panels - 1 else -np.log(u)
+        infinite = (panels == self.panels - 1)[:, None]
+        return self.interpolations(panels, np.where(infinite, np.exp(-theta), theta))
 
-    def charge(self, panel: int, u: Array) -> Array:
-        """Density times dX/du over the unknown at points of a panel.
+    def at(self, theta: Array) -> Array:
+        """From values at all nodes to those at theta; (place, n)."""
+        panels = np.minimum(np.searchsorted(self.ends[1:], theta), self.panels - 1)
+        whole = np.zeros((theta.size, self.panels, _NODES))
+        whole[np.arange(theta.size), panels] = self.interpolations_at(panels, theta[:, None])[:, 0]
+        return whole.reshape(theta.size, self.count)
+
+    def ruled(self, panels: Indices, u: Array, weights: Array) -> tuple[Array, Array]:
+        """Theta at nodes u of rules on pieces of panels, and weights of int D dX by the unknowns of D.
+
+        (piece, point) and (piece, point, node).
 
         Parameters
         ----------
-        panel, u : as of :meth:`interpolation`
+        panels : ndarray of int, shape (piece,)
+        u, weights : ndarray, shape (piece, point)
         """
-        return np.sinh(u) if panel < self.panels - 1 else (1 - u**2) / 2
-
-    def rule(self, panel: int, at: float | None = None) -> tuple[Array, Array]:
-        """Points u and weights for a panel, graded towards u = at where something is singular.
-
-        Parameters
-        ----------
-        panel : int
-        at : float, u of the singular place; None: none but that at infinity
-        """
-        low, high = self.limits(panel)
-        ends = [low, high]
-        if panel == self.panels - 1:
-            ends += list(high * _RATIO ** np.arange(1, 10))
-        if at is not None:
-            inner = min(max(at, low), high)
-            for side, far in ((-1.0, inner - low), (1.0, high - inner)):
-                if far > 0:
-                    ends += list(inner + side * far * _RATIO ** np.arange(1, 10))
-            ends.append(inner)
-        return gauss(np.unique(ends), _FINE)
+        infinite = (panels == self.panels - 1)[:, None]
+        charge = weights * np.where(infinite, (1 - u**2) / 2, np.sinh(u))
+        return np.where(infinite, -np.log(u), u), charge[..., None] * self.interpolations(panels, u)
 
     @cached_property
     def infinite_ends(self) -> Array:
         """Ends of the intervals of the infinite panel in u, graded towards the logarithm at its end; rising."""
-        return np.concatenate([[0.0], self.limits(self.panels - 1)[1] * GRADED[::-1]])
+        return np.concatenate([[0.0], self.limits[-1, 1] * GRADED[::-1]])
 
     @cached_property
     def rules(self) -> Rules:
@@ -210,12 +186,7 @@ class Grid:
         last, ends, inner = self.panels - 1, np.array(self.ends), self.infinite_ends
         start, stop = np.concatenate([ends[:-1], inner[:-1]]), np.concatenate([ends[1:], inner[1:]])
         panel = np.minimum(np.arange(start.size), last)
-        u, weights = spans(start, stop)
-        infinite = (panel == last)[:, None]
-        theta = np.where(infinite, -np.log(u), u)
-        slope = np.where(infinite, (1 - u**2) / 2, np.sinh(u))
-        shape = (weights * slope)[..., None] * self.interpolations(panel, u)
-        return Rules(panel, start, stop, theta, shape)
+        return Rules(panel, start, stop, *self.ruled(panel, *spans(start, stop)))
 
     @property
     def close_panels(self) -> int:
@@ -230,12 +201,14 @@ class Grid:
     def close_rule(self, count: int) -> tuple[Array, Array]:
         """Chebyshev points of [1, CLOSE], and weights there of densities next to the edge; (count,), (count, n)."""
         points = (1 + CLOSE) / 2 + (CLOSE - 1) / 2 * gauss_points(count)
-        found = []
-        for panel in range(self.close_panels):
-            u, weights = gauss(np.array(self.limits(panel)), count + _NODES)
-            values = interpolation(count, (2 * np.cosh(u) - 1 - CLOSE) / (CLOSE - 1))
-            found.append(values.T @ ((weights * self.charge(panel, u))[:, None] * self.interpolation(panel, u)))
-        return points, np.concatenate(found, 1)
+        u, weights = (
+            values.reshape(self.close_panels, -1)
+            for values in gauss(np.array(self.ends[: self.close_panels + 1]), count + _NODES)
+        )
+        theta, shape = self.ruled(np.arange(self.close_panels), u, weights)
+        values = interpolation(count, ((2 * np.cosh(theta) - 1 - CLOSE) / (CLOSE - 1)).ravel())
+        values = values.reshape(self.close_panels, -1, count)
+        return points, np.einsum("pqc,pqn->cpn", values, shape).reshape(count, -1)
 
     def rough_at(self, X: Array, strip: float) -> BoolArray:
         """Where a rule is not good for what has singularities at X +- i strip; (point, interval).
@@ -253,42 +226,51 @@ class Grid:
         """Nodes of a panel among all."""
         return slice(panel * _NODES, (panel + 1) * _NODES)
 
-    def moments(self, count: int) -> Array:
-        """Integrals of exp(-n theta) dX over the density, n < count; (count, n)."""
-        found = np.zeros((count, self.count))
-        for panel in range(self.panels):
-            u, weights = self.rule(panel, self.limits(panel)[0] if panel == 0 else None)
-            share = np.exp(-np.arange(count)[:, None] * self.theta_of(panel, u))
-            found[:, self.slice(panel)] = (share * weights * self.charge(panel, u)) @ self.interpolation(panel, u)
-        return found
+    @cached_property
+    def _whole(self) -> list[tuple[Array, Array]]:
+        """Of every panel, theta and weights of a rule that is graded towards the edge and towards infinity."""
+        return [self._ruled(panel, 0.0 if panel == 0 else None)[1:] for panel in range(self.panels)]
+
+    def _ruled(self, panel: int, at: float | None) -> tuple[Array, Array, Array]:
+        """Nodes u, theta and weights as of :meth:`ruled` of one panel, graded towards u = at; (point, ...) each."""
+        low, high = self.limits[panel]
+        ends = [low, high]
+        if panel == self.panels - 1:
+            ends += list(high * _RATIO ** np.arange(1, 10))
+        if at is not None:
+            inner = min(max(at, low), high)
+            for side, far in ((-1.0, inner - low), (1.0, high - inner)):
+                if far > 0:
+                    ends += list(inner + side * far * _RATIO ** np.arange(1, 10))
+            ends.append(inner)
+        u, weights = gauss(np.unique(ends), _FINE)
+        theta, shape = self.ruled(np.array([panel]), u[None], weights[None])
+        return u, theta[0], shape[0]
+
+    def integrated(self, of: Callable[[Array], Array]) -> Array:
+        """Integrals of functions of theta, (..., point), times the density over X; (..., n)."""
+        return np.concatenate([of(theta) @ shape for theta, shape in self._whole], -1)
+
+    def induced_terms(self, count: int) -> Array:
+        """Coefficients of T_n / sqrt(1 - X^2) in the charge within the contact that the density draws; (count, n)."""
+        orders = np.arange(count)[:, None]
+        return self.integrated(lambda theta: np.exp(-orders * theta)) * np.where(orders, 2, 1) / -np.pi
 
     @cached_property
     def totals(self) -> Array:
         """Integral of the density over X; (n,)."""
-        return np.asarray(self.moments(1)[0])
+        return self.integrated(np.ones_like)
 
     @cached_property
     def rises(self) -> Array:
         """Integral of theta times the density; (n,)."""
-        found = np.zeros(self.count)
-        for panel in range(self.panels):
-            at = 0.0 if panel in (0, self.panels - 1) else None
-            u, weights = self.rule(panel, at)
-            found[self.slice(panel)] = (weights * self.theta_of(panel, u) * self.charge(panel, u)) @ self.interpolation(
-                panel, u
-            )
-        return found
+        return self.integrated(lambda theta: theta)
 
     def induced(self, X: Array) -> Array:
         """Charge within the contact, times sqrt(1 - X^2), that the density draws; (point, n)."""
-        found = np.zeros((X.size, self.count))
-        for panel in range(self.panels):
-            u, weights = self.rule(panel, 0.0 if panel == 0 else None)
-            theta = self.theta_of(panel, u)
-            # sinh / (cosh - X), without a difference next to the edge
-            share = np.sinh(theta) / (2 * np.sinh(theta / 2) ** 2 + (1 - X)[:, None])
-            found[:, self.slice(panel)] = (share * weights * self.charge(panel, u)) @ self.interpolation(panel, u)
-        return np.asarray(-found / np.pi)
+        away = (1 - X)[:, None]
+        # sinh / (cosh - X), without a difference next to the edge
+        return self.integrated(lambda theta: np.sinh(theta) / (2 * np.sinh(theta / 2) ** 2 + away)) / -np.pi
 
     @cached_property
     def green(self) -> tuple[Array, Array]:
@@ -296,20 +278,17 @@ class Grid:
         same, across = np.zeros((2, self.count, self.count))
         for row, theta in enumerate(self.theta):
             for panel in range(self.panels):
-                low, high = self.limits(panel)
+                low, high = self.limits[panel]
                 infinite = panel == self.panels - 1
                 at = np.exp(-theta) if infinite else theta
                 near = low - (high - low) < at < high + (high - low)
-                u, weights = self.rule(panel, at if near else None)
-                other = self.theta_of(panel, u)
+                u, other, shape = self._ruled(panel, at if near else None)
                 distance = np.log(u / at) if infinite else u - at
                 with np.errstate(divide="ignore"):
-                    one = np.log(np.abs(np.sinh((theta + other) / 2) / np.sinh(distance / 2)))
-                two = np.log(np.cosh((theta + other) / 2) / np.cosh((theta - other) / 2))
-                values = weights * self.charge(panel, u)
-                shape = self.interpolation(panel, u)
-                same[row, self.slice(panel)] = (values * one) @ shape
-                across[row, self.slice(panel)] = (values * two) @ shape
+                    beside = np.log(np.abs(np.sinh((theta + other) / 2) / np.sinh(distance / 2)))
+                opposite = np.log(np.cosh((theta + other) / 2) / np.cosh((theta - other) / 2))
+                same[row, self.slice(panel)] = beside @ shape
+                across[row, self.slice(panel)] = opposite @ shape
         return same, across
 
     @cached_property
@@ -318,7 +297,7 @@ class Grid:
         found, before = np.zeros((self.count, self.count)), np.zeros(self.count)
         powers = np.arange(_NODES)
         for panel in range(self.panels):
-            part, (low, high) = self.slice(panel), self.limits(panel)
+            part, (low, high) = self.slice(panel), self.limits[panel]
             local = (2 * self.u[panel] - low - high) / (high - low)
             if panel < self.panels - 1:
                 to_series = np.linalg.inv(np.polynomial.legendre.legvander(local, _NODES - 1))
@@ -357,9 +336,7 @@ class Grid:
     @cached_property
     def edge(self) -> Array:
         """The density at the edge; (n,)."""
-        found: Array = np.zeros(self.count)
-        found[self.slice(0)] = self.interpolation(0, np.zeros(1))[0]
-        return found
+        return np.asarray(self.at(np.zeros(1))[0])
 
 
 @lru_cache(32)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from solver.arrays import Array
-from solver.film.crest import largest
+from solver.film.peakpressure import largest
 from solver.film.system import SAMPLES
 from solver.surroundings.operators import ANGLES, FIRST, PRESSURE, WITHIN
 from solver.surroundings.state import State

@@ -1,6 +1,6 @@
 """What charges beside a contact do to it and to the surface beside it, at given half-lengths (theory section 10).
 
-Everything is linear in the causes of the contact (:mod:`solver.film.causes`) and in the densities at the nodes of both
+Everything is linear in the causes of the contact (:mod:`solver.film.loading`) and in the densities at the nodes of both
 sides: the smooth kernels of a stack make a right side of them for the contact's own system, the half-plane's part is
 closed (:mod:`solver.surroundings.grid`). Powers of the half-length are taken out; units are those of the stack.
 """
@@ -17,11 +17,10 @@ from solver.film import outputs
 from solver.film.assembly import Assembly, mixing
 from solver.film.basis import Basis
 from solver.film.kernel import Kernel, kernel
-from solver.film.reflection import low
 from solver.film.system import SAMPLES, System
 from solver.film.table import batches
 from solver.surroundings.densities import enough, far, sampled
-from solver.surroundings.grid import CLOSE, GROWING, LEVEL, Grid
+from solver.surroundings.grid import CLOSE, Grid
 from solver.surroundings.rules import gauss
 
 _REACH = 8e4  # widths of the strip at which kernels are cut: beyond, they are their logarithm
@@ -113,9 +112,8 @@ class _Assembled:
     @cached_property
     def _induced(self) -> Array:
         """Terms T_n / sqrt(1 - X^2) that charges of the right and of the left side induce; (M + 1, 2 n)."""
-        orders = np.arange(self.basis.terms + 1)
-        moments = self.of.grid.moments(orders.size) * np.where(orders, 2, 1)[:, None] / -np.pi
-        return np.concatenate([moments, (-1.0) ** orders[:, None] * moments], 1)
+        right = self.of.grid.induced_terms(self.basis.terms + 1)
+        return np.concatenate([right, (-1.0) ** np.arange(len(right))[:, None] * right], 1)
 
     @cached_property
     def _positions(self) -> Array:
@@ -329,32 +327,3 @@ class _Assembled:
 def _flat(values: Array) -> Array:
     """(target, field, channel, n) as (channel, target, field n)."""
     return np.moveaxis(values, 2, 0).reshape(values.shape[2], values.shape[0], -1)
-
-
-def operators(system: System, shortest: float, longest: float, farthest: float = 0.0) -> Operators:
-    """Operators for half-lengths between two [m], with panels as far as the film's thickness matters.
-
-    Parameters
-    ----------
-    system, shortest, longest
-        As in :class:`Operators`.
-    farthest
-        X as far as which charges are not yet those of the open gap.
-    """
-    even = system.coefficients.friction == 0 and system.degree == 1
-    return Operators(system, grid_of(system, shortest, longest, farthest), even)
-
-
-def grid_of(system: System, shortest: float, longest: float, farthest: float = 0.0) -> Grid:
-    """Panels beside contacts; as for :func:`operators`.
-
-    Parameters
-    ----------
-    system : System, contacts of one stack
-    shortest, longest : float, half-lengths, m
-    farthest : float, X as far as which charges are not yet those of the open gap
-    """
-    stack = system.kernel.stack
-    distance = max(30.0, 40 * stack.thickness / shortest, min(300.0, 2e3 * system.kernel.width / longest), farthest)
-    growing = bool(np.any(np.diagonal(low(stack))[2:]))
-    return Grid.up_to(distance, GROWING if growing else LEVEL)

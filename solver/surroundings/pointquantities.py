@@ -196,7 +196,7 @@ def _of_case(case: Case, contacts: dict[str, Contact], rim: Rim | None) -> dict[
     if slid is not None:
         out |= {"contact_offset": slid.shift * out["contact_radius"], _REACH: slid.reach}
         if rim is not None:
-            out["trailing_tension"] = trailing_tension(slid, rim.of_case(case.place), case.body, case.units)
+            out["trailing_tension"] = trailing_tension(slid, rim.part(case.place), case.body, case.units)
     fixed = np.linalg.inv(state.at_fixed_contact)
     for row, field in enumerate(case.fields):
         j, unit = 1 + row, float(case.units[1 + field])

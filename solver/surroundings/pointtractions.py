@@ -12,8 +12,8 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
-from solver.film.kernel import on_panels, panels
 from solver.film.stack import Stack
+from solver.film.wavenumbers import on_panels, panels
 from solver.point import hankel
 from solver.point.density import Density
 from solver.point.pressure import added_forms, halfspace_form

@@ -7,7 +7,6 @@ from functools import lru_cache
 import numpy as np
 
 from solver.arrays import Array
-from solver.film.contact import FilmContact
 from solver.film.quantities import driven
 from solver.film.similar import Films
 from solver.film.windows import Kind, window
@@ -15,10 +14,10 @@ from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.names import RESPONSES
 from solver.surroundings.coupled import AirContact
 from solver.surroundings.largest import gap_field, peak_density, peak_pressure
-from solver.surroundings.operators import EDGE, grid_of
+from solver.surroundings.operators import EDGE
 from solver.surroundings.refusal import lacking, require
 from solver.surroundings.state import State
-from solver.surroundings.table import AirTable, farthest
+from solver.surroundings.table import AirTable, farthest, grid_of
 
 _NODES = 12  # half-lengths of a window: 1e-7 between them
 _TABLES = 16  # kept: 10 MB each at most
@@ -49,21 +48,13 @@ def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
     SurroundingsError
         A punch or a film that the theory of air does not cover.
     """
-    require(lacking(films.kind))
-    films.require_one_length()
-    uncharged = films.with_charges(np.zeros_like(films.charges)) if np.any(films.charges) else films
-    count = films.load.size
-    out: dict[str, Array] = {}
-    idle = dict(_contacts(uncharged))
-    for place, (number, contact) in _contacts(films):
-        air = np.array([VACUUM_PERMITTIVITY * permittivity[place], VACUUM_PERMEABILITY])
-        charged = _in_air(films.kind, number, contact, air)
-        bare = charged
-        if uncharged is not films:
-            bare = _in_air(films.kind, *idle[place], air)
-        found = _of_case(films, place, charged.state, bare)
-        for name, value in found.items():
-            out.setdefault(name, np.empty(count))[place] = value
+    uncharged, out = films, dict[str, Array]()
+    if np.any(films.charges):
+        uncharged = films.with_charges(np.zeros_like(films.charges))
+    bare = dict(_in_air(uncharged, permittivity))
+    for place, contact in bare.items() if uncharged is films else _in_air(films, permittivity):
+        for name, value in _of_case(films, place, contact.state, bare[place]).items():
+            out.setdefault(name, np.empty(films.load.size))[place] = value
     return out
 
 
@@ -74,25 +65,23 @@ def states(films: Films, permittivity: Array) -> Iterator[tuple[int, State]]:
     ----------
     films, permittivity : as of :func:`quantities`
     """
+    for place, contact in _in_air(films, permittivity):
+        yield place, contact.state
+
+
+def _in_air(films: Films, permittivity: Array) -> Iterator[tuple[int, AirContact]]:
+    """Every case, on a film of unit thickness, with the table of its window."""
     require(lacking(films.kind))
     films.require_one_length()
-    for place, (number, contact) in _contacts(films):
-        air = np.array([VACUUM_PERMITTIVITY * permittivity[place], VACUUM_PERMEABILITY])
-        yield place, _in_air(films.kind, number, contact, air).state
-
-
-def _in_air(kind: Kind, number: int, contact: FilmContact, air: Array) -> AirContact:
-    table, reach = window(kind, number), farthest(contact, air)
-    ends = table.system, table.lower, table.upper
-    more = grid_of(*ends, reach).panels > grid_of(*ends).panels  # what all contacts of a window reach needs no table
-    return AirContact(_air_window(kind, number, reach if more else 0.0), contact, air)
-
-
-def _contacts(films: Films) -> Iterator[tuple[int, tuple[int, FilmContact]]]:
-    """Every case with its window and its contact on a film of unit thickness, without air."""
-    for places, number, contact in films.parts:
+    for places, number, contacts in films.parts:
+        table = window(films.kind, number)
+        ends = table.system, table.lower, table.upper
         for k, place in enumerate(places.tolist()):
-            yield place, (number, contact.part(k))
+            air = np.array([VACUUM_PERMITTIVITY * permittivity[place], VACUUM_PERMEABILITY])
+            contact = contacts.part(k)
+            reach = farthest(contact, air)
+            more = grid_of(*ends, reach).panels > grid_of(*ends).panels  # else all contacts of a window share a table
+            yield place, AirContact(_air_window(films.kind, number, reach if more else 0.0), contact, air)
 
 
 def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[str, float]:

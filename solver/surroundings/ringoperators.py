@@ -8,7 +8,6 @@ of the second kind; beside it gap and potentials are what chi leaves from its va
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,11 +121,6 @@ class RingOperators:
     layers: Spread | None = None
     width: float = np.inf
 
-    @property
-    def exact(self) -> Self:
-        """Themselves."""
-        return self
-
     @cached_property
     def rows(self) -> Rows:
         """Places of the outputs."""
@@ -134,7 +128,7 @@ class RingOperators:
 
     def at(self, radius: float) -> Array:
         """Outputs of every cause and density; (row, column)."""
-        rows, channels = self.rows, self.rows.channels
+        rows = self.rows
         below = Below.of(radius / self.width)
         count, profile, inverse = below.nodes.size, rows.causes - 1, self.inverse
         closed = np.einsum("ij,jnc->inc", inverse, self._given(below.nodes))  # S of a half-space
@@ -149,14 +143,9 @@ class RingOperators:
         found[rows.loads, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
         found[rows.edges] = edge
         coefficients = below.series @ S
-        beside_it = added[:, count + 1 :] - added[:, count, None]
-        for place, channel in enumerate(channels[1:]):
+        for place in range(len(self.fields)):
             found[1 + place, rows.densities(place)] += 4 * self.rings.totals
-            outside = np.zeros((rows.nodes, rows.columns))
-            outside[:, rows.densities(place)] = self.rings.gathered
-            beside_it += self.compliance[channels, channel][:, None, None] * (outside - edge[1 + place])
-        beside_it -= self.compliance[channels, 0][:, None, None] * edge[0]
-        raised = self.rings.raised @ beside_it
+        raised = self.rings.raised @ self.chi_beside(added[:, count:], edge)
         found[rows.raised : rows.pressure.start] = raised.reshape(-1, rows.columns)
         found[rows.pressure] = -added_forms(SAMPLES, count) @ coefficients[0]
         found[rows.pressure, profile] += inverse[0, 0] * self._form(SAMPLES)
@@ -167,12 +156,7 @@ class RingOperators:
         return found
 
     def over(self, log_radii: Array) -> Array:
-        """The same at several log a; (radius, row, column).
-
-        Parameters
-        ----------
-        log_radii : ndarray, shape (radius,), log a in the unit of the body's lengths
-        """
+        """The same at several log a (radius,) in the unit of the body's lengths; (radius, row, column)."""
         return np.stack([self.at(float(np.exp(at))) for at in log_radii])
 
     def series(self, radius: float) -> Array:
@@ -208,6 +192,21 @@ class RingOperators:
             added[..., rows.causes - 1] = np.einsum("ijtn,jn->it", self.within(radius, targets, fine), power)
         return self.settled(own, added)
 
+    def chi_beside(self, added: Array, edges: Array) -> Array:
+        """Chi at the nodes beside the contact less that at the edge; (channel, n, column), densities the last columns.
+
+        Parameters
+        ----------
+        added : ndarray, shape (channel, 1 + n, column), what layers add to chi at the edge and at the nodes
+        edges : ndarray, shape (channel, column), S just within the edge
+        """
+        nodes, fields = self.rows.nodes, len(self.fields)
+        S = np.repeat(-edges[:, None], nodes, axis=1)
+        densities = S[..., edges.shape[1] - fields * nodes :].reshape(1 + fields, nodes, fields, nodes)
+        for place in range(fields):
+            densities[1 + place, :, place] += self.rings.gathered
+        return np.asarray(added[:, 1:] - added[:, :1] + np.tensordot(self.channel_compliance, S, 1))
+
     def settled(self, own: Array, added: Array) -> tuple[Array, Array]:
         """S that makes up for what layers add at the nodes below the contact, and what they then add in all.
 
@@ -217,8 +216,7 @@ class RingOperators:
         added : ndarray, shape (channel, target, column), at the targets without that S
         """
         size, count = len(own), own.shape[-1]
-        compliance = self.compliance[np.ix_(self.rows.channels, self.rows.channels)]
-        matrix = np.einsum("ij,mn->imjn", compliance, np.eye(count)) + np.moveaxis(own[:, :, :count], 1, 2)
+        matrix = np.einsum("ij,mn->imjn", self.channel_compliance, np.eye(count)) + np.moveaxis(own[:, :, :count], 1, 2)
         S = np.linalg.solve(matrix.reshape(size * count, -1), -added[:, :count].reshape(size * count, -1))
         S = S.reshape(size, count, -1)
         return S, added + summed(own, S)
@@ -226,7 +224,12 @@ class RingOperators:
     @cached_property
     def inverse(self) -> Array:
         """Of N of the channels; (channel, channel)."""
-        return np.asarray(np.linalg.inv(self.compliance[np.ix_(self.rows.channels, self.rows.channels)]))
+        return np.asarray(np.linalg.inv(self.channel_compliance))
+
+    @property
+    def channel_compliance(self) -> Array:
+        """N of the channels; (channel, channel)."""
+        return self.compliance[np.ix_(self.rows.channels, self.rows.channels)]
 
     def _given(self, nodes: Array) -> Array:
         """chi below the contact; (channel, node, column)."""

@@ -76,13 +76,12 @@ class Rings:
         theta = start[:, None] + (stop - start)[:, None] * x
         s = np.cosh(theta)
         weights = (stop - start)[:, None] * w * np.sinh(theta) / s**2
-        last = (panel == self.grid.panels - 1)[:, None]
-        return s, weights[..., None] * self.grid.interpolations(panel, np.where(last, np.exp(-theta), theta))
+        return s, weights[..., None] * self.grid.interpolations_at(panel, theta)
 
     @property
     def _last(self) -> float:
         """Where the infinite panel begins, in u = exp(-theta)."""
-        return self.grid.limits(self.grid.panels - 1)[1]
+        return float(self.grid.limits[-1, 1])
 
     @cached_property
     def gathered(self) -> Array:
@@ -90,7 +89,7 @@ class Rings:
         grid, theta = self.grid, self.grid.theta
         found = np.zeros((grid.count, grid.count))
         for panel in range(grid.panels - 1):
-            low, high = grid.limits(panel)
+            low, high = grid.limits[panel]
             rows = np.flatnonzero(theta < high)
             at = theta[rows, None]
             tau, weights = _between(np.sqrt(np.maximum(low - theta[rows], 0)), np.sqrt(high - theta[rows]))
@@ -130,33 +129,18 @@ class Rings:
 
     def read(self, r: Array) -> Array:
         """Densities at r > 1, from those over their size; (place, n)."""
-        grid, found = self.grid, np.zeros((r.size, self.grid.count))
-        theta = np.arccosh(r)
-        panels = np.minimum(np.searchsorted(grid.ends[1:], theta), grid.panels - 1)
-        for panel in np.unique(panels).tolist():
-            here = np.flatnonzero(panels == panel)
-            u = theta[here] if panel < grid.panels - 1 else np.exp(-theta[here])
-            found[here, grid.slice(panel)] = grid.interpolation(panel, u)
-        return found / r[:, None] ** 2
+        return np.asarray(self.grid.at(np.arccosh(r)) / r[:, None] ** 2)
 
     def _integrated(self, of: Callable[[Array], Array]) -> Array:
         """int f D r dr of functions f of theta, (..., point); (..., n)."""
-        grid, found = self.grid, list[Array]()
-        for panel in range(grid.panels):
-            u, weights = grid.rule(panel, 0.0 if panel in (0, grid.panels - 1) else None)
-            theta = grid.theta_of(panel, u)
-            along = 1.0 if panel < grid.panels - 1 else 1 / u
-            share = weights * along * np.tanh(theta) * of(theta)
-            found.append(share @ grid.interpolation(panel, u))
-        return np.concatenate(found, -1)
+        return self.grid.integrated(lambda theta: of(theta) / (np.cosh(theta) * self.grid.size_at(theta)))
 
     @cached_property
     def raised(self) -> Array:
         """(2/pi) int_1^r F (s/r)^m ds / sqrt(r^2 - s^2) at the nodes r, from F at the nodes; (n, n)."""
         grid, found = self.grid, np.zeros((self.grid.count, self.grid.count))
         for panel, rows, other, share in self._rules():
-            at = other if panel < grid.panels - 1 else np.exp(-other)
-            shape = grid.interpolations(np.full(rows.size, panel), at)
+            shape = grid.interpolations_at(np.full(rows.size, panel), other)
             found[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", share, shape)
         return found
 

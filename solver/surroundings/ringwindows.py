@@ -12,7 +12,7 @@ import numpy as np
 
 from approximation.piecewise import Interval
 from solver.arrays import Array
-from solver.film.kernel import strip
+from solver.film.wavenumbers import strip
 from solver.film.windows import number_of
 from solver.point.spread import spread
 from solver.point.table import PointKind, interval
@@ -34,7 +34,7 @@ def _half_decade(kind: PointKind, number: int) -> RingTable:
 def _part(kind: PointKind, place: int, number: int | None) -> RingTable:
     """The part of a place in log a, from the table of half a decade or else by itself."""
     own = Interval(place * _STEP - _BEYOND, (place + 1) * _STEP + _BEYOND, FEW)
-    return RingTable(_operators(kind) if number is None else _half_decade(kind, number), own)
+    return RingTable(_operators(kind), own, None if number is None else _half_decade(kind, number))
 
 
 @lru_cache(_PARTS)

@@ -56,16 +56,14 @@ class Window:
 
     def _rule(self, most: float) -> tuple[Array, Array]:
         """X of nodes on the right, (node,), and charges right and left, (side, 2, node), for waves up to a number."""
-        X, found = [], []
-        for low, high in pairwise(self._inner.tolist()):
-            parts = 1 + int(most * (np.cosh(high) - np.cosh(low)) / _PHASE)
-            u, weights = gauss(np.linspace(low, high, parts + 1), _NODES)
-            place = np.log(2 * np.sinh(u / 2) ** 2)
-            share = (erf((place - self.start) / _SLOPE) - erf((place - self.stop) / _SLOPE)) / 2
-            X.append(np.cosh(u))
-            interval = int(np.searchsorted(self.charges.ends[1:-1], (low + high) / 2))
-            found.append(self.charges.densities(interval, u) * (weights * np.sinh(u) * share))
-        return np.concatenate(X), np.concatenate(found, -1)
+        cuts = [
+            np.linspace(low, high, 1 + int(most * (np.cosh(high) - np.cosh(low)) / _PHASE), endpoint=False)
+            for low, high in pairwise(self._inner.tolist())
+        ]
+        u, weights = gauss(np.append(np.concatenate(cuts), self._inner[-1]), _NODES)
+        place = np.log(2 * np.sinh(u / 2) ** 2)
+        share = (erf((place - self.start) / _SLOPE) - erf((place - self.stop) / _SLOPE)) / 2
+        return np.cosh(u), self.charges.densities(u) * (weights * np.sinh(u) * share)
 
     @cached_property
     def _bands(self) -> list[tuple[float, float, Array, Array]]:

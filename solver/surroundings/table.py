@@ -5,12 +5,13 @@ from functools import cached_property
 
 import numpy as np
 
-from approximation.chebyshev import coefficients
 from solver.arrays import Array, BoolArray
 from solver.film.contact import FilmContact
 from solver.film.reflection import low
+from solver.film.system import System
 from solver.film.table import Table
-from solver.surroundings.operators import DISPLACEMENT, FIRST, Operators, operators
+from solver.surroundings.grid import GROWING, LEVEL, Grid
+from solver.surroundings.operators import DISPLACEMENT, FIRST, Operators
 
 #: Rows before those beside the contact: load, balance, displacements.
 SOLVING: int = DISPLACEMENT.stop
@@ -38,7 +39,9 @@ class AirTable:
     @cached_property
     def operators(self) -> Operators:
         """Operators at any half-length of the range."""
-        return operators(self.table.system, self.table.lower, self.table.upper, self.farthest)
+        system = self.table.system
+        even = system.coefficients.friction == 0 and system.degree == 1
+        return Operators(system, grid_of(system, self.table.lower, self.table.upper, self.farthest), even)
 
     @cached_property
     def _parts(self) -> tuple[Array, Array]:
@@ -75,15 +78,22 @@ class AirTable:
 
     def _weights(self, log_half: float, count: int) -> Array:
         """From values at the half-lengths to coefficients of powers of a change in log h; (count, node)."""
-        return np.asarray(self.table.polynomials(np.array([log_half]))[0] @ self._series[:count])
+        return np.asarray(self.table.polynomials(np.array([log_half]))[0] @ self.table.interval.taylor(count))
 
-    @cached_property
-    def _series(self) -> Array:
-        """Chebyshev coefficients of the Taylor coefficients in log h, of values at the half-lengths; (_TERMS, ...)."""
-        found = [coefficients(np.eye(self.table.nodes))]
-        for power in range(1, _TERMS):
-            found.append(self.table.interval.derived(found[-1]) / power)
-        return np.stack(found)
+
+def grid_of(system: System, shortest: float, longest: float, farthest: float = 0.0) -> Grid:
+    """Panels beside contacts of half-lengths between two, as far as the thickness of the film matters.
+
+    Parameters
+    ----------
+    system : System, contacts of one stack
+    shortest, longest : float, half-lengths, m
+    farthest : float, X as far as which charges are not yet those of the open gap
+    """
+    stack = system.kernel.stack
+    distance = max(30.0, 40 * stack.thickness / shortest, min(300.0, 2e3 * system.kernel.width / longest), farthest)
+    growing = bool(np.any(np.diagonal(low(stack))[2:]))
+    return Grid.up_to(distance, GROWING if growing else LEVEL)
 
 
 def farthest(contact: FilmContact, permittivity: Array) -> float:

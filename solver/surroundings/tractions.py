@@ -1,7 +1,7 @@
 """Tractions on the whole surface of a contact with air beside it: those of the contact and the charges beside it."""
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from solver.arrays import Array, ComplexArray
 from solver.film.assembly import Assembly, mixing
-from solver.film.kernel import kernel, on_panels, panels, strip
+from solver.film.kernel import kernel
 from solver.film.stack import Stack
 from solver.film.system import System
 from solver.film.tractions import Tractions
+from solver.film.wavenumbers import on_panels, panels, strip
 from solver.surroundings.charges import NEAR, Charges
-from solver.surroundings.densities import Densities, far
+from solver.surroundings.densities import Densities
 from solver.surroundings.spectrum import Spectrum
 from solver.surroundings.state import State
 
@@ -178,9 +179,7 @@ class Solved:
         if of._wide is None:
             return found
         mix = np.concatenate([mixing(0.0, np.eye(3)[1 + f])[:, :4] for f in self.system.fields], 1)
-        both = Densities(of.grid, of._wide, partial(far, of._wide)).integrals(
-            self.state.half, np.concatenate([X, -X]), mix
-        )
+        both = Densities(of.grid, of._wide).integrals(self.state.half, np.concatenate([X, -X]), mix)
         right, left = both.reshape(2, X.size, len(self.system.fields), 4, -1)
         for place, f in enumerate(self.system.fields):
             unknowns = self.beside.unknowns[:, f]

@@ -100,12 +100,7 @@ class TurnedRings:
         given[0, SHIFT] = self._given
         given[:, RUBBED] = -self._coupling * pressed.turned(_EDGE)[0, 0, 0]
         edges = self.operators.inverse @ (given - added[:, count])
-        compliance = self.operators.compliance[rows.channels]
-        beside_it = added[:, count + 1 :] - added[:, count, None] - compliance[:, :1, None] * edges[0]
-        for place, channel in enumerate(rows.channels[1:]):
-            outside = np.zeros((rows.nodes, self._columns))
-            outside[:, self.densities(place)] = rings.gathered
-            beside_it += compliance[:, channel][:, None, None] * (outside - edges[1 + place])
+        beside_it = self.operators.chi_beside(added[:, count:], edges)
         beside_it[..., RUBBED] += self._coupling[:, None] * _left(pressed, rings.grid.theta)
         raised = rings.raised @ beside_it
         raised[0, :, SHIFT] -= self._given * rings.power(self.response.shape.exponent - 1)

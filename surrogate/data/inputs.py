@@ -15,6 +15,11 @@ from approximation.chebyshev import gauss_points
 
 Scale = Literal["linear", "log", "logit"]
 SCALES: tuple[str, ...] = get_args(Scale)
+#: What of an input each variable of a file holds, in the order in which an input is made of them.
+COLUMNS = {
+    "input": "name", "low": "low", "high": "high", "scale": "scale", "input_units": "units",
+    "input_long_name": "long_name",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -209,8 +214,7 @@ def stored_inputs(stored: xr.Dataset, prefix: str = "") -> tuple[Input, ...]:
     ValueError
         No input, a name twice, or one that is no `Input`.
     """
-    names = ("input", "low", "high", "scale", "input_units", "input_long_name")
-    columns = [stored[f"{prefix}{name}"].values.tolist() for name in names]
+    columns = [stored[f"{prefix}{name}"].values.tolist() for name in COLUMNS]
     if len(set(columns[0])) != len(columns[0]) or not columns[0]:
         raise ValueError("input names must be unique")
     return tuple(Input(*row) for row in zip(*columns, strict=True))

@@ -112,12 +112,12 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
     if not isinstance(points, (Mapping, xr.Dataset)):
         points = _by_name(points, names)
     _check_names(points, names)
-    one = _one_point(points, names)
-    if one is not None:
+    point = _one_point(points, names)
+    if point is not None:
         at: dict[Hashable, xr.Variable] = {
-            own.name: xr.Variable((), x, own.attrs) for own, x in zip(inputs, one, strict=True)
+            own.name: xr.Variable((), x, own.attrs) for own, x in zip(inputs, point, strict=True)
         }
-        return Points(one[None], (), (), at)
+        return Points(point[None], (), (), at)
     arrays = {name: _as_array(name, points[name], names) for name in names}
     try:
         xr.align(*(array for array in arrays.values() if array.dims), join="exact", copy=False)
@@ -171,9 +171,11 @@ def require_inside(X: Array, inputs: Sequence[Input]) -> None:
     wrong = outside(X, inputs)
     if wrong.any():
         row, column = np.argwhere(wrong)[0]
-        one, count = inputs[column], int(wrong.any(axis=1).sum())
+        factor, count = inputs[column], int(wrong.any(axis=1).sum())
         others = f" ({count} of {len(X)} points are outside)" if len(X) > 1 else ""
-        raise OutOfBoxError(f"{one.name} = {X[row, column]:.10g} is outside the trained box {one.range_text()}{others}")
+        raise OutOfBoxError(
+            f"{factor.name} = {X[row, column]:.10g} is outside the trained box {factor.range_text()}{others}"
+        )
 
 
 @cache

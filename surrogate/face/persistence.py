@@ -11,7 +11,7 @@ from storage.described import described
 from storage.netcdf import FAILURES, read_whole, write_whole
 from storage.quarantine import little_memory, try_to_read
 from storage.sealed import FormatError
-from surrogate.data.inputs import Input, physical_points, stored_inputs
+from surrogate.data.inputs import COLUMNS, Input, physical_points, stored_inputs
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.face.engines import ENGINES, engine, members_of
 from surrogate.face.labelled import SMALLEST
@@ -75,11 +75,11 @@ def nested(model: GaussianProcess) -> xr.Dataset:
     inputs, outputs, members = model.inputs_, model.outputs_, model.members
     whole = xr.Dataset(
         {
-            "low": ("input", [own.low for own in inputs]),
-            "high": ("input", [own.high for own in inputs]),
-            "scale": ("input", [own.scale for own in inputs]),
-            "input_units": ("input", [own.units for own in inputs]),
-            "input_long_name": ("input", [own.long_name for own in inputs]),
+            **{
+                column: ("input", [getattr(own, part) for own in inputs])
+                for column, part in COLUMNS.items()
+                if column != "input"  # a coordinate
+            },
             "output_units": ("output", [model.attrs_[name].get("units", "") for name in outputs]),
             "output_long_name": ("output", [model.attrs_[name].get("long_name", "") for name in outputs]),
         },

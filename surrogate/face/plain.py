@@ -1,6 +1,7 @@
 """What every model that a browser evaluates has: its inputs, its outputs, and what takes variances to intervals."""
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,7 @@ from surrogate.intervals.distribution import PROBABILITIES
 
 def plain_inputs(inputs: Sequence[Input]) -> list[dict[str, Any]]:
     """Return names, ranges, scales, units and meanings."""
-    keys = ("name", "low", "high", "scale", "units", "long_name")
-    return [{key: getattr(own, key) for key in keys} for own in inputs]
+    return [asdict(own) for own in inputs]
 
 
 def plain_outputs(model: GaussianProcess) -> dict[str, Any]:

@@ -114,7 +114,11 @@ class Predictive(Labelled):
         most = (1 + self.distribution.highest_level()) / 2
         for probability in asked[~((1 - most <= asked) & (asked <= most))]:
             raise ValueError(f"q {probability:g} is not between {1 - most:.4g} and {most:.10g}{self._told()}")
-        quantiles = self._quantiles(points, asked, extrapolate)
+        named, (mean, std), flags = self._asked(points, True, extrapolate)
+        away = np.broadcast_to(self.distribution.quantile(asked).T, (len(mean), len(asked)))[..., None]
+        values = self.reached(np.repeat(mean[:, None], len(asked), axis=1), std[:, None], away)
+        coordinate = ("quantile", asked, {"long_name": "probability of no more"})
+        quantiles = self._stacked("quantile", values, named, flags).assign_coords(quantile=coordinate)
         return quantiles if np.ndim(q) else quantiles.isel(quantile=0)
 
     def sample(
@@ -228,13 +232,6 @@ class Predictive(Labelled):
         if made is None or made[0] is not self.calibration_ or made[1] != level:
             made = self._made_ends = (self.calibration_, level, self.distribution.ends(level))
         return made[2]
-
-    def _quantiles(self, points: Queries, q: Array, extrapolate: bool) -> xr.Dataset:
-        named, (mean, std), flags = self._asked(points, True, extrapolate)
-        away = np.broadcast_to(self.distribution.quantile(q).T, (len(mean), len(q)))[..., None]
-        values = self.reached(np.repeat(mean[:, None], len(q), axis=1), std[:, None], away)
-        told = self._stacked("quantile", values, named, flags)
-        return told.assign_coords(quantile=("quantile", q, {"long_name": "probability of no more"}))
 
     def _stacked(self, dim: str, values: Array, named: Points, flags: dict[str, Flags]) -> xr.Dataset:
         """Label several values of every output at each point, (p, m, n), over a dimension of these m."""

@@ -210,9 +210,9 @@ def _at(cores: Sequence[Array], indices: Indices) -> Array:
     return state
 
 
-def _pairs(one: Indices, other: Indices) -> Indices:
-    """Every row of one followed by every row of the other."""
-    return np.hstack([np.repeat(one, len(other), axis=0), np.tile(other, (len(one), 1))])
+def _pairs(before: Indices, behind: Indices) -> Indices:
+    """Every row of the first followed by every row of the second."""
+    return np.hstack([np.repeat(before, len(behind), axis=0), np.tile(behind, (len(before), 1))])
 
 
 def _places(candidates: Indices, rows: Indices | None) -> list[int]:

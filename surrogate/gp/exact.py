@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from approximation.arrays import Array
 from surrogate.face.posterior import Posterior
-from surrogate.gp.factors import steepness
+from surrogate.gp.factors import radial, steepness
 from surrogate.gp.kernels import Noise, Poisson
 from surrogate.gp.poisson import kernel as poisson
 from surrogate.gp.poisson import most_likely, sum_curvature, sum_slopes, sums
@@ -187,7 +187,7 @@ def _kernel_slopes(kernel: str, regressor: GaussianProcessRegressor, t: Array) -
     lengths = theta[1 : 1 + d]
     differences = [(t[i][:, None] - X[i]) / lengths[i] for i in range(d)]
     # every correlation's slope is -(difference / length) g(r) / length
-    shared = theta[0] * _radial(kernel, np.sqrt(sum(difference * difference for difference in differences)))
+    shared = theta[0] * radial(kernel, np.sqrt(sum(difference * difference for difference in differences)))[1]
     return [-difference * shared / length for difference, length in zip(differences, lengths, strict=True)]
 
 
@@ -208,11 +208,3 @@ def _product(factors: Sequence[Array], without: int) -> Array:
         if i != without:
             product = product * factor
     return product
-
-
-def _radial(kernel: str, r: Array) -> Array:
-    if kernel == "rbf":
-        return np.asarray(np.exp(-0.5 * r * r))
-    if kernel == "matern32":
-        return np.asarray(3 * np.exp(-np.sqrt(3) * r))
-    return np.asarray(5 / 3 * (1 + np.sqrt(5) * r) * np.exp(-np.sqrt(5) * r))

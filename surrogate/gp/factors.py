@@ -229,7 +229,7 @@ class StationaryFactor(Factor):
         self.parameter = length_scale
         self._kind, self.t = kind, t
         self.basis, self.weights = polynomial_basis(t), np.ones(len(t))
-        K = _correlation(kind, t[:, None] - t, length_scale)[0] + nugget * np.eye(len(t))
+        K = radial(kind, np.abs(t[:, None] - t) / length_scale)[0] + nugget * np.eye(len(t))
         eigenvalues, vectors = eigh(K)
         # rounding can push the smallest eigenvalues of a smooth kernel below the nugget
         eigenvalues = np.maximum(eigenvalues, max(nugget, len(t) * np.finfo(float).eps))
@@ -244,7 +244,7 @@ class StationaryFactor(Factor):
     @override
     def features(self, t: Array, modes: int) -> Features:
         """Return basis^T K^-1 k(X, x), the constant prior and 1 - k^T K^-1 k."""
-        k, _ = _correlation(self._kind, t - self.t[:, None], self.parameter)
+        k, _ = radial(self._kind, np.abs(t - self.t[:, None]) / self.parameter)
         white = self._whiten @ k
         residual = np.maximum(1 - np.einsum("ib,ib->b", white, white), 0)
         return Features(self._cardinal[:modes] @ k, np.ones_like(t), residual)
@@ -252,7 +252,8 @@ class StationaryFactor(Factor):
     @override
     def slopes(self, t: Array, modes: int) -> Features:
         """Return those of basis^T K^-1 k(X, x), and the variance of the derivative before and after the levels."""
-        _, slope = _correlation(self._kind, t - self.t[:, None], self.parameter)
+        apart = (t - self.t[:, None]) / self.parameter
+        slope = -apart * radial(self._kind, np.abs(apart))[1] / self.parameter
         white = self._whiten @ slope
         prior = np.full_like(t, steepness(self._kind) / self.parameter**2)
         return Features(
@@ -260,33 +261,30 @@ class StationaryFactor(Factor):
         )
 
 
-def steepness(kind: str) -> float:
-    """Return minus the second derivative at zero of a stationary correlation of unit length scale."""
-    return {"rbf": 1.0, "matern32": 3.0, "matern52": 5 / 3}[kind]
-
-
-def _correlation(kind: str, difference: Array, length_scale: float) -> tuple[Array, Array]:
-    """Return a stationary correlation function and its derivative by the difference.
+def radial(kind: str, r: Array) -> tuple[Array, Array]:
+    """Return a stationary correlation k at distances over the length scale, and -k'(r)/r, which is finite at zero.
 
     Parameters
     ----------
     kind : {"rbf", "matern32", "matern52"}
-    difference : ndarray of any shape, of scaled coordinates
-    length_scale : float, in scaled coordinates
+    r : ndarray of any shape, >= 0
     """
-    r = difference / length_scale
     if kind == "rbf":
         k = np.exp(-0.5 * r * r)
-        return k, -r * k / length_scale
+        return k, k
     if kind == "matern32":
-        s = np.sqrt(3) * np.abs(r)
-        decay = np.exp(-s)
-        return (1 + s) * decay, -3 * r * decay / length_scale
+        decay = np.exp(-np.sqrt(3) * r)
+        return (1 + np.sqrt(3) * r) * decay, 3 * decay
     if kind == "matern52":
-        s = np.sqrt(5) * np.abs(r)
+        s = np.sqrt(5) * r
         decay = np.exp(-s)
-        return (1 + s + s * s / 3) * decay, -5 / 3 * r * (1 + s) * decay / length_scale
+        return (1 + s + s * s / 3) * decay, 5 / 3 * (1 + s) * decay
     raise ValueError(f"unknown kernel {kind!r}")
+
+
+def steepness(kind: str) -> float:
+    """Return minus the second derivative at zero of a stationary correlation of unit length scale."""
+    return float(radial(kind, np.zeros(()))[1])
 
 
 def cosine_basis(n: int) -> tuple[Array, Array]:

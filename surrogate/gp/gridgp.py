@@ -19,7 +19,7 @@ from surrogate.gp.correction import Correction, correct
 from surrogate.gp.factors import ChebyshevFactor, Factor, Features, cosine_basis, polynomial_basis
 from surrogate.gp.hyperparameters import amplitudes, length_bounds, most_predictive, rho_bounds
 from surrogate.gp.productkernel import factor_of, joined, significant, standardised, unit_variance
-from surrogate.gp.single import Process, SinglePoint
+from surrogate.gp.singlepoint import Process, SinglePoint
 from surrogate.gp.tensortrain import TensorTrain, compress
 
 Kernel = Literal["chebyshev", "rbf", "matern32", "matern52"]

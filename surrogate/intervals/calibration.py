@@ -154,16 +154,11 @@ class Calibration:
         arrays = {name: stored[f"calibration_{name}"].values for name in _DIMS if pairs or name != "corner_guard"}
         arrays.setdefault("corner_guard", unguarded(inputs, outputs).corners)
         terms = len(arrays["trend"])
-        shapes = {
-            "weights": (parts, outputs),
-            "floor": (outputs,),
-            "trend": (terms, outputs),
-            "trend_degree": (terms, inputs),
-            "trend_range": (2, outputs),
-            "guard": (inputs, SLABS, outputs),
-            "corner_guard": (pairs, 3, 3, outputs),
-            "quantile": (len(PROBABILITIES), outputs),
-        }
+        sizes = {
+            "part": parts, "output": outputs, "input": inputs, "trend_term": terms, "end": 2, "slab": SLABS,
+            "pair": pairs, "edge": 3, "other_edge": 3, "probability": len(PROBABILITIES),
+        }  # fmt: skip
+        shapes = {name: tuple(sizes[dim] for dim in dims) for name, dims in _DIMS.items()}
         given = {name: array.shape for name, array in arrays.items()}
         degree = arrays["trend_degree"]
         if given != shapes or not 0 < terms <= MOST_TERMS or degree.dtype.kind not in "iu" or cases < MINIMUM:

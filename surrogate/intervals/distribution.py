@@ -4,9 +4,10 @@ The process itself says that this is a standard normal variable. Held-out cases 
 that is linear between some probabilities.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol, Self
+from typing import Self
 
 import numpy as np
 from scipy.special import ndtr, ndtri
@@ -28,29 +29,35 @@ def central(level: float) -> Array:
     return np.array([(1 - level) / 2, (1 + level) / 2])
 
 
-class Distribution(Protocol):
+class Distribution(ABC):
     """Distribution of (truth - mean) / std for every output."""
 
+    @abstractmethod
     def highest_level(self) -> float:
         """Return the largest central level that is known."""
 
+    @abstractmethod
     def quantile(self, q: Array) -> Array:
         """Return quantiles at probabilities q of any shape, over the outputs last: (..., p), or (..., 1) for all."""
 
     def ends(self, level: float) -> Array:
         """Return the lower and upper end of the central interval of a level: (2, p) or (2, 1)."""
+        return self.quantile(central(level))
 
+    @abstractmethod
     def inverse(self, q: Array) -> Array:
         """Return the quantiles of every output at probabilities of its own, (p, n)."""
 
+    @abstractmethod
     def cdf(self, z: Array) -> Array:
         """Return the probability of no more than z, (p, n)."""
 
+    @abstractmethod
     def crps(self, z: Array) -> Array:
         """Return the continuous ranked probability score at z, (p, n), in standard deviations."""
 
 
-class Normal:
+class Normal(Distribution):
     """The standard normal distribution."""
 
     def highest_level(self) -> float:
@@ -60,10 +67,6 @@ class Normal:
     def quantile(self, q: Array) -> Array:
         """Return quantiles at probabilities q of any shape: (..., 1)."""
         return np.asarray(ndtri(q))[..., None]
-
-    def ends(self, level: float) -> Array:
-        """Return the lower and upper end of the central interval of a level: (2, 1)."""
-        return self.quantile(central(level))
 
     def inverse(self, q: Array) -> Array:
         """Return quantiles at probabilities of any shape."""
@@ -79,7 +82,7 @@ class Normal:
 
 
 @dataclass(frozen=True)
-class Tabulated:
+class Tabulated(Distribution):
     """Quantiles of held-out cases, linear between the probabilities `PROBABILITIES`.
 
     Attributes
@@ -119,10 +122,6 @@ class Tabulated:
         below, first = self.quantiles[k], PROBABILITIES[k]
         slope = (self.quantiles[k + 1] - below) / (PROBABILITIES[k + 1] - first)[..., None]
         return np.asarray(slope * (q - first)[..., None] + below)
-
-    def ends(self, level: float) -> Array:
-        """Return the lower and upper end of the central interval of a level: (2, p)."""
-        return self.quantile(central(level))
 
     def inverse(self, q: Array) -> Array:
         """Return the quantiles of every output at probabilities of its own, (p, n)."""

@@ -53,15 +53,15 @@ class Patches:
         groups : ndarray of int, shape (n,), number of the group of every case; a patch needs `CORNER_PLACES` of them
         outputs : int, their number
         """
-        found: list[tuple[int, Array]] = []
+        patches: list[tuple[int, Array]] = []
         for members in _clusters(t):
             if (count := len(np.unique(groups[members]))) >= CORNER_PLACES:
                 own = t[:, members]
                 # by as much as fresh cases lie beyond the others
                 room = 2 * np.ptp(own, axis=1) / np.array([max(len(np.unique(row)) - 1, 1) for row in own])
-                found.append((count, np.stack([own.min(axis=1) - room, own.max(axis=1) + room])))
-        found.sort(key=lambda patch: -patch[0])
-        ends = np.reshape([patch for _, patch in found[:MOST]], (-1, 2, len(t)))
+                patches.append((count, np.stack([own.min(axis=1) - room, own.max(axis=1) + room])))
+        patches.sort(key=lambda patch: -patch[0])
+        ends = np.reshape([patch for _, patch in patches[:MOST]], (-1, 2, len(t)))
         return cls(ends[:, 0], ends[:, 1], np.zeros((len(ends), outputs)))
 
     def within(self, t: Array) -> Flags:
@@ -71,13 +71,13 @@ class Patches:
 
     def at(self, t: Array) -> Array:
         """Return what is added to logarithms at scaled points (d, B): (p, B)."""
-        found = np.zeros((self.scale.shape[1], t.shape[1]))
+        added = np.zeros((self.scale.shape[1], t.shape[1]))
         inside = self.within(t)
         held = np.flatnonzero(inside.any(axis=0))
         if held.size:
             own = np.where(inside[:, held, None], self.scale[:, None], -np.inf)
-            found[:, held] = own.max(axis=0).T
-        return found
+            added[:, held] = own.max(axis=0).T
+        return added
 
     def fitted(self, beyond: Array, t: Array, groups: Indices) -> Self:
         """Return the patches with the scales that cases ask for.

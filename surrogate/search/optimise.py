@@ -15,7 +15,7 @@ _CONVERGED = 1e-14  # change of the objective, and excess, at which sequential q
 _BINDS = 1e-7  # margin below which a row binds once it has ended
 _ROUNDING = 1e-15  # margin that no step lessens
 _STANDS = 1e-9  # change of all variables that is none
-_STEPS, _ROUNDS = 4, 3
+_STEPS, _ROUNDS, _STARTS = 4, 3, 6
 _TIE = 1e-11  # share of the objective's range over the box that counts as none
 _VANISHING = 1e-100  # share of the largest slope below which one is none
 
@@ -62,7 +62,7 @@ class Optimum:
     feasible: bool
 
 
-def maximise(problem: Problem, *, scan: int = 4096, starts: int = 6, seed: int = 0) -> Optimum:
+def maximise(problem: Problem, *, scan: int = 4096) -> Optimum:
     """Sobol scan, then sequential quadratic programming from the best starts, in epigraph form.
 
     The worst case makes objective and limits kink; the epigraph form (one constraint a scenario) is smooth. Where the
@@ -70,22 +70,16 @@ def maximise(problem: Problem, *, scan: int = 4096, starts: int = 6, seed: int =
 
     Parameters
     ----------
-    problem
-        What to maximise.
-    scan
-        Number of scanned points, a power of two.
-    starts
-        Number of local searches.
-    seed
-        Seed of the scan.
+    problem : Problem
+    scan : int, number of scanned points, a power of two
     """
-    X = 2 * sobol_points(scan, problem.dimension, seed) - 1
+    X = 2 * sobol_points(scan, problem.dimension) - 1
     objective, excess = problem.value(X)
     worst, largest = objective.min(1), excess.max(1, initial=-np.inf)
     order = np.lexsort((-worst, np.maximum(largest, 0.0)))
     local = _Local(problem, float(np.ptp(worst)) or 1.0)
     candidates = [X[order[0]]]
-    for start in _apart(X[order], starts):
+    for start in _apart(X[order], _STARTS):
         feasible = local.relax(start)
         candidates += [feasible, local.climb(feasible)]
     best = _best(problem, candidates)
@@ -251,7 +245,7 @@ class _Local:
         z: Array = np.append(x, level)
         for _ in range(_ROUNDS):
             stop = _Stop(z)
-            found = scipy.optimize.minimize(
+            search = scipy.optimize.minimize(
                 height,
                 z,
                 jac=height_slope,
@@ -261,7 +255,7 @@ class _Local:
                 callback=stop.check,
                 options={"maxiter": 100, "ftol": _CONVERGED},
             )
-            before, z = z, _settled(np.asarray(found.x), d, margins, margins_slope)
+            before, z = z, _settled(np.asarray(search.x), d, margins, margins_slope)
             if np.abs(z - before).max() <= _STANDS or not stop.stalled:
                 break
         return np.asarray(z[:d])

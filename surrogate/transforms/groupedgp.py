@@ -15,7 +15,7 @@ from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
 from surrogate.face.plain import plain_inputs
 from surrogate.gp.gridgp import KERNELS, GridGP, Kernel
-from surrogate.gp.single import SingleGuard
+from surrogate.gp.singlepoint import SingleGuard
 from surrogate.transforms.groups import Grouping
 from surrogate.transforms.outputs import Scales, Scaling
 from surrogate.transforms.transformed import Transformed
@@ -181,17 +181,7 @@ class GroupedGP(Transformed):
         plain = self.reduced_.plain()
         if plain is None:
             return None
-        names = (
-            "axis_power",
-            "axis_constant",
-            "scale_power",
-            "added_coefficient",
-            "added_power",
-            "logarithm",
-            "reference",
-        )
-        state = self.state()
-        groups = {name: state[name].values.tolist() for name in names}
+        groups = {name: array.values.tolist() for name, array in self.state().data_vars.items()}
         return {**plain, "inputs": plain_inputs(self.inputs_), "axes": plain["inputs"], "groups": groups}
 
     # -- answers -------------------------------------------------------------------------------------------------------

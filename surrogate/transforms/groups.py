@@ -110,7 +110,7 @@ class Grouping:
         for name in outputs:
             variable = dataset[name].variable
             dims = {dim: dataset.sizes[dim] for dim in dict.fromkeys((*variable.dims, *own_dims))}
-            array, *given = (_over(one, dims) for one in (variable, *columns))
+            array, *given = (_over(each, dims) for each in (variable, *columns))
             X = np.stack([column.ravel() for column in given], axis=1)
             learnt = self.scales([name]).transform(np.asarray(array, dtype=np.float64).reshape(1, -1), X)
             arrays[name] = tuple(dims), learnt.reshape(array.shape), dataset[name].attrs

@@ -142,15 +142,15 @@ class SplitGP(Transformed):
     # -- answers -------------------------------------------------------------------------------------------------------
     def _split(self, t: Array) -> list[tuple[GaussianProcess, Flags, Array, float]]:
         """Both sides with the points that they answer, in their own coordinates, and half the width of their range."""
-        low, found = t[self._number] <= self._at, []
+        low, sides = t[self._number] <= self._at, []
         for model, own, (begin, end) in (
             (self.below_, low, (-1.0, self._at)),
             (self.above_, ~low, (self._at, 1.0)),
         ):
             half, inside = (end - begin) / 2, t[:, own].copy()
             inside[self._number] = (inside[self._number] - (begin + end) / 2) / half
-            found.append((model, own, inside, half))
-        return [side for side in found if side[1].any()]
+            sides.append((model, own, inside, half))
+        return [side for side in sides if side[1].any()]
 
     @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
@@ -164,19 +164,19 @@ class SplitGP(Transformed):
 
     @override
     def slopes(self, t: Array) -> Array:
-        found = np.empty((len(t), len(self.outputs_), t.shape[1]))
+        slopes = np.empty((len(t), len(self.outputs_), t.shape[1]))
         for model, own, inside, half in self._split(t):
-            found[..., own] = model.slopes(inside)
-            found[self._number][:, own] /= half
-        return found
+            slopes[..., own] = model.slopes(inside)
+            slopes[self._number][:, own] /= half
+        return slopes
 
     @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        found = np.empty((len(t), len(self.outputs_), t.shape[1]))
+        variances = np.empty((len(t), len(self.outputs_), t.shape[1]))
         for model, own, inside, half in self._split(t):
-            found[..., own] = model.slope_variances(inside, weights)
-            found[self._number][:, own] /= half**2
-        return found
+            variances[..., own] = model.slope_variances(inside, weights)
+            variances[self._number][:, own] /= half**2
+        return variances
 
     @override
     def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
@@ -218,7 +218,7 @@ class SplitGP(Transformed):
         return cls(inputs, kinks, tuple(outputs))
 
 
-def _between(one: Input, kinks: Mapping[str, Sequence[float]]) -> list[Input]:
+def _between(factor: Input, kinks: Mapping[str, Sequence[float]]) -> list[Input]:
     """The ranges of an input between its kinks."""
-    ends = (one.low, *kinks.get(one.name, ()), one.high)
-    return [replace(one, low=low, high=high) for low, high in pairwise(ends)]
+    ends = (factor.low, *kinks.get(factor.name, ()), factor.high)
+    return [replace(factor, low=low, high=high) for low, high in pairwise(ends)]

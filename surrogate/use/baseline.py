@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.polynomial.chebyshev import chebvander
 
 from approximation import chebyshev
 from approximation.arrays import Array, blocks
@@ -52,7 +51,7 @@ def chebyshev_interpolation(
     answer = {}
     for name, values in data.outputs.items():
         series = reduce(chebyshev.coefficients, range(values.ndim), values)
-        rows = [chebvander(column, size - 1) for column, size in zip(t, values.shape, strict=True)]
+        rows = [chebyshev.polynomials(column, size).T for column, size in zip(t, values.shape, strict=True)]
         answer[name] = named.labelled(contracted(series[..., None], rows)[:, 0], data.attrs[name])
     return xr.Dataset(answer)
 

@@ -17,8 +17,8 @@ from surrogate.data.factorial import follows_chebyshev
 from surrogate.data.inputs import Input
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.gridgp import GridGP
-from surrogate.gp.missing import MOST
-from surrogate.gp.missing import fit as fit_with_missing
+from surrogate.gp.imputation import MOST
+from surrogate.gp.imputation import fit as fit_with_missing
 from surrogate.gp.scattergp import KernelName, ScatterGP
 from surrogate.transforms.boundedgp import BoundedGP, linked
 

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.stats import qmc
 
 from approximation.arrays import Array, Indices
+from approximation.sobol import sobol_points
 from surrogate.transforms.measured.draws import Draw
 
 _EXCHANGES = 3  # rounds, at most
@@ -26,7 +26,7 @@ def spread(factors: int, count: int) -> Array:
     ----------
     factors, count : int, numbers of factors and of places
     """
-    t = 2 * qmc.Sobol(factors, rng=0).random(1 << (count - 1).bit_length())[:count] - 1
+    t = 2 * sobol_points(1 << (count - 1).bit_length(), factors)[:count] - 1
     t[: count // 2] = np.clip(1.5 * t[: count // 2], -1, 1)
     return np.asarray(t)
 

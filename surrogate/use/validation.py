@@ -30,6 +30,23 @@ _COMPARED = (
     "pit",
     "pit_distance",
 )
+_MEANINGS = {
+    "range": "range of the truth",
+    "max_error": "largest error over range",
+    "rmse": "root-mean-square error over range",
+    "r2": "coefficient of determination",
+    "coverage": f"coverage of the {100 * NOMINAL:g} % interval",
+    "level_coverage": "coverage of the interval of a level",
+    "crps": "mean continuous ranked probability score over range",
+    "decile_coverage": "coverage in a decile of an input",
+    "worst_decile_coverage": "coverage in the worst decile of any input",
+    "worst_corner_coverage": "coverage in the worst corner of any two inputs",
+    "pit": "probability integral transform",
+    "pit_distance": "largest distance of the probability integral transform's distribution from uniform",
+    "error": "signed error over range",
+    "baseline_max_error": "largest error of tensor Chebyshev interpolation over range",
+    "baseline_rmse": "root-mean-square error of tensor Chebyshev interpolation over range",
+}
 
 
 def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | None) -> xr.Dataset:
@@ -81,42 +98,18 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
     by_decile = np.stack([_by_decile(column, inside) for column in X.T], axis=1)
     transform = pit(true, mean, std, model.distribution)
     table: dict[str, Any] = {
-        "range": ("output", spread, {"long_name": "range of the truth"}),
+        "range": ("output", spread),
         **_errors(error, ""),
-        "r2": ("output", _r2(true, mean), {"long_name": "coefficient of determination"}),
-        "coverage": ("output", inside.mean(axis=1), {"long_name": f"coverage of the {100 * NOMINAL:g} % interval"}),
-        "level_coverage": (
-            ("output", "level"),
-            held.mean(axis=2),
-            {"long_name": "coverage of the interval of a level"},
-        ),
-        "crps": (
-            "output",
-            (crps(true, mean, std, model.distribution) / over).mean(axis=1),
-            {"long_name": "mean continuous ranked probability score over range"},
-        ),
-        "decile_coverage": (
-            ("output", "input", "decile"),
-            by_decile,
-            {"long_name": "coverage in a decile of an input"},
-        ),
-        "worst_decile_coverage": (
-            "output",
-            by_decile.min(axis=(1, 2)),
-            {"long_name": "coverage in the worst decile of any input"},
-        ),
-        "worst_corner_coverage": (
-            "output",
-            worst_corner(unit_coordinates(model.inputs_, X), inside),
-            {"long_name": "coverage in the worst corner of any two inputs"},
-        ),
-        "pit": (("output", "case"), transform, {"long_name": "probability integral transform"}),
-        "pit_distance": (
-            "output",
-            distance(transform),
-            {"long_name": "largest distance of the probability integral transform's distribution from uniform"},
-        ),
-        "error": (("output", "case"), error, {"long_name": "signed error over range"}),
+        "r2": ("output", _r2(true, mean)),
+        "coverage": ("output", inside.mean(axis=1)),
+        "level_coverage": (("output", "level"), held.mean(axis=2)),
+        "crps": ("output", (crps(true, mean, std, model.distribution) / over).mean(axis=1)),
+        "decile_coverage": (("output", "input", "decile"), by_decile),
+        "worst_decile_coverage": ("output", by_decile.min(axis=(1, 2))),
+        "worst_corner_coverage": ("output", worst_corner(unit_coordinates(model.inputs_, X), inside)),
+        "pit": (("output", "case"), transform),
+        "pit_distance": ("output", distance(transform)),
+        "error": (("output", "case"), error),
     }
     if training is not None:
         interpolated = baseline(model, training, points, names)
@@ -130,7 +123,10 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
         "decile": np.arange(1, DECILES + 1),
         "level": ("level", list(LEVELS), {"long_name": "nominal share of the cases that an interval holds"}),
     }
-    return xr.Dataset(table, coords=coords)
+    told = xr.Dataset(table, coords=coords)
+    for name, array in told.data_vars.items():
+        array.attrs["long_name"] = _MEANINGS[str(name).removeprefix("raw_")]
+    return told
 
 
 def crps(true: Array, mean: Array, std: Array, distribution: Distribution | None = None) -> Array:
@@ -228,14 +224,9 @@ def distance(transform: Array) -> Array:
 
 
 def _errors(error: Array, prefix: str) -> dict[str, Any]:
-    what = "of tensor Chebyshev interpolation " if prefix else ""
     return {
-        f"{prefix}max_error": ("output", np.abs(error).max(axis=1), {"long_name": f"largest error {what}over range"}),
-        f"{prefix}rmse": (
-            "output",
-            np.sqrt((error**2).mean(axis=1)),
-            {"long_name": f"root-mean-square error {what}over range"},
-        ),
+        f"{prefix}max_error": ("output", np.abs(error).max(axis=1)),
+        f"{prefix}rmse": ("output", np.sqrt((error**2).mean(axis=1))),
     }
 
 

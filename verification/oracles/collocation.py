@@ -163,7 +163,7 @@ def solve(problem: Problem) -> Contact:
     """
     right, left = problem.profile.sharp_trailing, problem.profile.sharp_leading
     if right is not None and left is not None:
-        return between(problem, right, -left)
+        return _between(problem, right, -left)
     if right is not None:
         return _with_load(problem, lambda h: (right, 2 * h - right))
     if left is not None:
@@ -175,14 +175,14 @@ def _with_load(problem: Problem, ends: Callable[[float], tuple[float, float]]) -
     """The contact whose half-width h gives the load, its ends being known functions of h."""
 
     def excess(h: float) -> float:
-        return float(-between(problem, *ends(h)).totals[0]) / problem.load - 1
+        return float(-_between(problem, *ends(h)).totals[0]) / problem.load - 1
 
     low = high = 1e-4
     while excess(low) > 0:
         low /= 1.5
     while excess(high) < 0:
         high *= 1.5
-    return between(problem, *ends(brentq(excess, low, high, xtol=1e-30, rtol=1e-14)))
+    return _between(problem, *ends(brentq(excess, low, high, xtol=1e-30, rtol=1e-14)))
 
 
 def _with_load_upright(problem: Problem) -> Contact:
@@ -192,7 +192,7 @@ def _with_load_upright(problem: Problem) -> Contact:
 
     def contact(unknown: Array) -> Contact:
         h = start * np.exp(unknown[1])
-        return between(problem, h * (1 + unknown[0]), h * (1 - unknown[0]))
+        return _between(problem, h * (1 + unknown[0]), h * (1 - unknown[0]))
 
     def mismatch(unknown: Array) -> Array:
         trial = contact(unknown)
@@ -205,14 +205,8 @@ def _with_load_upright(problem: Problem) -> Contact:
     return contact(ends)
 
 
-def between(problem: Problem, trailing: float, leading: float) -> Contact:
-    """Solve (2.2) between given ends; the load is an outcome unless both edges are sharp.
-
-    Parameters
-    ----------
-    problem : Problem
-    trailing, leading : float, m, -leading < x < trailing
-    """
+def _between(problem: Problem, trailing: float, leading: float) -> Contact:
+    """Solve (2.2) between given ends [m]; the load is an outcome unless both edges are sharp."""
     terms, h, centre = problem.terms, (trailing + leading) / 2, (trailing - leading) / 2
     X = np.cos(np.pi * (np.arange(2 * terms + 2) + 0.5) / (2 * terms + 2))
     families = [(0, 0), *((f, w) for f in range(1, len(problem.unknown)) for w in (0, 1))]

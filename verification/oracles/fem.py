@@ -19,7 +19,7 @@ from scipy.sparse import kron
 from scipy.sparse.linalg import SuperLU, splu
 from skfem import Basis, BilinearForm, ElementTriP1, ElementTriP2, ElementTriP4, FacetBasis, LinearForm, MeshTri
 
-from verification.oracles.surface_response import Array
+from verification.oracles.surface_response import STIFFNESS, UNITS, Array
 
 FIELDS = (
     "stress_xx",
@@ -31,8 +31,6 @@ FIELDS = (
     "magnetic_induction_y",
 )
 FAR = 1e6  # distance of the clamped ellipse
-UNITS = np.array([1.0, 1.0, 1e10, 1e8])  # m, m, V, A
-STIFFNESS = 1e11
 # G = ALONG u,x + DOWN u,y with u = (u_x, u_y, phi, psi): equations (2)
 ALONG = np.zeros((7, 4))
 ALONG[[0, 2, 3, 5], [0, 1, 2, 3]] = 1.0

@@ -21,10 +21,10 @@ from scipy.sparse import csr_array, eye_array
 from scipy.sparse.linalg import SuperLU, splu
 from scipy.special import eval_chebyt, eval_jacobi, gamma
 
-from verification.oracles.fem import FIELDS, STIFFNESS, UNITS
+from verification.oracles.fem import FIELDS
 from verification.oracles.film_mesh import layered_mesh
 from verification.oracles.spectral import Body, Index
-from verification.oracles.surface_response import Array, reduced, surface_response
+from verification.oracles.surface_response import STIFFNESS, UNITS, Array, reduced, surface_response
 
 ELECTRIC, MAGNETIC = 2, 3  # numbers of the potentials in u = (u_x, u_y, phi, psi)
 DATUM = 1e5  # distance of the datum on a half-plane, about, in half-lengths
@@ -215,6 +215,11 @@ class FilmContact:
         leading, trailing = (np.sqrt(np.pi * self.half_length) * (series @ end ** n[:, 0]) for end in (-1.0, 1.0))
         return float(trailing), float(leading)
 
+    @property
+    def inside(self) -> Array:
+        """u of all nodes, from which fields follow; (nodes, 4)."""
+        return self.u
+
     def fields(self, X: ArrayLike, depth: float, layer: int = 0) -> dict[str, Array]:
         """``FIELDS`` at a depth; SI units.
 
@@ -225,7 +230,7 @@ class FilmContact:
         layer : int, number from the top, the base's the last
         """
         points = np.column_stack([X, np.full(np.size(X), -depth / self.half_length)])
-        return dict(zip(FIELDS, self.body.fluxes(self.u, points, layer) / self.half_length, strict=True))
+        return dict(zip(FIELDS, self.body.fluxes(self.inside, points, layer) / self.half_length, strict=True))
 
     def interface(self, layer: int) -> dict[str, float]:
         """Largest abs(sigma_xy) and largest sigma_yy [Pa] on the lower side of a layer."""

@@ -13,15 +13,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.sparse import block_array, csr_array, eye_array
 
-from verification.oracles.fem import FIELDS, UNITS
 from verification.oracles.fem_film import ELECTRIC, FORCES, FilmContact, clamped, contact, factorised
 from verification.oracles.film_mesh import layered_mesh
 from verification.oracles.gap_response import LEAST, SMALL, STEPS, VACUUM, Dry, Gap, along, sides
 from verification.oracles.spectral import Body, Index
-from verification.oracles.surface_response import Array, surface_response
+from verification.oracles.surface_response import UNITS, Array, surface_response
 
 _CLOSE = 1e-7  # change of the punch's place and potentials from one step to the next, each over itself
 
@@ -178,18 +177,8 @@ class GapContact(FilmContact):
         nodes = np.setdiff1d(self._beside.nodes, self.below)
         return self.body.places[nodes, 0], self.u[nodes, which]
 
-    def fields(self, X: ArrayLike, depth: float, layer: int = 0) -> dict[str, Array]:
-        """As without air.
-
-        Parameters
-        ----------
-        X, depth, layer : as of `FilmContact.fields`
-        """
-        points = np.column_stack([X, np.full(np.size(X), -depth / self.half_length)])
-        return dict(zip(FIELDS, self.body.fluxes(self._inside, points, layer) / self.half_length, strict=True))
-
     @cached_property
-    def _inside(self) -> Array:
+    def inside(self) -> Array:
         """u of all of the body's nodes, from what loads its surface; SI units, (nodes, 4)."""
         free = ~clamped(self.body, self.layers, self.half_length, rigid=self.base is None).ravel()
         u = np.zeros(free.size)

@@ -9,18 +9,16 @@ comes out. Lengths of the mesh are in contact radii.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array
 from scipy.special import gamma
 
-from verification.oracles.fem import STIFFNESS, UNITS
 from verification.oracles.fem_film import ELECTRIC, FORCES, Layer, clamped, contact
-from verification.oracles.film_mesh import FAR, assemble, growing
+from verification.oracles.film_mesh import FAR, assemble, depths, growing
 from verification.oracles.gap_response import LEAST, SMALL, STEPS, VACUUM, Dry, Gap
 from verification.oracles.spectral import Body, Index, Quadrilaterals, bilinear, lagrange
-from verification.oracles.surface_response import Array, surface_response
+from verification.oracles.surface_response import STIFFNESS, UNITS, Array, surface_response
 
 _CLOSE = 1e-8  # change of the punch's place and potentials from one step to the next, each over itself
 _GROWTH, _SIZE = 2.5, 0.25  # of elements: far away, and beside the edge
@@ -87,16 +85,7 @@ def _mesh(thicknesses: Sequence[float], rigid: bool) -> Quadrilaterals:
     r = np.concatenate([
         np.linspace(0, 1 - size, count + 1), 1 + np.array([-0.3, 0, 0.3, 1]) * size, 1 + growing(size, FAR, _GROWTH)
     ])  # fmt: skip
-    parts, depth = [np.array([0.0, size])], 0.0
-    for thickness in thicknesses:
-        depth += thickness
-        parts.append(growing(parts[-1][-1], depth, 2))
-    if not rigid:
-        parts.append(depth + np.insert(growing(size, FAR, _GROWTH), 0, size))
-    y = -np.concatenate(parts)
-    bottoms = np.cumsum([*thicknesses, np.inf])
-    layer = np.array([np.searchsorted(bottoms, -(top + low) / 2) for top, low in pairwise(y)])
-    return assemble(r, y, layer, [int(np.flatnonzero(r == 1)[0])])
+    return assemble(r, *depths(thicknesses, rigid, size, _GROWTH), [int(np.flatnonzero(r == 1)[0])])
 
 
 def _tests(r: Array, order: int) -> Array:

@@ -1,7 +1,6 @@
 """Meshes of layers below a contact, -1 < X < 1: rings about both edges, rectangles elsewhere."""
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -31,16 +30,29 @@ def layered_mesh(thicknesses: Sequence[float], rigid: bool) -> Quadrilaterals:
     middle = np.linspace(size - 1, 1 - size, int(np.ceil(2 * (1 - size) / size)) + 1)[1:-1]
     outward = 1 + np.append(growing(size, _NEAR, 3), growing(_NEAR, far, _GROWTH))
     x = np.concatenate([-outward[::-1], near - 1, middle, near + 1, outward])
-    sides, depth = [np.array([0.0, size])], 0.0
+    return assemble(
+        x, *depths(thicknesses, rigid, size, _GROWTH), [int(np.flatnonzero(x == edge)[0]) for edge in (-1.0, 1.0)]
+    )
+
+
+def depths(thicknesses: Sequence[float], rigid: bool, size: float, growth: float) -> tuple[Array, Index]:
+    """Lines y of a mesh from the surface down, and the number of the layer between each two.
+
+    Parameters
+    ----------
+    thicknesses : sequence of float, from the top down
+    rigid : bool, whether the base is
+    size : float, of the uppermost elements
+    growth : float, of those of a base
+    """
+    lines, depth = [np.array([0.0, size])], 0.0
     for thickness in thicknesses:
         depth += thickness
-        sides.append(growing(sides[-1][-1], depth, 2))
+        lines.append(growing(lines[-1][-1], depth, 2))
     if not rigid:
-        sides.append(depth + np.insert(growing(size, far, _GROWTH), 0, size))
-    y = -np.concatenate(sides)
-    bottoms = -np.cumsum([*thicknesses, np.inf])
-    layer = np.array([np.searchsorted(-bottoms, -(top + low) / 2) for top, low in pairwise(y)])
-    return assemble(x, y, layer, [int(np.flatnonzero(x == edge)[0]) for edge in (-1.0, 1.0)])
+        lines.append(depth + np.insert(growing(size, FAR, growth), 0, size))
+    y = np.concatenate(lines)
+    return -y, np.searchsorted(np.cumsum([*thicknesses, np.inf]), (y[1:] + y[:-1]) / 2)
 
 
 def growing(start: float, end: float, growth: float) -> Array:

@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 
-from verification.oracles.fem import STIFFNESS, UNITS
 from verification.oracles.fem_film import ELECTRIC, MAGNETIC, factorised
 from verification.oracles.spectral import Body, Index, lagrange
-from verification.oracles.surface_response import Array
+from verification.oracles.surface_response import STIFFNESS, UNITS, Array
 
 STEPS = 60  # of gaps and potentials in turn, at most
 SMALL = 1e-6  # over the largest of the weights of the states: counts as nothing

@@ -16,8 +16,8 @@ _COUPLING = ("e31", "e33", "e15", "f31", "f33", "f15")
 CONSTANTS = (*_ELASTIC, *_COUPLING, "eps11", "eps33", "g11", "g33", "mu11", "mu33")
 
 # Units of (u_x, u_y, phi, psi) in which all constants are of order one: m, m, 1e10 V, 1e8 A; stiffness 1e11 Pa.
-_UNITS = (1, 1, 10**10, 10**8)
-_STIFFNESS = 10**11
+UNITS = (mpf(1), mpf(1), mpf(10) ** 10, mpf(10) ** 8)
+STIFFNESS = mpf(10) ** 11
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,12 +71,12 @@ def _half_plane(constants: tuple[mpf, ...], inertia: mpf) -> HalfPlane:
     with mp.workdps(WORK_DIGITS):
         Q, R, T = _blocks(c)
         moving = Q - inertia * diag([1, 1, 0, 0])
-        units = diag([mpf(u) for u in _UNITS])
-        scaled = [units * block * units / _STIFFNESS for block in (moving, R, T)]
+        units = diag(list(UNITS))
+        scaled = [units * block * units / STIFFNESS for block in (moving, R, T)]
         S, L = _angular_means(*scaled)
         compliance = inverse(L)
-        local = units * (-S * compliance) * units / _STIFFNESS
-        return HalfPlane(local, units * compliance * units / _STIFFNESS, Q, R, T)
+        local = units * (-S * compliance) * units / STIFFNESS
+        return HalfPlane(local, units * compliance * units / STIFFNESS, Q, R, T)
 
 
 def _blocks(c: Mapping[str, mpf]) -> tuple[matrix, matrix, matrix]:

@@ -11,12 +11,10 @@ from functools import lru_cache
 from mpmath import diag, fdot, inverse, matrix, mp, mpc, mpf, pi, zeros
 
 from verification.oracles.contact import Contact, Sliding, functions
-from verification.oracles.half_plane import WORK_DIGITS, HalfPlane, half_plane
+from verification.oracles.half_plane import STIFFNESS, UNITS, WORK_DIGITS, HalfPlane, half_plane
 from verification.oracles.quadrature import integrate, nodes
 
 _SPLIT = mpf("1e-35")
-_UNITS = (mpf(1), mpf(1), mpf(10) ** 10, mpf(10) ** 8)
-_STIFFNESS = mpf(10) ** 11
 
 FIELDS = (
     "stress_xx", "stress_yy", "stress_xy", "stress_zz",
@@ -64,9 +62,9 @@ def solve(
 @lru_cache(maxsize=64)
 def _eigenvectors(half: HalfPlane, inertia: mpf) -> tuple[list[mpc], matrix, matrix]:
     """Upper roots and the eigenvectors A, B in SI units."""
-    units = diag(list(_UNITS))
+    units = diag(list(UNITS))
     moving = half.Q - inertia * diag([1, 1, 0, 0])
-    Q, R, T = (units * block * units / _STIFFNESS for block in (moving, half.R, half.T))
+    Q, R, T = (units * block * units / STIFFNESS for block in (moving, half.R, half.T))
     Q = Q + diag([_SPLIT * k for k in (1, 3, -7, -12)])
     N1, N2 = -inverse(T) * R.T, inverse(T)
     N = zeros(8)
@@ -76,7 +74,7 @@ def _eigenvectors(half: HalfPlane, inertia: mpf) -> tuple[list[mpc], matrix, mat
     A, B = zeros(4), zeros(4)
     for column, k in enumerate(upper):
         for i in range(4):
-            A[i, column], B[i, column] = vectors[i, k] * _UNITS[i], vectors[i + 4, k] / _UNITS[i] * _STIFFNESS
+            A[i, column], B[i, column] = vectors[i, k] * UNITS[i], vectors[i + 4, k] / UNITS[i] * STIFFNESS
     return [values[k] for k in upper], A, B
 
 

@@ -1,7 +1,7 @@
 """A punch of revolution on a half-space in many digits (mpmath): the classical formulas and differences of them.
 
 Hertz's problem with the compliance lambda under the punch for every power of r (Sneddon 1965), charges by what the
-conducted fields answer, tangents by differences at 1e-30.
+conducted fields _answer, tangents by differences at 1e-30.
 """
 
 from collections.abc import Mapping
@@ -12,6 +12,7 @@ from mpmath import beta, inverse, lu_solve, matrix, mp, mpf, pi, sqrt
 from verification.oracles.half_plane import WORK_DIGITS, half_plane
 
 _STEP = mpf(10) ** -30
+_UNIT = {1: mpf("1e-9"), 2: mpf("1e-6")}  # C and Wb
 
 
 @dataclass(frozen=True)
@@ -34,13 +35,16 @@ class Punch:
     exponent: mpf
 
     @property
+    def conducting(self) -> matrix:
+        """M: N over the conducted fields."""
+        return matrix([[self.compliance[i, j] for j in self.conducted] for i in self.conducted])
+
+    @property
     def screening(self) -> list[mpf]:
         """r = M^-1 n over the conducted fields."""
         if not self.conducted:
             return []
-        M = matrix([[self.compliance[i, j] for j in self.conducted] for i in self.conducted])
-        n = matrix([self.compliance[i, 0] for i in self.conducted])
-        return list(lu_solve(M, n))
+        return list(lu_solve(self.conducting, matrix([self.compliance[i, 0] for i in self.conducted])))
 
     @property
     def lam(self) -> mpf:
@@ -69,20 +73,12 @@ class Punch:
         return 2 * self.approach(a) * self.exponent / (pi * self.lam * a * (self.exponent - 1))
 
 
-def answer(punch: Punch, force: mpf, charges: Mapping[int, mpf]) -> dict[str, mpf]:
-    """Radius [m], depth [m] and potentials (u1, u2) [V, A].
-
-    Parameters
-    ----------
-    punch : Punch
-    force : mpf, N
-    charges : mapping of int to mpf, of the conducted fields: 1 the electric [C], 2 the magnetic one [Wb]
-    """
+def _answer(punch: Punch, force: mpf, charges: Mapping[int, mpf]) -> dict[str, mpf]:
+    """Radius [m], depth [m] and potentials (u1, u2) [V, A] under the charges of the conducted fields."""
     a = punch.radius(force)
     approach = punch.approach(a) if punch.exponent else force * punch.lam / (4 * a)
-    M = matrix([[punch.compliance[i, j] for j in punch.conducted] for i in punch.conducted])
     sums = matrix([charges[i] + r * force for i, r in zip(punch.conducted, punch.screening, strict=True)])
-    potentials = list(-M * sums / (4 * a)) if punch.conducted else []
+    potentials = list(-punch.conducting * sums / (4 * a)) if punch.conducted else []
     depth = approach - sum(r * u for r, u in zip(punch.screening, potentials, strict=True))
     return {"radius": a, "depth": depth} | {f"u{i}": u for i, u in zip(punch.conducted, potentials, strict=True)}
 
@@ -122,33 +118,31 @@ def quantities(
 
 
 def _named(punch: Punch, P: mpf, own: dict[int, mpf]) -> list[tuple[str, mpf]]:
-    now = answer(punch, P, own)
+    now = _answer(punch, P, own)
     a, nothing = now["radius"], {1: mpf(0), 2: mpf(0)}
     named = [("contact_radius", a), ("depth", now["depth"])]
     if punch.exponent > 1:
         named.append(("peak_pressure", punch.central_pressure(a)))
     held = _inverse_tangent(punch, P, own)
-    named += [("contact_stiffness", _tangent(held)[0, 0]), ("contact_stiffness_open", 1 / held[0, 0])]
+    stiff = inverse(held)  # d(P, charges) / d(depth, potentials)
+    named += [("contact_stiffness", stiff[0, 0]), ("contact_stiffness_open", 1 / held[0, 0])]
     names = {
         1: ("voltage", "voltage_per_force", "charge_sensitivity", "stroke_per_volt", "blocked_force_per_volt",
             "contact_capacitance", "electric_edge_intensity"),
         2: ("magnetic_potential", "magnetic_potential_per_force", "flux_sensitivity", "stroke_per_ampere",
             "blocked_force_per_ampere", "contact_permeance", "magnetic_edge_intensity"),
     }  # fmt: skip
-    stiff = _tangent(held)
-    fixed = _fixed(punch, a)
     for place, i in enumerate(punch.conducted, 1):
         uncharged = _inverse_tangent(punch, P, nothing)
         grounded = -punch.screening[place - 1]
         # below a conductor D = -r sigma + M^-1 (2/pi) V / sqrt(a^2 - s^2): its edge strength
-        M = matrix([[punch.compliance[k, j] for j in punch.conducted] for k in punch.conducted])
         potentials = matrix([now[f"u{j}"] for j in punch.conducted])
-        strength = 2 / pi * (inverse(M) * potentials)[place - 1] / a
+        strength = 2 / pi * lu_solve(punch.conducting, potentials)[place - 1] / a
         if not punch.exponent:
             strength += punch.screening[place - 1] * P / (2 * pi * a * a)
         values = (
             now[f"u{i}"], uncharged[place, 0], grounded, -stiff[0, place] / stiff[0, 0], stiff[0, place],
-            fixed[place - 1, place - 1], sqrt(pi * a) * strength,
+            -4 * a * inverse(punch.conducting)[place - 1, place - 1], sqrt(pi * a) * strength,
         )  # fmt: skip
         named += list(zip(names[i], values, strict=True))
     return named
@@ -160,9 +154,9 @@ def _inverse_tangent(punch: Punch, P: mpf, own: dict[int, mpf]) -> matrix:
 
     def moved(cause: int, share: mpf) -> dict[str, mpf]:
         if cause == 0:
-            return answer(punch, P * (1 + share), own)
+            return _answer(punch, P * (1 + share), own)
         i = punch.conducted[cause - 1]
-        return answer(punch, P, own | {i: own[i] + share * _UNIT[i]})
+        return _answer(punch, P, own | {i: own[i] + share * _UNIT[i]})
 
     sizes = [P, *(_UNIT[i] for i in punch.conducted)]
     out = matrix(len(keys), len(keys))
@@ -171,19 +165,3 @@ def _inverse_tangent(punch: Punch, P: mpf, own: dict[int, mpf]) -> matrix:
         for row, key in enumerate(keys):
             out[row, cause] = (ahead[key] - behind[key]) / (2 * _STEP * size)
     return out
-
-
-_UNIT = {1: mpf("1e-9"), 2: mpf("1e-6")}
-
-
-def _tangent(flexibility: matrix) -> matrix:
-    """d(P, charges) / d(depth, potentials)."""
-    return inverse(flexibility)
-
-
-def _fixed(punch: Punch, a: mpf) -> matrix:
-    """d charges / d potentials at a fixed radius and force."""
-    if not punch.conducted:
-        return matrix(0, 0)
-    M = matrix([[punch.compliance[k, j] for j in punch.conducted] for k in punch.conducted])
-    return -4 * a * inverse(M)

@@ -64,9 +64,7 @@ def wedge(slope: float, corner: str = "leading") -> Profile:
     slope : float
     corner : {"leading", "trailing"}, which edge of the contact the corner is
     """
-    if corner == "leading":
-        return Profile(lambda x: np.full_like(x, slope), sharp_leading=0.0)
-    return Profile(lambda x: np.full_like(x, -slope), sharp_trailing=0.0)
+    return _cornered(lambda x: np.full_like(x, slope if corner == "leading" else -slope), corner)
 
 
 def half_cylinder(radius: float, corner: str = "leading") -> Profile:
@@ -77,6 +75,8 @@ def half_cylinder(radius: float, corner: str = "leading") -> Profile:
     radius : float, m
     corner : {"leading", "trailing"}, which edge of the contact the corner is
     """
-    if corner == "leading":
-        return Profile(lambda x: x / radius, sharp_leading=0.0)
-    return Profile(lambda x: x / radius, sharp_trailing=0.0)
+    return _cornered(lambda x: x / radius, corner)
+
+
+def _cornered(slope: Callable[[Array], Array], corner: str) -> Profile:
+    return Profile(slope, sharp_leading=0.0) if corner == "leading" else Profile(slope, sharp_trailing=0.0)

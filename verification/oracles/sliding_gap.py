@@ -12,26 +12,18 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import expm
 from scipy.special import ellipe, ellipkm1, jv
 
-from verification.oracles.surface_response import surface_response
-
-Array = NDArray[np.float64]
+from verification.oracles.film_waves import film, half_space, pieces
+from verification.oracles.surface_response import STIFFNESS, UNITS, Array
 
 _VACUUM = 8.8541878128e-12
-_UNITS = np.array([1.0, 1.0, 1e10, 1e8])  # m, m, V, A: constants of order one with stiffness in 1e11 Pa
-_STIFFNESS = 1e11
 _NODES = 6  # a panel
 _INNER = np.pi / 2 - np.array([np.pi / 2, 1.2, 0.85, 0.5, 0.25, 0.1, 0.04, 0.012, 0.0])  # r = sin(angle)
 _OUTER = np.array([0.0, 0.06, 0.15, 0.3, 0.55, 0.9, 1.4, 2.0, 2.8, 3.6, 4.6, 5.8, 7.2, 8.8])  # r = cosh(angle)
 _TOWARDS = np.append(0.0, 0.15 ** np.arange(11, -1, -1.0))  # pieces of a panel towards a node
 _RULE = 10  # nodes of a piece
-_DEEP = 18.0  # wavenumber times the thickness from which a film is its half-space
 _FAR = 50.0  # r/a from which a film, grounded below, answers nothing beside the gap
-_PHASE = 25.0  # of a piece of an integral over Bessel functions, and its nodes
-_FINE = 16
 _STEPS, _CLOSE = 40, 1e-7
 
 
@@ -66,27 +58,12 @@ class SlidingGap:
     @cached_property
     def _half(self) -> tuple[Array, Array]:
         """N over (y, phi) and k, in units of order one."""
-        half, units = surface_response(self.material), _UNITS[1:3]
-        own = _STIFFNESS / units
-        return half.normal_compliance[:2, :2] * own[:, None] / units, half.shear_coupling[:2] * own
+        return half_space(self.material)
 
     @cached_property
     def _film(self) -> tuple[Array, Array, Array]:
         """Wavenumbers times the radius, weights, and what the film adds to N and k there; (q,), (q,), (q, 2, 3)."""
-        most = _DEEP * self.radius / self.thickness
-        q, weights = _pieces(0.0, most, 2 * _FAR)
-        half, scale = surface_response(self.material), _UNITS[:, None] * _UNITS / _STIFFNESS
-        Q, R, T = (part * scale for part in (half.Q, half.R, half.T))
-        (N, k), inverse = self._half, np.linalg.inv(T)
-        # of exp(i k x): u' = T^-1 (t - i k R^T u), t' = k^2 Q u - i k R u', u and t / k of one size
-        system = np.block([[-1j * inverse @ R.T, inverse], [Q - R @ inverse @ R.T, -1j * R @ inverse]])
-        added = np.empty((q.size, 2, 3))
-        for number, wave in enumerate(q * self.thickness / self.radius):
-            whole = expm(wave * system)
-            answer = whole[:4, 4:] @ np.linalg.inv(whole[4:, 4:])  # k u per t, u = 0 at the base
-            added[number, :, :2] = answer[1:3, 1:3].real - N
-            added[number, :, 2] = -answer[1:3, 0].imag - k
-        return q, weights, added
+        return film(self.material, self.thickness / self.radius, 2 * _FAR)
 
     # -- rings ---------------------------------------------------------------------------------------------------------
     @cached_property
@@ -137,7 +114,7 @@ class SlidingGap:
         q, found = self._film[0], []
         for outside, low, high in self._panels:
             near, far = _carried(np.array([low, high]), outside)[0]
-            angle, weights = _pieces(low, high, float(q[-1] * (far - near) / (high - low)) if near < _FAR else 1.0)
+            angle, weights = pieces(low, high, float(q[-1] * (far - near) / (high - low)) if near < _FAR else 1.0)
             other, carried = _carried(angle, outside)
             found.append((jv(order, q[:, None] * other) * weights * carried) @ _shape(angle, low, high))
         return np.concatenate(found, 1)
@@ -167,7 +144,7 @@ class SlidingGap:
 
     @property
     def _medium(self) -> float:
-        return self.permittivity * _VACUUM * float(_UNITS[2] ** 2) / _STIFFNESS
+        return self.permittivity * _VACUUM * float(UNITS[2] ** 2) / STIFFNESS
 
     def _parted(self, moved: Array) -> Array:
         """(u_y, phi) at the nodes from sigma_yy within and all of D_y; (2, n, unknown)."""
@@ -185,7 +162,7 @@ class SlidingGap:
         """int t r dr, from the unknowns; (n,)."""
         found = []
         for outside, low, high in self._panels:
-            angle, weights = _pieces(low, high, 1.0)
+            angle, weights = pieces(low, high, 1.0)
             found.append((weights * _carried(angle, outside)[1]) @ _shape(angle, low, high))
         return np.concatenate(found)
 
@@ -196,7 +173,7 @@ class SlidingGap:
         moved = self._parted(self._moved(0))
         profile = self._curved * self.r**2
         x: Array = np.zeros(count + n + 2)  # sigma, D, u0, V
-        charge = self.charge * float(_UNITS[2]) / (_STIFFNESS * 2 * np.pi * self.radius**2)
+        charge = self.charge * float(UNITS[2]) / (STIFFNESS * 2 * np.pi * self.radius**2)
         gap = self._curved * (self.r[count:] ** 2 - 1) ** 1.5 / self.r[count:]
         for step in range(_STEPS):
             levels = np.concatenate([moved, np.zeros((2, n, 2))], -1)
@@ -231,9 +208,9 @@ class SlidingGap:
         for panel in range(_INNER.size - 1):  # 1/r of the load within r
             own, (low, high) = slice(_NODES * panel, _NODES * (panel + 1)), _INNER[panel : panel + 2].tolist()
             for place in range(own.start, own.stop):
-                angle, weights = _pieces(low, float(self._angles[place]), 1.0)
+                angle, weights = pieces(low, float(self._angles[place]), 1.0)
                 found[place] = start + (weights * np.sin(angle)) @ _shape(angle, low, high) @ pressure[own]
-            angle, weights = _pieces(low, high, 1.0)
+            angle, weights = pieces(low, high, 1.0)
             start += float((weights * np.sin(angle)) @ _shape(angle, low, high) @ pressure[own])
         found[self._count :] = start
         answer = k * found / self.r
@@ -269,12 +246,12 @@ class SlidingGap:
     def force(self) -> float:
         """P [N]."""
         pressure = self._at_rest[0][: self._count]
-        return float(-2 * np.pi * self.radius**2 * _STIFFNESS * (self._totals[: self._count] @ pressure))
+        return float(-2 * np.pi * self.radius**2 * STIFFNESS * (self._totals[: self._count] @ pressure))
 
     @property
     def voltage(self) -> float:
         """V [V]."""
-        return float(self._at_rest[1][1] * _UNITS[2] * self.radius)
+        return float(self._at_rest[1][1] * UNITS[2] * self.radius)
 
     @property
     def offset(self) -> float:
@@ -285,22 +262,14 @@ class SlidingGap:
     def charges(self) -> tuple[Array, Array]:
         """D_y at the nodes at rest, and per friction that of cos(angle) [C/m2]; (n,) each."""
         within = np.cos(self._angles[: self._count])
-        size = np.concatenate([1 / within, np.ones(self.r.size - self._count)]) * _STIFFNESS / _UNITS[2]
+        size = np.concatenate([1 / within, np.ones(self.r.size - self._count)]) * STIFFNESS / UNITS[2]
         return self._at_rest[0][self._count :] * size, self._turned[0][self._count :] * size
 
     @property
     def pressures(self) -> tuple[Array, Array]:
         """The same of the pressure at the nodes within [Pa]; (count,) each."""
-        size = -_STIFFNESS / np.cos(self._angles[: self._count])
+        size = -STIFFNESS / np.cos(self._angles[: self._count])
         return self._at_rest[0][: self._count] * size, self._turned[0][: self._count] * size
-
-
-def _pieces(low: float, high: float, rate: float) -> tuple[Array, Array]:
-    """Nodes and weights between two ends, for what turns at a rate."""
-    x, w = np.polynomial.legendre.leggauss(_FINE)
-    ends = np.linspace(low, high, 2 + int((high - low) * rate / _PHASE))
-    half = np.diff(ends)[:, None] / 2
-    return (ends[:-1, None] + half * (1 + x)).ravel(), (half * w).ravel()
 
 
 def _towards(target: float, low: float, high: float) -> tuple[Array, Array, Array]:

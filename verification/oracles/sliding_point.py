@@ -5,6 +5,7 @@ by the integral of x/r^2 over it; what layers add is smooth and taken at the mid
 contact follows the gap: nothing is assumed of its shape, and nothing is of first order.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -16,13 +17,9 @@ from scipy.interpolate import CubicSpline
 from scipy.sparse.linalg import LinearOperator, gmres
 from scipy.special import j0, j1
 
-from solver.film.kernel import strip, wavenumbers
-from solver.film.reflection import waves
-from solver.film.stack import Stack
-from solver.halfplane.surface import HalfPlane
-from solver.material.constants import Material
+from verification.oracles.film_waves import film, half_space
+from verification.oracles.surface_response import STIFFNESS, UNITS, Array
 
-Array = NDArray[np.float64]
 _ACTIVE = 40  # solutions at most
 _PLACES = 400  # of the spline of what layers add
 
@@ -33,8 +30,8 @@ class SlidingSphere:
 
     Parameters
     ----------
-    body
-        A material, or a stack.
+    material
+        Constants of a half-space, or of a film, SI.
     radius
         R [m].
     depth
@@ -45,18 +42,25 @@ class SlidingSphere:
         Half the side of the square that is searched [m].
     cells
         Along a side.
+    thickness
+        Of the film [m]; infinite: a half-space.
+    base
+        Constants of the half-space below it, grounded between them; None: rigid.
     """
 
-    body: Material | Stack
+    material: Mapping[str, float]
     radius: float
     depth: float
     friction: float
     width: float
     cells: int
+    thickness: float = np.inf
+    base: Mapping[str, float] | None = None
 
     @cached_property
-    def _half(self) -> HalfPlane:
-        return HalfPlane(self.body.top.material if isinstance(self.body, Stack) else self.body)
+    def _half(self) -> tuple[Array, Array]:
+        """N over (y, phi) and k, in units of order one."""
+        return half_space(self.material)
 
     @property
     def _size(self) -> float:
@@ -70,11 +74,6 @@ class SlidingSphere:
         return x, y
 
     @cached_property
-    def _units(self) -> Array:
-        """Of (y, phi): u = units u', t = t' / units."""
-        return np.asarray(self._half.scale[1:3])
-
-    @cached_property
     def _transforms(self) -> tuple[NDArray[Any], NDArray[Any]]:
         """Kernels of (sigma_yy, D_y), (2, 2, ...), and of the friction that follows sigma_yy, (2, ...), transformed."""
         span = np.arange(1 - self.cells, self.cells) * self._size
@@ -86,10 +85,10 @@ class SlidingSphere:
 
         potential = cell(lambda x, y: x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))) / (2 * np.pi)
         pulled = cell(lambda x, y: y * np.log(np.hypot(x, y)) + x * np.arctan(y / x) - y) / (2 * np.pi)
-        N, k = self._half.compliance[:2, :2] / np.outer(self._units, self._units), self._half.friction_coupling[:2]
-        k = k / (self._units * self._half.scale[0])
-        normal, along = N[..., None, None] * potential, k[:, None, None] * pulled
-        if isinstance(self.body, Stack):
+        normal, along = (
+            own[..., None, None] * kernel for own, kernel in zip(self._half, (potential, pulled), strict=True)
+        )
+        if np.isfinite(self.thickness):
             r = np.hypot(x, y)
             more, turned = self._layers(r)
             normal, along = normal + more * self._size**2, along + turned * x / np.maximum(r, half) * self._size**2
@@ -98,13 +97,11 @@ class SlidingSphere:
 
     def _layers(self, r: Array) -> tuple[Array, Array]:
         """What layers add per traction at a distance: of 1 and of the cosine; (2, 2, ...) and (2, ...)."""
-        if not isinstance(self.body, Stack):
-            raise TypeError("a material has no layers")
         places = np.linspace(0, float(np.max(r)) * 1.01, _PLACES)
-        k, weights = wavenumbers(self.body, float(places[-1]), strip(self.body))
-        difference = weights[:, None, None] * waves(self.body, k)[0].difference / (2 * np.pi)
-        own = CubicSpline(places, np.tensordot(j0(places[:, None] * k), difference[:, 1:3, 1:3], 1))
-        turned = CubicSpline(places, -np.tensordot(j1(places[:, None] * k), difference[:, 1:3, 0], 1))
+        k, weights, added = film(self.material, self.thickness, float(places[-1]), self.base)
+        added *= weights[:, None, None] / (2 * np.pi)
+        own = CubicSpline(places, np.tensordot(j0(places[:, None] * k), added[..., :2], 1))
+        turned = CubicSpline(places, np.tensordot(j1(places[:, None] * k), added[..., 2], 1))
         return np.moveaxis(own(r), (-2, -1), (0, 1)), np.moveaxis(turned(r), -1, 0)
 
     def _moved(self, t: Array) -> Array:
@@ -120,8 +117,7 @@ class SlidingSphere:
     def _sharpened(self) -> tuple[Array, Array]:
         """|k| of the grid, and N^-1: nearly the inverse of what tractions move, by which GMRES is sooner done."""
         k = 2 * np.pi * np.hypot(np.fft.fftfreq(2 * self.cells)[:, None], np.fft.rfftfreq(2 * self.cells))
-        N = self._half.compliance[:2, :2] / np.outer(self._units, self._units)
-        return np.asarray(k / self._size, dtype=np.float64), np.asarray(np.linalg.inv(N), dtype=np.float64)
+        return np.asarray(k / self._size, dtype=np.float64), np.asarray(np.linalg.inv(self._half[0]), dtype=np.float64)
 
     def solved(self) -> dict[str, float]:
         """Force [N], charge [C], first moments of both along x [N m, C m] and largest pressure [Pa].
@@ -135,7 +131,7 @@ class SlidingSphere:
         """
         x, y = self.places
         profile = (x**2 + y**2) / (2 * self.radius)
-        wanted = np.stack([(profile - self.depth) / self._units[0], np.zeros_like(x)])
+        wanted = np.stack([(profile - self.depth) / UNITS[1], np.zeros_like(x)])
         inside = profile < self.depth / 2
         seen = {inside.tobytes()}
         t = np.zeros((2, self.cells, self.cells))
@@ -145,7 +141,7 @@ class SlidingSphere:
             now = np.where(inside, t[0] < 0, gap < 0)
             if now.tobytes() in seen:  # the same, or one of those in which cells of the rim touch by turns
                 area = self._size**2
-                load, charge = (t / self._units[:, None, None] * area).reshape(2, *x.shape)
+                load, charge = t * (STIFFNESS / UNITS[1:3])[:, None, None] * area
                 return {
                     "force": -float(load.sum()), "charge": -float(charge.sum()),
                     "force_moment": -float((x * load).sum()), "charge_moment": -float((x * charge).sum()),

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from verification.oracles.fem import ALONG, DOWN, STIFFNESS, UNITS, constitutive_matrix
-from verification.oracles.surface_response import Array
+from verification.oracles.fem import ALONG, DOWN, constitutive_matrix
+from verification.oracles.surface_response import STIFFNESS, UNITS, Array
 
 Index = NDArray[np.int64]
 _SIGNS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])  # corners in the reference square, in their order

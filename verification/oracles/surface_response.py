@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_UNITS = np.array([1.0, 1.0, 1e10, 1e8])  # m, m, V, A: all constants of order one with stiffness in 1e11 Pa
-_STIFFNESS = 1e11
+UNITS = np.array([1.0, 1.0, 1e10, 1e8])  # m, m, V, A: all constants of order one with stiffness in 1e11 Pa
+STIFFNESS = 1e11
 _ANGLES = np.pi * np.arange(2048) / 2048  # 1e-15 while every Stroh root p has |(p-i)/(p+i)| < 0.98
 
 
@@ -49,8 +49,8 @@ class SurfaceResponse:
         t, transform : ndarray, shape (4, n), t_2 and its Hilbert transform, SI
         """
         u_x = self.local @ t + self.compliance @ transform
-        units = _UNITS[:, None]
-        inverse = units * np.linalg.inv(units * self.T * _UNITS / _STIFFNESS) * _UNITS / _STIFFNESS
+        units = UNITS[:, None]
+        inverse = units * np.linalg.inv(units * self.T * UNITS / STIFFNESS) * UNITS / STIFFNESS
         along: Array = self.Q @ u_x + self.R @ (inverse @ (t - self.R.T @ u_x))
         return along
 
@@ -73,13 +73,18 @@ def surface_response(material: Mapping[str, float], speed: float = 0.0) -> Surfa
     R = np.zeros((4, 4))
     R[0, 1:], R[1:, 0] = (m["c13"], m["e31"], m["f31"]), (m["c44"], m["e15"], m["f15"])
     inertia = m["rho"] * speed**2 * np.diag([1.0, 1.0, 0.0, 0.0]) if speed else np.zeros((4, 4))
-    scale = _UNITS[:, None] * _UNITS / _STIFFNESS
-    local, compliance = _angular_integrals(*((block * scale) for block in (Q - inertia, R, T)))
+    scale = UNITS[:, None] * UNITS / STIFFNESS
+    local, compliance = angular_integrals(*((block * scale) for block in (Q - inertia, R, T)))
     return SurfaceResponse(local * scale, compliance * scale, Q, R, T)
 
 
-def _angular_integrals(Q: Array, R: Array, T: Array) -> tuple[Array, Array]:
-    """-S L^-1 and L^-1 from S = mean of N1 and L = mean of -N3 over the angle."""
+def angular_integrals(Q: Array, R: Array, T: Array) -> tuple[Array, Array]:
+    """-S L^-1 and L^-1 from S = mean of N1 and L = mean of -N3 over the angle.
+
+    Parameters
+    ----------
+    Q, R, T : ndarray, shape (n, n), constitutive blocks of n unknowns, of order one
+    """
     c, s = np.cos(_ANGLES)[:, None, None], np.sin(_ANGLES)[:, None, None]
     q = Q * c**2 + (R + R.T) * c * s + T * s**2
     r = R * c**2 + (T - Q) * c * s - R.T * s**2

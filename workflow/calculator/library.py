@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from solver import units
-from solver.halfplane.special import DIGAMMA_SERIES
+from solver.halfplane.shape import DIGAMMA_SERIES
 from solver.material.constants import UNITS, VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
 from solver.material.laws import made
 from solver.material.library import find, materials

@@ -9,7 +9,7 @@ import xarray as xr
 
 from approximation.arrays import Array, Flags
 from surrogate import GridGP, Input
-from surrogate.gp import missing
+from surrogate.gp import imputation
 from workflow.dataset import factorial
 from workflow.study.model import Study
 
@@ -72,7 +72,7 @@ def _part(study: Study, data: xr.Dataset, inputs: Sequence[Input]) -> xr.Dataset
     signs = {name: _sign(array.values) if study.groups else 0 for name, array in plain.items()}
     bent = xr.Dataset({name: np.log(array * signs[name]) if signs[name] else array for name, array in plain.items()})
     coords = {name: data[name].values for name in axes}
-    found, model = missing.filled(
+    found, model = imputation.filled(
         lambda: GridGP(study.surrogate.kernel, inputs),
         bent.assign_coords(coords),
         {name: holes[name] for name in plain},
@@ -101,7 +101,7 @@ def _filled(model: GridGP, array: xr.DataArray, axes: list[str], holes: Mapping[
     if flags.any():
         columns = values.reshape(*flags.shape, -1)
         offset = columns[~flags].mean(axis=0)
-        columns[flags] = missing.expected(model.factors_, columns - offset, flags) + offset
+        columns[flags] = imputation.expected(model.factors_, columns - offset, flags) + offset
         values = columns.reshape(values.shape)
     return np.asarray(xr.DataArray(values, dims=ordered.dims).transpose(*array.dims).values)
 

@@ -15,7 +15,7 @@ from surrogate.face.region import Region
 from surrogate.intervals.sharing import sharing
 from surrogate.levels import counts, lines
 from surrogate.transforms.transformed import groups_of
-from surrogate.use import edge, validation
+from surrogate.use import feasibility, validation
 from workflow.dataset import asked, batches, draws, factorial, holes
 from workflow.learning import curves, filled
 from workflow.run.joblog import log
@@ -245,6 +245,6 @@ def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases:
     groups = np.concatenate([np.arange(columns[-1].size), columns[-1].size + shared])
     reasons = list(dict.fromkeys(texts))
     which = np.array([reasons.index(text) for text in texts], dtype=np.intp)
-    region = edge.learn(t[:, inside], refused[inside], even[inside], groups[inside], which, reasons)
+    region = feasibility.learn(t[:, inside], refused[inside], even[inside], groups[inside], which, reasons)
     log.info("%.2g %% of the cases are refused; %s", 100 * region.refused, "; ".join(reasons[:3]))
     return region

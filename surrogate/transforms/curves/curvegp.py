@@ -21,9 +21,9 @@ from surrogate.face.model import GaussianProcess
 from surrogate.face.physical import in_blocks
 from surrogate.face.plain import plain_outputs
 from surrogate.transforms.curves.basis import Basis, Curves, Largest
-from surrogate.transforms.curves.following import followed, following
 from surrogate.transforms.curves.landscape import Landscape
 from surrogate.transforms.curves.links import Links, learnt_name
+from surrogate.transforms.curves.stored import from_arrays, to_arrays
 from surrogate.transforms.groups import Grouping
 from surrogate.transforms.outputs import Scaling
 from surrogate.transforms.transformed import Transformed, groups_of
@@ -242,7 +242,7 @@ class CurveGP(Transformed):
     def _narrowed(self, outputs: Sequence[str]) -> Self:
         part = copy(self)
         part.outputs = tuple(outputs)
-        part.largest = {name: following for name, following in self.largest.items() if name in outputs}
+        part.largest = {name: largest for name, largest in self.largest.items() if name in outputs}
         return part
 
     def _behind(self, outputs: Sequence[str]) -> Mapping[str, Sequence[str]]:
@@ -288,13 +288,13 @@ class CurveGP(Transformed):
     # -- files ---------------------------------------------------------------------------------------------------------
     def state(self) -> xr.Dataset:
         """Return the curves and what follows from them; the process stands beside them, as `smooth`."""
-        arrays = following(self.curves, self.bases_, self.largest)
+        arrays = to_arrays(self.curves, self.bases_, self.largest)
         return xr.Dataset(arrays, attrs={"error": self.error, "logarithms": int(self.logarithms)})
 
     @override
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        curves, bases, largest = followed(stored, list(outputs))
+        curves, bases, largest = from_arrays(stored, list(outputs))
         known = bool(stored.attrs["logarithms"]), float(stored.attrs["error"])
         model = cls(_unfitted, curves, largest, list(outputs), outputs, *known)
         model.bases_ = tuple(bases)

@@ -75,22 +75,16 @@ class Links:
 
     def searches(self) -> Iterator[tuple[int, Measure, list[str]]]:
         """Numbers of curves, measures of them, and the outputs that each of these gives."""
-        searched = {(following.curves, following.measure): None for following in self._largest.values()}
+        searched = {(largest.curves, largest.measure): None for largest in self._largest.values()}
         for number, measure in sorted(searched, key=lambda search: search[0]):
-            yield (
-                number,
-                measure,
-                [
-                    name
-                    for name, following in self._largest.items()
-                    if following.measure is measure and following.curves == number
-                ],
-            )
+            both = number, measure
+            names = [name for name, largest in self._largest.items() if (largest.curves, largest.measure) == both]
+            yield number, measure, names
 
     def size_of(self, name: str) -> str:
         """Return the name of the size that an output scales by, empty where there is none."""
-        following = self._largest[name]
-        return self._curves[following.curves].sizes[max(following.place, 0)]
+        largest = self._largest[name]
+        return self._curves[largest.curves].sizes[max(largest.place, 0)]
 
     def size(self, name: str, smooth: Array) -> Array:
         """Return what an output scales by.
@@ -124,17 +118,17 @@ class Links:
         """The same where the output's size is one."""
         if name not in self._largest:
             return 1.0
-        following = self._largest[name]
-        basis = self._bases[following.curves]
+        largest = self._largest[name]
+        basis = self._bases[largest.curves]
         typical = 1 / np.sqrt(basis.mean.size)  # of a score's vector, over the scale of its field
-        return float(typical * (basis.scales[0] if following.place < 0 else np.ptp(basis.mean[following.place])))
+        return float(typical * (basis.scales[0] if largest.place < 0 else np.ptp(basis.mean[largest.place])))
 
     def behind(self, outputs: Sequence[str]) -> list[str]:
         """Return the smooth outputs that some outputs need: plain ones, sizes, scores."""
-        largest = {name: following for name, following in self._largest.items() if name in outputs}
+        largest = [name for name in outputs if name in self._largest]
         sizes = sorted({self.size_of(name) for name in largest} - {""})
-        used = sorted({following.curves for following in largest.values()})
-        names = [name for name in outputs if name not in largest]
+        used = sorted({self._largest[name].curves for name in largest})
+        names = [name for name in outputs if name not in self._largest]
         names += [learnt_name(size, self._logarithms) for size in sizes]
         return names + [self._smooth[row] for number in used for row in self.scores[number]]
 
@@ -146,18 +140,18 @@ class Links:
         spreads : ndarray, shape (q,)
             Sizes of the smooth outputs, which tell how finely their vectors are rounded.
         """
-        measures = list(dict.fromkeys(following.measure for following in self._largest.values()))
+        measures = list(dict.fromkeys(largest.measure for largest in self._largest.values()))
         return {
             "plain": self.plain,
             "largest": [
                 {
                     "output": list(self._outputs).index(name),
-                    "net": following.curves,
-                    "measure": measures.index(following.measure),
-                    "place": following.place,
+                    "net": largest.curves,
+                    "measure": measures.index(largest.measure),
+                    "place": largest.place,
                     "size": self.sizes[size] if (size := self.size_of(name)) else -1,
                 }
-                for name, following in self._largest.items()
+                for name, largest in self._largest.items()
             ],
             "measures": [{"linear": own.linear.tolist(), "root": own.root.tolist()} for own in measures],
             "logarithms": self._logarithms,

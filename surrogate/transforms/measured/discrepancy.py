@@ -81,11 +81,11 @@ class Discrepancy:
         """Return the same of its derivatives by the scaled inputs: (d, m), (d, m, k), (d, m)."""
         cross = self.covariance(points)
         residual, slopes = self.whitened
-        found = []
+        parts = []
         for i, length in enumerate(self.lengths):
             along = -(points[:, i, None] - self.points[:, i]) / length**2 * cross
             white = solve_triangular(self.factor, along.T, lower=True)
             left = (self.amplitude / length) ** 2 - np.einsum("nm,nm->m", white, white)
-            found.append((along @ residual, along @ slopes, np.maximum(left, 0)))
-        mean, by_constants, variance = zip(*found, strict=True)
+            parts.append((along @ residual, along @ slopes, np.maximum(left, 0)))
+        mean, by_constants, variance = zip(*parts, strict=True)
         return np.stack(mean), np.stack(by_constants), np.stack(variance)

@@ -5,9 +5,9 @@ import pytest
 
 import solver
 from solver.film.contact import FilmContact
-from solver.film.press import LengthsError, TensionError
+from solver.film.extent import TensionError
 from solver.film.stack import Layer, Stack
-from solver.film.table import RangeError, Table, table
+from solver.film.table import LengthsError, RangeError, Table, table
 from solver.halfplane.contact import Contact
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile

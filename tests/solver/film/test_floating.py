@@ -11,8 +11,8 @@ import solver
 from solver.arrays import Array
 from solver.film.electrodes import Electrode
 from solver.film.floating import Strips, stiffness
-from solver.film.kernel import wavenumbers
 from solver.film.stack import Layer, Stack, StackError
+from solver.film.wavenumbers import wavenumbers
 from tests.solver.film.films import BTO, FIBROUS, SILICON
 
 GLASS, PDMS, PVDF, COPPER = (solver.find(name) for name in ("glass", "PDMS", "PVDF", "copper"))

@@ -8,9 +8,9 @@ import pytest
 import solver
 from solver.arrays import Array
 from solver.film.contact import FilmContact
-from solver.film.net import DEPTH
 from solver.film.peaks import PeakTable
 from solver.film.stack import Layer, Stack, StackError
+from solver.film.stressnets import DEPTH
 from solver.film.table import RangeError, table
 from solver.halfplane.profile import Profile
 from solver.names import FILM_PEAKS
@@ -141,7 +141,7 @@ def test_a_sweep_of_the_load_has_no_steps_where_tables_change(material: str, bas
 
 def test_interface_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
     peaks, film = read
-    found = peaks.interface(film)
+    found = peaks.peaks(film, "interface")
     for case in (0, 1):
         state, h = one(film, case), film.half_width[case]
         edge = THICKNESS / h
@@ -150,41 +150,42 @@ def test_interface_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
         shear, normal = interior_fields(state, X, np.array([-edge]), ("stress_xy", "stress_yy"))[0][:, 0]
         at = int(np.argmax(np.abs(shear)))
         largest = zoomed(state, "stress_xy", np.sign(shear[at]), float(X[at]), np.array([edge]))
-        assert found.shear[case] == pytest.approx(largest, rel=1e-6)
-        assert found.shear_position[case] == pytest.approx(X[at], abs=0.02)
+        assert found["interface_shear"][case] == pytest.approx(largest, rel=1e-6)
+        assert found["interface_shear_position"][case] == pytest.approx(X[at], abs=0.02)
         if np.max(normal) > 0:
             at = int(np.argmax(normal))
             pulled = zoomed(state, "stress_yy", 1.0, float(X[at]), np.array([edge]))
-            assert found.tension[case] == pytest.approx(pulled, rel=1e-4, abs=1e-6 * largest)
+            assert found["interface_tension"][case] == pytest.approx(pulled, rel=1e-4, abs=1e-6 * largest)
         else:
-            assert found.tension[case] == 0.0
-            assert np.isnan(found.tension_position[case])
+            assert found["interface_tension"][case] == 0.0
+            assert np.isnan(found["interface_tension_position"][case])
 
 
 def test_film_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
     peaks, film = read
-    found = peaks.film(film)
+    found = peaks.peaks(film, "film")
     state, h = one(film, 1), film.half_width[1]
     edge = THICKNESS / h
     X, Y = np.linspace(-1.6, 1.6, 161), -DEPTH * (edge / DEPTH) ** np.linspace(0, 1, 25)
     fields = interior_fields(state, X, Y, ("von_mises", "principal_tension"))[0]
-    for name, values, largest in zip(("von_mises", "principal_tension"), fields, (found.von_mises[1],
-                                     found.principal_tension[1]), strict=True):  # fmt: skip
+    for name, values in zip(("von_mises", "principal_tension"), fields, strict=True):
         depth, across = np.unravel_index(np.argmax(values), values.shape)
         near: Array = np.clip(-Y[depth] * np.linspace(0.95, 1.05, 41), DEPTH, edge)
-        assert largest == pytest.approx(zoomed(state, name, 1.0, float(X[across]), near), rel=3e-5)
+        assert found[f"film_peak_{name}"][1] == pytest.approx(
+            zoomed(state, name, 1.0, float(X[across]), near), rel=3e-5
+        )
 
 
 def test_base_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
     peaks, film = read
     if film.table.system.kernel.stack.rigid:
         with pytest.raises(StackError, match="a rigid base has no stresses"):
-            peaks.base(film)
+            peaks.peaks(film, "base")
         return
-    found, edge = peaks.base(film), THICKNESS / film.half_width[1]
+    found, edge = peaks.peaks(film, "base"), THICKNESS / film.half_width[1]
     X, Y = scanned(edge, 161), -edge * (1 + np.linspace(1e-8, 2.0, 41))
     fields = interior_fields(one(film, 1), X, Y, ("von_mises", "principal_tension"))[0]
-    for values, largest in zip(fields, (found.von_mises[1], found.principal_tension[1]), strict=True):
+    for values, largest in zip(fields, (peak[1] for peak in found.values()), strict=True):
         assert np.max(values) <= largest * (1 + 1e-6)
         assert largest == pytest.approx(np.max(values), rel=2e-3)
 
@@ -193,4 +194,4 @@ def test_contacts_without_a_film_below_the_least_depth_are_refused() -> None:
     of = table(ON_STEEL, least=1.0, most=12.0, nodes=4)
     film = FilmContact(of, Profile.cylinder(np.array(0.05)), cases(1e6), np.zeros((1, 2)), np.array(1.0))
     with pytest.raises(RangeError, match="wider than 10 thicknesses"):
-        PeakTable(of).film(film)
+        PeakTable(of).peaks(film, "film")

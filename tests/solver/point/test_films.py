@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from solver.arrays import Array
-from solver.film.kernel import strip, wavenumbers
 from solver.film.powerlaw import constants_of
 from solver.film.reflection import waves
+from solver.film.wavenumbers import strip, wavenumbers
 from solver.film.windows import Coat, Kind
 from solver.halfplane.pressing import ContactError
 from solver.material.constants import Material

@@ -9,9 +9,9 @@ import pytest
 import solver
 from solver.arrays import Array
 from solver.film.electroded import difference, surface
-from solver.film.kernel import strip, wavenumbers
 from solver.film.powerlaw import constants_of
 from solver.film.stack import Stack
+from solver.film.wavenumbers import strip, wavenumbers
 from solver.film.windows import Coat
 from solver.point.density import Density
 from solver.point.galerkin import Added

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from solver.arrays import Array
 from solver.film.kernel import kernel
 from solver.film.stack import Stack
 from solver.surroundings.densities import Densities
@@ -38,11 +37,7 @@ def test_rules_and_pieces_are_quadrature_that_adapts(h: float, target: float) ->
     stack = on_steel(PZT)
     reach = 1e4 * kernel(stack, 1.0).width
     wide = kernel(stack, reach, by_distance=True)
-
-    def far(x: Array, mix: Array) -> Array:
-        return wide.at(np.clip(x, -wide.reach, wide.reach), mix)  # what the infinite panel asks for is not looked at
-
-    found = Densities(GRID, wide, far).integrals(h, np.array([target]), np.eye(19)[:, CHANNEL : CHANNEL + 1])
+    found = Densities(GRID, wide).integrals(h, np.array([target]), np.eye(19)[:, CHANNEL : CHANNEL + 1])
     finite = GRID.slice(GRID.panels - 1).start
     ours = float(found[0, 0, :finite] @ np.exp(-GRID.theta[:finite]))
     assert ours == pytest.approx(_adaptive(h, target, stack, reach), rel=1e-8)

@@ -7,9 +7,9 @@ import pytest
 
 import solver
 from solver.arrays import Array
-from solver.film.kernel import panels
 from solver.film.stack import Layer as Coat
 from solver.film.stack import Stack
+from solver.film.wavenumbers import panels
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.names import FILM_PEAKS, PEAKS
 from solver.surroundings.rings import rings

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import solver
-from solver.film.kernel import strip
+from solver.film.wavenumbers import strip
 from solver.film.windows import number_of
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
 from solver.names import POINT_GAP_QUANTITIES

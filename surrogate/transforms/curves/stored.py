@@ -16,8 +16,8 @@ _MOST = 1000
 Arrays = dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]
 
 
-def following(curves: Sequence[Curves], bases: Sequence[Basis], largest: Mapping[str, Largest]) -> Arrays:
-    """Return the arrays by name with their dimensions: what `followed` reads.
+def to_arrays(curves: Sequence[Curves], bases: Sequence[Basis], largest: Mapping[str, Largest]) -> Arrays:
+    """Return the arrays by name with their dimensions: what `from_arrays` reads.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def following(curves: Sequence[Curves], bases: Sequence[Basis], largest: Mapping
     return state
 
 
-def followed(stored: xr.Dataset, outputs: Sequence[str]) -> tuple[list[Curves], list[Basis], dict[str, Largest]]:
+def from_arrays(stored: xr.Dataset, outputs: Sequence[str]) -> tuple[list[Curves], list[Basis], dict[str, Largest]]:
     """Return curves, their bases and what follows from them.
 
     Parameters

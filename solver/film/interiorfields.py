@@ -1,28 +1,20 @@
 """Fields inside films of any thickness and their bases, in blocks of cases and points: bounded memory."""
 
 from collections.abc import Iterator
-from functools import lru_cache
 
 import numpy as np
 
 from solver.arrays import Array
 from solver.film.interior import fields_of
 from solver.film.similar import Films
-from solver.film.tractions import TractionTable
-from solver.film.windows import Kind, window
+from solver.film.windows import traction_window
 from solver.halfplane.potentials import POTENTIALS
 
 _ALONG, _POINTS = 256, 4096  # positions along x, and points, at a time
 _VALUES = 1 << 16  # points times cases at a time
-_TABLES = 64  # kept: 0.1 MB each
 
 
-@lru_cache(_TABLES)
-def _window(kind: Kind, number: int) -> TractionTable:
-    return TractionTable(window(kind, number))
-
-
-def inside(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
+def interior_fields(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
     """Fields of ``solver.halfplane.interior.LINEAR`` and potentials, NaN in a rigid base; (case, field, y, x).
 
     Parameters
@@ -40,12 +32,13 @@ def inside(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
     together = max(_VALUES // (y[blocks[0][0]].size * x[blocks[0][1]].size), 1)
     out = np.empty((films.load.size, len(names), y.size, x.size))
     for places, number, contact in films.parts:
-        tractions, datum = _window(films.kind, number).read(contact), np.broadcast_to(contact.datum, places.shape)
+        tractions = traction_window(films.kind, number).read(contact)
+        datum = np.broadcast_to(contact.datum, places.shape)
         for start in range(0, places.size, together):
             some = slice(start, start + together)
             for rows, columns in blocks:
-                found = fields_of(tractions.part(some), x[columns], y[rows], names, datum[some])
-                out[places[some], :, rows, columns] = found
+                values = fields_of(tractions.part(some), x[columns], y[rows], names, datum[some])
+                out[places[some], :, rows, columns] = values
     for number, name in enumerate(names):
         if name in POTENTIALS:
             out[:, number] *= films.thickness[:, None, None]

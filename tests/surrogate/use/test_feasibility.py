@@ -13,7 +13,7 @@ from approximation.chebyshev import gauss_points
 from surrogate import GridGP, Input, OutOfBoxError, load, save
 from surrogate.data.inputs import unit_coordinates
 from surrogate.face.region import OutOfRegionError, Region
-from surrogate.use import edge
+from surrogate.use import feasibility
 
 NODES = np.array(list(product(*(gauss_points(count) for count in (8, 5, 10))))).T
 
@@ -31,7 +31,7 @@ def learnt(above: Callable[[Array], Array], seed: int, count: int) -> Region:
     t = np.concatenate([NODES, np.random.default_rng(seed).uniform(-1, 1, (3, count))], axis=1)
     refused, even = above(t) < 0, np.arange(t.shape[1]) >= NODES.shape[1]
     which = np.zeros(int(refused.sum()), dtype=np.intp)
-    return edge.learn(t, refused, even, np.arange(t.shape[1]), which, ["too far"])
+    return feasibility.learn(t, refused, even, np.arange(t.shape[1]), which, ["too far"])
 
 
 @pytest.mark.parametrize(("above", "seeds"), [(plane, 3), (curved, 3)])

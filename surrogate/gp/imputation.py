@@ -75,10 +75,10 @@ def filled(make: Callable[[], GridGP], data: xr.Dataset, missing: dict[str, Flag
         for names in alike.values():
             where = missing[names[0]]
             stacked = np.stack([data[name].values - offsets[name] for name in names], -1)
-            found = expected(model.factors_, stacked, where)
+            filling = expected(model.factors_, stacked, where)
             for k, name in enumerate(names):
                 values = data[name].values
-                new = found[:, k] + offsets[name]
+                new = filling[:, k] + offsets[name]
                 moved = max(moved, float(np.abs(new - values[where]).max() / (np.ptp(values) or 1.0)))
                 values[where] = new
         model = make().fit(data)
@@ -130,9 +130,9 @@ def expected(factors: Sequence[Factor], values: Array, missing: Flags) -> Array:
     known = np.where(inner[..., None], 0.0, columns)
     parts = [factors[k] for k in own]
     smooth = [factor for factor in parts if isinstance(factor, ChebyshevFactor)]
-    found = _of_modes(smooth, known, inner) if len(smooth) == len(parts) else _of_matrices(parts, known, inner)
+    filling = _of_modes(smooth, known, inner) if len(smooth) == len(parts) else _of_matrices(parts, known, inner)
     whole = np.zeros(columns.shape)
-    whole[inner] = found
+    whole[inner] = filling
     back = whole.reshape(moved.shape).transpose(*np.argsort(order), -1)
     return np.asarray(back[missing])
 

@@ -7,7 +7,7 @@ from typing import TypeVar
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array, joined, selected
+from solver.arrays import Array, selected
 from solver.film.stack import StackError
 from solver.names import CHOICES
 
@@ -16,10 +16,6 @@ DISC, STRIP, RING, RECTANGLE = (CHOICES["patch"].index(name) for name in ("disc"
 
 #: Below which punches nothing has a voltage: it would move their charge.
 BARE = "below a punch that conducts on a bare surface; electric must be insulating, or electrode top"
-
-
-class FarError(StackError):
-    """A patch that reaches farther than is resolved; what is said of it stands behind its size."""
 
 
 Gapped = TypeVar("Gapped")
@@ -80,34 +76,6 @@ class Reading:
             return quantities
         return quantities | {"depth": quantities["depth"] + self.voltage * quantities["electrode_stroke_per_volt"]}
 
-    def together(self, answer: Callable[[Indices, int, int], dict[str, Array]], extent: Array) -> dict[str, Array]:
-        """Outputs of cases whose electrode is the same and whose distances are of like size, those that all have.
-
-        Parameters
-        ----------
-        answer
-            Outputs of some cases, of an electrode, for an octave of distances.
-        extent
-            Of the contacts from their middle; (case,).
-
-        Raises
-        ------
-        StackError
-            A patch that reaches farther than is resolved.
-        """
-        octaves, parts = _octave_of(self.reach + extent), list[tuple[Indices, dict[str, Array]]]()
-        for number in np.unique(self.collector).tolist():
-            for octave in np.unique(octaves).tolist():
-                some = np.flatnonzero((self.collector == number) & (octaves == octave))
-                if not some.size:
-                    continue
-                try:
-                    parts.append((some, answer(some, int(number), octave)))
-                except FarError as error:
-                    size = "" if self.size is None else f"{self.size[some].max():.3g} thicknesses of the top layer; "
-                    raise StackError(f"patch_size: {size}{error}") from None
-        return joined(parts, extent.size)
-
     @property
     def reach(self) -> Array:
         """How far the patches extend from the middle of the contact [m]."""
@@ -135,44 +103,3 @@ class Reading:
         rows = np.stack([self.size, self.pitch, self.floating], -1)
         own, of_case = np.unique(rows, axis=0, return_inverse=True)
         return of_case.ravel(), [made(size, pitch, int(count)) for size, pitch, count in own.tolist()]
-
-
-@dataclass(frozen=True, eq=False)
-class Collected:
-    """What patches collect, as integrals over the wavenumber that a contact of either kind gives.
-
-    Attributes
-    ----------
-    reading
-        The patches.
-    patch
-        Charges of patches whose middles are at distances (case,), by the ``reading``; (case,).
-    gradient
-        Their derivatives by the distance; (case,).
-    """
-
-    reading: Reading
-    patch: Callable[[Array], Array]
-    gradient: Callable[[Array], Array]
-
-    def quantities(self, force: Array) -> dict[str, Array]:
-        """Those of ``solver.names.ELECTRODE_QUANTITIES`` that patches have; (case,) each.
-
-        Parameters
-        ----------
-        force
-            What presses; (case,).
-        """
-        if self.reading.size is None:
-            return {}
-        out = {"patch_charge_per_force": self.patch(self.reading.position) / force}
-        if self.reading.pitch is not None:
-            own = self.patch(np.zeros_like(self.reading.pitch))
-            out["crosstalk"] = self.patch(self.reading.pitch) / own
-            out["patch_charge_gradient"] = -2 * self.gradient(self.reading.pitch / 2) / force
-        return out
-
-
-def _octave_of(reach: Array) -> Indices:
-    """Least power of two, from 1 on, of distances over the thickness of the top layer; as ``reach``."""
-    return np.asarray(np.ceil(np.log2(np.maximum(reach, 1.0))), dtype=np.intp)

@@ -6,7 +6,7 @@ import xarray as xr
 
 from approximation.arrays import Array
 from surrogate import GridGP, Input, chebyshev_levels
-from surrogate.gp import kernels, missing
+from surrogate.gp import imputation, kernels
 from surrogate.gp.factors import ChebyshevFactor
 
 LEVELS = {"a": chebyshev_levels(0.5, 2.0, 9), "b": chebyshev_levels(-1.0, 1.0, 8)}
@@ -22,7 +22,7 @@ def test_a_place_left_out_is_what_a_smooth_function_has_there() -> None:
     holes[4, 3] = holes[0, 7] = True
     lacking = whole.copy(deep=True)
     lacking["y"].values[holes] = 1e3
-    model = missing.fit(lambda: GridGP("chebyshev", None, ["y"]), lacking, holes)
+    model = imputation.fit(lambda: GridGP("chebyshev", None, ["y"]), lacking, holes)
     a, b = (index.ravel() for index in np.meshgrid(LEVELS["a"], LEVELS["b"], indexing="ij"))
     found = model.predict_array(np.column_stack([a, b]))[:, 0].reshape(9, 8)
     size = np.ptp(whole["y"].values)
@@ -61,7 +61,7 @@ def test_a_grid_without_a_corner_is_as_good_where_it_has_cases() -> None:
     exact = smooth(*axes)
     whole = xr.Dataset({"y": (("a", "b", "c"), exact)}, coords=dict(zip("abc", levels, strict=True)))
     lacking = xr.Dataset({"y": whole["y"].where(~holes)}, coords=whole.coords)
-    model, best = missing.fit(lambda: GridGP(inputs=inputs), lacking, holes), GridGP(inputs=inputs).fit(whole)
+    model, best = imputation.fit(lambda: GridGP(inputs=inputs), lacking, holes), GridGP(inputs=inputs).fit(whole)
     nodes = np.stack([axis.ravel() for axis in axes], -1)
     size = np.ptp(exact)
     found = model.predict_array(nodes)[:, 0].reshape(holes.shape)
@@ -81,8 +81,10 @@ def test_factors_that_do_not_tell_what_is_missing_are_filled_all_along() -> None
     values = random.normal(size=(5, 4, 6, 2))
     holes = np.zeros((5, 4, 6), dtype=bool)
     holes[3:, :, 4:] = True
-    found = missing.expected(factors, values, holes)
-    turned = missing.expected([factors[k] for k in (1, 0, 2)], values.transpose(1, 0, 2, 3), holes.transpose(1, 0, 2))
+    found = imputation.expected(factors, values, holes)
+    turned = imputation.expected(
+        [factors[k] for k in (1, 0, 2)], values.transpose(1, 0, 2, 3), holes.transpose(1, 0, 2)
+    )
     filled = np.zeros((5, 4, 6, 2))
     filled[holes] = found
     np.testing.assert_allclose(filled.transpose(1, 0, 2, 3)[holes.transpose(1, 0, 2)], turned, rtol=1e-9)
@@ -100,4 +102,4 @@ def test_more_than_can_be_filled_in_is_refused() -> None:
     factors = [ChebyshevFactor(60, 0.3), ChebyshevFactor(60, 0.3)]
     holes = np.add.outer(np.arange(60), np.arange(60)) > 55
     with pytest.raises(ValueError, match=r"places of the factors .* at most 2000 are filled in"):
-        missing.expected(factors, np.zeros((60, 60, 1)), holes)
+        imputation.expected(factors, np.zeros((60, 60, 1)), holes)

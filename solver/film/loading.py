@@ -1,13 +1,13 @@
 """What the outputs of a contact are linear in: powers of X in the punch's slope, and charges (films, section 4)."""
 
 from dataclasses import dataclass
-from math import comb
 from typing import Self
 
 import numpy as np
 
 from solver.arrays import Array, selected, stack
 from solver.film.table import Table
+from solver.halfplane.pressing import slopes
 from solver.halfplane.profile import Profile
 
 
@@ -83,11 +83,7 @@ class Loading:
         half, centre : ndarray, shape (case,) or (case, node), half-length h and c/h
         """
         axes = (slice(None), *(None,) * (half.ndim - 1))
-        slope = self.slope[axes]
-        powers = _shifted(slope, half, centre)
-        by_width = _shifted(slope * np.arange(slope.shape[-1]), half, centre)
-        by_centre = np.zeros_like(powers)  # d a_m / d(c/h) = (m + 1) a_(m+1)
-        by_centre[..., :-1] = powers[..., 1:] * np.arange(1, powers.shape[-1])
+        powers, by_width, by_centre = slopes([*np.moveaxis(self.slope[axes], -1, 0)], half, centre)
         loads = self.loads[axes] / half[..., None]
         carried = loads[..., [1, 2, 0]] if self.order == -1 else loads[..., 1:]
         first = max(self.order, 0)
@@ -99,13 +95,3 @@ class Loading:
             by_width[..., 0],
             by_centre[..., 0],
         )
-
-
-def _shifted(slope: Array, half: Array, centre: Array) -> Array:
-    """Coefficients in powers of X of sum slope_i (h (X + c/h))^i; (..., degree + 1)."""
-    degree = slope.shape[-1] - 1
-    terms = []
-    for m in range(degree + 1):
-        parts = [comb(i, m) * slope[..., i] * half**i * centre ** (i - m) for i in range(m, degree + 1)]
-        terms.append(np.asarray(sum(parts)))
-    return stack(*terms)

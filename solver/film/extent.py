@@ -7,9 +7,9 @@ what is not one contact without tension within the resolved range is refused by 
 import numpy as np
 
 from solver.arrays import Array, dot
-from solver.film.causes import Loading
+from solver.film.loading import Loading
 from solver.film.outputs import BALANCE, LOAD, PRESSURE
-from solver.film.table import RangeError, Table
+from solver.film.table import LengthsError, RangeError, Table
 from solver.halfplane.pressing import ContactError
 
 _STEPS = 40
@@ -20,10 +20,6 @@ _CHUNK = 16384  # cases at a time: bounded memory
 
 class TensionError(ContactError):
     """A contact that would need tension between punch and surface."""
-
-
-class LengthsError(ContactError):
-    """A load that contacts of more than one length carry."""
 
 
 def extent(table: Table, loading: Loading, half_width: Array | None) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from approximation.chebyshev import mapped_points
+from approximation.chebyshev import gauss_points
 from approximation.panels import line
 from solver.arrays import Array
 from solver.film.stack import Stack
@@ -110,11 +110,7 @@ class Net:
 
     def depths(self, half_lengths: Array) -> Array:
         """-y/h of the points down; (case, point)."""
-        return np.array([self._depths(h) / h for h in half_lengths.tolist()])
-
-    def _depths(self, h: float) -> Array:
-        ends = (_at(share, h, self.thickness) for share in (self.top, self.bottom))
-        return np.exp(mapped_points(self.down, *np.log(list(ends)).tolist()))
+        return np.array([self.depth_at(h, gauss_points(self.down)) for h in half_lengths.tolist()])
 
     def depth_at(self, h: float, t: Array) -> Array:
         """-y/h at coordinates down; as t.
