@@ -52,14 +52,14 @@ def _of(study: Study, fresh: int, held: int, queries: int) -> dict[str, float]:
     model, fitted = timed(lambda: training.fit(study, data))
     truth, exact = timed(lambda: factorial.sample(study, fresh, (1, 0)))
     points = {name: truth[name] for name in study.factors}
-    true = factorial.learned(study, truth)
+    true = factorial.training_data(study, truth)
 
     def error() -> float:
         away = model.predict(points, return_std=False) - true
         return max(float(abs(away[name]).max() / np.ptp(true[name].values)) for name in model.outputs_)
 
     plain = error()
-    model.calibrate(factorial.learned(study, factorial.sample(study, held, (1, 2))))
+    model.calibrate(factorial.training_data(study, factorial.sample(study, held, (1, 2))))
     some = model.only(model.outputs_[:OUTPUTS])
     X = np.stack([np.resize(xr.DataArray(column).values, queries) for column in points.values()], axis=1)
     asked = timed(lambda: some.interval_array(X))[1]

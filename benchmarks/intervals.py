@@ -75,8 +75,8 @@ def measure(studies: tuple[str, ...] = ("quickstart", "precise", "sensor"), fres
     for name in studies:
         study = _closed(named(name), name)
         model = training.fit(study, factorial.exact(study, factorial.levels(study), curves=True))
-        held = curves.learned(study, factorial.cases(study, "calibration"))
-        new = factorial.learned(study, factorial.sample(study, fresh, (SEED, 0)))
+        held = curves.training_data(study, factorial.cases(study, "calibration"))
+        new = factorial.training_data(study, factorial.sample(study, fresh, (SEED, 0)))
         for key, value in compare(model, held, new).items():
             measured[f"{name}: {key}"] = value
     return measured

@@ -26,7 +26,7 @@ from surrogate.transforms.measured.draws import moments
 from surrogate.use.learning import OWN as SHARES
 from surrogate.use.learning import OWN_CHANCE as SHARES_CHANCE
 from surrogate.use.learning import Learnt, learn
-from workflow.learning.taught import NAMED, REAL, UNSEEN, understated
+from workflow.learning.summary import NAMED, REAL, UNSEEN, understated
 
 INPUTS = (Input("x", 0.0, 1.0), Input("y", 1.0, 10.0, "log"))
 #: Sizes of the outputs; the first two are measured.

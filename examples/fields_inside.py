@@ -1,12 +1,9 @@
 """Fields inside the body: a map of the von Mises stress below a sliding punch, as a picture."""
 
-import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
 
 import solver
-
-mpl.use("svg")
-import matplotlib.pyplot as plt
 
 case = {"material": "PZT-4", "radius": 0.05, "friction": 0.3, "load": 1e5}
 x, y = np.linspace(-2, 2, 81), np.linspace(-2, -0.05, 40)  # in half-widths of the contact, from its middle

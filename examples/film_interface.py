@@ -1,12 +1,9 @@
 """Tractions between a film and its base: where it is sheared, and where it would break away behind the punch."""
 
-import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
 
 import solver
-
-mpl.use("svg")
-import matplotlib.pyplot as plt
 
 X = np.linspace(-4.0, 4.0, 401)
 film = {"composite": "fibrous", "volume_fraction": 0.5, "base": "rigid", "surroundings": "insulated"}

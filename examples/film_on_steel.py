@@ -1,12 +1,9 @@
 """A film on steel: what a base does to contact and signal, beside the half-plane of the same material."""
 
-import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
 
 import solver
-
-mpl.use("svg")
-import matplotlib.pyplot as plt
 
 punch = {"material": "PZT-4", "radius": 0.05, "friction": 0.3, "load": 1e5}
 film = solver.solve(punch | {"thickness": [0.2e-3, 0.5e-3, 1e-3], "surroundings": "insulated", "base": "steel"})

@@ -1,12 +1,9 @@
 """Pressure and charge under the punch as a film thins: it stiffens, and charges only under the contact."""
 
-import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
 
 import solver
-
-mpl.use("svg")
-import matplotlib.pyplot as plt
 
 THICKNESSES = [1e-3, 2e-4, 4e-5]  # m
 X = np.linspace(-1.0, 1.0, 201)[1:-1]

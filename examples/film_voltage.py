@@ -1,12 +1,9 @@
 """Voltage per load and charge per load against the thickness of a film: more volts, but a best thickness for charge."""
 
-import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
 
 import solver
-
-mpl.use("svg")
-import matplotlib.pyplot as plt
 
 thickness = np.geomspace(2e-5, 2e-2, 61)  # m
 film = {"composite": "fibrous", "volume_fraction": 0.5, "thickness": thickness, "surroundings": "insulated"}

@@ -2,13 +2,10 @@
 
 import math
 
-import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
 
 import solver
-
-mpl.use("svg")
-import matplotlib.pyplot as plt
 
 steel = solver.Material.isotropic(young=210e9, poisson=0.3, name="steel")
 case = {"material": steel, "radius": 0.05, "load": 1e5}  # m, N per metre out of the plane

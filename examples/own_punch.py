@@ -1,12 +1,9 @@
 """A punch of one's own: any polynomial slope, here y = x^4/(4 s^3), flatter in the middle than a cylinder."""
 
-import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
 
 import solver
-
-mpl.use("svg")
-import matplotlib.pyplot as plt
 
 X = np.linspace(-0.99, 0.99, 199)
 body = {"material": "PZT-4", "load": 1e5}

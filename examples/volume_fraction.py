@@ -1,12 +1,9 @@
 """A material by its volume fraction: the composite of BaTiO3 and CoFe2O4 with the most voltage per load."""
 
-import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
 
 import solver
-
-mpl.use("svg")
-import matplotlib.pyplot as plt
 
 figure, axes = plt.subplots(figsize=(6, 3.2), layout="constrained")
 fractions = np.linspace(0.05, 0.95, 91)

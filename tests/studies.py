@@ -57,7 +57,7 @@ def fitted(study: Study, *, calibrated: bool = False) -> GaussianProcess:
     """The surrogate of a study's whole factorial; calibrated on its cases for that, if it is asked for."""
     model = training.fit(study, factorial.exact(study, factorial.axes(study)))
     if calibrated:
-        model.calibrate(factorial.learned(study, factorial.cases(study, "calibration")))
+        model.calibrate(factorial.training_data(study, factorial.cases(study, "calibration")))
     return model
 
 

@@ -158,7 +158,7 @@ print(json.dumps({
     "a profile of the punch": [quartic["depth"].item(), free["depth"].item(), quartic["contact_trailing"].item()],
     "a quantity": ["contact_skew" in read.quantities, quartic["contact_skew"].item()],
     "a limit": [solver.find("BaTiO3").limits["fatigue_strength"].value,
-                statements.limit("peak_pressure <= 50 % of fatigue_strength").borne],
+                statements.limit("peak_pressure <= 50 % of fatigue_strength").allowable],
     "a risk measure": [tail.rows(draws).item(), tail.jacobian(draws[0]).tolist(), read.design["sensor"].statistic.told],
     "a figure": ["gaps" in sections.figures(read)],
 }))

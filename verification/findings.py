@@ -1,7 +1,7 @@
 """What a verification finds: checks with their errors and tolerances, convergence curves, times."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from time import perf_counter
 from typing import Any
@@ -67,7 +67,7 @@ class Curve:
     figure: str
     label: str
     effort: str
-    x: list[float]
+    x: Sequence[float]
     error: list[float]
 
 

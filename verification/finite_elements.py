@@ -41,9 +41,7 @@ def run(sizes: Sizes) -> Findings:
               fine.response),
     ]  # fmt: skip
     curves = [
-        Curve(
-            "fem_fields", name, "elements under the punch", list(map(float, errors)), [e[name] for e in errors.values()]
-        )
+        Curve("fem_fields", name, "elements under the punch", list(errors), [e[name] for e in errors.values()])
         for name in fem.FIELDS
     ]
     contact, contact_curves = _contact([n, 2 * n, 3 * n])
@@ -157,6 +155,5 @@ def _contact(cells: list[int]) -> tuple[list[Check], list[Curve]]:
     ]  # fmt: skip
     effort = "elements of the surface below the punch"
     return checks, [
-        Curve("fem_contact", what, effort, list(map(float, rows)), [row[what] for row in rows.values()])
-        for what in compared
+        Curve("fem_contact", what, effort, list(rows), [row[what] for row in rows.values()]) for what in compared
     ]

@@ -67,13 +67,7 @@ def run(sizes: Sizes) -> Findings:
     checks.append(check("Moment", "flat punch given the moment of the collocated tilted one: its slope's response",
                         TOLERANCE, _moment, surface))  # fmt: skip
     curves = [
-        Curve(
-            "collocation_terms",
-            name,
-            "terms",
-            list(map(float, _TERMS)),
-            [error(name, (1, 2), n, surface) for n in _TERMS],
-        )
+        Curve("collocation_terms", name, "terms", _TERMS, [error(name, (1, 2), n, surface) for n in _TERMS])
         for name in PUNCHES
     ]
     circle: list[float] = []
@@ -99,15 +93,8 @@ def run(sizes: Sizes) -> Findings:
         )
         for body, h in {"half-space": np.inf, "film": 1e-4}.items()
     ]
-    curves.append(
-        Curve(
-            "collocation_circle",
-            "circle pressed in to 0.4 of its radius",
-            "terms",
-            list(map(float, _CIRCLE_TERMS)),
-            circle,
-        )
-    )
+    words = "circle pressed in to 0.4 of its radius"
+    curves.append(Curve("collocation_circle", words, "terms", _CIRCLE_TERMS, circle))
     return Findings(
         "Integral equations",
         "A numerical solution of the three coupled singular integral equations, for every punch and conduction. It "

@@ -43,5 +43,5 @@ def refined(
             for what, (text, tolerance) in rising[-1].compared.items()
         ]
         errors = [contact.error(shown) for contact in rising]
-        curves.append(Curve(figure, name, "order of the polynomials", list(map(float, orders)), errors))
+        curves.append(Curve(figure, name, "order of the polynomials", orders, errors))
     return checks, curves

@@ -53,7 +53,7 @@ def run(sizes: Sizes) -> Findings:
         errors = [elements(base, order) for order in orders]
         name, tolerance = f"Finite elements: a ball on a film on {words}", 3e-7 * 10 ** (0.75 * (10 - orders[-1]))
         checks.append(check(name, "force, depth and voltage, a/h = 0.76", tolerance, max, errors[-1:]))
-        curves.append(Curve("points", words, "order of the polynomials", list(map(float, orders)), errors))
+        curves.append(Curve("points", words, "order of the polynomials", list(orders), errors))
     return Findings(
         "Points",
         "Balls, cones, discs and powers on half-spaces and films against closed forms, 50 digits, published values, "

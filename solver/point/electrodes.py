@@ -4,7 +4,7 @@ With q(k) = 2 pi a sum_n c_n . rows j_2n(ka), in the units of the stack, a disc 
 b int q J0(kd) J1(kb) dk, a strip of width w across x (1/pi) int q cos(kd) 2 sin(kw/2) dk/k. A ring is a disc less
 another, a rectangle four times two triangles with a corner below the contact, each an integral over discs. A disc
 beside others that float is that of :mod:`solver.point.floating`. On top a part of q is v of the tractions at the same
-place (:mod:`solver.point.local`).
+place (:mod:`solver.point.patchcover`).
 
 A ball that slides adds waves J1(kr) cos(angle). These are -1/k times the derivatives of J0(kr) along x: what a patch
 makes of them is -1/k times the derivative by the distance of what it makes of those.
@@ -27,10 +27,10 @@ from solver.point.bessel import even_orders
 from solver.point.body import Film
 from solver.point.floating import Discs, discs
 from solver.point.galerkin import halfspace_terms
-from solver.point.local import Covered
+from solver.point.patchcover import Covered
 from solver.point.pressed import Contact
 from solver.point.sliding import Rubbed
-from solver.point.surface import Below
+from solver.point.surface import BelowPunch
 from solver.point.table import Window
 from solver.point.tractions import Tractions
 
@@ -124,7 +124,7 @@ class _OfPoint(Collected):
             count = max(count, int(np.max(self.radius) * self.k[-1] / 2) + 12)
         self.terms = np.einsum("ind,cd->cin", halfspace_terms(film.kind.compliance, shape, count), causes)
         self.terms[..., : added.shape[-1]] += added
-        self.tractions = Below(contact, places, added)
+        self.tractions = BelowPunch(contact, places, added)
 
     def _pressure(self) -> Array:
         pressure = self._integrated(1, lambda some: self.k / (2 * np.pi) * np.ones((some.size, 1)))
@@ -143,9 +143,9 @@ class _OfPoint(Collected):
         """What discs beside others that float make of waves, or its derivative by their distance; (case, k)."""
         of_case, found = self._discs
         out = np.empty((some.size, self.k.size))
-        for number, one in enumerate(found):
+        for number, patches in enumerate(found):
             own = np.flatnonzero(of_case[some] == number)
-            out[own] = one.wave(self.k, distance[own], slope=slope)
+            out[own] = patches.wave(self.k, distance[own], slope=slope)
         return out
 
     def _patch(self, distance: Array) -> Array:

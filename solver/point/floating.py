@@ -59,8 +59,8 @@ class Discs(Patches):
     @cached_property
     def places(self) -> Array:
         """Middles of the discs, that which is read at zero; (disc, 2)."""
-        one = self.pitch * np.arange(-self.floating, self.floating + 1)
-        return np.stack(np.meshgrid(one, one, indexing="ij"), -1).reshape(-1, 2)
+        line = self.pitch * np.arange(-self.floating, self.floating + 1)
+        return np.stack(np.meshgrid(line, line, indexing="ij"), -1).reshape(-1, 2)
 
     @property
     def _orders(self) -> int:

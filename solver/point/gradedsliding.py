@@ -1,7 +1,7 @@
 """What the layers below a graded film make of friction: Abel's equation of odd densities on pieces (points, 8).
 
-With Lambda of (P4.3), Lambda_x of :mod:`solver.point.spread` and psi_0 the half-space's closed answer, what is left of
-psi obeys
+With Lambda of (P4.3), Lambda_x of :mod:`solver.point.surfacekernel` and psi_0 the half-space's closed answer, what is
+left of psi obeys
 
     N chi(b) + (a/pi) int_-1^1 Lambda(a |b - b'|) chi(b') db' = -(a/pi) int_-1^1 Lambda(a |b - b'|) psi_0(b') db'
         + (a/pi) int_-1^1 Lambda_x(a (b - b')) phi_sigma(b') db' - k H[phi_added](b),
@@ -22,7 +22,7 @@ from solver.point.gradedterms import coupled, pieces
 from solver.point.pieces import Pieces
 from solver.point.profile import Shape
 from solver.point.response import Response
-from solver.point.spread import sheared, spread
+from solver.point.surfacekernel import normal_kernel, shear_kernel
 
 _EDGE = np.ones(1)
 
@@ -74,8 +74,8 @@ def hilbert(*, kinked: bool) -> Array:
 def _closed(shape: Shape) -> tuple[Array, Array]:
     """What the half-space's answer consists of: H of the pressure's unit form, and a unit shift; (point,) each."""
     sources = pieces(kinked=shape.exponent % 2 != 0, odd=True).points.sources
-    b, one = np.abs(sources), np.ones((1, 3))
-    unit = Density(shape, one * shape.flat, one, np.zeros((1, 3, 0)))
+    b, unit_form = np.abs(sources), np.ones((1, 3))
+    unit = Density(shape, unit_form * shape.flat, unit_form, np.zeros((1, 3, 0)))
     moved = np.zeros_like(b) if shape.flat else b ** (shape.exponent - 1)
     return np.sign(sources) * unit.turned(b)[0, 0], np.sign(sources) * moved
 
@@ -117,8 +117,8 @@ class GradedLayers:
         even, odd = (pieces(kinked=self._kinked, odd=parity) for parity in (False, True))
         count, points = even.count, odd.points
         away, sign = radius * np.abs(points.distances), np.sign(points.distances)[:, None]
-        normal = radius / np.pi * spread(self.stack, self.reach).at(away)
-        along_x = radius / np.pi * sign * sheared(self.stack, self.reach).at(away)
+        normal = radius / np.pi * normal_kernel(self.stack, self.reach).at(away)
+        along_x = radius / np.pi * sign * shear_kernel(self.stack, self.reach).at(away)
         layers = coupled(odd.integrated(normal), self.conducts)  # (3, place, 3, node)
         own = np.einsum("ij,mn->imjn", response.compliance, np.eye(count))
         system = (own + layers[:, :count]).reshape(3 * count, 3 * count)

@@ -21,7 +21,7 @@ from solver.film.stack import Stack
 from solver.point.halfspace import conducted
 from solver.point.pieces import Pieces
 from solver.point.profile import Shape
-from solver.point.spread import PAIRS, spread
+from solver.point.surfacekernel import PAIRS, normal_kernel
 
 _BETWEEN = 12  # Chebyshev points between two samples of the pressure
 _KEPT = 256  # sets of places
@@ -56,7 +56,7 @@ def coupled(pairs: Array, conducts: BoolArray) -> Array:
 
     Parameters
     ----------
-    pairs : ndarray, shape (place, ..., 6), of ``solver.point.spread.PAIRS``
+    pairs : ndarray, shape (place, ..., 6), of ``solver.point.surfacekernel.PAIRS``
     conducts : ndarray of bool, shape (2,), of the electric and the magnetic field
     """
     whole = np.empty((*pairs.shape[:-1], 3, 3))
@@ -147,7 +147,7 @@ class GradedTerms:
     def _at(self, radius: float) -> Array:
         """At one radius; (3, n, 4)."""
         count, reach = self._pieces.count, 2 * float(np.max(self.radii))
-        kernels = spread(self.stack, reach).at(radius * np.abs(self._pieces.points.distances))
+        kernels = normal_kernel(self.stack, reach).at(radius * np.abs(self._pieces.points.distances))
         layers = coupled(radius / 2 * self._pieces.integrated(kernels), self.conducts)  # (3, place, 3, node)
         own = np.einsum("ij,mn->imjn", np.pi / 2 * self.compliance, np.eye(count))
         system = (own + layers[:, :count]).reshape(3 * count, 3 * count)

@@ -18,10 +18,10 @@ from solver.film.stack import Layer, Stack, StackError
 from solver.film.wavenumbers import strip
 from solver.material.constants import Material
 from solver.point import hankel
-from solver.point.rows import ORDERS, parted, rows_of, shear_rows
 from solver.point.shear import Sheared
 from solver.point.tractions import Tractions
 from solver.point.waveblock import Block
+from solver.point.wavefields import ORDERS, parted, rows_of, shear_rows
 
 _NEAR = 0.05  # of a: the depth above which the half-space's part is closed
 _MOST_PHASE = 8000.0  # and everywhere, where the integrals over k would be longer

@@ -18,8 +18,8 @@ from solver.film.stack import Stack
 from solver.film.wavenumbers import strip, wavenumbers
 from solver.point.bessel import bessel_orders
 from solver.point.rim import Rim
-from solver.point.rows import ORDERS
 from solver.point.shear import ShearWaves
+from solver.point.wavefields import ORDERS
 
 _FAR = 20.0  # distance over the longer of contact radius and thickness beyond which functions of b fall as powers
 _FALLING = 2, 3  # these powers, of cosines and of sines

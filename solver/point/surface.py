@@ -134,7 +134,7 @@ def surface_fields(pressed: Pressed, positions: Array, rim: Rim | None = None) -
 
 
 @dataclass(frozen=True, eq=False)
-class Below:
+class BelowPunch:
     """Tractions of some cases below the punch, at places of each case's own, as :class:`Along` has them.
 
     Attributes

@@ -13,9 +13,9 @@ from solver.film.reflection import LayerWaves, waves
 from solver.film.stack import Stack
 from solver.material.constants import Material
 from solver.point.bessel import bessel_orders
-from solver.point.rows import ORDERS, parted, shear_rows
 from solver.point.shear import Sheared, ShearWaves
 from solver.point.tractions import Tractions
+from solver.point.wavefields import ORDERS, parted, shear_rows
 
 
 @dataclass(frozen=True, eq=False)

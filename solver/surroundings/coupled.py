@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.surroundings.opening import MOST
-from solver.surroundings.posed import Posed
+from solver.surroundings.problem import Problem
 from solver.surroundings.refusal import GapError
 from solver.surroundings.state import Chord, State
 
@@ -25,7 +25,7 @@ _EXTENT = 2  # unknowns before the charges: log h, c/h
 
 
 @dataclass(frozen=True, eq=False)
-class AirContact(Posed):
+class AirContact(Problem):
     """One that is solved.
 
     Parameters

@@ -288,7 +288,9 @@ class _Assembled:
         sources = self._assembly.sources()
         for alike in (sources[:1], sources[1:]):  # the charges of all fields lie at the same nodes
             nodes, rule = alike[0][1], alike[0][2]
-            mix = np.stack([mixing(of.system.coefficients.friction, one[3])[:, [0, 1, 2, 4, 5, 6]] for one in alike], 1)
+            mix = np.stack(
+                [mixing(of.system.coefficients.friction, source[3])[:, [0, 1, 2, 4, 5, 6]] for source in alike], 1
+            )
             for number, h in enumerate(self.half_lengths.tolist()):
                 points, read = self._about(number)
                 targets = np.array(points) if read is not None else np.array(points[: len(points) // 2])

@@ -14,7 +14,7 @@ from solver.point.pressed import Pressed
 from solver.point.pressure import finite
 from solver.surroundings.pointquantities import solved
 from solver.surroundings.pointtractions import AirPointTractions, SolvedPoint
-from solver.surroundings.slidpoint import SlidPoint
+from solver.surroundings.slidingpoint import SlidingPoint
 
 _FIELDS = ("contact_pressure", "electric_displacement", "magnetic_induction")
 
@@ -24,7 +24,7 @@ class _Found:
     """One case: what lies on its surface, its units, its contact radius and the unit of its body's lengths [m]."""
 
     on: SolvedPoint
-    slid: SlidPoint | None
+    slid: SlidingPoint | None
     units: Array
     radius: float
     length: float

@@ -15,7 +15,7 @@ from solver.point.pressure import SAMPLES, climbed, finite
 from solver.point.profile import Shape
 from solver.point.quantities import RESPONSES
 from solver.point.rim import Rim
-from solver.point.spread import sheared
+from solver.point.surfacekernel import shear_kernel
 from solver.surroundings.airpoint import AirPoint, PointState
 from solver.surroundings.largest import peak_of_panels
 from solver.surroundings.pointtractions import SolvedPoint
@@ -24,8 +24,8 @@ from solver.surroundings.ringoperators import WITHIN, RingOperators
 from solver.surroundings.rings import rings
 from solver.surroundings.ringtable import RingsByRadius, RingsOnHalfSpace
 from solver.surroundings.ringwindows import RingWindows
-from solver.surroundings.slidpoint import SlidPoint
-from solver.surroundings.slidquantities import largest_beside, largest_within, trailing_tension, warn_of_charges
+from solver.surroundings.slidingpoint import SlidingPoint
+from solver.surroundings.slidingquantities import largest_beside, largest_within, trailing_tension, warn_of_charges
 
 _MATERIALS = 64
 _REACH = "reach"  # among the quantities of a case: of the gap's field
@@ -61,11 +61,11 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | Non
     """
     ratio = pressed.charged.radius / pressed.length
     # those of like radius share tables
-    posed = sorted(_cases(pressed, permittivity, end), key=lambda one: float(ratio[one[0].place]))
-    cases = [_of_case(case, contacts, rim) for case, contacts in posed]
+    by_radius = sorted(_cases(pressed, permittivity, end), key=lambda pair: float(ratio[pair[0].place]))
+    cases = [_of_case(case, contacts, rim) for case, contacts in by_radius]
     warn_of_charges(max(case.pop(_REACH, 0.0) for case in cases))
     names = [name for name in cases[0] if all(name in case for case in cases)]
-    back = np.argsort([case.place for case, _ in posed])
+    back = np.argsort([case.place for case, _ in by_radius])
     return {name: np.array([case[name] for case in cases])[back] for name in names}
 
 
@@ -112,7 +112,7 @@ class Case:
         start = contacts["charged"]
         return self.state(start.pressed.charges[self.place], False, float(start.radius[self.place]))
 
-    def slid(self, state: PointState) -> SlidPoint | None:
+    def slid(self, state: PointState) -> SlidingPoint | None:
         """What friction makes of a solution; None where nothing is said of friction.
 
         Parameters
@@ -122,9 +122,9 @@ class Case:
         friction = self._pressed.friction
         if friction is None:
             return None
-        layers = sheared(self.body.kind.film.stack()) if isinstance(self.body, Film) else None
+        layers = shear_kernel(self.body.kind.film.stack()) if isinstance(self.body, Film) else None
         on = SolvedPoint(state, self.operators(state.radius).exact)
-        return SlidPoint(on, float(friction.coefficient[self.place]), friction.coupling[self.place], layers)
+        return SlidingPoint(on, float(friction.coefficient[self.place]), friction.coupling[self.place], layers)
 
     def state(self, charges: Array, held: bool, start: float, near: PointState | None = None) -> PointState:
         """With charges [C, Wb], or with all potentials at zero, from a radius [m] or from another state on.
@@ -138,14 +138,14 @@ class Case:
         """
         given = np.zeros(len(self.fields)) if held else charges[list(self.fields)] / self.own
         at, begin = (start / self.length, None) if near is None else (near.radius, near.unknowns)
-        posed = AirPoint(self.operators(at), self._coefficient, self._force, given, (held,) * len(self.fields),
+        problem = AirPoint(self.operators(at), self._coefficient, self._force, given, (held,) * len(self.fields),
                          self._media, self._end, at, begin)  # fmt: skip
-        if found := posed.within:
+        if found := problem.within:
             return found
         for _ in range(LAST - FIRST):
-            posed = replace(posed, operators=self.operators(at, wide=True), start=at, near=begin)
-            state = posed.state
-            if posed.operators.holds(np.log(state.radius)):
+            problem = replace(problem, operators=self.operators(at, wide=True), start=at, near=begin)
+            state = problem.state
+            if problem.operators.holds(np.log(state.radius)):
                 break
             at, begin = state.radius, state.unknowns
         return state

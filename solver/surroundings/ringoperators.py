@@ -16,8 +16,8 @@ from solver.arrays import Array, BoolArray
 from solver.film.kernel import CHANNEL
 from solver.point.pressure import SAMPLES, added_forms, finite, halfspace_form
 from solver.point.profile import Shape
-from solver.point.spread import Spread
-from solver.surroundings.below import Below
+from solver.point.surfacekernel import SurfaceKernel
+from solver.surroundings.contactrule import ContactRule
 from solver.surroundings.rings import Rings
 from solver.surroundings.rules import gauss
 
@@ -118,7 +118,7 @@ class RingOperators:
     fields: tuple[int, ...]
     compliance: Array
     shape: Shape
-    layers: Spread | None = None
+    layers: SurfaceKernel | None = None
     width: float = np.inf
 
     @cached_property
@@ -129,7 +129,7 @@ class RingOperators:
     def at(self, radius: float) -> Array:
         """Outputs of every cause and density; (row, column)."""
         rows = self.rows
-        below = Below.of(radius / self.width)
+        below = ContactRule.of(radius / self.width)
         count, profile, inverse = below.nodes.size, rows.causes - 1, self.inverse
         closed = np.einsum("ij,jnc->inc", inverse, self._given(below.nodes))  # S of a half-space
         S, added = self._layered(radius, below, closed, self.rings.grid.distance)
@@ -161,7 +161,7 @@ class RingOperators:
 
     def series(self, radius: float) -> Array:
         """Coefficients in f_n (points, 4) of the tractions but for the profile's closed part; (channel, n, column)."""
-        below = Below.of(radius / self.width)
+        below = ContactRule.of(radius / self.width)
         closed = np.einsum("ij,jnc->inc", self.inverse, self._given(below.nodes))
         S = self._layered(radius, below, closed, np.zeros(0))[0]
         closed[..., self.rows.causes - 1] = self.inverse[:, :1] * self.shape.rise
@@ -171,7 +171,7 @@ class RingOperators:
         """Pressure of a half-space of N^-1 = 1; nothing where it has no largest value, which is then not asked for."""
         return 2 / np.pi * halfspace_form(self.shape, x) if finite(self.shape) else np.zeros_like(x)
 
-    def _layered(self, radius: float, below: Below, closed: Array, beside_it: Array) -> tuple[Array, Array]:
+    def _layered(self, radius: float, below: ContactRule, closed: Array, beside_it: Array) -> tuple[Array, Array]:
         """What layers add to S below the contact, and to N S at its nodes, the edge and places beside it.
 
         Smooth and even, also where the profile is a power that is not; (channel, node, column) each.
@@ -187,7 +187,7 @@ class RingOperators:
         own = self.within(radius, targets, below)
         added += summed(own, closed)
         if self.shape.exponent % 2:
-            fine = Below.of(radius / self.width, even=False)
+            fine = ContactRule.of(radius / self.width, even=False)
             power = self.inverse[:, :1] * self._given(fine.nodes)[0, :, rows.causes - 1]
             added[..., rows.causes - 1] = np.einsum("ijtn,jn->it", self.within(radius, targets, fine), power)
         return self.settled(own, added)
@@ -247,7 +247,7 @@ class RingOperators:
         return used, places.reshape(2 * (len(self.rows.channels),))
 
     @cached_property
-    def _added(self) -> Spread:
+    def _added(self) -> SurfaceKernel:
         """Of these pairs."""
         assert self.layers is not None
         return self.layers.of(self._pairs[0])
@@ -256,14 +256,14 @@ class RingOperators:
         """Kernels of the channels, from those of their pairs; (channel, channel, target, node)."""
         return np.moveaxis(kernels[..., self._pairs[1]], (2, 3), (0, 1))
 
-    def within(self, radius: float, targets: Array, below: Below) -> Array:
+    def within(self, radius: float, targets: Array, below: ContactRule) -> Array:
         """From S below the contact to what layers add at targets; (channel, channel, target, node).
 
         Parameters
         ----------
         radius : float, a in the unit of the layers' lengths
         targets : ndarray, shape (target,), s
-        below : Below, the nodes
+        below : ContactRule, the nodes
         """
         apart = np.stack([np.abs(targets[:, None] - below.nodes), targets[:, None] + below.nodes])
         near, far = self._added.at(radius * apart)

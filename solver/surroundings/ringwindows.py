@@ -14,7 +14,7 @@ from approximation.piecewise import Interval
 from solver.arrays import Array
 from solver.film.wavenumbers import strip
 from solver.film.windows import number_of
-from solver.point.spread import spread
+from solver.point.surfacekernel import normal_kernel
 from solver.point.table import PointKind, interval
 from solver.surroundings.ringoperators import RingOperators
 from solver.surroundings.rings import rings
@@ -41,7 +41,7 @@ def _part(kind: PointKind, place: int, number: int | None) -> RingTable:
 def _operators(kind: PointKind) -> RingOperators:
     stack = kind.film.stack()
     fields = tuple(field for field in (0, 1) if kind.conducts[field])
-    return RingOperators(rings(), fields, kind.compliance, kind.shape, spread(stack), strip(stack))
+    return RingOperators(rings(), fields, kind.compliance, kind.shape, normal_kernel(stack), strip(stack))
 
 
 def _place(ratio: float) -> int:

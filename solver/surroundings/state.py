@@ -7,11 +7,11 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.contact import mean_power
+from solver.surroundings.equilibration import Factored, solved
 from solver.surroundings.opening import reopened
 from solver.surroundings.operators import BALANCE, DISPLACEMENT, LOAD
-from solver.surroundings.posed import Posed
+from solver.surroundings.problem import Problem
 from solver.surroundings.refusal import require_open
-from solver.surroundings.scaled import Factored, solved
 from solver.surroundings.table import SOLVING, Near
 
 _FIELDS = ("voltage", "magnetic potential")
@@ -20,7 +20,7 @@ _EXTENT = 2  # unknowns before the charges: log h, c/h
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Residual, tangents and outputs of ``Posed`` at unknowns (log h, c/h, T, J, densities).
+    """Residual, tangents and outputs of ``Problem`` at unknowns (log h, c/h, T, J, densities).
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ class State:
         Operators about some half-length, which are read anew where that is not next to this one.
     """
 
-    of: Posed
+    of: Problem
     unknowns: Array
     known: Near | None = None
 

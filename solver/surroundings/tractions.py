@@ -156,10 +156,10 @@ class Solved:
     @cached_property
     def beside(self) -> Charges:
         """Charges beside the contact."""
-        posed = self.state.of
-        grid, unknowns = posed.table.operators.grid, np.zeros((2, 2, posed.table.operators.grid.count))
-        densities = self.state.densities / posed.powers[1]
-        for place, f in enumerate(posed.fields):
+        problem = self.state.of
+        grid, unknowns = problem.table.operators.grid, np.zeros((2, 2, problem.table.operators.grid.count))
+        densities = self.state.densities / problem.powers[1]
+        for place, f in enumerate(problem.fields):
             unknowns[:, f] = densities[place].reshape(-1, grid.count)  # one side is that of both
         return Charges(grid, unknowns, self.intervals)
 

@@ -16,7 +16,7 @@ from surrogate.data.inputs import Input
 
 # Room for rounding at the ends of the box, as a share of its width on the input's own scale.
 SLACK = 1e-12
-# Most points that inputs may span when they are crossed: beyond, they were hardly meant to be.
+# Most points that crossed inputs may span: whoever gives more meant a list of points.
 MOST = 10**7
 #: Variable of held-out cases: 1 where they are spread evenly over the box, 0 where they are drawn towards its ends, -1
 #: where they were asked for near one another.

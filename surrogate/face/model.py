@@ -194,8 +194,7 @@ class GaussianProcess(Predictive):
         bad = ~np.isfinite(true).all(axis=1)
         if bad.any():
             raise ValueError(f"output {self.outputs_[int(bad.argmax())]!r} is not finite in a case of the calibration")
-        plain = self.uncalibrated()
-        mean = in_blocks(t, lambda block: plain.mean_variance(block, None)[0])
+        mean = self.uncalibrated().means(t)
         single = np.repeat(np.eye(self.parts)[..., None], len(self.outputs_), axis=2)  # weights of one part alone
         parts = [in_blocks(t, partial(self.variance, weights=weights)) for weights in single]
         groups = sharing(t)

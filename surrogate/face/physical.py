@@ -58,6 +58,10 @@ class Physical(Core):
             return mean, None
         return mean, np.sqrt(variance) if calibration is None else calibration.std(variance, t)
 
+    def means(self, t: Array) -> Array:
+        """Return the means at any number of scaled coordinates (d, n), block by block: (p, n)."""
+        return in_blocks(t, lambda block: self.mean_variance(block, None)[0])
+
     def calibrated_at(self, X: Array) -> Array:
         """Return the scaled coordinates that the calibration knows physical points (n, d) by: (e, n)."""
         return unit_coordinates(self.inputs_, X)

@@ -112,14 +112,21 @@ class GridGP(GaussianProcess):
         ValueError
             An unknown kernel, or a data set that is no complete factorial (the message names what is wrong).
         """
-        data = self._factorial(X)
+        if self.kernel not in KERNELS:
+            raise ValueError(f"kernel {self.kernel!r} is none of {', '.join(KERNELS)}")
+        data = complete_factorial(X, self.inputs, self.outputs, self.kernel == "chebyshev")
+        for name in self.hyperparameters or {}:
+            if name not in [input_.name for input_ in data.inputs]:
+                raise ValueError(f"hyperparameters name {name!r}, which is no input")
         self.inputs_, self.levels_ = data.inputs, data.levels
         self.outputs_, self.attrs_ = tuple(data.outputs), data.attrs
         self.cases_, self.calibration_, self.correction_ = self._places(), None, None
         points = [own.to_unit(levels) for own, levels in zip(data.inputs, data.levels, strict=True)]
         coefficients, grams = self._coefficients(data, points)
         self._choose(points, grams)
-        self._compress(coefficients)
+        self.order_, ordered = joined(coefficients)
+        weights = [self.factors_[k].weights[:size] for k, size in zip(self.order_, ordered.shape, strict=False)]
+        self.train_ = compress(ordered, float(np.sqrt(self._allowed()))).scaled(weights)
         return self
 
     def _choose(self, points: Sequence[Array], grams: Sequence[Array]) -> None:
@@ -127,16 +134,6 @@ class GridGP(GaussianProcess):
         self.factors_ = tuple(self._factor(k, t, grams[k]) for k, t in enumerate(points))
         self.hyperparameters_ = {own.name: f.parameter for own, f in zip(self.inputs_, self.factors_, strict=True)}
         self.amplitude_, self.variance_ = amplitudes(self.factors_, grams)
-
-    def _factorial(self, X: xr.Dataset) -> Factorial:
-        """The checked training data; ValueError as for `fit`."""
-        if self.kernel not in KERNELS:
-            raise ValueError(f"kernel {self.kernel!r} is none of {', '.join(KERNELS)}")
-        data = complete_factorial(X, self.inputs, self.outputs, self.kernel == "chebyshev")
-        for name in self.hyperparameters or {}:
-            if name not in [input_.name for input_ in data.inputs]:
-                raise ValueError(f"hyperparameters name {name!r}, which is no input")
-        return data
 
     def _coefficients(self, data: Factorial, points: Sequence[Array]) -> tuple[list[Array], list[Array]]:
         """Standardise every output and take it to the factors' bases.
@@ -155,12 +152,6 @@ class GridGP(GaussianProcess):
         for gram, t in zip(grams, points, strict=True):
             gram /= self._places() / len(t)
         return kept, grams
-
-    def _compress(self, coefficients: Sequence[Array]) -> None:
-        """Join the outputs' coefficients to one tensor train."""
-        self.order_, ordered = joined(coefficients)
-        weights = [self.factors_[k].weights[:size] for k, size in zip(self.order_, ordered.shape, strict=False)]
-        self.train_ = compress(ordered, float(np.sqrt(self._allowed()))).scaled(weights)
 
     def _places(self) -> int:
         """Number of places of the grid."""
@@ -288,10 +279,9 @@ class GridGP(GaussianProcess):
             return None
         made_of = self.train_, self.correction_, self.calibration_
         if not all(now is then for now, then in zip(made_of, self._laid_out[0], strict=True)):
-            size = self.variance_ * self.scale_**2
             process = Process(
                 self.inputs_, self._chebyshev(), self.order_, self.train_, self.offset_, self.scale_, self.amplitude_,
-                size, self.correction_, self.calibration_,
+                self._size, self.correction_, self.calibration_,
             )  # fmt: skip
             self._laid_out = made_of, SinglePoint(process)
         return self._laid_out[1]
@@ -300,20 +290,17 @@ class GridGP(GaussianProcess):
         """Return all that mean, deviation and interval need; None with other kernels than "chebyshev"."""
         if self.kernel != "chebyshev":
             return None
-        t = np.random.default_rng(0).uniform(-1, 1, (DRAWS, len(self.order_)))
-        features = [
-            self.factors_[k].features(t[:, k], n).mean for k, n in zip(self.order_, self.train_.modes, strict=True)
-        ]
+        features = self._features(np.random.default_rng(0).uniform(-1, 1, (DRAWS, len(self.order_))).T)
         return {
             "inputs": plain_inputs(self.inputs_),
             "order": list(self.order_),
-            "cores": rounded(self.train_.cores, features),
+            "cores": rounded(self.train_.cores, [features[k].mean for k in self.order_]),
             "factors": [factor.plain() for factor in self._chebyshev()],
             "offset": self.offset_,
             "scale": self.scale_,
             "correction": None if self.correction_ is None else self.correction_.plain(),
             "amplitude": self.amplitude_,
-            "variance": self.variance_ * self.scale_**2,
+            "variance": self._size,
             **plain_outputs(self),
         }
 
@@ -338,9 +325,8 @@ class GridGP(GaussianProcess):
         """Learn the correction of the means, see `surrogate.gp.correction`; other kernels have none."""
         if self.kernel != "chebyshev":
             return errors
-        counts = tuple(map(len, self.levels_))
         decays = [AFFINE_DECAY if factor.affine else factor.parameter for factor in self.factors_]
-        self.correction_, left = correct(errors, t, counts, decays, groups)
+        self.correction_, left = correct(errors, t, tuple(map(len, self.levels_)), decays, groups)
         return left
 
     @override
@@ -352,8 +338,12 @@ class GridGP(GaussianProcess):
 
     def _variance(self, features: list[Features], weights: Array, slope: tuple[int, Features] | None = None) -> Array:
         """Return the weighted variance, (p, B), of the means, or of their slopes along a factor."""
-        size = (self.variance_ * self.scale_**2)[:, None]
-        return unit_variance(self.factors_, self.amplitude_, features, weights, slope) * size
+        return unit_variance(self.factors_, self.amplitude_, features, weights, slope) * self._size[:, None]
+
+    @property
+    def _size(self) -> Array:
+        """Variance of the process of every output in its units squared, (p,)."""
+        return np.asarray(self.variance_ * self.scale_**2)
 
     def _features(self, t: Array, slopes: bool = False) -> list[Features]:
         modes = dict(zip(self.order_, self.train_.modes, strict=True))

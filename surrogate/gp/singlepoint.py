@@ -173,10 +173,8 @@ class _SingleCorrection:
         self._terms = np.ascontiguousarray((rows.first + correction.indices).T)
         self._nodal = rows.nodal
         d, m, p = correction.coefficients.shape
-        self._matrix, self._shape = (
-            np.ascontiguousarray(correction.coefficients.transpose(1, 0, 2).reshape(m, -1)),
-            (d, p),
-        )
+        self._matrix = np.ascontiguousarray(correction.coefficients.transpose(1, 0, 2).reshape(m, -1))
+        self._shape = d, p
 
     def __call__(self, T: Array) -> Array:
         amplitudes = (np.multiply.reduce(T[self._terms]) @ self._matrix).reshape(self._shape)

@@ -59,8 +59,8 @@ class Calibration:
     distribution : Tabulated
         Distribution of (truth - mean) / std.
     outer : Guard, optional
-        Beyond all this, over the inputs of a model that stands on this one: what it has more needs no share of its own
-        in `std` and `stretch`, which know these inputs not.
+        Further scales over the inputs of a model that stands on this one. That model applies them: `std` and `stretch`
+        do not know its inputs.
     copula : Copula, optional
         How errors of outputs and points go together; None in files of before.
     patches : Patches, optional

@@ -34,7 +34,7 @@ class BoundedGP(Transformed):
     Attributes
     ----------
     free_ : GaussianProcess
-        The process of what is learnt; `calibrate` calibrates it.
+        The process, fitted to logarithms and logits; `calibrate` calibrates it.
 
     Examples
     --------
@@ -78,7 +78,7 @@ class BoundedGP(Transformed):
         self.calibration_ = free.calibration_
 
     def calibrate(self, dataset: xr.Dataset) -> Self:
-        """Make means and distributions right on held-out cases, as the process does, of what it learns."""
+        """Calibrate the process on held-out cases, on the scale on which it learns."""
         self.cases(dataset)
         self.free_.calibrate(self._linked(dataset))
         self._lay_out()

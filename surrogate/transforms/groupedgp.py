@@ -122,13 +122,17 @@ class GroupedGP(Transformed):
             raise ValueError("the calibration's outer guard has other inputs")
         self._scales = self.grouping.scales(self.outputs_)
 
+    def _points(self, data: xr.Dataset) -> tuple[xr.DataArray, Array]:
+        """Inputs broadcast against each other: the first of them, and all in a row for each place, (n, d)."""
+        columns = xr.broadcast(*(data[own.name].reset_coords(drop=True) for own in self.grouping.inputs))
+        return columns[0], np.stack([column.values.ravel() for column in columns], axis=1)
+
     def _check_axes(self, X: xr.Dataset) -> None:
-        columns = xr.broadcast(*(X[own.name].reset_coords(drop=True) for own in self.grouping.inputs))
-        points = np.stack([column.values.ravel() for column in columns], axis=1)
+        like, points = self._points(X)
         for axis, values in zip(self.grouping.axes, self.grouping.products.values(points).T, strict=True):
             if axis.name not in X.dims and axis.name not in X.coords:
                 raise ValueError(f"axis {axis.name!r} is no dimension of the data set")
-            said = X[axis.name].broadcast_like(columns[0]).transpose(*columns[0].dims).values.ravel()
+            said = X[axis.name].broadcast_like(like).transpose(*like.dims).values.ravel()
             if np.abs(axis.to_unit(values) - axis.to_unit(said)).max() > 1e-8:
                 raise ValueError(f"the inputs of the data set do not have its values of the axis {axis.name!r}")
 
@@ -136,17 +140,15 @@ class GroupedGP(Transformed):
         """Make means and distributions right on held-out cases in the box, as `GridGP.calibrate`, over the axes."""
         points, truth = self.cases(dataset)
         cases = xr.Dataset({**{name: column.reset_coords(drop=True) for name, column in points.items()}, **truth})
-        columns = xr.broadcast(*(cases[own.name] for own in self.inputs_))
-        values = self.grouping.products.values(np.stack([column.values.ravel() for column in columns], axis=1))
+        like, X = self._points(cases)
         axes = {
-            axis.name: (columns[0].dims, column.reshape(columns[0].shape))
-            for axis, column in zip(self.grouping.axes, values.T, strict=True)
+            axis.name: (like.dims, values.reshape(like.shape))
+            for axis, values in zip(self.grouping.axes, self.grouping.products.values(X).T, strict=True)
         }
         held = self.grouping.reduced(cases, self.outputs_).assign(axes)
         if EVEN in dataset:
             held = held.assign({EVEN: dataset[EVEN].reset_coords(drop=True)})
-        box = unit_coordinates(self.inputs_, np.stack([column.values.ravel() for column in columns], axis=1))
-        self.reduced_.calibrate_under(held, box)
+        self.reduced_.calibrate_under(held, unit_coordinates(self.inputs_, X))
         self.calibration_ = self.reduced_.calibration_
         return self
 

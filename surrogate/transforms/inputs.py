@@ -25,7 +25,7 @@ class Group:
     powers : mapping of str to float
         Power of every input that it is made of; an input alone is ``{name: 1}``.
     constant : float
-        What the product is multiplied by: that of what is no input.
+        What the product is multiplied by: the part that depends on no input.
     """
 
     axis: Input

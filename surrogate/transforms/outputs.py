@@ -99,7 +99,7 @@ class Scales:
         Raises
         ------
         ValueError
-            An output, by its name, of which the logarithm is learnt, is not of one sign.
+            An output whose logarithm is learnt changes its sign; its name is told.
         """
         learnt = values / self.values(X)
         for k, sign in self._logarithms:

@@ -44,7 +44,7 @@ class SplitGP(Transformed):
     Raises
     ------
     ValueError
-        A kink of what is no input, beyond its range or given twice; no kink at all.
+        A kink along no input, outside of its range, or given twice; no kink at all.
 
     Examples
     --------

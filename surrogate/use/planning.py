@@ -43,7 +43,7 @@ def joint(draw: Draw, points: Array, output: Indices, slopes: Array) -> Array:
     output : ndarray of int, shape (m,)
         Their outputs.
     slopes : ndarray, shape (m, k)
-        Derivatives of what is shown by the constants.
+        Derivatives of the readings by the constants.
 
     Returns
     -------
@@ -72,7 +72,7 @@ def chosen(joints: Sequence[Array], noise: Array, wanted: Indices, count: int) -
     noise : ndarray, shape (m,)
         Variances of the errors of readings; infinite: an answer, which is not chosen.
     wanted
-        Numbers of what is to be told, among the rows of joints.
+        Rows of the joints that are to be known better: constants or answers.
     count
         How many readings, at most m.
 

@@ -35,7 +35,7 @@ _STEPS = {"amplitude": 0.7, "length": 0.8, "scale": 0.25, "loose": 0.5}  # of th
 
 @dataclass(frozen=True)
 class State:
-    """One draw of what is unknown of an output beside the constants.
+    """One draw of all that is unknown of an output, but for the constants.
 
     Attributes
     ----------

@@ -196,7 +196,7 @@ def ideal(model: Mapping[str, Input], cases: Mapping[str, xr.DataArray], outputs
     cases : mapping of str to DataArray
         The value of every input, over `case`.
     outputs : int
-        Number of outputs, of which the least and the largest are told.
+        Number of outputs; the least and the largest share among them are told.
 
     Returns
     -------

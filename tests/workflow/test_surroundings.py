@@ -50,7 +50,7 @@ def test_data_and_design_of_a_study_in_air(tmp_path: Path) -> None:
     assert data.sizes["position"] == 6
     assert float(abs(data["electric_displacement_y"].isel(position=0)).min()) > 0  # beside the contact
     model = training.fit(study, data.drop_dims("position"))
-    model.calibrate(factorial.learned(study, factorial.cases(study, "calibration")))
+    model.calibrate(factorial.training_data(study, factorial.cases(study, "calibration")))
     design = targets.solve_target(study, "voltage", model)
     own, other = exact.solved(study, {"voltage": design})["designs"]["voltage"]["around"]["quantities"]["voltage"]
     assert own / other < 0.95

@@ -67,6 +67,28 @@ class Table:
         empty: NDArray[np.bool_] = np.isnan(column) if column.dtype.kind == "f" else column == np.array(None)
         return empty
 
+    def numbers(self, name: str, needs: str) -> NDArray[np.float64]:
+        """A column of numbers of which every row of a file has one.
+
+        Parameters
+        ----------
+        name : str, the column's
+        needs : str, what is said where there is no such column
+
+        Raises
+        ------
+        InputError
+            No such column, one of names, an empty cell.
+        """
+        if name not in self.columns:
+            raise InputError(f"{self.source}: {name}: missing; {needs}")
+        column = self.columns[name]
+        if column.dtype.kind != "f":
+            raise InputError(f"{self.source}: {name}: holds names; must hold numbers")
+        if (empty := self.empty(name)).any() and self.lines.size:
+            raise InputError(f"{self.at(int(empty.argmax()))}: {name}: empty; must be a number")
+        return column
+
 
 def read_cases(path: Path, more: Mapping[str, str] = MappingProxyType({})) -> Table:
     """Read a table of cases: a header of factor names, then one row a case; a cell may be empty.

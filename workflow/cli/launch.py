@@ -9,7 +9,7 @@ from pathlib import Path
 from workflow.cli import progress
 from workflow.design.told import unreached
 from workflow.language.spelling import nearest
-from workflow.study import location, partition, punches, surroundings
+from workflow.study import location, partition
 from workflow.study import model as studies
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -46,8 +46,8 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
     _check_folder(Path.cwd())
     name = location.given(text)
     study = studies.named(name)
-    for chosen in filter(None, (punches.told(study), surroundings.told(study))):
-        print(chosen, file=sys.stderr)
+    for line in study.defaults:
+        print(line, file=sys.stderr)
     _check_results(name)
     if study.verification:
         _check_verifiable(name)

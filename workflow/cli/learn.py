@@ -1,4 +1,4 @@
-"""``meecontact learn``: measured rows correct a study's surrogate, and what they have taught is said in words."""
+"""``meecontact learn``: measured rows correct a study's surrogate, and what they tell is said in words."""
 
 import argparse
 import json
@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from storage.files import output
-from workflow.cli.words import pairs, quantity, say, surrogate_file, trained, written_as
+from workflow.cli.words import named, place, quantity, say, surrogate_file, trained, written_as
 from workflow.study.reading import InputError, number, one_line
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
 
 
 def learn(options: argparse.Namespace) -> None:
-    """Learn from measured rows, write the corrected surrogate and print what was learnt, as the options say.
+    """Learn from measured rows, write the corrected surrogate and print what was learned, as the options say.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def learn(options: argparse.Namespace) -> None:
     from surrogate.transforms.measured.corrected import CorrectedGP
     from workflow.cli import questions
     from workflow.cli.measuredtable import read_measured
-    from workflow.learning import measured, plan
+    from workflow.learning import correction, plan
     from workflow.study import uncertainty
 
     trained(options.on)
@@ -88,12 +88,12 @@ def learn(options: argparse.Namespace) -> None:
     if options.plan is None and any((options.wanted, options.at, options.errors, options.within)):
         raise InputError("--for, --at, --errors and --within say what --plan N is to do; --plan is not given")
     known = [constant.name for constant in asked] + [instrument.name for instrument in instruments]
-    wanted, errors, box = _names(options.wanted), _errors(options.errors), _box(options.within)
-    at = pairs(options.at, {name: axis.units for name, axis in model.box.items()}) if options.at else {}
+    wanted, errors, box = list(named("--for", options.wanted)), _errors(options.errors), _box(options.within)
+    at = place(options.at, {name: axis.units for name, axis in model.box.items()}) if options.at else {}
     if options.plan is not None:
         plan.check(model, options.plan, wanted, known, errors, box, at)
     try:
-        corrected, taught = measured.learn(study, model, rows, asked, say, instruments)
+        corrected, summary = correction.learn(study, model, rows, asked, say, instruments)
         further = (
             plan.plan(corrected, options.plan, wanted or known, errors, box, at, instruments)
             if options.plan is not None
@@ -102,34 +102,26 @@ def learn(options: argparse.Namespace) -> None:
     except InputError as error:
         raise InputError(f"{options.measured}: {error}") from None
     save(corrected, path)
-    plain = taught.plain | ({"plan": further.plain} if further else {})
-    lines = taught.lines + (further.lines if further else [])
+    plain = summary.plain | ({"plan": further.plain} if further else {})
+    lines = summary.lines + (further.lines if further else [])
     print(json.dumps(plain, indent=2, allow_nan=False) if options.json else "\n".join(map(one_line, lines)))
     say(f"wrote {path}: `meecontact query {path}` answers with it")
 
 
 def _uncertain(words: list[str] | None) -> dict[str, float | None] | None:
     """``NAME`` or ``NAME=5%`` between commas: prior standard deviations by name."""
-    if words is None:
-        return None
-    uncertain: dict[str, float | None] = {}
-    for part in (pair for word in words for pair in word.split(",")):
-        name, equals, text = part.partition("=")
-        name = " ".join(name.split())
-        if name in uncertain:
-            raise InputError(f"--uncertain: {name}: given twice")
-        uncertain[name] = _share(name, text) if equals else None
-    return uncertain
+    given = named("--uncertain", words)
+    return {name: _share("--uncertain", name, text) if text else None for name, text in given.items()} or None
 
 
-def _share(name: str, text: str, option: str = "--uncertain") -> float:
-    plain = text.strip().removesuffix("%")
+def _share(option: str, name: str, text: str) -> float:
+    plain = text.removesuffix("%")
     try:
-        share = number(plain) * (0.01 if plain != text.strip() else 1.0)
+        share = number(plain) * (0.01 if plain != text else 1.0)
     except ValueError:
         share = -1.0
     if not 0 < share <= 0.5:
-        raise InputError(f"{option}: {name}: {text.strip()!r} is not a number above 0 and up to 0.5 (50 %)")
+        raise InputError(f"{option}: {name}: {text!r} is not a number above 0 and up to 0.5 (50 %)")
     return share
 
 
@@ -140,16 +132,13 @@ def _instruments(words: list[str] | None, study: "Study") -> "list[Instrument]":
     from workflow.learning.instruments import Instrument
 
     instruments: list[Instrument] = []
-    for part in (pair.strip() for word in words or [] for pair in word.split(",")):
-        name, _, text = (each.strip() for each in part.partition("="))
+    for name, text in named("--instrument", words).items():
         quantity, _, family = name.rpartition("_")
         if family not in ("gain", "offset") or quantity not in study.outputs:
             known = ", ".join(study.outputs)
             raise InputError(f"--instrument: {name!r} is not QUANTITY_gain or QUANTITY_offset of one of {known}")
-        if name in [instrument.name for instrument in instruments]:
-            raise InputError(f"--instrument: {name}: given twice")
         if family == "gain":
-            instruments.append(Instrument(quantity, True, _share(name, text, "--instrument")))
+            instruments.append(Instrument(quantity, True, _share("--instrument", name, text)))
             continue
         try:
             absolute, _ = size(quantity, text)
@@ -161,16 +150,12 @@ def _instruments(words: list[str] | None, study: "Study") -> "list[Instrument]":
     return instruments
 
 
-def _names(words: list[str] | None) -> list[str]:
-    return [" ".join(part.split()) for word in words or [] for part in word.split(",")]
-
-
 def _errors(words: list[str] | None) -> dict[str, tuple[float, float]]:
     """``QUANTITY=1%`` or ``QUANTITY=0.1um`` between commas: absolute error in SI, and its share of the value."""
     from workflow.language.sizes import size
 
     errors = {}
-    for name, text in _pairs("--errors", words):
+    for name, text in named("--errors", words, valued=True).items():
         try:
             errors[name] = size(name, text)
         except (KeyError, ValueError) as error:
@@ -183,20 +168,10 @@ def _box(words: list[str] | None) -> dict[str, tuple[float, float]]:
     from workflow.language.factors import FACTORS
 
     box = {}
-    for name, text in _pairs("--within", words):
+    for name, text in named("--within", words, valued=True).items():
         low, colon, high = text.partition(":")
         if not colon or name not in FACTORS:
             raise InputError(f"--within: {name}={text}: is not of the form FACTOR=LOW:HIGH, as load=10kN/m:20kN/m")
         units = FACTORS[name].units
         box[name] = (quantity(f"--within: {name}", low, units), quantity(f"--within: {name}", high, units))
     return box
-
-
-def _pairs(option: str, words: list[str] | None) -> list[tuple[str, str]]:
-    pairs = []
-    for part in (pair for word in words or [] for pair in word.split(",")):
-        name, equals, text = (each.strip() for each in part.partition("="))
-        if not equals or not text:
-            raise InputError(f"{option}: {part.strip()!r} is not of the form NAME=VALUE")
-        pairs.append((name, text))
-    return pairs

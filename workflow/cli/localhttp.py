@@ -139,8 +139,8 @@ def server(answer: Answer, host: str, port: int) -> Server:
 
         def _answer(self, body: Mapping[str, Any]) -> None:
             with one_at_a_time:
-                found = answer(self.path, body)
-            self._send(400 if "error" in found else 200, found)
+                content = answer(self.path, body)
+            self._send(400 if "error" in content else 200, content)
 
         def _send(self, status: int, content: Mapping[str, Any]) -> None:
             text = json.dumps(content, allow_nan=False).encode()

@@ -14,7 +14,7 @@ import numpy as np
 from solver import FactorError, MaterialError, PrecisionWarning
 from storage.files import output, write_text
 from surrogate import FormatError, OutOfBoxError
-from workflow.cli import calculating, learn, materials, sensing, serving, studies, tabled
+from workflow.cli import calculating, learn, materials, sensing, serving, solve, studies
 from workflow.cli.helping import Parser, exemplify
 from workflow.cli.launch import launch
 from workflow.cli.progress import busy
@@ -119,7 +119,7 @@ def _parser() -> Parser:
     )
     command.set_defaults(run=_material)
 
-    tabled.add_solve(commands)
+    solve.add_solve(commands)
 
     command = commands.add_parser(
         "query",
@@ -175,7 +175,7 @@ def _parser() -> Parser:
     sensing.add(commands)
     calculating.add(commands)
 
-    tabled.add_interior(commands)
+    solve.add_interior(commands)
     learn.add(commands)
     serving.add(commands)
     exemplify(commands)

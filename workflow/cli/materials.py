@@ -95,7 +95,7 @@ def _described(material: Material, half: HalfPlane) -> str:
         speed = shown(float(limiting_speed(material)), "m s-1", _DIGITS)
         lines.append(f"limiting speed of a conducting punch: {speed}")
     lines.append("compliance N: slopes of (u_y, phi, psi) by (sigma_yy, D_y, B_y)")
-    lines += [_row(*one) for one in zip(half.compliance, _COMPLIANCE, strict=True)]
+    lines += [_row(*row) for row in zip(half.compliance, _COMPLIANCE, strict=True)]
     lines.append("friction coupling k of (u_y, phi, psi)")
     lines.append(_row(half.friction_coupling, [units[0] for units in _COMPLIANCE]))
     return "\n".join(lines)
@@ -104,7 +104,7 @@ def _described(material: Material, half: HalfPlane) -> str:
 def _row(values: Array, units: Sequence[str]) -> str:
     """Numbers with their units, one below the other in each column."""
     said = [shown(float(value), unit, _DIGITS) if value else "0" for value, unit in zip(values, units, strict=True)]
-    return "  " + "".join(f"{one:24s}" for one in said).rstrip()
+    return "  " + "".join(f"{number:24s}" for number in said).rstrip()
 
 
 def _constant(material: Material, name: str) -> str:

@@ -40,8 +40,9 @@ def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measureme
     quantities = {name: ALL_QUANTITIES[name].units for name in study.outputs}
     more = quantities | {f"{name}{ERROR}": units for name, units in quantities.items()}
     table = read_cases(path, more)
-    _check_columns(table, study, list(more))
-    X = np.stack([_filled(table, name) for name in model.box], axis=1)
+    needs = f"the surrogate needs {', '.join((*study.factors, *study.categories))}"
+    _check_columns(table, study, list(more), needs)
+    X = np.stack([table.numbers(name, needs) for name in model.box], axis=1)
     wrong = outside(X, model.inputs_)
     if wrong.any():
         row, k = np.argwhere(wrong)[0]
@@ -68,7 +69,7 @@ def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measureme
     )
 
 
-def _check_columns(table: Table, study: Study, measured: list[str]) -> None:
+def _check_columns(table: Table, study: Study, measured: list[str], needs: str) -> None:
     inputs = [*study.factors, *study.categories]
     for name in table.columns:
         if name not in (*inputs, *measured):
@@ -78,17 +79,9 @@ def _check_columns(table: Table, study: Study, measured: list[str]) -> None:
             raise InputError(f"{table.source}: {name}: without a column {name.removesuffix(ERROR)}")
     for name in inputs:
         if name not in table.columns:
-            raise InputError(f"{table.source}: {name}: missing; the surrogate needs {', '.join(inputs)}")
+            raise InputError(f"{table.source}: {name}: missing; {needs}")
     if not any(name in measured for name in table.columns):
         raise InputError(f"{table.source}: no measured quantity; known are {', '.join(study.outputs)}")
-
-
-def _filled(table: Table, name: str) -> NDArray[np.float64]:
-    """A factor, which every row has."""
-    empty = table.empty(name)
-    if empty.any():
-        raise InputError(f"{table.at(int(empty.argmax()))}: {name}: empty; must be a number")
-    return np.asarray(table.columns[name], dtype=np.float64)
 
 
 def _kinds(table: Table, study: Study) -> list[dict[str, str]]:

@@ -27,9 +27,12 @@ def predicted(model: GaussianProcess, table: Table, level: float, *, extrapolate
         A column that the model lacks or that lacks, a cell that is empty, a point outside the trained box unless
         ``extrapolate``, or so far outside that the answer is no finite number; names line, input and value.
     """
-    _check_columns(model, table)
-    named = {name: xr.DataArray(table.columns[name], dims="point") for name in model.box}
-    X = np.stack([table.columns[name] for name in model.box], axis=1)
+    for name in table.columns:
+        if name not in model.box:
+            raise InputError(f"{table.source}: {name}: not an input of the surrogate; {nearest(name, list(model.box))}")
+    columns = {name: table.numbers(name, f"the surrogate needs {', '.join(model.box)}") for name in model.box}
+    named = {name: xr.DataArray(column, dims="point") for name, column in columns.items()}
+    X = np.stack(list(columns.values()), axis=1)
     wrong = outside(X, model.inputs_)
     try:
         with np.errstate(all="ignore"):  # what is not finite is named below
@@ -48,17 +51,3 @@ def predicted(model: GaussianProcess, table: Table, level: float, *, extrapolate
         )
         raise InputError(f"{table.at(row)}: {far}: no finite answer so far outside of the trained box")
     return answer
-
-
-def _check_columns(model: GaussianProcess, table: Table) -> None:
-    for name in table.columns:
-        if name not in model.box:
-            raise InputError(f"{table.source}: {name}: not an input of the surrogate; {nearest(name, list(model.box))}")
-    for name in model.box:
-        if name not in table.columns:
-            raise InputError(f"{table.source}: {name}: missing; the surrogate needs {', '.join(model.box)}")
-        column = table.columns[name]
-        if column.dtype.kind != "f":
-            raise InputError(f"{table.source}: {name}: holds names; must hold numbers")
-        if np.isnan(column).any() and table.lines.size:
-            raise InputError(f"{table.at(int(np.isnan(column).argmax()))}: {name}: empty; must be a number")

@@ -10,7 +10,7 @@ from surrogate.intervals.distribution import NOMINAL
 from workflow.language.numbers import prefixed
 
 #: Figures of a number whose interval says nothing of them, and the fewest and most that an interval asks for.
-_FIGURES, _FEWEST, _MOST = 10, 4, 15
+_DIGITS, _FEWEST, _MOST = 10, 4, 15
 
 
 def predicted(
@@ -49,17 +49,17 @@ def table(answer: xr.Dataset, outputs: Sequence[str], level: float, *, si: bool 
     units = {name: str(answer[name].attrs.get("units", "")) for name in outputs}
     ends = {name: [float(answer[f"{name}{part}"].values[0]) for part in ("", "_lower", "_upper")] for name in outputs}
     lines = {
-        name: f"{name:34s} {with_units(value, lower, upper, units[name], level, si=si)}"
+        name: f"{name:34s} {shown(value, lower, upper, units[name], level, si=si)}"
         for name, (value, lower, upper) in ends.items()
     }
     length = max(map(len, lines.values()))
     return {name: line.ljust(length) for name, line in lines.items()}
 
 
-def with_units(
-    value: float, lower: float, upper: float, units: str, level: float = NOMINAL, *, si: bool = False
+def shown(
+    value: float, lower: float, upper: float, units: str = "", level: float = NOMINAL, *, si: bool = False
 ) -> str:
-    """``value [lower, upper] unit (95 %)`` in a unit that keeps the numbers short, or in SI.
+    """``value [lower, upper] unit (95 %)`` with two figures of the interval's half width.
 
     Parameters
     ----------
@@ -70,35 +70,18 @@ def with_units(
 
     Examples
     --------
-    >>> with_units(4.3856e-7, 4.3855e-7, 4.3857e-7, "m"), with_units(4.3856e-7, 4.3855e-7, 4.3857e-7, "m", si=True)
+    >>> shown(4.3856e-7, 4.3855e-7, 4.3857e-7, "m"), shown(4.3856e-7, 4.3855e-7, 4.3857e-7, "m", si=True)
     ('438.5600 [438.5500, 438.5700] nm (95 %)', '4.385600e-07 [4.385500e-07, 4.385700e-07] m (95 %)')
     """
-    size = max(abs(lower), abs(upper))
-    scale, text = (1.0, units) if si else prefixed(size, units)
-    numbers, bracket, share = shown(value / scale, lower / scale, upper / scale, level).partition(" (")
-    return f"{numbers} {text}".rstrip() + bracket + share
-
-
-def shown(value: float, lower: float, upper: float, level: float = NOMINAL) -> str:
-    """``value [lower, upper] (95 %)`` with two figures of the interval's half width.
-
-    Parameters
-    ----------
-    value, lower, upper : float, in any unit
-    level : float, probability of the interval
-
-    Examples
-    --------
-    >>> shown(-527.568446, -527.5708, -527.5661)
-    '-527.5684 [-527.5708, -527.5661] (95 %)'
-    """
-    count = _figures(max(abs(lower), abs(upper)), (upper - lower) / 2)
+    scale, text = (1.0, units) if si else prefixed(max(abs(lower), abs(upper)), units)
+    value, lower, upper = value / scale, lower / scale, upper / scale
+    count = _digits(max(abs(lower), abs(upper)), (upper - lower) / 2)
     zeros = "#" if upper > lower else ""  # an exact value has no digits to keep
-    one, low, high = (f"{number:{zeros}.{count}g}".rstrip(".") for number in (value, lower, upper))
-    return f"{one} [{low}, {high}] ({100 * level:g} %)"
+    middle, low, high = (f"{number:{zeros}.{count}g}".rstrip(".") for number in (value, lower, upper))
+    return f"{f'{middle} [{low}, {high}] {text}'.rstrip()} ({100 * level:g} %)"
 
 
-def _figures(size: float, half_width: float) -> int:
+def _digits(size: float, half_width: float) -> int:
     if not (isfinite(size) and half_width > 0):
-        return _FIGURES
+        return _DIGITS
     return min(max(floor(log10(size)) - floor(log10(half_width)) + 2, _FEWEST), _MOST)

@@ -17,7 +17,7 @@ from surrogate import GaussianProcess
 from workflow.cli import predictions
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.pointtable import predicted
-from workflow.cli.words import pairs, say, trained
+from workflow.cli.words import place, say, trained
 from workflow.dataset import factorial
 from workflow.language.numbers import prefixed
 from workflow.study import location
@@ -45,7 +45,7 @@ def query(options: argparse.Namespace) -> None:
         options.output = output(options.output, *inputs)
     if options.at is not None:
         units = {name: axis.units for name, axis in model.box.items()}
-        values = {name: np.array([value]) for name, value in pairs(options.at, units).items()}
+        values = {name: np.array([value]) for name, value in place(options.at, units).items()}
         table = Table("--at", values, np.empty(0, dtype=np.int64))
     else:
         table = read_cases(options.table)
@@ -95,7 +95,7 @@ def study_of(model: GaussianProcess, given: str) -> studies.Study:
 def _with_exact(answer: xr.Dataset, model: GaussianProcess, table: Table, study: studies.Study) -> xr.Dataset:
     """The answer with ``<output>_exact`` beside every output."""
     points = {name: xr.DataArray(values, dims="point") for name, values in table.columns.items()}
-    exact = factorial.learned(study, factorial.exact(study, points))
+    exact = factorial.training_data(study, factorial.exact(study, points))
     return answer.assign({f"{name}_exact": exact[name] for name in model.outputs_})
 
 

@@ -13,7 +13,7 @@ from solver.names import ALL_QUANTITIES, CHOICES
 from surrogate import GaussianProcess, Input, load
 from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
 from workflow.cli import predictions
-from workflow.cli.words import quantity, trained
+from workflow.cli.words import named, quantity, trained
 from workflow.dataset import factorial
 from workflow.design.search import targets
 from workflow.design.told.words import verdict
@@ -22,11 +22,11 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.language.sizes import size
 from workflow.language.spelling import nearest
-from workflow.learning import widened
+from workflow.learning import wider_box
 from workflow.study import location
 from workflow.study import model as studies
-from workflow.study.asked import check_target, check_values
 from workflow.study.categories import output
+from workflow.study.consistency import check_target, check_values
 from workflow.study.messages import first_problem
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -55,7 +55,7 @@ def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProc
     study = studies.load(location.of_results(folder))
     model = load(surrogate)
     as_now = model.made_from_ == study.physics
-    if not as_now or list(model.box.values()) != factorial.inputs(study) or list(model.outputs_) != study.learned:
+    if not as_now or list(model.box.values()) != factorial.inputs(study) or list(model.outputs_) != study.output_names:
         raise InputError(f"{surrogate}: was made from another state of the study; run `meecontact run {folder.name}`")
     return study, model
 
@@ -79,14 +79,16 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
     asked: dict[str, Any] = {
         "maximise": list(words.get("maximise") or []),
         "minimise": list(words.get("minimise") or []),
-        "over": {name: _variable(name, text) for name, text in _named("--over", words.get("over"))},
-        "at": {name: _value(f"--at: {name}", name, text) for name, text in _named("--at", words.get("at"))},
+        "over": {name: _variable(name, text) for name, text in named("--over", words.get("over")).items()},
+        "at": {name: _value(f"--at: {name}", name, text) for name, text in named("--at", words.get("at")).items()},
         "worst_case": {
             name: _interval(f"--worst-case: {name}", name, text)
-            for name, text in _named("--worst-case", words.get("worst_case"))
+            for name, text in named("--worst-case", words.get("worst_case")).items()
         },
-        "uncertain": {name: _distribution(name, text) for name, text in _named("--uncertain", words.get("uncertain"))},
-        "tolerance": dict(_named("--tolerance", words.get("tolerance"))),
+        "uncertain": {
+            name: _distribution(name, text) for name, text in named("--uncertain", words.get("uncertain")).items()
+        },
+        "tolerance": named("--tolerance", words.get("tolerance")),
         "subject_to": list(words.get("limit") or []),
     }
     robust = words.get("robust")
@@ -140,18 +142,18 @@ def ask(
     """
     study, model = results(folder)
     asked, notes = target(study, words), []
-    if wider := widened.beyond(study, asked):
-        keep = widened.lines(study, wider)
+    if wider := wider_box.beyond(study, asked):
+        keep = wider_box.lines(study, wider)
         notes = [f"the ranges are wider than the study's and were solved anew for this question; to keep them: {keep}"]
         tell("solving the wider ranges anew")
-        study = widened.made(study, asked, wider)
-        model = widened.learned(_checked(study, asked))
+        study = wider_box.made(study, asked, wider)
+        model = wider_box.fitted(_checked(study, asked))
     else:
         _checked(study, asked)
     answer = targets.answer(study, "question", asked, model, tell)
     answer = replace(answer, flags="; ".join([*filter(None, [answer.flags]), *notes]))
     if not answer.feasible:
-        at = [f"{name} = {kind}" for name, kind in answer.kinds.items()]
+        at = [f"{name} = {kind}" for name, kind in answer.combination.items()]
         at += [f"{variable.name} = {variable.value:.6g}" for variable in answer.variables]
         raise InputError(f"design: {answer.status}, at {', '.join(at)}. {verdict(answer)}")
     return answer
@@ -172,9 +174,9 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
         Names, numbers or a form that are not understood; measurements that no case of the box explains.
     """
     study, model = results(folder)
-    pairs = _named("--measured", words.get("measured"))
+    measured = named("--measured", words.get("measured"))
     values, errors = [], []
-    for name, text in pairs:
+    for name, text in measured.items():
         value, error = _measured(name, text)
         values.append(value)
         errors.append(error)
@@ -182,20 +184,20 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
             raise InputError(
                 f"--measured: {name}: {text!r}: an error must be within {SMALLEST_ERROR:g} to {LARGEST_ERROR:g}"
             )
-    infer = [name for name, _ in _named("--infer", words.get("infer"))]
+    infer = list(named("--infer", words.get("infer")))
     at: dict[str, float | str] = {name: _usual(study, name) for name in study.categories}
-    at |= {name: _value(f"--at: {name}", name, text) for name, text in _named("--at", words.get("at"))}
+    at |= {name: _value(f"--at: {name}", name, text) for name, text in named("--at", words.get("at")).items()}
     try:
         for name, given in at.items():
             check_values(study, "--at", name, [given])
-        named = {name: str(at.pop(name)) for name in study.categories}
+        combination = {name: str(at.pop(name)) for name in study.categories}
         held = {name: float(value) for name, value in at.items()}
-        asked = [_learned(study, name, named) for name, _ in pairs]
+        asked = [_learned(study, name, combination) for name in measured]
         inversion = Inversion(model.only(asked) if study.kind.tabled else model, infer, asked, held)
     except ValueError as error:
         raise InputError(f"invert: {error}") from None
     estimate = inversion.estimate(np.array(values), np.array(errors))
-    if estimate.misfit > _IMPOSSIBLE + len(pairs):
+    if estimate.misfit > _IMPOSSIBLE + len(measured):
         raise InputError(
             f"invert: no case within the study's ranges gives these measurements (misfit {estimate.misfit:.3g})"
         )
@@ -203,11 +205,11 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
     return "\n".join(_told(model.box[name], *numbers, si=si) for name, *numbers in rows)
 
 
-def _learned(study: Study, name: str, kinds: Mapping[str, str]) -> str:
+def _learned(study: Study, name: str, combination: Mapping[str, str]) -> str:
     """The surrogate's output of a measured quantity."""
     if name not in study.outputs:
         raise InputError(f"--measured: {name}: is not learned by the study; {nearest(name, list(study.outputs))}")
-    return output(name, kinds)
+    return output(name, combination)
 
 
 def _told(axis: Input, mean: float, low: float, high: float, *, si: bool) -> str:
@@ -216,7 +218,7 @@ def _told(axis: Input, mean: float, low: float, high: float, *, si: bool) -> str
     if axis.to_unit(high) - axis.to_unit(low) > _UNTOLD * 2:  # the range is [-1, 1]
         within = f"the study's range is {shown(axis.low, units)} to {shown(axis.high, units)}"
         return f"{axis.name} cannot be told from this: {within}"
-    return f"{axis.name:16s} {predictions.with_units(mean, low, high, units, si=si)}"
+    return f"{axis.name:16s} {predictions.shown(mean, low, high, units, si=si)}"
 
 
 def _measured(name: str, text: str) -> tuple[float, float]:
@@ -244,28 +246,6 @@ def _units(name: str) -> str:
     """Units of a factor or quantity; none of a name that is not known, which is told later."""
     known = FACTORS.get(name) or ALL_QUANTITIES.get(name)
     return known.units if known else "1"
-
-
-def _named(option: str, words: Sequence[str] | None) -> list[tuple[str, str]]:
-    """``name`` or ``name=text`` of every part between commas outside brackets."""
-    parts = [part for word in words or [] for part in _split(word)]
-    pairs = [(name.strip(), text.strip()) for name, _, text in (part.partition("=") for part in parts)]
-    names = [name for name, _ in pairs]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"{option}: {name}: given twice")
-    return pairs
-
-
-def _split(word: str) -> list[str]:
-    parts, depth = [""], 0
-    for character in word:
-        depth += (character == "(") - (character == ")")
-        if character == "," and depth == 0:
-            parts.append("")
-        else:
-            parts[-1] += character
-    return parts
 
 
 def _variable(name: str, text: str) -> dict[str, Any]:

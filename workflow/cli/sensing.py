@@ -14,7 +14,7 @@ from solver.face.materials import material_of
 from solver.names import FACTORS
 from storage.files import output, write_text
 from workflow.cli.casetable import TEXT_FACTORS, read_cases
-from workflow.cli.words import quantity, say, written_as
+from workflow.cli.words import named, quantity, say, written_as
 from workflow.device.circuit import Circuit
 from workflow.device.contact import Contact, film
 from workflow.device.signal import DROP, Figures, History, Signal, read
@@ -95,21 +95,10 @@ def _positive(where: str, text: str) -> float:
     return value
 
 
-def _pairs(option: str, text: str) -> dict[str, str]:
-    """``NAME=VALUE`` between commas."""
-    pairs: dict[str, str] = {}
-    for part in text.split(","):
-        name, equals, value = (word.strip() for word in part.partition("="))
-        if not equals or name in pairs:
-            raise InputError(f"{option}: {part.strip()!r} is {'given twice' if equals else 'not NAME=VALUE'}")
-        pairs[name] = value
-    return pairs
-
-
 def _case(text: str) -> dict[str, Any]:
     """The factors of one case, from a table or from the option itself."""
     if "=" in text:
-        return {name: _factor(name, value) for name, value in _pairs("--on", text).items()}
+        return {name: _factor(name, value) for name, value in named("--on", text, valued=True).items()}
     table = read_cases(Path(text))
     if len(table.lines) != 1:
         raise InputError(f"{text}: {len(table.lines)} cases; a signal is of one")
@@ -124,7 +113,7 @@ def _factor(name: str, text: str) -> float | str:
 
 def _device(text: str, kind: Kind) -> dict[str, float]:
     """Numbers of a study's section ``device``, in SI."""
-    given = {name: _plain(value) for name, value in _pairs("--device", text).items()}
+    given = {name: _plain(value) for name, value in named("--device", text, valued=True).items()}
     amplifier = {name: given.pop(name) for name in Amplifier.model_fields if name in given}
     content = {**given, "amplifier": amplifier}
     try:
@@ -149,15 +138,11 @@ def _history(path: Path, kind: Kind, length: float) -> History:
     table = read_cases(path, {"time": "s"})
     names = ["force", *(["load"] if kind.contact == "line" else [])]
     column = next((name for name in names if name in table.columns), names[0])
-    for name in ("time", column):
-        if name not in table.columns:
-            raise InputError(f"{path}: {name}: missing; a history has time [s] and {' or '.join(names)}")
-        if table.empty(name).any():
-            raise InputError(f"{table.at(int(table.empty(name).argmax()))}: {name}: empty; must be a number")
+    needs = f"a history has time [s] and {' or '.join(names)}"
+    times, forces = (table.numbers(name, needs) for name in ("time", column))
     for name in table.columns:
         if name not in ("time", column):
-            raise InputError(f"{path}: {name}: a history has time [s] and {' or '.join(names)} alone")
-    times, forces = table.columns["time"], table.columns[column]
+            raise InputError(f"{path}: {name}: {needs} alone")
     if not 1 < len(times) <= _MOST_ROWS:
         raise InputError(f"{path}: {len(times)} rows; a history has 2 to {_MOST_ROWS}")
     back = np.diff(times) <= 0

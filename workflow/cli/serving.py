@@ -66,7 +66,7 @@ class Model:
         if self.study is None:
             return np.asarray(mean, dtype=np.float64)
         points = {name: xr.DataArray([value], dims="point") for name, value in zip(self.surrogate.box, at, strict=True)}
-        exact = factorial.learned(self.study, factorial.exact(self.study, points))
+        exact = factorial.training_data(self.study, factorial.exact(self.study, points))
         return np.array([float(exact[name].values[0]) for name in self.surrogate.outputs_])
 
     def jacobian(self, at: Vector) -> Vector:

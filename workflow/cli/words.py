@@ -2,7 +2,7 @@
 
 import sys
 from argparse import ArgumentTypeError
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from solver.units import in_si
@@ -69,8 +69,52 @@ def quantity(where: str, text: str, units: str) -> float:
         raise InputError(f"{where}: {error}") from None
 
 
-def pairs(text: str, units: Mapping[str, str]) -> dict[str, float]:
-    """``NAME=VALUE`` between commas, of the option ``--at``, in SI.
+def named(option: str, words: str | Sequence[str] | None, *, valued: bool = False) -> dict[str, str]:
+    """``NAME=VALUE`` or ``NAME`` of every part between commas outside brackets: the values' texts by name.
+
+    Parameters
+    ----------
+    option : str, which messages name
+    words : str or sequence of str, what it says, once or several times; None: it is not given
+    valued : bool, whether every name needs a value; else the text of a name without one is empty
+
+    Raises
+    ------
+    InputError
+        A name that is given twice, or that lacks its value.
+
+    Examples
+    --------
+    >>> named("--over", ["radius=1 cm:5 cm,load", "material=PZT-4|steel"])
+    {'radius': '1 cm:5 cm', 'load': '', 'material': 'PZT-4|steel'}
+    """
+    texts: dict[str, str] = {}
+    for word in [words] if isinstance(words, str) else words or []:
+        for part in _parts(word):
+            name, _, text = part.partition("=")
+            name = " ".join(name.split())
+            if valued and not text.strip():
+                raise InputError(f"{option}: {part.strip()!r} is not of the form NAME=VALUE")
+            if name in texts:
+                raise InputError(f"{option}: {name}: given twice")
+            texts[name] = text.strip()
+    return texts
+
+
+def _parts(word: str) -> list[str]:
+    """Parts between commas outside brackets."""
+    parts, depth = [""], 0
+    for character in word:
+        depth += (character in "([") - (character in ")]")
+        if character == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += character
+    return parts
+
+
+def place(text: str, units: Mapping[str, str]) -> dict[str, float]:
+    """Where an answer is wanted, as the option ``--at`` says it: values by name, in SI.
 
     Parameters
     ----------
@@ -80,17 +124,10 @@ def pairs(text: str, units: Mapping[str, str]) -> dict[str, float]:
     Raises
     ------
     InputError
-        The part that is none.
+        As `named` and `quantity`.
     """
-    given: dict[str, float] = {}
-    for part in text.split(","):
-        name, equals, value = part.partition("=")
-        if not equals:
-            raise InputError(f"--at: {part.strip()!r} is not of the form NAME=VALUE")
-        if name.strip() in given:
-            raise InputError(f"--at: {name.strip()}: given twice")
-        given[name.strip()] = quantity(f"--at: {name.strip()}", value, units.get(name.strip(), "1"))
-    return given
+    given = named("--at", text, valued=True)
+    return {name: quantity(f"--at: {name}", value, units.get(name, "1")) for name, value in given.items()}
 
 
 def surrogate_file(text: str) -> Path:

@@ -12,7 +12,7 @@ from storage.described import described
 from storage.netcdf import read_whole, write_whole
 from surrogate.data.meanings import MEANINGS, SOURCE
 from workflow.dataset import factorial
-from workflow.dataset.kept import Kept
+from workflow.dataset.casecache import CaseCache
 from workflow.run.joblog import log
 from workflow.study import partition
 from workflow.study.model import Study
@@ -48,7 +48,7 @@ def slabs(study: Study, path: str | Path) -> int:
     return min(partition.count(study), read_whole(Path(path)).sizes.get(PLACE, 0))
 
 
-def write_slab(study: Study, path_of_places: Path, index: int, path: Path, kept: Kept | None = None) -> None:
+def write_slab(study: Study, path_of_places: Path, index: int, path: Path, cache: CaseCache | None = None) -> None:
     """Solve a slab of a batch exactly, and write its quantities.
 
     Parameters
@@ -56,7 +56,7 @@ def write_slab(study: Study, path_of_places: Path, index: int, path: Path, kept:
     study : Study
     path_of_places, path : Path, the file of the batch's places, and the one to write
     index : int, number of the slab, from 0
-    kept : Kept, what was solved before; None: nothing
+    cache : CaseCache, of what was solved before; None: none
 
     Raises
     ------
@@ -71,7 +71,7 @@ def write_slab(study: Study, path_of_places: Path, index: int, path: Path, kept:
     with tqdm(total=count, desc=f"slab {index + 1}", unit=" places", disable=None, leave=False) as bar:
         parts, each = [], _AT_A_TIME if study.tabled else max(1, _CASES // study.block)
         for start in range(0, count, each):
-            parts.append(exact(study, batch.isel({PLACE: part[start : start + each]}), kept))
+            parts.append(exact(study, batch.isel({PLACE: part[start : start + each]}), cache))
             bar.update(parts[-1].sizes[PLACE])
     whole = joined(parts)
     values = {str(name): array.values for name, array in whole.data_vars.items()}
@@ -80,18 +80,18 @@ def write_slab(study: Study, path_of_places: Path, index: int, path: Path, kept:
     log.info("slab %d: %d places, %d cases", index + 1, count, count * study.block)
 
 
-def exact(study: Study, places: xr.Dataset, kept: Kept | None = None) -> xr.Dataset:
+def exact(study: Study, places: xr.Dataset, cache: CaseCache | None = None) -> xr.Dataset:
     """Exact quantities over places of the crossed axes and all levels of the others.
 
     Parameters
     ----------
     study : Study
     places : Dataset, the crossed axes over `PLACE`, SI
-    kept : Kept, what was solved before; None: nothing
+    cache : CaseCache, of what was solved before; None: none
     """
     levels = {name: some for name, some in factorial.axes(study).items() if name not in study.crossed}
     crossed = {name: xr.DataArray(places[name].variable) for name in study.crossed}
-    solved = factorial.exact(study, {**crossed, **levels}, kept=kept)
+    solved = factorial.exact(study, {**crossed, **levels}, cache=cache)
     whole = xr.broadcast(solved[study.quantities])[0].transpose(PLACE, *levels)
     return whole.reset_coords(drop=True).assign_coords({name: solved[name] for name in (*study.crossed, *levels)})
 

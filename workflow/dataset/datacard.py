@@ -8,6 +8,7 @@ from typing import Any
 import netCDF4
 import numpy as np
 import xarray as xr
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from storage.blocks import STATISTICS
 from storage.netcdf import MAX_BYTES
@@ -35,14 +36,14 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
     """
     lacking = _refused(study, slabs)
     files = [_file(path, PLACE if study.crossed else next(iter(study.axes))) for path in slabs]
-    variables = {own: _merged([file["variables"][own] for file in files]) for own in files[0]["variables"]}
+    variables = {key: _merged([file["variables"][key] for file in files]) for key in files[0]["variables"]}
     seconds = [_seconds(path) for path in benchmarks if path.is_file()]
     return {
         "title": study.title,
         "study": name,
         "cases": study.block * sum(file["levels"] for file in files) if study.crossed else study.cases,
         "crossed": study.crossed,
-        "factors": {own: axis.model_dump() for own, axis in study.factors.items()},
+        "factors": {key: axis.model_dump() for key, axis in study.factors.items()},
         "groups": _groups(study),
         "categories": study.categories,
         "fixed": study.fixed,
@@ -64,46 +65,19 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
 
 def markdown(card: Mapping[str, Any]) -> str:
     """The card for people."""
-    took = card["seconds_of_jobs"]
-    size = (
-        f"{card['bytes'] / 1e6:,.1f} MB in {len(card['files'])} files, {card['bytes_unpacked'] / 1e6:,.1f} MB unpacked"
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        autoescape=False,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
     )
-    fixed = ", ".join(f"{name} = {value}" for name, value in card["fixed"].items())
-    lines = [
-        f"# Data card: {card['title']}",
-        "",
-        f"Study `{card['study']}`: {card['cases']:,} cases{_at(card['positions'])}; {size}"
-        + (f"; {took:,.1f} s of jobs." if took is not None else "."),
-        "",
-        "| factor | low | high | levels | scale |",
-        "|---|---|---|---|---|",
-        *(_row(name, axis) for name, axis in card["factors"].items()),
-        "",
-        *_stored(card["groups"]),
-        *(
-            [
-                f"Not all of this factorial: places in {', '.join(crossed)} that a cross approximation asked for, with "
-                "all levels of any others.  "
-            ]
-            if (crossed := card["crossed"])
-            else []
-        ),
-        *(f"{name}: {', '.join(names)}.  " for name, names in card["categories"].items()),
-        f"Fixed: {fixed or 'nothing'}.  ",
-        *(f"Layer {number}: {words}.  " for number, words in enumerate(card["body"], 1)),
-        f"{_datum(card)}.{'  ' if 'refused' in card else ''}",
-        *([f"{card['refused']['told']}."] if "refused" in card else []),
-        "",
-        "| variable | unit | minimum | maximum | mean | standard deviation | type | meaning |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    for name, variable in card["variables"].items():
-        attrs = variable["attributes"]
-        low, high = attrs["actual_range"]
-        numbers = (low, high, attrs["mean"], attrs["standard_deviation"])
-        shown = " | ".join(f"{value:.5g}" for value in numbers)
-        lines.append(f"| {name} | {attrs['units']} | {shown} | {variable['type']} | {attrs['long_name']} |")
-    return "\n".join(lines) + "\n"
+    alike: dict[str, list[str]] = {}
+    for name, powers in card["groups"].get("scales", {}).items():
+        words = " ".join(f"{factor}^{power:g}" for factor, power in powers.items()) or "1"
+        alike.setdefault(words, []).append(name)
+    return environment.get_template("datacard.md.j2").render(card, alike=alike)
 
 
 def _refused(study: Study, slabs: Sequence[Path]) -> dict[str, Any]:
@@ -139,56 +113,6 @@ def _groups(study: Study) -> dict[str, Any]:
     held = {name: value for name, value in middles(study).items() if name not in leads.values()}
     scales = {name: similar.scale(study, name) for name in study.quantities}
     return {"axes": axes, "varied": leads, "held": held, "scales": scales, "log_of_datum_added": sorted(study.added)}
-
-
-def _at(positions: Sequence[float]) -> str:
-    """At how many positions fields are stored; of none, nothing."""
-    return f", {len(positions)} positions" if positions else ""
-
-
-def _row(name: str, axis: Mapping[str, Any]) -> str:
-    levels = axis["levels"] or "in groups"
-    return f"| {name} | {axis['low']:g} | {axis['high']:g} | {levels} | {axis['scale']} |"
-
-
-def _stored(groups: Mapping[str, Any]) -> list[str]:
-    """The stored axes, and how a case of the box follows from the stored one with the same groups."""
-    if not groups:
-        return []
-    held = ", ".join(f"{name} = {value:g}" for name, value in groups["held"].items())
-    alike: dict[str, list[str]] = {}
-    for name, powers in groups["scales"].items():
-        words = " ".join(f"{factor}^{power:g}" for factor, power in powers.items()) or "1"
-        alike.setdefault(words, []).append(name)
-    added = groups["log_of_datum_added"]
-    return [
-        "Stored over groups of the factors:",
-        "",
-        "| axis | is | low | high | levels | scale | unit | varied by |",
-        "|---|---|---|---|---|---|---|---|",
-        *(
-            f"| {name} | {axis['product']} | {axis['low']:g} | {axis['high']:g} | {axis['levels']} | {axis['scale']} | "
-            f"{axis['units']} | {groups['varied'][name]} |"
-            for name, axis in groups["axes"].items()
-        ),
-        "",
-        f"Stored cases have {held or 'nothing else'}. A case of the box is similar to the stored one with the same "
-        "groups: every quantity is proportional to",
-        "",
-        *(f"- {words}: {', '.join(names)}" for words, names in alike.items()),
-        *([f"- {', '.join(added)}: to that once the logarithm of the datum is taken out, exactly"] if added else []),
-        "",
-    ]
-
-
-def _datum(card: Mapping[str, Any]) -> str:
-    """Which variables depend on the datum, and which datum that is."""
-    if "absolute" in card:
-        return "Datum: none; depths and potentials are absolute"
-    names = [name for name in card["variables"] if name in card["on_datum"]]
-    which = "a factor" if card["datum"] is None else f"{card['datum']:g} m"
-    told = ", ".join(names) or "none of the variables"
-    return f"Datum: {which}; on this arbitrary length of the potentials depend {told}"
 
 
 def _file(path: Path, first: str) -> dict[str, Any]:

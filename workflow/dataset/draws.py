@@ -8,7 +8,7 @@ import xarray as xr
 
 from approximation.arrays import Array
 from surrogate import Input
-from workflow.dataset.kept import AT_A_TIME
+from workflow.dataset.casecache import AT_A_TIME
 from workflow.study.model import Study
 from workflow.study.sections import Axis
 
@@ -24,8 +24,8 @@ _Drawn = tuple[dict[str, xr.DataArray], np.ndarray[Any, np.dtype[np.int8]]]
 def sample(study: Study, count: int, seed: Sequence[int], ends: bool) -> _Drawn:
     """Random factors of a sample over ``case``, and which are even: 1, those towards the ends of the box 0.
 
-    Of a box that has grown, so many come from the sample of the box of before as its share of the volume is, piece by
-    piece as the solver is asked for them: these may have been solved. The others lie beyond it.
+    Of a box that has grown, the sample of the earlier box gives as large a share of the cases as that box has of the
+    volume, in whole pieces of the cache: these may have been solved. The other cases lie outside the earlier box.
 
     Parameters
     ----------
@@ -34,17 +34,28 @@ def sample(study: Study, count: int, seed: Sequence[int], ends: bool) -> _Drawn:
     seed : sequence of int, of the random generator
     ends : bool, whether as many again are drawn towards the ends
     """
-    before = study.before
-    if before is None:
+    smaller = before(study)
+    if smaller is None:
         return _with_ends(study, points(study, count, seed), seed, ends)
-    old, even = sample(before, count, seed, ends)
-    shares = _shares(study, before)
+    old, even = sample(smaller, count, seed, ends)
+    shares = _shares(study, smaller)
     size = TOGETHER * (1 + ends) if study.tabled else AT_A_TIME
     taken = int(np.prod([high - low for low, high in shares.values()]) * even.size) // size * size
     further = _beyond(study, count - int(even[:taken].sum()), (*seed, 2), shares)
     new, new_even = _with_ends(study, further, (*seed, 3), ends)
     both = {name: xr.concat([old[name][:taken], new[name]], "case") for name in study.factors}
     return both, np.concatenate([even[:taken], new_even])
+
+
+def before(study: Study) -> Study | None:
+    """The study over the box that it has grown from; None where that is none or as large."""
+    ends = {name: axis.grown_from or [axis.low, axis.high] for name, axis in study.factors.items()}
+    axes = {
+        name: axis.model_copy(update={"low": ends[name][0], "high": ends[name][1], "grown_from": None})
+        for name, axis in study.factors.items()
+    }
+    same = all((axes[name].low, axes[name].high) == (axis.low, axis.high) for name, axis in study.factors.items())
+    return None if same else study.model_copy(update={"factors": axes})
 
 
 def _with_ends(study: Study, drawn: dict[str, xr.DataArray], seed: Sequence[int], ends: bool) -> _Drawn:
@@ -55,34 +66,34 @@ def _with_ends(study: Study, drawn: dict[str, xr.DataArray], seed: Sequence[int]
 
 def _shares(study: Study, before: Study) -> dict[str, tuple[float, float]]:
     """Where the ends of the box of before lie, by factor, as shares of the range of now."""
-    found = {}
+    shares = {}
     for name, axis in study.factors.items():
         own, old = Input(name, axis.low, axis.high, axis.scale), before.factors[name]
         low, high = (float((own.to_unit(end) + 1) / 2) for end in (old.low, old.high))
-        found[name] = low, high
-    return found
+        shares[name] = low, high
+    return shares
 
 
 def _beyond(
     study: Study, count: int, seed: Sequence[int], shares: Mapping[str, tuple[float, float]]
 ) -> dict[str, xr.DataArray]:
-    """Random factors that do not lie in a part of the box; those that films have tables of are shared."""
+    """Random factors outside a part of the box; cases of films share the factors that need tables."""
     random = np.random.default_rng(list(seed))
     names, together = list(study.factors), TOGETHER if study.tabled else 1
     low, high = np.array(list(shares.values())).T
     shared = np.array([name in study.tabled for name in names])
     rows: list[Array] = []
     for _ in range(-(-count // together)):
-        found = np.empty((0, len(names)))
-        while len(found) < together:
+        cases = np.empty((0, len(names)))
+        while len(cases) < together:
             u = random.uniform(size=(together, len(names)))
-            if len(found):
-                u[:, shared] = found[0, shared]
+            if len(cases):
+                u[:, shared] = cases[0, shared]
             else:  # a place as likely as its cases beyond that part are
                 u[1:, :] = u[0]
             beyond = ((u < low) | (u > high)).any(axis=1)
-            found = np.concatenate([found, u[beyond] if len(found) else u[beyond][:1]])
-        rows.append(found[:together])
+            cases = np.concatenate([cases, u[beyond] if len(cases) else u[beyond][:1]])
+        rows.append(cases[:together])
     u = np.concatenate(rows)[:count].T
     return {
         name: xr.DataArray(_along(name, study.factors[name], own), dims="case")
@@ -93,8 +104,7 @@ def _beyond(
 def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETHER) -> dict[str, xr.DataArray]:
     """Random factors over dimension ``case``, uniform in the axes' own scales.
 
-    Few as the places of the factors are for which the solver makes tables, each lies in a part of its own of every such
-    axis.
+    A factor that needs tables takes few values: its axis is cut into equal parts, and each value lies in one of them.
 
     Parameters
     ----------
@@ -119,8 +129,8 @@ def towards_ends(
 ) -> tuple[dict[str, xr.DataArray], np.ndarray[Any, np.dtype[np.int8]]]:
     """Random factors with as many again that lie towards the ends, and which of them are the former: 1, others 0.
 
-    Groups have their ends in corners of the factors' box, which even cases hardly reach. All that share the factors
-    for which the solver makes tables follow one another.
+    Groups have their ends in corners of the factors' box, which even cases hardly reach. Cases that share tables follow
+    one another.
 
     Parameters
     ----------

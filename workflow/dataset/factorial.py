@@ -11,12 +11,12 @@ from solver import FactorError, solve, solve_curves
 from solver.names import ALL_QUANTITIES
 from surrogate import Grouping, Input, chebyshev_levels
 from surrogate.data.points import EVEN
-from workflow.dataset import draws, refused, similar
-from workflow.dataset.kept import Kept
+from workflow.dataset import draws, similar
+from workflow.dataset.casecache import CaseCache
 from workflow.language.factors import FACTORS
 from workflow.study import categories, representatives
 from workflow.study.model import Study
-from workflow.study.refusals import AllRefusedError, answered
+from workflow.study.refusals import AllRefusedError, answered, refused
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
@@ -57,7 +57,7 @@ def grouping(study: Study, learned: xr.Dataset | None = None) -> Grouping:
 
 
 def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
-    """What is learnt of the factorial over its axes: the outputs, or with groups the outputs over their scales.
+    """What is learned of the factorial over its axes: the outputs, or with groups the outputs over their scales.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def axes(study: Study) -> dict[str, np.ndarray[Any, np.dtype[Any]]]:
     return levels(study) | {name: np.array(names) for name, names in study.categories.items()}
 
 
-def learned(study: Study, data: xr.Dataset) -> xr.Dataset:
+def training_data(study: Study, data: xr.Dataset) -> xr.Dataset:
     """Cases of the study as the surrogate learns them: every output over the continuous factors or ``case`` alone.
 
     Parameters
@@ -109,7 +109,7 @@ def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
     }
 
 
-def cases(study: Study, name: str, kept: Kept | None = None) -> xr.Dataset:
+def cases(study: Study, name: str, cache: CaseCache | None = None) -> xr.Dataset:
     """Random exact cases of one of `SAMPLES`, over dimension ``case`` and the categories.
 
     Those for calibration have the curves that the surrogate learns, where it can correct them. Those that the solver
@@ -119,15 +119,15 @@ def cases(study: Study, name: str, kept: Kept | None = None) -> xr.Dataset:
     ----------
     study : Study
     name : str, that of the sample
-    kept : Kept, what was solved before; None: nothing
+    cache : CaseCache, of what was solved before; None: none
     """
     number, key = SAMPLES[name]
     ends = name == "calibration" and bool(study.groups) and not study.regions
     drawn, even = draws.sample(study, getattr(study.validation, key), (study.validation.seed, number), ends)
     if not ends:
-        return exact(study, drawn, curves=name == "calibration" and not study.groups, holes=np.inf, kept=kept)
+        return exact(study, drawn, curves=name == "calibration" and not study.groups, holes=np.inf, cache=cache)
     told = {"long_name": "1 where a case is spread evenly over the box, 0 where it is drawn towards its ends"}
-    return exact(study, drawn, holes=np.inf, kept=kept).assign_coords({EVEN: ("case", even, told)})
+    return exact(study, drawn, holes=np.inf, cache=cache).assign_coords({EVEN: ("case", even, told)})
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
@@ -151,7 +151,7 @@ def exact(
     regular: bool = False,
     curves: bool = False,
     holes: float | None = None,
-    kept: Kept | None = None,
+    cache: CaseCache | None = None,
 ) -> xr.Dataset:
     """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
@@ -167,7 +167,7 @@ def exact(
     regular : bool, whether the regular parts of the surface fields are wanted
     curves : bool, whether the curves that the surrogate learns are wanted
     holes : float, the most cases that may be refused, which are then masked (`workflow.study.refusals`); None: none
-    kept : Kept, what was solved before; None: nothing
+    cache : CaseCache, of what was solved before; None: none
 
     Raises
     ------
@@ -182,7 +182,7 @@ def exact(
     over = list(study.products) if grouped else []
     own = representatives.factors(study, {name: axes[name] for name in over}) if over else {}
     rest = {name: values for name, values in axes.items() if name not in over}
-    rest |= {name: kinds for name, kinds in study.categories.items() if name not in axes}
+    rest |= {name: names for name, names in study.categories.items() if name not in axes}
     factors = {**study.fixed, **own, **rest}
 
     searched = study.searched if peaks is None else peaks
@@ -196,21 +196,32 @@ def exact(
 
     options = {"peaks": sorted(searched), "regular": regular, "regions": study.regions if curves else []}
     options |= {"positions": None if positions is None else list(map(float, positions))}
-    asked = whole if kept is None else kept.around(study, whole, options)
+    asked = whole if cache is None else cache.around(study, whole, options)
     try:
         solved = asked(factors) if holes is None else answered(asked, factors, holes)
     except AllRefusedError:
         raise
     except FactorError as error:
-        raise refused.named(study, asked, factors, error) from None
+        raise _named(study, *refused(asked, factors, error)) from None
     if over:
         along = {name: _axis(study, name, axes[name]) for name in over}
-        solved = solved.assign_coords(along).transpose(*dict.fromkeys(one.dims[0] for one in along.values()), ...)
+        solved = solved.assign_coords(along).transpose(*dict.fromkeys(axis.dims[0] for axis in along.values()), ...)
     return solved.drop_vars([name for name, quantity in ALL_QUANTITIES.items() if quantity.sparse and name in solved])
+
+
+def _named(study: Study, case: Mapping[str, Any], reason: FactorError) -> FactorError:
+    """The refusal of one case, with the factors and categories that tell it from others."""
+    given = [
+        f"{name} = {case[name]:.6g} {FACTORS[name].units}".removesuffix(" 1") if name in study.factors
+        else f"{name} = {case[name]}"
+        for name in (*study.factors, *study.categories)
+        if name in case
+    ]  # fmt: skip
+    return type(reason)(f"{reason}; the case is {', '.join(given)}") if given else reason
 
 
 def _axis(study: Study, name: str, values: Any) -> xr.Variable:
     """Values of a group over the dimension that they have, or over its own."""
-    one, dim = study.products[name], values.dims if isinstance(values, xr.DataArray) else name
-    attrs = {"units": one.units, "long_name": FACTORS[name].long_name if one.lone else one.text}
+    product, dim = study.products[name], values.dims if isinstance(values, xr.DataArray) else name
+    attrs = {"units": product.units, "long_name": FACTORS[name].long_name if product.lone else product.text}
     return xr.Variable(dim, np.asarray(values), attrs)

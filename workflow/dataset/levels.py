@@ -54,11 +54,11 @@ def choose(study: Study) -> xr.Dataset:
 
     def solve(axes: dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]) -> xr.Dataset:
         log.info("pilot of %s", " x ".join(f"{axis.size} {name}" for name, axis in axes.items()))
-        return factorial.scaled(study, factorial.learned(study, factorial.exact(study, axes)), grouping)
+        return factorial.scaled(study, factorial.training_data(study, factorial.exact(study, axes)), grouping)
 
     grouping = factorial.grouping(study) if study.groups else None
     tolerance, budget = study.validation.tolerance, study.dataset.budget
-    pilot = explore(solve, factorial.axis_inputs(study), tolerance, budget, study.learned, given)
+    pilot = explore(solve, factorial.axis_inputs(study), tolerance, budget, study.output_names, given)
     choice = pilot.choice
     for name, where in choice.kinked.items():
         log.warning("%s is kinked along %s: no tolerance is claimed for it", name, ", ".join(where))
@@ -113,7 +113,9 @@ def _error_along(study: Study, name: str) -> float:
     """Largest predicted error of any output on a line of `_TRIED` levels of one axis."""
     inputs = factorial.axis_inputs(study)
     axes = {input_.name: input_.levels(_TRIED if input_.name == name else _ACROSS) for input_ in inputs}
-    data = factorial.scaled(study, factorial.learned(study, factorial.exact(study, axes)), factorial.grouping(study))
+    data = factorial.scaled(
+        study, factorial.training_data(study, factorial.exact(study, axes)), factorial.grouping(study)
+    )
     return max(along[name].error(_TRIED) for along in decays(data, inputs).values())
 
 

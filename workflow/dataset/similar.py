@@ -12,7 +12,7 @@ from solver import solve
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers
 from surrogate import Group, Grouping, Input, Scaling
 from surrogate.levels.counts import decays
-from workflow.study.categories import Kinds, output
+from workflow.study.categories import Combination, output
 from workflow.study.datum import length
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -28,7 +28,7 @@ _LENGTHS = ("thickness", "radius", "width", "datum", "slope")
 def grouping(
     study: Study, inputs: Sequence[Input], axes: Sequence[Input], weights: Mapping[str, str] | None = None
 ) -> Grouping:
-    """How the study's outputs follow from what is learnt over its groups.
+    """How the study's outputs follow from what is learned over its groups.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def _group(study: Study, axis: Input, names: Sequence[str]) -> Group:
 
 
 def with_logarithms(grouping: Grouping, study: Study, learned: xr.Dataset) -> Grouping:
-    """The grouping with the logarithms that are learnt: those that the study names, or that decay faster.
+    """The grouping with the logarithms that are learned: those that the study names, or that decay faster.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def _replaced(grouping: Grouping, signs: Mapping[str, int]) -> Grouping:
 def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> dict[str, float]:
     """Predicted error of every output within the box, over its range there.
 
-    What is learnt may span decades that the box never brings together with a large scale, or always does: an error
+    What is learned may span decades that the box never brings together with a large scale, or always does: an error
     over its range says little of that of the output.
     """
     if not names:
@@ -134,10 +134,10 @@ def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> di
 def _within(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> tuple[Array, tuple[Indices, ...]]:
     """At places of the box: scales of outputs (output, place), and the next level of every axis."""
     unit = 2 * sobol_points(_PLACES, len(grouping.inputs)).T - 1
-    points = np.stack([one.from_unit(t) for one, t in zip(grouping.inputs, unit, strict=True)], -1)
+    points = np.stack([input_.from_unit(t) for input_, t in zip(grouping.inputs, unit, strict=True)], -1)
     at = grouping.products.values(points)
     levels = [learned[axis.name].values for axis in grouping.axes]
-    nearest = tuple(np.abs(own[:, None] - x).argmin(0) for own, x in zip(levels, at.T, strict=True))
+    nearest = tuple(np.abs(along[:, None] - x).argmin(0) for along, x in zip(levels, at.T, strict=True))
     return grouping.scales(names).values(points), nearest
 
 
@@ -160,13 +160,13 @@ def scale(study: Study, quantity: str) -> dict[str, float]:
     return {name: power for name, power in powers.items() if name in study.factors and power}
 
 
-def _coefficient(study: Study, name: str, kinds: Kinds) -> float:
+def _coefficient(study: Study, name: str, combination: Combination) -> float:
     """What the logarithm of a length is multiplied by in a quantity that the groups tell but for the datum."""
     if name not in study.added:
         return 0.0
     datum = length(study)
     if datum is None:
         return 0.0
-    here = {**{key: value for key, value in study.fixed.items() if key != "datum"}, **middles(study), **kinds}
+    here = {**{key: value for key, value in study.fixed.items() if key != "datum"}, **middles(study), **combination}
     values = study.solved(solve, {**here, "datum": datum * np.array([1.0, np.e])})[name].values
     return float(values[1] - values[0])

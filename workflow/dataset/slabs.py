@@ -1,7 +1,7 @@
 """The data set of a study on disk: slabs written block by block, a card that describes them, opened lazily as one.
 
-A block is part of one level of the first axis, so neither a job's memory nor a bit of the results depends on how the
-levels are shared out among slabs.
+A block is part of one level of the first axis: neither the memory of a job nor a bit of the results depends on the
+number of slabs.
 """
 
 import json
@@ -27,7 +27,7 @@ from storage.blocks import Region, write_blocks
 from storage.netcdf import MAX_BYTES, read_whole
 from storage.sealed import check_seal
 from workflow.dataset import factorial, holes, tiling
-from workflow.dataset.kept import Kept
+from workflow.dataset.casecache import CaseCache
 from workflow.run.joblog import log
 from workflow.study import partition
 from workflow.study.model import Study
@@ -39,7 +39,7 @@ _CHUNK_CASES, _CHUNK_POSITIONS = 2**14, 16
 _TRIES = 40  # places of which one is answered, as long as no more are missing than may be
 
 
-def write_slab(study: Study, index: int, path: Path, kept: Kept | None = None) -> None:
+def write_slab(study: Study, index: int, path: Path, cache: CaseCache | None = None) -> None:
     """Solve one slab of the factorial exactly, and write it.
 
     Shows cases done of all and the time left on a terminal. Cases that the solver refuses are masked, and the file says
@@ -50,7 +50,7 @@ def write_slab(study: Study, index: int, path: Path, kept: Kept | None = None) -
     study : Study
     index : int, number of the slab, from 0
     path : Path, the file
-    kept : Kept, what was solved before; None: nothing
+    cache : CaseCache, of what was solved before; None: none
 
     Raises
     ------
@@ -76,7 +76,7 @@ def write_slab(study: Study, index: int, path: Path, kept: Kept | None = None) -
 
     def part(region: Region) -> xr.Dataset:
         own = {axis: levels[some] for (axis, levels), some in zip(axes.items(), region, strict=True)}
-        return factorial.exact(study, own, positions, curves=True, holes=mask.left, kept=kept)
+        return factorial.exact(study, own, positions, curves=True, holes=mask.left, cache=cache)
 
     def blocks() -> Iterator[tuple[Region, Mapping[str, NDArray[Any]]]]:
         with tqdm(total=cases, desc=name, unit=" cases", disable=None, leave=False) as bar:

@@ -58,7 +58,7 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
         pressing.force,
         length=_length(study),
         materials=study.own_materials,
-        solved=lambda one: study.solved(solve, one),
+        solved=lambda cases: study.solved(solve, cases),
         body=body,
     )
     circuit = Circuit.of(numbers, material)
@@ -91,7 +91,7 @@ def held(study: Study, pressing: Pressing) -> xr.Dataset:
     Parameters
     ----------
     study
-        Of one case, as `workflow.study.beside.pressed` makes it.
+        Of one case, as `workflow.study.signal_case.of` makes it.
     pressing
         How hard.
     """
@@ -122,7 +122,7 @@ def spread(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
             np.array([pressing.force]),
             length=_length(own),
             materials=own.own_materials,
-            solved=lambda one: own.solved(solve, one),
+            solved=lambda cases: own.solved(solve, cases),
             body=body,
         )
         circuit = Circuit.of(own.device.constants, material)
@@ -132,7 +132,9 @@ def spread(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
         constants = uncertainty.uncertain(study)
     except InputError:  # a material whose constants follow its composition
         constants = []
-    whole = np.sqrt((uncertainty.effects(study, constants, told) ** 2).sum(1)) if constants else np.full(2, np.nan)
+    whole = (
+        np.sqrt((uncertainty.sensitivities(study, constants, told) ** 2).sum(1)) if constants else np.full(2, np.nan)
+    )
     said = "share by which the spread of the constants moves"
     return xr.Dataset(
         {

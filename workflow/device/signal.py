@@ -94,7 +94,7 @@ def read(history: History, contact: Contact, circuit: Circuit) -> Signal:
     for first, last in pairwise(ends):
         times = history.times[first : last + 1]
         balance = _Balance(contact, circuit, float(times[0]), float(history.forces[first]), float(rates[first]))
-        found = scipy.integrate.solve_ivp(
+        solution = scipy.integrate.solve_ivp(
             balance.slope,
             (float(times[0]), float(times[-1])),
             voltage[first : first + 1],
@@ -104,9 +104,9 @@ def read(history: History, contact: Contact, circuit: Circuit) -> Signal:
             rtol=_RELATIVE,
             atol=_ABSOLUTE * size,
         )
-        if not found.success:
-            raise ArithmeticError(found.message)
-        voltage[first : last + 1] = found.y[0]
+        if not solution.success:
+            raise ArithmeticError(solution.message)
+        voltage[first : last + 1] = solution.y[0]
     charge, capacitance = contact.at(history.forces)
     return Signal(charge + capacitance * voltage, voltage, circuit.gain * voltage)
 

@@ -8,7 +8,7 @@ from solver.names import LIMITS
 _BASE = "base_"
 
 #: What the top material bears, and under ``base_...`` what the base does.
-BORNE: dict[str, Described] = LIMITS | {
+ALLOWABLES: dict[str, Described] = LIMITS | {
     f"{_BASE}{name}": Described(limit.units, f"{limit.long_name}, of the base") for name, limit in LIMITS.items()
 }
 
@@ -33,7 +33,7 @@ DEVICE: dict[str, Described] = {
 }
 
 #: Every name of a constant.
-CONSTANTS: dict[str, Described] = {**BORNE, **DEVICE}
+CONSTANTS: dict[str, Described] = {**ALLOWABLES, **DEVICE}
 
 #: How punch and body meet, as far as figures of a device differ by it: a line or a point, without or with air.
 Meeting = Literal["line", "line in air", "point", "point in air"]
@@ -94,11 +94,11 @@ FIGURES_BY: dict[Meeting, dict[str, Described]] = {
 FIGURES = FIGURES_BY["line"]
 
 
-def borne_by_base(name: str) -> bool:
-    """Whether a name of ``BORNE`` says what the base bears."""
+def of_the_base(name: str) -> bool:
+    """Whether a name of ``ALLOWABLES`` says what the base bears."""
     return name.startswith(_BASE)
 
 
 def plain(name: str) -> str:
-    """The name of ``LIMITS`` behind one of ``BORNE``."""
+    """The name of ``LIMITS`` behind one of ``ALLOWABLES``."""
     return name.removeprefix(_BASE)

@@ -12,12 +12,12 @@ from math import isfinite
 
 from solver import units
 from workflow.language import grammar
-from workflow.language.constants import BORNE, Meeting
+from workflow.language.constants import ALLOWABLES, Meeting
 from workflow.language.expressions import Expression
 
 _LIMIT = re.compile(
     r"(?P<left>.+?)\s*(?P<sign><=|>=|<|>)\s*(?P<value>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.]))?\s*"
-    rf"(?P<unit>.*?)\s*(?:\b(?:of\s+)?(?P<borne>{'|'.join(BORNE)}))?"
+    rf"(?P<unit>.*?)\s*(?:\b(?:of\s+)?(?P<allowable>{'|'.join(ALLOWABLES)}))?"
     r"(?:\s*\bwith\s+probability\s+(?P<probability>\d*\.?\d+))?\s*"
 )
 _DEVIATION = re.compile(
@@ -25,55 +25,18 @@ _DEVIATION = re.compile(
 )
 
 
-@dataclass(frozen=True)
-class Objective:
-    """What is maximised or minimised.
-
-    ``inner`` is the expression as the study writes it; ``deviation``: it is the expression's largest relative deviation
-    from its mean, over the factors ``over``, or all; ``meeting``: of punch and body, for which it was read.
-    """
-
-    text: str
-    inner: str
-    expression: Expression
-    maximise: bool
-    deviation: bool = False
-    over: tuple[str, ...] = ()
-    meeting: Meeting = "line"
-
-    @property
-    def sign(self) -> float:
-        """1 for a maximum, -1 for a minimum."""
-        return 1.0 if self.maximise else -1.0
-
-    def __str__(self) -> str:
-        return self.text
-
-
-@dataclass(frozen=True)
-class Limit:
-    """A bound of an expression in SI units.
+@dataclass(frozen=True, kw_only=True)
+class Statement:
+    """What a design question states of an expression.
 
     Attributes
     ----------
-    text
-        As the study has it.
-    inner
-        What is bounded, as the study writes it.
+    text, inner
+        As the study has it, and the expression in it.
     expression
-        What is bounded.
-    value
-        The bound, in the expression's SI unit; of a bound that names what a material bears, the share of that.
-    upper
-        Whether it is an upper bound.
-    probability
-        Share of the uncertain cases that must keep it; None: every case.
+        What is wanted or bounded.
     deviation
-        Whether the largest relative deviation of the expression from its mean over the cases is bounded.
-    unitless
-        Whether the bound was written without a unit although the expression has one: it is read in SI.
-    borne
-        The name of what a material bears, if that is the bound.
+        Whether the largest relative deviation of the expression from its mean over the cases is meant.
     over
         The factors over which a deviation is taken; none: all that a design does not choose.
     meeting
@@ -83,22 +46,61 @@ class Limit:
     text: str
     inner: str
     expression: Expression
+    deviation: bool = False
+    over: tuple[str, ...] = ()
+    meeting: Meeting = "line"
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True, kw_only=True)
+class Objective(Statement):
+    """What is maximised or minimised."""
+
+    maximise: bool
+
+    @property
+    def sign(self) -> float:
+        """1 for a maximum, -1 for a minimum."""
+        return 1.0 if self.maximise else -1.0
+
+    @property
+    def key(self) -> str:
+        """The key of a target under which it stands."""
+        return "maximise" if self.maximise else "minimise"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limit(Statement):
+    """A bound of an expression in SI units.
+
+    Attributes
+    ----------
+    value
+        The bound, in the expression's SI unit; of a bound that names what a material bears, the share of that.
+    upper
+        Whether it is an upper bound.
+    probability
+        Share of the uncertain cases that must keep it; None: every case.
+    unitless
+        Whether the bound was written without a unit although the expression has one: it is read in SI.
+    allowable
+        The name of what a material bears, if that is the bound.
+    """
+
+    key = "subject_to"
+
     value: float
     upper: bool
     probability: float | None = None
-    deviation: bool = False
     unitless: bool = False
-    borne: str = ""
-    over: tuple[str, ...] = ()
-    meeting: Meeting = "line"
+    allowable: str = ""
 
     @property
     def sign(self) -> float:
         """1 for an upper bound, -1 for a lower one."""
         return 1.0 if self.upper else -1.0
-
-    def __str__(self) -> str:
-        return self.text
 
 
 def objective(text: str, *, maximise: bool = True, meeting: Meeting = "line") -> Objective:
@@ -118,8 +120,15 @@ def objective(text: str, *, maximise: bool = True, meeting: Meeting = "line") ->
     inner, over = _unwrapped(text)
     if over is not None and maximise:
         raise ValueError(f"{text!r}: a deviation is minimised")
-    expression = grammar.parse(inner, meeting)
-    return Objective(_spaced(text), _spaced(inner), expression, maximise, over is not None, over or (), meeting)
+    return Objective(
+        text=_spaced(text),
+        inner=_spaced(inner),
+        expression=grammar.parse(inner, meeting),
+        deviation=over is not None,
+        over=over or (),
+        meeting=meeting,
+        maximise=maximise,
+    )
 
 
 def _spaced(text: str) -> str:
@@ -150,7 +159,7 @@ def limit(text: str, meeting: Meeting = "line") -> Limit:
     if len(text) > grammar.LONGEST:
         raise ValueError(f"a limit of {len(text)} characters is longer than {grammar.LONGEST}")
     match = _LIMIT.fullmatch(text)
-    if match is None or (match["value"] is None and not match["borne"]):
+    if match is None or (match["value"] is None and not match["allowable"]):
         raise ValueError(f"{text!r} is not of the form: expression <= number [unit] [with probability p]")
     inner, over = _unwrapped(match["left"])
     expression, wrapped = grammar.parse(inner, meeting), over is not None
@@ -159,9 +168,9 @@ def limit(text: str, meeting: Meeting = "line") -> Limit:
     except ValueError as error:
         raise ValueError(f"{text!r}: {error}") from None
     expected = units.Unit.none() if wrapped else expression.unit()
-    borne = match["borne"] or ""
-    if borne:
-        _check_borne(text, borne, unit, expected)
+    allowable = match["allowable"] or ""
+    if allowable:
+        _check_allowable(text, allowable, unit, expected)
     elif match["unit"] and expected is not None and not unit.fits(expected):
         shown = str(expected) if wrapped else expression.lone() or str(expected)
         raise ValueError(f"{text!r}: unit mismatch: the limit is in {match['unit']}, the expression in {shown}")
@@ -173,31 +182,29 @@ def limit(text: str, meeting: Meeting = "line") -> Limit:
         raise ValueError(f"{text!r}: probability {probability:g} is not from 0.5 to below 1")
     if wrapped and (probability is not None or "<" not in match["sign"] or value <= 0):
         raise ValueError(f"{text!r}: a deviation takes a positive upper bound and no probability")
-    if borne and not value > 0:
-        raise ValueError(f"{text!r}: {value:g} of {borne} is no bound; must be a positive share")
-    bare = not match["unit"] and not borne and value != 0
+    if allowable and not value > 0:
+        raise ValueError(f"{text!r}: {value:g} of {allowable} is no bound; must be a positive share")
+    bare = not match["unit"] and not allowable and value != 0
     unitless = bare and expected is not None and not expected.fits(units.Unit.none())
-    upper = "<" in match["sign"]
     return Limit(
-        _spaced(text),
-        _spaced(inner),
-        expression,
-        value,
-        upper,
-        probability,
-        wrapped,
-        unitless,
-        borne,
-        over or (),
-        meeting,
+        text=_spaced(text),
+        inner=_spaced(inner),
+        expression=expression,
+        deviation=wrapped,
+        over=over or (),
+        meeting=meeting,
+        value=value,
+        upper="<" in match["sign"],
+        probability=probability,
+        unitless=unitless,
+        allowable=allowable,
     )
 
 
-def _check_borne(text: str, borne: str, unit: units.Unit, expected: units.Unit | None) -> None:
+def _check_allowable(text: str, allowable: str, unit: units.Unit, expected: units.Unit | None) -> None:
     """Whether a share of what a material bears may bound an expression."""
     if not unit.fits(units.Unit.none()):
-        raise ValueError(f"{text!r}: {str(unit)!r} before {borne}: must be a pure number or %")
-    if expected is None or not expected.fits(units.parse(BORNE[borne].units)):
-        raise ValueError(
-            f"{text!r}: unit mismatch: {borne} is in {BORNE[borne].units}, the expression in {expected or 1}"
-        )
+        raise ValueError(f"{text!r}: {str(unit)!r} before {allowable}: must be a pure number or %")
+    if expected is None or not expected.fits(units.parse(ALLOWABLES[allowable].units)):
+        own = ALLOWABLES[allowable].units
+        raise ValueError(f"{text!r}: unit mismatch: {allowable} is in {own}, the expression in {expected or 1}")

@@ -89,11 +89,11 @@ def in_words(text: str) -> str:
     >>> in_words("contact_trailing + contact_leading")
     'width of the contact'
     """
-    told = _NAME.sub(lambda found: title(found[0]), _WIDTH.sub("width of the contact", _SIZE.sub(r"\1", text)))
+    told = _NAME.sub(lambda match: title(match[0]), _WIDTH.sub("width of the contact", _SIZE.sub(r"\1", text)))
     return told.replace(" / ", " over ") if not _OTHERS.search(text) else told
 
 
-def stated(statement: statements.Objective | statements.Limit) -> str:
+def stated(statement: statements.Statement) -> str:
     """What is wanted or bounded, in words, and what a deviation is taken over.
 
     Examples
@@ -126,12 +126,12 @@ def _superlative(goal: statements.Objective) -> str:
     return words if words.startswith(most) else f"{most} {words}"
 
 
-def units(statement: statements.Objective | statements.Limit, si: str) -> str:
+def units(statement: statements.Statement, si: str) -> str:
     """The unit in which a statement's values are told, for their own in SI: deviations are shares.
 
     Parameters
     ----------
-    statement : Objective or Limit
+    statement : Statement
     si : str, the unit of its values in SI
 
     Examples
@@ -177,18 +177,17 @@ def value(name: str, number: float, digits: int = 3) -> str:
     return shown(number, (FACTORS[name] if name in FACTORS else ALL_QUANTITIES[name]).units, digits)
 
 
-def span(name: str, low: float, high: float, digits: int = 3) -> str:
-    """The ends of a factor's range; zero needs no unit.
+def span(name: str, low: float, high: float) -> str:
+    """A factor with the ends of its range; zero needs no unit.
 
     Parameters
     ----------
     name : str, the factor
     low, high : float, SI
-    digits : int, significant ones
 
     Examples
     --------
     >>> span("radius", 0.0, 0.05), span("friction", 0.1, 0.4)
-    ('0 to 50 mm', '0.1 to 0.4')
+    ('radius 0 to 50 mm', 'friction 0.1 to 0.4')
     """
-    return f"{value(name, low, digits) if low else 0} to {value(name, high, digits)}"
+    return f"{title(name)} {value(name, low) if low else 0} to {value(name, high)}"

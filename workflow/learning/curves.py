@@ -35,7 +35,7 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
     compression
         As of a `GridGP`.
     by
-        How the study's outputs follow from its groups, where it has some. Sizes are learnt by their logarithms either
+        How the study's outputs follow from its groups, where it has some. Sizes are learned by their logarithms either
         way, scores of curves as they are: they have no units.
     """
     curves: list[Curves] = []
@@ -50,15 +50,15 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
             for quantity, peak in FOLLOWS.items():
                 if peak.region == name and quantity in study.outputs:
                     place = region.fields.index(peak.place) if peak.place else -1
-                    learnt = output(quantity, combination)
-                    largest[learnt] = Largest(len(curves) - 1, peak.measure, place)
+                    output_name = output(quantity, combination)
+                    largest[output_name] = Largest(len(curves) - 1, peak.measure, place)
                     described = ALL_QUANTITIES[quantity]
                     words = (
                         f"{described.long_name}, {categories.named(combination)}"
                         if combination
                         else described.long_name
                     )
-                    attrs[learnt] = {"units": described.units, "long_name": words}
+                    attrs[output_name] = {"units": described.units, "long_name": words}
     inputs, kernel = factorial.inputs(study), study.surrogate.kernel
     scalings = dict(by.scalings) if by else {}
     for combination in study.combinations if by else ():
@@ -73,7 +73,7 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
         return GroupedGP(own, kernel, compression=compression)
 
     error = _SHARE * study.validation.tolerance
-    return CurveGP(smooth, curves, largest, study.learned, attrs, logarithms=by is None, error=error)
+    return CurveGP(smooth, curves, largest, study.output_names, attrs, logarithms=by is None, error=error)
 
 
 def joined(study: Study, quantities: xr.Dataset, slabs: Sequence[str]) -> xr.Dataset:
@@ -108,7 +108,7 @@ def given(study: Study, data: xr.Dataset) -> bool:
     return bool(study.regions) and set(_names(study)) <= data.keys()
 
 
-def learned(study: Study, data: xr.Dataset) -> xr.Dataset:
+def training_data(study: Study, data: xr.Dataset) -> xr.Dataset:
     """What the surrogate learns from: the study's outputs, and the curves that the data have.
 
     Parameters
@@ -116,14 +116,14 @@ def learned(study: Study, data: xr.Dataset) -> xr.Dataset:
     study : Study
     data : Dataset, over the factors or ``case``, and the categories
     """
-    outputs = factorial.learned(study, data)
+    outputs = factorial.training_data(study, data)
     if not given(study, data):
         return outputs
     return outputs.merge(categories.apart(data, study.categories, _names(study)), combine_attrs="override")
 
 
 def _names(study: Study) -> list[str]:
-    """Variables of the slabs that are learnt beside quantities: sizes, and the fields of all regions."""
+    """Variables of the slabs that are learned beside quantities: sizes, and the fields of all regions."""
     return [*_sizes(study), *(name for region in study.regions for name in described(region))]
 
 

@@ -77,7 +77,7 @@ def check(
     box: Mapping[str, tuple[float, float]],
     at: Mapping[str, float],
 ) -> None:
-    """Raise InputError, before anything is learnt, for a plan that a surrogate with these unknowns cannot give.
+    """Raise InputError, before anything is learned, for a plan that a surrogate with these unknowns cannot give.
 
     That is none or too many measurements, names that it has not, or ends outside of its trained box.
 
@@ -218,12 +218,12 @@ def _outputs(model: CorrectedGP, errors: Mapping[str, tuple[float, float]]) -> d
     if errors:
         quantities = [categories.parted(name)[0] for name in model.outputs_]
         return {q: errors[name] for q, name in enumerate(quantities) if name in errors}
-    found, rows = {}, model.rows_
+    offers, rows = {}, model.rows_
     for q in rows.outputs:
         k = rows.of(q)
         stated = rows.error[k] / np.maximum(np.abs(rows.value[k]), 1e-300)
-        found[q] = (0.0, float(np.nanmedian(stated)) if np.isfinite(stated).any() else _USUAL)
-    return found
+        offers[q] = (0.0, float(np.nanmedian(stated)) if np.isfinite(stated).any() else _USUAL)
+    return offers
 
 
 def _points(model: CorrectedGP, box: Mapping[str, tuple[float, float]], count: int) -> Array:

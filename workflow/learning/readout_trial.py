@@ -39,7 +39,7 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     names = list(readout.measured)
     true = np.stack([input_.from_unit(random.uniform(-1, 1, readout.cases)) for input_ in inputs])
     given = {own.name: xr.DataArray(row, dims="case") for own, row in zip(inputs, true, strict=True)}
-    solved = factorial.exact(study.narrowed(readout.kinds), {**readout.held, **given}, holes=np.inf)
+    solved = factorial.exact(study.narrowed(readout.combination), {**readout.held, **given}, holes=np.inf)
     if REFUSAL in solved or model.region_ is not None:
         held = {name: np.full(readout.cases, value) for name, value in readout.held.items()}
         points: dict[str, xr.DataArray | Array] = {**held, **given}
@@ -50,8 +50,8 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     like = next(iter(given.values()))
     exact = np.stack([solved[name].broadcast_like(like).values for name in names], -1)
     measured = exact + _errors(readout, exact) * random.standard_normal(exact.shape)
-    kinds = {name: readout.kinds[name] for name in study.categories}
-    asked = [output(name, kinds) for name in names]
+    combination = {name: readout.combination[name] for name in study.categories}
+    asked = [output(name, combination) for name in names]
     own = model.only(asked) if study.kind.tabled else model  # of the many outputs that films have, only those
     inversion = Inversion(own, [input_.name for input_ in inputs], asked, readout.held)
     estimates = [

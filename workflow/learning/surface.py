@@ -22,7 +22,7 @@ from workflow.learning import training
 from workflow.study import representatives
 from workflow.study.model import Study
 
-#: Fields that are learnt, by their regular parts.
+#: Fields that are learned, by their regular parts.
 NAMES = ("contact_pressure", "electric_displacement_y", "magnetic_induction_y", "stress_xx")
 ANGLE = Input("angle", 0.0, np.pi, "linear", "rad", "angle of the position under the punch, X = -cos(angle)")
 _BLOCK = 100  # random cases that are solved at once

@@ -16,8 +16,8 @@ from surrogate.intervals.sharing import sharing
 from surrogate.levels import counts, lines
 from surrogate.transforms.transformed import groups_of
 from surrogate.use import feasibility, validation
-from workflow.dataset import asked, batches, draws, factorial, holes
-from workflow.learning import curves, filled
+from workflow.dataset import batches, draws, factorial, holes, infill
+from workflow.learning import curves, imputation
 from workflow.run.joblog import log
 from workflow.study.model import Study
 from workflow.study.refusals import REASON, REFUSAL
@@ -45,7 +45,7 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     study : Study
     quantities : Dataset, over the axes and categories, or over the crossed places
     """
-    data, by = filled.whole(study, curves.learned(study, quantities)), None
+    data, by = imputation.imputed(study, curves.training_data(study, quantities)), None
     if study.groups:
         data = factorial.with_factors(study, data)
         by = factorial.grouping(study, data)
@@ -55,7 +55,7 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
         own = (lambda names: _crossing(study)) if study.crossed else None
         model = GroupedGP(by, study.surrogate.kernel, compression=compression(study), process=own)
     else:
-        model = _crossing(study) if study.crossed else process(study, study.learned)
+        model = _crossing(study) if study.crossed else process(study, study.output_names)
     model.made_from_ = study.physics
     if study.surrogate.level is not None:
         model.level_ = study.surrogate.level
@@ -82,7 +82,7 @@ def _crossing(study: Study) -> CrossGP:
         {name: axis.levels or 0 for name, axis in study.axes.items()},
         study.crossed,
         study.validation.tolerance,
-        study.learned,
+        study.output_names,
         COMPRESSION * study.validation.tolerance,
         most=study.dataset.budget // study.block,
     )
@@ -98,7 +98,7 @@ def places(study: Study, solved: Sequence[xr.Dataset]) -> xr.Dataset:
     """
     if not solved:
         return _crossing(study).ask(None)
-    known = factorial.learned(study, batches.joined(solved))
+    known = factorial.training_data(study, batches.joined(solved))
     return _crossing(study).ask(
         factorial.scaled(study, known, factorial.grouping(study, known) if study.groups else None)
     )
@@ -123,18 +123,21 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
         many that are answered lie where it does not: attributes ``refused``, ``refused_inside``, ``answered_outside``.
     """
     points, cases, refused = answered(study, cases, model)
-    cases, quantities = factorial.learned(study, cases), filled.whole(study, factorial.learned(study, quantities))
+    cases, quantities = (
+        factorial.training_data(study, cases),
+        imputation.imputed(study, factorial.training_data(study, quantities)),
+    )
     by = groups_of(model)
     reduced = factorial.scaled(study, quantities, by)
     if study.crossed:
         decays = lines.decays(_crossing(study), reduced)
     else:
-        decays = counts.decays(*_smooth(study, reduced), study.learned)
+        decays = counts.decays(*_smooth(study, reduced), study.output_names)
     if by is not None:
         quantities = factorial.with_factors(study, quantities)
     predicted = model.predict(points)
     table = validation.validate(model, cases, None if study.crossed or study.kinks else quantities)
-    names = study.learned
+    names = study.output_names
     stacked = {
         "exact": cases[names].to_dataarray("output"),
         "predicted": predicted[names].to_dataarray("output"),
@@ -153,7 +156,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
 
 def _smooth(study: Study, data: xr.Dataset) -> tuple[xr.Dataset, list[Input]]:
     """The factorial and its axes below the first kink of every one: all of it where there is none."""
-    inputs = [replace(own, high=study.axes[own.name].ends[1]) for own in factorial.axis_inputs(study)]
+    inputs = [replace(input_, high=study.axes[input_.name].ends[1]) for input_ in factorial.axis_inputs(study)]
     return data.isel({name: slice(axis.levels) for name, axis in study.axes.items()}), inputs
 
 
@@ -197,10 +200,10 @@ def calibrated(study: Study, model: GaussianProcess, quantities: xr.Dataset, cas
     if REFUSAL in cases or REFUSAL in quantities:
         model.region_ = _region(study, model, quantities, cases)
         cases = answered(study, cases, model)[1]
-    return model.calibrate(curves.learned(study, cases))
+    return model.calibrate(curves.training_data(study, cases))
 
 
-def widest(study: Study, model: GaussianProcess, number: int) -> asked.Place:
+def widest(study: Study, model: GaussianProcess, number: int) -> infill.Place:
     """Where 95 % intervals are widest, of random cases: mean over the outputs, each over its own mean width.
 
     Parameters
@@ -219,7 +222,7 @@ def widest(study: Study, model: GaussianProcess, number: int) -> asked.Place:
     most = np.argsort(-share, kind="stable")[: max(1, len(X) // _WIDEST)]
     spread = np.ptp(model.predict_array(X), axis=0)
     doubt = float((wide[most] / np.where(spread > 0, spread, 1.0)).max() / 2)
-    return asked.Place("widest intervals", doubt, dict(zip(study.factors, X[most].T, strict=True)))
+    return infill.Place("widest intervals", doubt, dict(zip(study.factors, X[most].T, strict=True)))
 
 
 def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases: xr.Dataset) -> Region | None:

@@ -45,7 +45,7 @@ def _row(label: str, row: Measurement) -> Row:
 
 
 def _values(
-    row: Measurement, asked: Sequence[ModelValue], found: Sequence[Spread], off: Sequence[float | None]
+    row: Measurement, asked: Sequence[ModelValue], values: Sequence[Spread], off: Sequence[float | None]
 ) -> list[Row]:
     scale = UNITS[row.unit]
     return [
@@ -57,7 +57,7 @@ def _values(
             "sets": value.sets,
             "off": deviations,
         }
-        for row, value, deviations in zip(asked, found, off, strict=True)
+        for row, value, deviations in zip(asked, values, off, strict=True)
     ]
 
 

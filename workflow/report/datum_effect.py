@@ -21,10 +21,10 @@ _STRAIGHT = 1e-9  # relative difference of two slopes up to which they are one
 
 
 def changes(study: Study) -> list[dict[str, Any]]:
-    """What depends on the datum in the middle of the box, at a tenth of it, at it and at ten times it.
+    """What depends on the datum in the middle of the box: its values at a tenth, at one and at ten times the datum.
 
-    With the change per decade of the datum, NaN where that is no constant. Of half-planes for the first name of every
-    category, of films for all: whether anything depends on the datum is up to the base.
+    With the change per decade of the datum, NaN where that is not constant. Of half-planes the first name of every
+    category is told, of films every name: the base decides what depends on the datum.
     """
     rows: list[dict[str, Any]] = []
     if study.kind.datum == "absolute":
@@ -54,7 +54,7 @@ def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, An
     target : Target
     answer : Answer, to the target
     """
-    own = study.narrowed(answer.kinds)
+    own = study.narrowed(answer.combination)
     hangs, rows = hanging(own), []
     constants = {name: own.constant(name) for name in target.constants()}
     for term in answer.terms:
@@ -72,9 +72,8 @@ def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, An
 def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
     """How far inside the trailing edge what conduction adds to sigma_xx exceeds the trailing tension [m].
 
-    In the case that decides a limit of ``trailing_tension``; None without such a limit or such a singularity, which air
-    beside the contact takes away, and of points. There
-    sigma_xx grows as K / sqrt(1 - X^2): K is its regular part at the edge.
+    In the case that decides a limit of ``trailing_tension``; None without such a limit, in air, which has no such
+    singularity, and of points. There sigma_xx grows as K / sqrt(1 - X^2): K is its regular part at the edge.
 
     Parameters
     ----------
@@ -82,7 +81,7 @@ def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
     answer : Answer, to one of its targets
     """
     limits = [limit for limit in answer.limits if "trailing_tension" in limit.statement.expression.names()]
-    own = study.narrowed(answer.kinds)
+    own = study.narrowed(answer.combination)
     if not limits or own.kind.air or own.kind.contact == "point":
         return None
     solved = factorial.exact(own, dict(limits[0].worst), [_EDGE], peaks=(), regular=True)

@@ -8,7 +8,7 @@ from markupsafe import escape
 from approximation.arrays import Array
 from solver.names import CONTACTS, FACTORS, PROFILES
 from workflow.language.numbers import number, shown
-from workflow.report.svg import ACCENT, BAD, BODY, INK, PAPER, PUNCH, SOFT
+from workflow.report.svg import ACCENT, BAD, BODY, INK, PAPER, PUNCH, SOFT, TIP
 
 _WIDTH, _HEIGHT = 560, 250
 _SURFACE = 128.0  # height of the surface in the picture
@@ -143,8 +143,7 @@ def draw(device: Device, title: str) -> str:
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-size="14">',
         f"<title>{escape(title)}</title>",
         f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="{PAPER}"/>',
-        '<marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" '
-        'orient="auto-start-reverse"><path d="M0 0 8 4 0 8z" fill="context-stroke"/></marker>',
+        TIP,
         *_part(device, _WHOLE, device._whole_scale),
         *_part(device, _NEAR, device._near_scale),
         *_loads(device),

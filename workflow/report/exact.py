@@ -5,7 +5,7 @@ from typing import Any
 
 from workflow.dataset import factorial
 from workflow.design.verdict.answer import Answer
-from workflow.report import datum_effect, surroundings
+from workflow.report import datum_effect, other_surroundings
 from workflow.study.model import Study
 from workflow.study.target import Target
 
@@ -24,7 +24,7 @@ def solved(study: Study, designs: Mapping[str, Answer]) -> dict[str, Any]:
     -------
     dict
         ``datum``: what depends on it in the middle of the box. ``designs``: by target, ``contact`` (the ends of the
-        contact [m]), ``around`` (see `workflow.report.surroundings`), ``on_datum`` and ``edge``, as
+        contact [m]), ``around`` (see `workflow.report.other_surroundings`), ``on_datum`` and ``edge``, as
         `workflow.report.datum_effect` has them.
     """
     return {
@@ -41,14 +41,14 @@ def contact(study: Study, answer: Answer) -> dict[str, float]:
     study : Study
     answer : Answer, to one of its targets
     """
-    solved = factorial.exact(study.narrowed(answer.kinds), dict(answer.case), peaks=())
+    solved = factorial.exact(study.narrowed(answer.combination), dict(answer.case), peaks=())
     return {name: float(solved[name]) for name in study.kind.ends}
 
 
 def _of_design(study: Study, target: Target, answer: Answer) -> dict[str, Any]:
     return {
         "contact": contact(study, answer),
-        "around": surroundings.compared(study.narrowed(answer.kinds), answer.case),
+        "around": other_surroundings.compared(study.narrowed(answer.combination), answer.case),
         "on_datum": datum_effect.of_design(study, target, answer),
         "edge": datum_effect.singular_zone(study, answer),
     }

@@ -19,10 +19,9 @@ from workflow.language import titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number
 from workflow.language.titles import capital, listed
-from workflow.report import device, surroundings
+from workflow.report import device, other_surroundings
 from workflow.report.svg import element
 from workflow.study import coupling
-from workflow.study.datum import hanging
 from workflow.study.model import Study
 from workflow.study.target import Target
 
@@ -86,7 +85,7 @@ def answered(
     study: Study,
     name: str,
     target: Target,
-    found: Answer,
+    answer: Answer,
     contact: Mapping[str, float],
     around: Mapping[str, Any],
     on_datum: Sequence[Mapping[str, Any]] = (),
@@ -95,34 +94,33 @@ def answered(
 
     Parameters
     ----------
-    study, name, target, found
+    study, name, target, answer
         The study, the target by its name, and the target's answer.
     contact
         Ends of the contact of its design [m], by name.
     around
-        What other surroundings would change, as `workflow.report.surroundings.compared` gives it.
+        What other surroundings would change, as `workflow.report.other_surroundings.compared` gives it.
     on_datum
-        What depends on the datum, as `workflow.report.datum_effect.of_design` gives it: a goal that does not move names
-        none.
+        What depends on the datum, as `workflow.report.datum_effect.of_design` gives it: a goal that moves names it.
     """
-    own, told = study.narrowed(found.kinds), verdict(found)
-    case: Case = {**study.fixed, **found.kinds, **found.case}
+    own, told = study.narrowed(answer.combination), verdict(answer)
+    case: Case = {**study.fixed, **answer.combination, **answer.case}
     built = in_words(own, case)
-    still = {str(one["name"]) for one in on_datum if not one["moves"]}
+    moving = {str(row["name"]) for row in on_datum if row["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
-    why = (told.beyond, told.advice, told.idle, told.tolerance or cost(found), told.device, _sure(found),
-           asides.spread(found), surroundings.told(around), told.sources)  # fmt: skip
+    why = (told.beyond, told.advice, told.idle, told.tolerance or cost(answer), told.device, _sure(answer),
+           asides.spread(answer), other_surroundings.told(around), told.sources)  # fmt: skip
     title = study.titles[name]
     return Screen(
         name=name,
         title=title,
-        code=found.goal,
-        build=unbroken(built + asides.within(found)),
-        does=unbroken(_good(target, found, hanging(own), still, reference)),
+        code=answer.goal,
+        build=unbroken(built + asides.within(answer)),
+        does=unbroken(_good(target, answer, moving, reference)),
         doubt=doubted(own),
-        beyond=unbroken(asides.exceeded(found)),
+        beyond=unbroken(asides.exceeded(answer)),
         stops=unbroken(capital(told.stops)),
-        breaks=unbroken(asides.first_to_break(found)),
+        breaks=unbroken(asides.first_to_break(answer)),
         why=tuple(unbroken(reason) for reason in why if reason),
         verdict=told,
         drawing=element(
@@ -133,11 +131,11 @@ def answered(
 
 def doubted(study: Study) -> str:
     """What the library doubts of the materials in use, in words; empty where it doubts nothing."""
-    parts = [
-        f"{listed(sorted({name for own in body.alternatives for name in own.constants})) or 'all'} of {body.name}"
-        for body in coupling.materials(study)
-        if body.note.startswith("doubt")
-    ]
+    parts = []
+    for material in coupling.materials(study):
+        if material.note.startswith("doubt"):
+            constants = {name for variant in material.alternatives for name in variant.constants}
+            parts.append(f"{listed(sorted(constants)) or 'all'} of {material.name}")
     return f"in doubt: {listed(parts)}" if parts else ""
 
 
@@ -262,14 +260,10 @@ def _round(profile: str, case: Case) -> str:
     return made + words[profile].format(titles.value(size, float(case[size]), 3))
 
 
-def _good(target: Target, answer: Answer, hangs: frozenset[str], still: Collection[str], reference: float) -> str:
+def _good(target: Target, answer: Answer, moving: Collection[str], reference: float) -> str:
     """What a design does: every goal's value with its band, its datum if that moves it, and over what."""
     datum = f" (ground {titles.value('datum', reference)} away)"
-    parts = [
-        f"{goal.title}{'' if goal.name in still or hangs.isdisjoint(goal.statement.expression.names()) else datum} "
-        f"{_with_band(goal)}"
-        for goal in answer.objectives
-    ]
+    parts = [f"{goal.title}{datum if goal.name in moving else ''} {_with_band(goal)}" for goal in answer.objectives]
     together = ", the compromise of both" if len(parts) == 2 else ", the compromise of all" if len(parts) > 2 else ""
     names = {name for goal in answer.objectives for name in goal.statement.expression.names()}
     if names <= {*answer.case}:  # a factor as a goal
@@ -286,19 +280,14 @@ def _with_band(goal: Term) -> str:
 
 def _over(target: Target) -> str:
     """Over which conditions a goal counts, and how."""
-    spans = dict(target.worst_case) | {
-        name: list(distribution.support) for name, distribution in target.uncertain.items()
-    }
-    if not spans:
-        return ""
-    low_to_high = [f"{titles.title(name)} {titles.span(name, low, high)}" for name, (low, high) in spans.items()]
-    return f", {target.statistic.told} over {' and '.join(low_to_high)}"
+    spans = [titles.span(name, *ends) for name, ends in target.ranges.items()]
+    return f", {target.statistic.told} over {' and '.join(spans)}" if spans else ""
 
 
-def cost(found: Answer) -> str:
+def cost(answer: Answer) -> str:
     """What the tolerances cost, and an error of 1 % in every other variable that matters."""
-    parts = asides.tolerances(found)
-    for variable in found.variables:
+    parts = asides.tolerances(answer)
+    for variable in answer.variables:
         error = variable.sensitivity
         if variable.chosen and error.matters and error.cost > 0 and not variable.tolerance:
             parts.append(f"1 % of {variable.title} costs {_share(error.cost)}")

@@ -13,16 +13,17 @@ from solver.names import ALL_QUANTITIES, CHOICES
 from storage.netcdf import read_whole
 from surrogate import load
 from workflow.dataset import draws
+from workflow.dataset.slabs import CARD
 from workflow.design.verdict import netcdf
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, in_words, title
 from workflow.learning.timing import by_quantity
-from workflow.report import beside, firstscreen, problem, ranked, sections, sentences, tables, tornado, whatif
-from workflow.report.figures.design_kinds import kinds
+from workflow.report import firstscreen, problem, ranked, sections, sentences, signal_card, tables, tornado, whatif
+from workflow.report.figures import design_figures
 from workflow.report.svg import element, inlined
 from workflow.study import coupling
-from workflow.study.datum import hanging, length
+from workflow.study.datum import HANGING, length
 from workflow.study.model import Study
 
 #: Factors that take a name, in words.
@@ -71,7 +72,8 @@ def page(
     levels
         Holds ``levels.nc`` where the study leaves levels open.
     """
-    hangs = hanging(study)
+    card = json.loads((folder / CARD).read_text(encoding="utf-8")) if study.factors else {}
+    hangs = frozenset(card.get("on_datum", HANGING if study.kind.datum == "relative" else ()))
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
         autoescape=True,
@@ -79,7 +81,7 @@ def page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.globals |= {"kinds": kinds}
+    environment.globals |= {"figures_of": design_figures.names}
     environment.filters |= {
         "number": number,
         "seconds": _seconds,
@@ -132,7 +134,7 @@ def page(
     }
     if study.factors:
         told = coupling.told(study)
-        content["dataset"] = tables.dataset(folder, hangs, coupling.quantities(study))
+        content["dataset"] = tables.dataset(folder, card, coupling.quantities(study))
         content["surface"] = tables.surface(folder / "surface_validation.nc") if study.surrogate.fields else None
         content["levels"] = tables.levels(Path(levels[0])) if levels else None
         content["sobol"] = tables.sobol(folder, coupling.outputs(study))
@@ -155,7 +157,7 @@ def page(
         content["whatif_json"] = whatif.as_json(content["whatif"])
     if study.signal:
         content["signal"] = pressed = tables.signal(folder)
-        content["beside"] = beside.card(study, pressed, pressed["held"]) if study.signal.case else None
+        content["beside"] = signal_card.card(study, pressed, pressed["held"]) if study.signal.case else None
     if study.effects:
         drawn = tornado.draw(ranked.spans(content["effects_table"]))
         content["spans"] = element(drawn, "spans", "what each factor changes, the strongest first", 1.6)
@@ -172,7 +174,7 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
         says |= {
             "dataset": sentences.dataset(study, content["dataset"]["cases"], content["dataset"]["rows"]),
             "surrogate": sentences.surrogate(validation["worst"], validation["tolerance"]),
-            "sensitivity": sentences.sensitivity(ranked.sensitivities(indices, study.aims)),
+            "sensitivity": sentences.sensitivity(ranked.sensitivities(indices, coupling.aims(study))),
             "time": sentences.time(content["timing"]),
         }
     if content["surface"]:

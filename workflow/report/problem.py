@@ -6,7 +6,7 @@ Not to scale: the contact is some hundredths of the radius wide in truth.
 from collections.abc import Sequence
 from itertools import pairwise
 
-from workflow.report.svg import ACCENT, BAD, BODY, GOOD, INK, PAPER, PUNCH, SECOND, SOFT
+from workflow.report.svg import ACCENT, BAD, BODY, GOOD, INK, PAPER, PUNCH, SECOND, SOFT, TIP
 
 TITLE = "A conducting punch slides on a magneto-electro-elastic half-plane"
 ON_FILM = "A conducting punch slides on a film on its base"
@@ -46,8 +46,7 @@ def _opened(title: str) -> list[str]:
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-family="serif" font-size="17">',
         f"<title>{title}</title>",
         f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="{PAPER}"/>',
-        '<marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" '
-        'orient="auto-start-reverse"><path d="M0 0 8 4 0 8z" fill="context-stroke"/></marker>',
+        TIP,
     ]
 
 

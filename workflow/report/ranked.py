@@ -40,7 +40,7 @@ def sensitivities(sensitivity: xr.Dataset, outputs: Sequence[str]) -> list[Chart
     same: dict[str, list[Chart]] = {}
     for chart in charts:
         same.setdefault(parted(chart.name)[0], []).append(chart)
-    return [one for quantity, own in same.items() for one in _once(quantity, own)]
+    return [chart for quantity, own in same.items() for chart in _once(quantity, own)]
 
 
 def _once(quantity: str, charts: list[Chart]) -> list[Chart]:

@@ -5,7 +5,7 @@ Page and rules loop over this registry.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from workflow.report.drawings import Figure, Wildcards
@@ -61,8 +61,9 @@ class Part:
 
 def standing(page: Page) -> list[Part]:
     """The parts of a page with the sections that stand on it; none without any."""
-    parts = (Part(part.name, tuple(own for own in part.sections if own.stands(page)), part.title, part.aside)
-             for part in PARTS)  # fmt: skip
+    parts = [
+        replace(part, sections=tuple(section for section in part.sections if section.stands(page))) for part in PARTS
+    ]
     return [part for part in parts if part.sections]
 
 
@@ -85,7 +86,9 @@ def _figures() -> list[tuple[Section, Figure]]:
 
 def effects(study: Study) -> list[str]:
     """Files of the fields of one factor at a time, under ``fields/`` and without their ending."""
-    return [name.format(**own) for name, of in ((_EFFECT, _varied), (_INTERIOR, _inside)) for own in of(study)]
+    return [
+        name.format(**wildcards) for name, of in ((_EFFECT, _varied), (_INTERIOR, _inside)) for wildcards in of(study)
+    ]
 
 
 def _readouts(study: Study) -> Wildcards:

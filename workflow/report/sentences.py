@@ -11,6 +11,7 @@ from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, listed
 from workflow.report.tornado import Chart
+from workflow.study import coupling
 from workflow.study.categories import parted, titled
 from workflow.study.model import Study
 
@@ -48,8 +49,7 @@ def dataset(study: Study, cases: int, rows: Sequence[Row]) -> str:
     cases : int, number of cases
     rows : sequence of mapping, the quantities, as `tables.dataset` gives them
     """
-    interesting = [parted(name)[0] for name in study.of_interest]
-    row = next((row for name in interesting for row in rows if row["name"] == name), rows[0])
+    row = next((row for name in coupling.wanted(study) for row in rows if row["name"] == name), rows[0])
     ends = (shown(row[end], row["units"], 3) for end in ("low", "high"))
     return f"{counted(cases)} exact cases; over them {titles.title(str(row['name']))} goes from {' to '.join(ends)}."
 
@@ -96,9 +96,9 @@ def sensitivity(charts: Sequence[Chart]) -> str:
 
 def _depending(name: str, shares: Iterable[str], *, whole: bool) -> str:
     """A quantity, and the categories that are meant where these are not all."""
-    kinds, quantity = list(shares), titles.title(name) if name in ALL_QUANTITIES else name
-    more = [f"{len(kinds) - _MOST_NAMED} more"] if len(kinds) > _MOST_NAMED else []
-    return quantity if whole else f"{quantity} of {listed([*kinds[:_MOST_NAMED], *more])}"
+    names, quantity = list(shares), titles.title(name) if name in ALL_QUANTITIES else name
+    more = [f"{len(names) - _MOST_NAMED} more"] if len(names) > _MOST_NAMED else []
+    return quantity if whole else f"{quantity} of {listed([*names[:_MOST_NAMED], *more])}"
 
 
 def _size(shares: Collection[float]) -> str:
@@ -155,7 +155,7 @@ def checks(group: Row) -> str:
     text = f"{green} of {len(group['checks'])} checks are green"
     if not known:
         return f"{text}."
-    nearest = max(known, key=lambda one: one["error"] / one["tolerance"])
+    nearest = max(known, key=lambda check: check["error"] / check["tolerance"])
     share = number(100 * nearest["error"] / nearest["tolerance"], 2)
     return f"{text}; the largest error is {share} % of its tolerance ({nearest['name']})."
 

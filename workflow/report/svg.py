@@ -9,6 +9,11 @@ from markupsafe import Markup
 INK, PAPER, ACCENT = "#1c2430", "#fbfbf9", "#2166ac"
 SOFT, GOOD, BAD = "#5b6675", "#1b7f4d", "#b3261e"
 BODY, PUNCH, SECOND = "#eaf1f9", "#e4e5e7", "#f6ecdf"
+#: The tip of an arrow, as marker ``tip``, in the colour of its line.
+TIP = (
+    '<marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" '
+    'orient="auto-start-reverse"><path d="M0 0 8 4 0 8z" fill="context-stroke"/></marker>'
+)
 _VARIABLES = {
     INK: "var(--ink)",
     PAPER: "var(--card)",

@@ -1,7 +1,7 @@
 """What the page's tables hold, from the files of a run."""
 
 import json
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +13,11 @@ from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from surrogate.use.validation import ideal
 from workflow.dataset import factorial
-from workflow.dataset.slabs import CARD
 from workflow.design.verdict.answer import Answer
 from workflow.device.pressed import HELD
 from workflow.language import titles
 from workflow.report import sentences
-from workflow.report.verdict import findings
+from workflow.report.verification import findings
 from workflow.study import coupling
 from workflow.study.categories import titled
 from workflow.study.datum import meaning
@@ -58,22 +57,21 @@ def verification(folder: Path) -> dict[str, Any]:
 REFUSED = ("drawn", "refused", "refused_inside", "answered_outside")
 
 
-def dataset(folder: Path, hangs: frozenset[str], told: Collection[str]) -> dict[str, Any]:
+def dataset(folder: Path, card: Mapping[str, Any], told: Collection[str]) -> dict[str, Any]:
     """Range of every quantity that is told, and size of the data set.
 
     Parameters
     ----------
     folder : Path, the study's results
-    hangs : frozenset of str, quantities that depend on the datum
+    card : mapping, the data card
     told : collection of str, quantities that the page tells of
     """
     data = read_whole(folder / "quantities.nc")
-    card = json.loads((folder / CARD).read_text(encoding="utf-8"))
     rows = [
         {
             "name": str(name),
             "units": ALL_QUANTITIES[str(name)].units,
-            "long_name": meaning(str(name), hangs),
+            "long_name": meaning(str(name), card["on_datum"]),
             "low": float(array.min()),
             "high": float(array.max()),
         }
@@ -94,12 +92,15 @@ def dataset(folder: Path, hangs: frozenset[str], told: Collection[str]) -> dict[
 
 def surface(path: Path) -> list[dict[str, Any]]:
     """Errors and intervals of the fields under the punch."""
-    data = read_whole(path)
-    keys = ("max_error", "rmse", *_INTERVALS)
+    return _rows(read_whole(path), "output", ("max_error", "rmse", *_INTERVALS))
+
+
+def _rows(data: xr.Dataset, dim: str, keys: Sequence[str]) -> list[dict[str, Any]]:
+    """Numbers along a dimension, a row a ``name`` of it."""
+    columns = {key: data[key].transpose(dim).values.tolist() for key in keys}
     return [
-        {"name": str(name), **{key: float(row[key]) for key in keys}}
-        for name in data["output"].values
-        for row in [data.sel(output=name)]
+        {"name": str(name), **{key: float(column[place]) for key, column in columns.items()}}
+        for place, name in enumerate(data[dim].values)
     ]
 
 
@@ -136,17 +137,10 @@ def validation(folder: Path, study: Study) -> dict[str, Any]:
     """
     data = read_whole(folder / "validation.nc").sel(output=coupling.outputs(study))
     tolerance = float(data.attrs["tolerance"])
-    rows: list[dict[str, Any]] = [
-        {
-            "name": str(name),
-            "error": float(row["max_error"]),
-            "rmse": float(row["rmse"]),
-            "baseline": float(row["baseline_max_error"]) if "baseline_max_error" in row else None,
-            "r2": float(row["r2"]),
-            **{key: float(row[key]) for key in _INTERVALS},
-        }
-        for name in data["output"].values
-        for row in [data.sel(output=name)]
+    of_interpolation = ["baseline_max_error"] if "baseline_max_error" in data else []
+    rows = [
+        row | {"error": row["max_error"], "baseline": row.get("baseline_max_error")}
+        for row in _rows(data, "output", ("max_error", "rmse", "r2", *of_interpolation, *_INTERVALS))
     ]
     worst = max(rows, key=lambda row: row["error"])
     along = data["axis" if "axis" in data.dims else "input"].values
@@ -234,16 +228,7 @@ def readout(name: str, path: Path) -> dict[str, Any]:
     path : Path, its file
     """
     data = read_whole(path)
-    rows = [
-        {
-            "name": str(factor),
-            "coverage": float(row["coverage"]),
-            "width": float(row["width"]),
-            "left": float(row["left"]),
-        }
-        for factor in data["factor"].values
-        for row in [data.sel(factor=factor)]
-    ]
+    rows = _rows(data, "factor", ("coverage", "width", "left"))
     return {"name": name, "rows": rows, "cases": data.sizes["case"]}
 
 

@@ -21,9 +21,9 @@ from workflow.language import grammar, titles
 from workflow.language.constants import FIGURES_BY
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS
-from workflow.report import live
+from workflow.report import whatif_drawing
 from workflow.study import coupling
-from workflow.study.categories import Kinds, output
+from workflow.study.categories import Combination, output
 from workflow.study.datum import HANGING, meaning
 from workflow.study.model import Study
 from workflow.study.target import Target
@@ -59,7 +59,7 @@ def content(
     if stored is None:
         return None
     values = [answer.case for answer in designs]
-    places = [study.combinations.index(answer.kinds) for answer in designs]
+    places = [study.combinations.index(answer.combination) for answer in designs]
     start = values[0] if values else {}
     return {
         "surrogate": stored if _combines(study, designs) else {key: stored[key] for key in stored if key != "together"},
@@ -72,14 +72,14 @@ def content(
         "titles": {name: titles.title(name) for name in study.factors},
         "categories": study.categories,
         "kinds": [_kind(study, model, kind) for kind in study.combinations],
-        "ranges": _ranges(study, model, factorial.learned(study, quantities)),
+        "ranges": _ranges(study, model, factorial.training_data(study, quantities)),
         "fixed": _held(study),
         "cases": [
             {"values": case, "kind": kind, **_target(study.narrowed(study.combinations[kind]), name, target, design)}
             for (name, target), design, case, kind in zip(study.design.items(), designs, values, places, strict=True)
         ],
-        "stack": live.drawable(study),
-        **live.fields(study, fields),
+        "stack": whatif_drawing.drawable(study),
+        **whatif_drawing.fields(study, fields),
         "kind": places[0] if places else 0,
         "start": [
             float(np.clip(own.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, own in model.box.items()
@@ -116,19 +116,19 @@ def _ranges(study: Study, model: GaussianProcess, learned: xr.Dataset) -> list[l
     """Ends of every output over the box: of its factorial, or of the surrogate, where that is in groups."""
     if study.groups:
         t = 2 * sobol_points(_POINTS, len(model.box)) - 1
-        X = np.stack([own.from_unit(row) for own, row in zip(model.box.values(), t.T, strict=True)], axis=1)
+        X = np.stack([axis.from_unit(row) for axis, row in zip(model.box.values(), t.T, strict=True)], axis=1)
         return [[float(row.min()), float(row.max())] for row in model.predict_array(X[model.has_answers(X)]).T]
     return [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_]
 
 
-def _kind(study: Study, model: GaussianProcess, kinds: Kinds) -> dict[str, Any]:
+def _kind(study: Study, model: GaussianProcess, combination: Combination) -> dict[str, Any]:
     """One combination of the categories: the surrogate's columns for it, and whether it shows a pressure."""
     return {
-        "names": kinds,
-        "allowances": assessment.allowances(study, Predicted(model, kinds), study.outputs),
-        "columns": [model.outputs_.index(output(name, kinds)) for name in coupling.told(study)],
-        "pressure": live.closed_pressure(study, kinds),
-        "body": live.body(study, kinds) if live.drawable(study) else None,
+        "names": combination,
+        "allowances": assessment.allowances(study, Predicted(model, combination), study.outputs),
+        "columns": [model.outputs_.index(output(name, combination)) for name in coupling.told(study)],
+        "pressure": whatif_drawing.closed_pressure(study, combination),
+        "body": whatif_drawing.body(study, combination) if whatif_drawing.drawable(study) else None,
     }
 
 
@@ -161,10 +161,7 @@ def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str
                 "held": not term.broken,
             }
         )
-    ranges = target.worst_case | {
-        factor: list(distribution.support) for factor, distribution in target.uncertain.items()
-    }
-    over = [f"{titles.title(factor)} {titles.span(factor, low, high)}" for factor, (low, high) in ranges.items()]
+    over = [titles.span(factor, *ends) for factor, ends in target.ranges.items()]
     if target.tolerance:
         over.append(f"the tolerances of {titles.listed([titles.title(name) for name in target.tolerance])}")
     return {

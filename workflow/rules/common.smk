@@ -7,7 +7,7 @@ import sys
 from functools import cache
 from itertools import count
 
-from workflow.dataset import asked, batches, kept
+from workflow.dataset import batches, casecache, infill
 from workflow.design.told import unreached
 from workflow.report import sections as page_sections
 from workflow.run import crate, lock, provenance, sources
@@ -145,12 +145,12 @@ def batches_of(wildcards, rounds=None):
     return files
 
 
-def asked_of(wildcards, rounds=asked.ROUNDS):
+def asked_of(wildcards, rounds=infill.ROUNDS):
     """The cases that a target asks for, of the first rounds or of all."""
     files = []
     for number in range(rounds):
         named = {"study": wildcards.study, "name": wildcards.name, "round": number}
-        slabs = range(asked.slabs(study_of(wildcards), checkpoints.asked.get(**named).output[0]))
+        slabs = range(infill.slabs(study_of(wildcards), checkpoints.asked.get(**named).output[0]))
         if not slabs:
             break
         files += expand("results/{study}/asked/{name}/{round}_{slab}.nc", slab=slabs, **named)
@@ -160,7 +160,7 @@ def asked_of(wildcards, rounds=asked.ROUNDS):
 def gathered_of(wildcards):
     """All cases that are asked for, a file of each target; none of a study without a budget for them."""
     study = study_of(wildcards)
-    return expand("results/{study}/asked/{name}.nc", study=wildcards.study, name=asked.names(study) if study.surrogate.budget else [])
+    return expand("results/{study}/asked/{name}.nc", study=wildcards.study, name=infill.names(study) if study.surrogate.budget else [])
 
 
 def answered_on(wildcards):

@@ -5,8 +5,8 @@
 ASKED = {
     "felt": fields_felt,
     "told": outputs_told,
-    "aims": lambda wildcards: study_of(wildcards).aims,
-    "of_interest": lambda wildcards: study_of(wildcards).of_interest,
+    "aims": lambda wildcards: coupling.aims(study_of(wildcards)),
+    "of_interest": lambda wildcards: coupling.of_interest(study_of(wildcards)),
 }
 
 for drawn in page_sections.drawn():

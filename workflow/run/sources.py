@@ -39,10 +39,10 @@ def used(script: str) -> set[Path]:
     rooms = {ROOT / room for room in ROOMS}
     within = {name: Path(name).resolve() for name in {folder for folder, _, _ in files}}  # folders are few
     within = {name: folder for name, folder in within.items() if rooms & {folder, *folder.parents}}
-    found = {within[folder] / name for folder, _, name in files if folder in within}
+    imported = {within[folder] / name for folder, _, name in files if folder in within}
     folders = set(within.values())
     beside = [data for folder in folders for part in ("*", "templates/*") for data in folder.glob(part)]
-    return found | {data for data in beside if data.suffix in DATA}
+    return imported | {data for data in beside if data.suffix in DATA}
 
 
 def check(planned: Mapping[str, str], script: str) -> None:

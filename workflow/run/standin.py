@@ -50,13 +50,13 @@ def job(script: Path, file: str = "") -> Snakemake:
             made = ", ".join(str(output) for named in rules for output in named.output)
             made = re.sub(r",[^{}]*}", "}", made)  # without what a wildcard may be
             raise WorkflowError(f"{script.name}: {file!r} is not one of {made}")
-        found = Job(rule, DAG(workflow, rules=[rule]), rule.get_wildcards(file), targetfile=file)
+        rule_job = Job(rule, DAG(workflow, rules=[rule]), rule.get_wildcards(file), targetfile=file)
     except WorkflowError as error:
         sys.exit(str(error))
-    for path in map(Path, found.output):
+    for path in map(Path, rule_job.output):
         path.parent.mkdir(parents=True, exist_ok=True)
-    names = found.input, found.output, found.params, found.wildcards
-    return Snakemake(*names, found.threads, found.resources, found.log, workflow.config, rule.name, None)
+    names = rule_job.input, rule_job.output, rule_job.params, rule_job.wildcards
+    return Snakemake(*names, rule_job.threads, rule_job.resources, rule_job.log, workflow.config, rule.name, None)
 
 
 def _workflow() -> Workflow:

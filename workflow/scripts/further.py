@@ -2,14 +2,11 @@
 
 from pathlib import Path
 
-from workflow.dataset import asked
-from workflow.dataset.kept import Kept
-from workflow.run import joblog, lock
+from workflow.dataset import casecache, infill
+from workflow.run import joblog
 from workflow.study import planned
 
 snakemake = joblog.start(globals())
 config = planned.study(snakemake)
-output = Path(snakemake.output[0])
-kept = Kept(lock.results(snakemake.wildcards.study, output), output)
-asked.write_slab(config, Path(snakemake.input[0]), int(snakemake.wildcards.slab), output, kept)
-kept.tell()
+with casecache.of(snakemake) as cache:
+    infill.write_slab(config, Path(snakemake.input[0]), int(snakemake.wildcards.slab), Path(snakemake.output[0]), cache)

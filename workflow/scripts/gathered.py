@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from storage.netcdf import read_whole, write_whole
-from workflow.dataset import asked
+from workflow.dataset import infill
 from workflow.run import joblog
 
 snakemake = joblog.start(globals())
-write_whole(asked.gathered([read_whole(Path(slab)) for slab in snakemake.input]), Path(snakemake.output[0]))
+write_whole(infill.gathered([read_whole(Path(slab)) for slab in snakemake.input]), Path(snakemake.output[0]))

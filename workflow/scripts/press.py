@@ -6,17 +6,17 @@ from storage.netcdf import write_whole
 from workflow.design.verdict import netcdf
 from workflow.device import pressed
 from workflow.run import joblog
-from workflow.study import beside, planned
+from workflow.study import planned, signal_case
 
 snakemake = joblog.start(globals())
 config = planned.study(snakemake)
 assert config.signal is not None  # the rule is of studies that have it
 if config.signal.case:
-    own = beside.pressed(config)
+    own = signal_case.of(config)
     shown = pressed.signal(own, config.signal, own.fixed)
     shown = shown.merge(pressed.held(own, config.signal)).merge(pressed.spread(own, config.signal, own.fixed))
 else:
     answer = netcdf.read(Path(snakemake.input[0]))
-    case = {**config.fixed, **answer.kinds, **answer.case}
-    shown = pressed.signal(config.narrowed(answer.kinds), config.signal, case)
+    case = {**config.fixed, **answer.combination, **answer.case}
+    shown = pressed.signal(config.narrowed(answer.combination), config.signal, case)
 write_whole(shown, Path(snakemake.output[0]))

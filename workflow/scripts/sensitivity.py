@@ -12,7 +12,7 @@ from workflow.run import joblog
 snakemake = joblog.start(globals())
 model = load(snakemake.input[0]).everywhere()  # indices are those of the whole box
 units = [model.attrs_[name].get("units", "") for name in model.outputs_]
-found = sobol(model).assign_coords(units=("output", units))
+indices = sobol(model).assign_coords(units=("output", units))
 write_whole(
-    described(found, "Sobol' indices and main effects of the surrogate", SOURCE, MEANINGS), Path(snakemake.output[0])
+    described(indices, "Sobol' indices and main effects of the surrogate", SOURCE, MEANINGS), Path(snakemake.output[0])
 )

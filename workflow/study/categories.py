@@ -12,28 +12,28 @@ import xarray as xr
 from workflow.language import titles
 
 #: The name that every category takes.
-Kinds = dict[str, str]
+Combination = dict[str, str]
 
 
-def combinations(categories: Mapping[str, Sequence[str]]) -> list[Kinds]:
+def combinations(categories: Mapping[str, Sequence[str]]) -> list[Combination]:
     """Every combination of names; one without any where there are no categories."""
     return [dict(zip(categories, names, strict=True)) for names in product(*categories.values())]
 
 
-def named(kinds: Mapping[str, str]) -> str:
+def named(combination: Mapping[str, str]) -> str:
     """A combination in words."""
-    return ", ".join(kinds.values())
+    return ", ".join(combination.values())
 
 
-def output(quantity: str, kinds: Mapping[str, str]) -> str:
+def output(quantity: str, combination: Mapping[str, str]) -> str:
     """What the surrogate calls a quantity of one combination.
 
     Parameters
     ----------
     quantity : str
-    kinds : mapping of str to str, the name of every category
+    combination : mapping of str to str, the name of every category
     """
-    return f"{quantity}[{named(kinds)}]" if kinds else quantity
+    return f"{quantity}[{named(combination)}]" if combination else quantity
 
 
 def parted(output: str) -> tuple[str, str]:

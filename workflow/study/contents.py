@@ -16,11 +16,11 @@ from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
 from workflow.language import titles
-from workflow.language.constants import BORNE, DEVICE, Meeting
+from workflow.language.constants import ALLOWABLES, DEVICE, Meeting
 from workflow.language.factors import FACTORS
 from workflow.study import grouped, layered
-from workflow.study.borne import MADE_OF, Borne, borne
-from workflow.study.categories import Kinds, combinations, output
+from workflow.study.allowable import MADE_OF, Allowable, allowable
+from workflow.study.categories import Combination, combinations, output
 from workflow.study.device import Device
 from workflow.study.digest import PHYSICS, digest
 from workflow.study.keys import Keys, Origin
@@ -34,11 +34,7 @@ class Contents(Keys):
     _origin: Origin = PrivateAttr()
     _absent: frozenset[str] = PrivateAttr()
     _hanging: frozenset[str] = PrivateAttr(default=frozenset())
-    #: Whether the surroundings were chosen for the study, and why they are not air.
-    _settled: bool = PrivateAttr(default=False)
-    #: Whether the punch was chosen for the study.
-    _pressed: bool = PrivateAttr(default=False)
-    _why_insulated: str = PrivateAttr(default="")
+    _defaults: tuple[str, ...] = PrivateAttr(default=())
 
     @property
     def path(self) -> Path:
@@ -49,6 +45,15 @@ class Contents(Keys):
     def own_materials(self) -> dict[str, Material]:
         """The study's own materials by name."""
         return self._origin.materials
+
+    @property
+    def defaults(self) -> tuple[str, ...]:
+        """What was chosen for the study, which does not say it, and why: a line each."""
+        return self._defaults
+
+    def tell_default(self, line: str) -> None:
+        """Keep a line of `defaults`."""
+        self._defaults = (*self._defaults, line)
 
     @property
     def absent(self) -> frozenset[str]:
@@ -74,9 +79,8 @@ class Contents(Keys):
     def stores_fields(self) -> bool:
         """Whether the data set holds surface fields, and the page draws them.
 
-        A cross approximation has no factorial to show them over, and those of points that slide take the solver
-        milliseconds a case, to which they are left. Those in air, which take as long as the contact itself, are stored
-        where positions are asked for.
+        A cross approximation has no factorial to show them over. Fields of sliding points are left to the solver, which
+        takes milliseconds a case. Fields in air take as long as the contact: they are stored where positions are given.
         """
         asked = "positions" in self.dataset.model_fields_set
         return not self.crossed and (asked or not self.kind.air) and not self.slides
@@ -110,7 +114,7 @@ class Contents(Keys):
     def axes(self) -> dict[str, Axis]:
         """The axes of the factorial in the order of its data set: the factors, or the groups that take their place.
 
-        Of films those come first for which the solver makes tables, so that a block of cases needs few of these.
+        Axes that need tables of films come first, so that a block of cases needs few tables.
         """
         own = grouped.axes(self.groups, self.factors, self.numbers) if self.groups else self.factors
         return {name: own[name] for name in dict.fromkeys([*self.tabled, *own]) if name in own}
@@ -131,8 +135,8 @@ class Contents(Keys):
     def crossed(self) -> list[str]:
         """The axes in which a cross approximation asks for places; none where the whole factorial is solved.
 
-        Of films those that need tables of their own, else all. Those of the most levels come first, where ranks are
-        small.
+        These are the axes that need tables of films, or else all. The axes with the most levels come first: ranks are
+        small there.
         """
         method, axes = self.surrogate.method, self.axes
         if method == "factorial" or (method == "auto" and self.cases <= self.dataset.budget):
@@ -164,24 +168,12 @@ class Contents(Keys):
         return {name: list(axis.kinks) for name, axis in self.factors.items() if axis.kinks}
 
     @property
-    def before(self) -> Self | None:
-        """The same over the box that it has grown from; None where that is none or as large."""
-        old = {name: axis.grown_from or [axis.low, axis.high] for name, axis in self.factors.items()}
-        if all(ends == [self.factors[name].low, self.factors[name].high] for name, ends in old.items()):
-            return None
-        axes = {
-            name: axis.model_copy(update={"low": old[name][0], "high": old[name][1], "grown_from": None})
-            for name, axis in self.factors.items()
-        }
-        return self.model_copy(update={"factors": axes})
-
-    @property
     def block(self) -> int:
         """Number of cases at a place of the crossed axes."""
         return self.cases // prod(self.axes[name].levels or 1 for name in self.crossed)
 
     @property
-    def combinations(self) -> list[Kinds]:
+    def combinations(self) -> list[Combination]:
         """Every combination of the categories' names."""
         return combinations(self.categories)
 
@@ -223,8 +215,8 @@ class Contents(Keys):
     def regions(self) -> list[str]:
         """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
 
-        None where it stands on a cross approximation, which knows no largest stresses, and under points, whose largest
-        stresses are learnt as other quantities are.
+        None of a cross approximation, which has no largest stresses, nor under points, whose largest stresses are
+        learned as other quantities are.
         """
         if self.crossed or not self.surrogate.curves or not self.kind.regions:
             return []
@@ -232,33 +224,17 @@ class Contents(Keys):
         return list(dict.fromkeys(followed))
 
     @property
-    def learned(self) -> list[str]:
+    def output_names(self) -> list[str]:
         """What the surrogate calls them: those of every combination of categories."""
         return [output(name, combination) for combination in self.combinations for name in self.outputs]
 
     @property
-    def of_interest(self) -> list[str]:
-        """What the designs ask for of it, or else all."""
-        asked = [name for target in self.design.values() for name in target.names() if name in self.outputs]
-        return [
-            output(name, combination) for name in dict.fromkeys(asked) for combination in self.combinations
-        ] or self.learned
-
-    @property
-    def aims(self) -> list[str]:
-        """What the goals of its designs are made of, of it; without designs, its first two quantities."""
-        goals = [goal.expression for target in self.design.values() for goal in target.objectives]
-        asked = dict.fromkeys(name for goal in goals for name in goal.names())
-        outputs = [name for name in asked if name in self.outputs] or self.outputs[:2]
-        return [output(name, combination) for name in outputs for combination in self.combinations]
-
-    @property
     def titles(self) -> dict[str, str]:
         """Title of every target: the study's, or what is asked for, with the target's name where several ask that."""
-        found = {name: target.title or titles.wanted(target.objectives) for name, target in self.design.items()}
-        several = Counter(found.values())
+        words = {name: target.title or titles.wanted(target.objectives) for name, target in self.design.items()}
+        several = Counter(words.values())
         return {
-            name: f"{word} ({name.replace('_', ' ')})" if several[word] > 1 else word for name, word in found.items()
+            name: f"{word} ({name.replace('_', ' ')})" if several[word] > 1 else word for name, word in words.items()
         }
 
     def solved(
@@ -285,7 +261,7 @@ class Contents(Keys):
         top = self.body[0].numbers.get(name) if self.body else None
         return self.fixed.get(name, FACTORS[name].default if top is None else top)
 
-    def bears(self, name: str) -> Borne:
+    def allowable(self, name: str) -> Allowable:
         """What the top material or the base bears, of a study whose body has no open category.
 
         Raises
@@ -296,7 +272,7 @@ class Contents(Keys):
         given: dict[str, Any] = dict(self.fixed)
         if self.body:
             given |= {key: value for key, value in self.body[0] if key in MADE_OF and isinstance(value, str | float)}
-        return borne(name, given, self.own_materials, self.phases)
+        return allowable(name, given, self.own_materials, self.phases)
 
     def constant(self, name: str) -> float:
         """One of ``CONSTANTS``, of a study whose body has no open category.
@@ -306,18 +282,18 @@ class Contents(Keys):
         ValueError
             Nothing is known of it.
         """
-        if name in BORNE:
-            return self.bears(name).value
+        if name in ALLOWABLES:
+            return self.allowable(name).value
         constants = self.device.constants if self.device else {}
         if name not in constants:
             part = "device" if name in Device.model_fields else "device: amplifier"
             raise ValueError(f"{part}: {name}: missing; must be a number with a unit [{DEVICE[name].units}]")
         return constants[name]
 
-    def narrowed(self, kinds: Mapping[str, str]) -> Self:
+    def narrowed(self, combination: Mapping[str, str]) -> Self:
         """The study with some of its categories held at a name."""
-        rest = {name: names for name, names in self.categories.items() if name not in kinds}
-        return self.model_copy(update={"fixed": {**self.fixed, **kinds}, "categories": rest})
+        rest = {name: names for name, names in self.categories.items() if name not in combination}
+        return self.model_copy(update={"fixed": {**self.fixed, **combination}, "categories": rest})
 
     def with_materials(self, materials: Mapping[str, Material]) -> Self:
         """The study with other constants under the names of some materials; its quantities stay those that it has."""

@@ -11,7 +11,7 @@ from solver import Material, find
 from solver.film.stack import RIGID
 from solver.material.laws import made
 from solver.names import ALL_QUANTITIES, CHOICES, MIXTURES
-from workflow.study.categories import output, parted
+from workflow.study.categories import output
 from workflow.study.contents import Contents
 
 Field = Literal["electric", "magnetic"]
@@ -64,7 +64,7 @@ def told(study: Contents) -> list[str]:
 
 def quantities(study: Contents) -> frozenset[str]:
     """The same of all quantities that there are."""
-    asked = {parted(name)[0] for name in study.of_interest if study.design} | set(study.surrogate.outputs)
+    asked = set(wanted(study) if study.design else ()) | set(study.surrogate.outputs)
     asked |= {name for readout in study.readout.values() for name in readout.measured}
     own = fields(study)
     return frozenset(
@@ -76,6 +76,31 @@ def outputs(study: Contents) -> list[str]:
     """The same as the surrogate calls them, of every combination of the categories."""
     own = told(study)
     return [output(name, combination) for combination in study.combinations for name in own]
+
+
+def wanted(study: Contents) -> list[str]:
+    """What the designs ask for of what the surrogate learns, or else all of that."""
+    return _asked(study) or study.outputs
+
+
+def _asked(study: Contents) -> list[str]:
+    names = (name for target in study.design.values() for name in target.names())
+    return [name for name in dict.fromkeys(names) if name in study.outputs]
+
+
+def of_interest(study: Contents) -> list[str]:
+    """The same as the surrogate calls it, of every combination of the categories."""
+    return [
+        output(name, combination) for name in _asked(study) for combination in study.combinations
+    ] or study.output_names
+
+
+def aims(study: Contents) -> list[str]:
+    """What the goals of its designs are made of, as the surrogate calls it; without designs, its first two outputs."""
+    goals = [goal.expression for target in study.design.values() for goal in target.objectives]
+    asked = dict.fromkeys(name for goal in goals for name in goal.names())
+    outputs = [name for name in asked if name in study.outputs] or study.outputs[:2]
+    return [output(name, combination) for name in outputs for combination in study.combinations]
 
 
 def kept(data: xr.Dataset, own: Collection[str]) -> xr.Dataset:

@@ -1,5 +1,7 @@
 """The datum of a study: the arbitrary length of a half-plane's logarithmic potentials, and what depends on it."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from solver import solve
@@ -50,19 +52,21 @@ def hanging(study: Contents) -> frozenset[str]:
     fixed = {name: value for name, value in study.fixed.items() if name != "datum"}
     cases = {**fixed, **study.categories, **here, "datum": datum}
     solved = study.solved(solve, cases)
-    found = {name: solved[name].transpose("datum", ...).values for name in HANGING if name in solved}
+    solved_values = {name: solved[name].transpose("datum", ...).values for name in HANGING if name in solved}
     return frozenset(
-        name for name, values in found.items() if np.any(np.abs(np.diff(values, axis=0)) > _SAME * np.abs(values[0]))
+        name
+        for name, values in solved_values.items()
+        if np.any(np.abs(np.diff(values, axis=0)) > _SAME * np.abs(values[0]))
     )
 
 
-def meaning(name: str, hanging: frozenset[str]) -> str:
+def meaning(name: str, hanging: Collection[str]) -> str:
     """What a quantity is, relative to the datum only where it depends on it.
 
     Parameters
     ----------
     name : str, the quantity
-    hanging : frozenset of str, quantities that depend on the datum
+    hanging : collection of str, quantities that depend on the datum
     """
     words = ALL_QUANTITIES[name].long_name
     return words if name in hanging else words.removesuffix(_RELATIVE)

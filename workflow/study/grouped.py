@@ -112,11 +112,11 @@ def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mappin
     ValueError
         A bad group, in one line.
     """
-    found: dict[str, Axis] = {}
+    by_name: dict[str, Axis] = {}
     for text, group in groups.items():
         axis = product(text)
         _check_names(axis, factors, fixed)
-        if axis.name in found:
+        if axis.name in by_name:
             raise ValueError(f"groups: {text}: is given twice")
         low, high = _range(axis, factors, fixed)
         scale = group.scale or _usual(axis, factors, low, high)
@@ -124,8 +124,8 @@ def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mappin
         if (scale == "log" and low <= 0) or (scale == "logit" and not 0 < low < high < 1):
             needs = "> 0" if scale == "log" else "between 0 and 1"
             raise ValueError(f"groups: {text}: scale: {scale} needs a range {needs}, this one is {shown}")
-        found[axis.name] = Axis(low=low, high=high, levels=group.levels, scale=scale)
-    return found
+        by_name[axis.name] = Axis(low=low, high=high, levels=group.levels, scale=scale)
+    return by_name
 
 
 def _range(axis: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> tuple[float, float]:

@@ -77,21 +77,21 @@ class BodyLayer(Strict):
         kind = {"material": self.material} if self.material else {"composite": str(self.composite)}
         return {**kind, **self.at(values)}
 
-    def made(self, values: Mapping[str, Any], found: Callable[[str], Material], phases: Sequence[str]) -> Layer:
+    def made(self, values: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Layer:
         """The solver's layer, with factors at values.
 
         Parameters
         ----------
         values : mapping, SI, of the factors
-        found : callable, gives a material by its name
+        materials : mapping of str to Material, the study's own
         phases : sequence of str, names of the two materials of a composite
         """
         at = self.at(values)
         if self.material is not None:
-            material = found(self.material)
+            material = find(self.material, materials)
         else:
             kind = str(self.composite)
-            material = made(kind, (found(phases[0]), found(phases[1])), at[COMPOSITES[kind]])
+            material = made(kind, (find(phases[0], materials), find(phases[1], materials)), at[COMPOSITES[kind]])
         return Layer(material, at["thickness"], self.below.electric, self.below.magnetic)
 
     def words(self) -> str:
@@ -226,14 +226,10 @@ def stack(layers: Layers, at: dict[str, Any], materials: Mapping[str, Material],
     materials : mapping of str to Material, the study's own
     phases : sequence of str, names of the two materials of a composite
     """
-
-    def found(name: str) -> Material:
-        return find(name, materials)
-
     whole = []
     for number, layer in enumerate(layers):
         try:
-            whole.append(layer.made(at, found, phases))
+            whole.append(layer.made(at, materials, phases))
         except MaterialError as error:
             raise MaterialError(f"body.{number}: {error}") from None
     if "base" not in at:
@@ -241,7 +237,7 @@ def stack(layers: Layers, at: dict[str, Any], materials: Mapping[str, Material],
     if at["base"] == RIGID:
         return Stack(whole, RIGID)
     try:
-        base = found(str(at["base"]))
+        base = find(str(at["base"]), materials)
     except MaterialError as error:
         raise MaterialError(f"base: {str(error).removeprefix('material: ')} and {RIGID}") from None
     return Stack(whole, base)

@@ -22,19 +22,19 @@ def first_problem(error: ValidationError, model: type[BaseModel], content: Mappi
     """
     findings = error.errors()
     # an unknown key is named before what is missing for it
-    found = next((finding for finding in findings if finding["type"] == "extra_forbidden"), None)
+    finding = next((finding for finding in findings if finding["type"] == "extra_forbidden"), None)
     # of a list or a mapping, what is wrong within it says more than that it is not the other
-    found = found or next((finding for finding in findings if finding["type"] not in _NOT_OF_TYPE), findings[0])
-    place = _written(found["loc"], content)
+    finding = finding or next((finding for finding in findings if finding["type"] not in _NOT_OF_TYPE), findings[0])
+    place = _written(finding["loc"], content)
     where = ".".join(place)
-    message = found["msg"].removeprefix("Value error, ")
-    if found["type"] == "extra_forbidden":
+    message = finding["msg"].removeprefix("Value error, ")
+    if finding["type"] == "extra_forbidden":
         return f"{where}: unknown key; {nearest(place[-1], _keys_at(model, place[:-1]))}"
-    if found["type"] == "missing":
-        return f"{'.'.join([*place, str(found['loc'][-1])])}: missing"
-    if found["type"] == "value_error":
+    if finding["type"] == "missing":
+        return f"{'.'.join([*place, str(finding['loc'][-1])])}: missing"
+    if finding["type"] == "value_error":
         return f"{where}: {message}" if where else message
-    return f"{where}: {found['input']!r}: {message[0].lower()}{message[1:]}"
+    return f"{where}: {finding['input']!r}: {message[0].lower()}{message[1:]}"
 
 
 def _written(loc: tuple[int | str, ...], content: Any) -> list[str]:

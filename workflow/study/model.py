@@ -12,8 +12,8 @@ from pydantic import ValidationError, model_validator
 
 from solver import Material
 from solver.film.powerlaw import SMOOTH
-from workflow.study import atrest, layered, punches, surroundings
-from workflow.study.asked import check_quantities
+from workflow.study import defaults, layered
+from workflow.study.consistency import check_quantities
 from workflow.study.contents import Contents
 from workflow.study.keys import Origin
 from workflow.study.location import location
@@ -42,9 +42,7 @@ class Study(Contents):
     def model_post_init(self, origin: Any, /) -> None:
         """Take what stands beside the file and what it has by default: rest, a device's punch, what is around."""
         super().model_post_init(origin)
-        atrest.settle(self)
-        punches.settle(self)
-        surroundings.settle(self)
+        defaults.settle(self)
 
     @model_validator(mode="after")
     def _complete(self) -> Self:

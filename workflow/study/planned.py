@@ -1,7 +1,7 @@
 """The study that a job was planned with: as it was when its run began, whatever has been edited since.
 
-Snakemake reads a study once and records its digests; a job that read the file again would file the answers to one
-study under the digest of another, and the next run would find nothing to be done.
+Snakemake reads a study once and records its digests. A job that read an edited file would file the answers to the new
+study under the digest of the old one, and the next run would find nothing to be done.
 """
 
 from pathlib import Path
@@ -38,12 +38,12 @@ def study(job: "Snakemake") -> Study:
         The study has been changed since the job was planned, and the run that planned it has left no copy.
     """
     name, (sections, _, digest) = job.wildcards.study, job.params.study.partition(": ")
-    found = begun(name, lock.results(name, Path(job.output[0])))
-    if found is None or found.digest(*sections.split()) != digest:
-        found = partition.with_slabs(studies.named(name))
-    if found.digest(*sections.split()) == digest:
-        return found
-    raise InputError(f"{found.path}: was changed ({sections}) after this job was planned; run the study again")
+    current = begun(name, lock.results(name, Path(job.output[0])))
+    if current is None or current.digest(*sections.split()) != digest:
+        current = partition.with_slabs(studies.named(name))
+    if current.digest(*sections.split()) == digest:
+        return current
+    raise InputError(f"{current.path}: was changed ({sections}) after this job was planned; run the study again")
 
 
 def begun(name: str, results: str | Path) -> Study | None:

@@ -5,7 +5,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from workflow.language.sizes import size
-from workflow.study.categories import Kinds
+from workflow.study.categories import Combination
 from workflow.study.types import FactorName, InputName, Number, QuantityName, Strict
 
 
@@ -20,7 +20,7 @@ class Readout(Strict):
     cases: int = Field(500, ge=50, le=100_000, description="random true cases that the intervals are tried on")
 
     @property
-    def kinds(self) -> Kinds:
+    def combination(self) -> Combination:
         """Categories held at a name."""
         return {name: value for name, value in self.at.items() if isinstance(value, str)}
 

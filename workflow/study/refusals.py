@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from solver import CaseError
+from solver import CaseError, FactorError
 
 #: The mask over the cases, and the texts that its numbers, from 1 on, stand for.
 REFUSAL, REASON = "refusal", "refusal_reason"
@@ -22,7 +22,7 @@ _REASONS = {"long_name": "why the solver refuses cases", "units": "1"}
 Solved = Callable[[Mapping[str, Any]], xr.Dataset]
 _Cases = Mapping[str, xr.DataArray]
 _Region = dict[str, slice]
-_Part = tuple[_Region, xr.Dataset | CaseError]
+_Part = tuple[_Region, xr.Dataset | FactorError]
 
 
 class HolesError(ValueError):
@@ -76,11 +76,12 @@ def answered(solved: Solved, factors: Mapping[str, Any], most: float = np.inf) -
     except CaseError as error:
         first = error
     cases = {name: labelled(name, value) for name, value in factors.items()}
-    sizes = {str(dim): size for array in cases.values() for dim, size in array.sizes.items()}
+    whole = _everywhere(cases)
+    sizes = {dim: _length(some) for dim, some in whole.items()}
     parts, count = [], 0
-    for region, part in _parts(solved, cases, {dim: slice(0, size) for dim, size in sizes.items()}, first):
+    for region, part in _parts(solved, cases, whole, first):
         parts.append((region, part))
-        count += isinstance(part, CaseError)
+        count += isinstance(part, FactorError)
         if count > most:
             raise HolesError(str(part))
     if count == len(parts):
@@ -88,7 +89,42 @@ def answered(solved: Solved, factors: Mapping[str, Any], most: float = np.inf) -
     return _whole(cases, sizes, parts)
 
 
-def _parts(solved: Solved, cases: _Cases, region: _Region, reason: CaseError) -> Iterator[_Part]:
+def refused(
+    solved: Callable[[Mapping[str, Any]], object], factors: Mapping[str, Any], reason: FactorError
+) -> tuple[dict[str, Any], FactorError]:
+    """The factors of one case that the solver refuses among many, and why; none where it refuses them together only.
+
+    It is looked for by halves, which takes twice as long as all cases together.
+
+    Parameters
+    ----------
+    solved
+        Solves cases by their factors; raises FactorError.
+    factors
+        Numbers, names, sequences along themselves, labelled arrays.
+    reason
+        What the solver says to all of them.
+    """
+    cases = {name: labelled(name, value) for name, value in factors.items()}
+    parts = _parts(solved, cases, _everywhere(cases), reason, FactorError)
+    for region, part in parts:
+        if isinstance(part, FactorError):
+            case = {name: array.isel(region, missing_dims="ignore") for name, array in cases.items()}
+            return {name: array.item() for name, array in case.items()}, part
+    return {}, reason
+
+
+def _everywhere(cases: _Cases) -> _Region:
+    return {str(dim): slice(0, size) for array in cases.values() for dim, size in array.sizes.items()}
+
+
+def _parts(
+    solved: Callable[[Mapping[str, Any]], Any],
+    cases: _Cases,
+    region: _Region,
+    reason: FactorError,
+    refusal: type[FactorError] = CaseError,
+) -> Iterator[_Part]:
     """Answers of parts of a region that is refused as a whole, and of every case that is refused alone, why."""
     longest = max(region, key=lambda dim: _length(region[dim]), default="")
     if not longest or _length(region[longest]) == 1:
@@ -99,11 +135,11 @@ def _parts(solved: Solved, cases: _Cases, region: _Region, reason: CaseError) ->
     for some in (slice(whole.start, middle), slice(middle, whole.stop)):
         half = {**region, longest: some}
         try:
-            found = solved({name: array.isel(half, missing_dims="ignore") for name, array in cases.items()})
-        except CaseError as error:
-            yield from _parts(solved, cases, half, error)
+            answer = solved({name: array.isel(half, missing_dims="ignore") for name, array in cases.items()})
+        except refusal as error:
+            yield from _parts(solved, cases, half, error, refusal)
         else:
-            yield half, found
+            yield half, answer
 
 
 def _length(some: slice) -> int:
@@ -135,7 +171,7 @@ def _whole(cases: _Cases, sizes: Mapping[str, int], parts: Sequence[_Part]) -> x
 
 def _masked(data: xr.Dataset, dims: Sequence[str], sizes: Mapping[str, int], parts: Sequence[_Part]) -> xr.Dataset:
     """Data with the mask of the refused parts."""
-    refused = [(region, str(part)) for region, part in parts if isinstance(part, CaseError)]
+    refused = [(region, str(part)) for region, part in parts if isinstance(part, FactorError)]
     numbers = {reason: k for k, reason in enumerate(dict.fromkeys(reason for _, reason in refused), 1)}
     mask = np.zeros([sizes[dim] for dim in dims], dtype=np.int32)
     for region, reason in refused:

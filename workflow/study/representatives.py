@@ -42,21 +42,21 @@ def factors(study: Contents, axes: Mapping[str, Array | xr.DataArray]) -> dict[s
         Groups of which each needs a factor that another varies.
     """
     leads = grouped.leads(study.products.values(), study.factors)
-    found: dict[str, Any] = {name: value for name, value in middles(study).items() if name not in leads.values()}
-    found |= {name: value for name, value in study.numbers.items() if name not in study.factors}
+    values: dict[str, Any] = {name: value for name, value in middles(study).items() if name not in leads.values()}
+    values |= {name: value for name, value in study.numbers.items() if name not in study.factors}
     waiting = list(study.products)
     while waiting:
-        ready = [name for name in waiting if all(other in found for other in _others(study, leads, name))]
+        ready = [name for name in waiting if all(other in values for other in _others(study, leads, name))]
         if not ready:
             raise ValueError(f"groups: {', '.join(waiting)}: each needs a factor that another varies")
         for name in ready:
             powers = study.products[name].powers
             rest = _over(name, axes[name])
             for factor in _others(study, leads, name):
-                rest = rest / found[factor] ** powers[factor]
-            found[leads[name]] = _root(rest, powers[leads[name]])
+                rest = rest / values[factor] ** powers[factor]
+            values[leads[name]] = _root(rest, powers[leads[name]])
             waiting.remove(name)
-    return {name: found[name] for name in study.factors}
+    return {name: values[name] for name in study.factors}
 
 
 def ends(study: Contents) -> dict[str, Any]:

@@ -15,7 +15,7 @@ MOST_CASES = 20_000_000
 MOST_CORNERS = 2**18
 #: Most values of one field on disk: cases times positions.
 MOST_VALUES = 2_000_000_000
-#: Most values of one field that are learnt, in memory at once: cases times angles.
+#: Most values of one field that are learned, in memory at once: cases times angles.
 MOST_LEARNED = 20_000_000
 #: Most curves of a figure of effects, points of all of its curves, and points of a grid below the punch.
 _MOST_CURVES, _MOST_POINTS, _MOST_GRID = 200, 200_000, 250_000

@@ -95,7 +95,7 @@ def _standing(study: Contents) -> dict[str, Weight]:
 def hanging_on_datum(study: Contents) -> frozenset[str]:
     """Quantities that depend on a datum that is in none of the groups; ValueError where they are asked for.
 
-    But of a film the depth, whose logarithm of the datum has one coefficient a base.
+    The depth on a film may be asked for: its logarithm of the datum has one coefficient for each base.
     """
     return _on_datum(study) | _on_punch(study)
 
@@ -143,9 +143,9 @@ def _on_datum(study: Contents) -> frozenset[str]:
 def lacked(study: Contents) -> frozenset[str]:
     """Names of the quantities that some cases lack, once the solver has answered at the corners of the box.
 
-    Every combination of what needs tables costs a tenth of a second or more: these factors are all at their low
-    ends, or all at their high ones. With air beside the contact a corner needs tables of its own: of a study with
-    groups only stored cases are solved, between which the box lies, one a corner.
+    Every table costs a tenth of a second or more: the factors that need tables are all at their low ends, or all at
+    their high ends. In air every corner needs tables of its own: of a study with groups, one stored case is solved in
+    each corner of the axes, between which the box lies.
     """
     if not study.factors:
         return frozenset()
@@ -182,14 +182,16 @@ def _answered(study: Contents, factors: Mapping[str, Any]) -> xr.Dataset:
 
 
 def _check_share(study: Contents) -> None:
-    """Refuse a study of which a corner is refused where a few places in its box tell that this is most of the box.
+    """Refuse a study with a refused corner where a few places in its box show that most of the box is refused.
 
     How many of the factorial's are missing is known only when they are solved (`workflow.dataset.holes`).
     """
     count = _SCOUTS_OF_TABLES if study.tabled else _SCOUTS
     shares = 2 * sobol_points(count, len(study.factors)).T - 1
     inputs = [Input(name, axis.low, axis.high, axis.scale) for name, axis in study.factors.items()]
-    places = {own.name: xr.DataArray(own.from_unit(t), dims="place") for own, t in zip(inputs, shares, strict=True)}
+    places = {
+        input_.name: xr.DataArray(input_.from_unit(t), dims="place") for input_, t in zip(inputs, shares, strict=True)
+    }
     least = MOST + _DEVIATIONS * np.sqrt(MOST * (1 - MOST) / count)
     try:
         answered(partial(study.solved, solve), {**study.fixed, **study.categories, **places}, least * count)

@@ -137,6 +137,12 @@ class Target(Strict):
         }
 
     @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Ends of what a design does not choose, but for tolerances: worst cases, then supports of distributions."""
+        supports = {name: distribution.support for name, distribution in self.uncertain.items()}
+        return {name: (low, high) for name, (low, high) in self.worst_case.items()} | supports
+
+    @property
     def random(self) -> list[str]:
         """What is drawn where a limit or a statistic asks for draws: uncertain factors, and tolerances, uniformly."""
         return [*self.uncertain, *self.tolerance]
@@ -166,7 +172,7 @@ class Target(Strict):
             high if variable.high is None else min(high, variable.high),
         )
 
-    def deviating(self, statement: statements.Objective | statements.Limit) -> tuple[str, ...]:
+    def deviating(self, statement: statements.Statement) -> tuple[str, ...]:
         """The factors over which a statement's deviation is taken: those that it names, or all that are not chosen."""
         return statement.over or (*self.worst_case, *self.random)
 
@@ -215,11 +221,11 @@ class Target(Strict):
         stated: list[statements.Objective | statements.Limit] = [*self.objectives, *self.limits]
         for statement in stated:
             if statement.deviation and not self.deviating(statement):
-                raise ValueError(f"{_part(statement)}: {statement}: a deviation needs worst_case or uncertain factors")
+                raise ValueError(f"{statement.key}: {statement}: a deviation needs worst_case or uncertain factors")
             for name in statement.over:
                 if name not in (*self.worst_case, *self.random):
                     raise ValueError(
-                        f"{_part(statement)}: {statement}: {name!r} is none of worst_case, uncertain or tolerance"
+                        f"{statement.key}: {statement}: {name!r} is none of worst_case, uncertain or tolerance"
                     )
         if self.statistic.drawn and any(objective.deviation for objective in self.objectives):
             raise ValueError(f"robust: {self.robust!r}: a deviation is an objective as it is; must be 'worst case'")
@@ -257,17 +263,10 @@ class Target(Strict):
 
     def constants(self) -> list[str]:
         """Names of constants in objectives and limits, and of what bounds limits."""
-        bounds = [limit.borne for limit in self.limits if limit.borne]
+        bounds = [limit.allowable for limit in self.limits if limit.allowable]
         return list(dict.fromkeys([*(name for name in self.names() if name in CONSTANTS), *bounds]))
 
     def names(self) -> list[str]:
         """Names in objectives and limits."""
         goals, limits = [goal.expression for goal in self.objectives], [limit.expression for limit in self.limits]
         return list(dict.fromkeys(name for expression in goals + limits for name in expression.names()))
-
-
-def _part(statement: statements.Objective | statements.Limit) -> str:
-    """The key of a target under which a statement stands."""
-    if isinstance(statement, statements.Limit):
-        return "subject_to"
-    return "maximise" if statement.maximise else "minimise"

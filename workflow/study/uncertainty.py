@@ -5,7 +5,7 @@ prior standard deviation is what other published values of the material differ b
 elastic material has Young's modulus and Poisson's ratio instead; that has 0.02, added. One constant may be named too.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -85,9 +85,9 @@ class Constant:
         else:
             names = (FAMILIES | _ELASTIC).get(self.family, (self.family,))
             changed = {name: getattr(material, name) * np.exp(self.std * z) for name in names}
-        found = replace(material, **changed, alternatives=())
-        found.check()
-        return found
+        moved = replace(material, **changed, alternatives=())
+        moved.check()
+        return moved
 
 
 def uncertain(study: Study, asked: Mapping[str, float | None] | None = None) -> list[Constant]:
@@ -163,7 +163,7 @@ def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> St
     return study.with_materials(changed)
 
 
-def effects(
+def sensitivities(
     study: Study, constants: list[Constant], values: Callable[[Study], NDArray[np.float64]]
 ) -> NDArray[np.float64]:
     """What one prior standard deviation of each constant makes of some values, relative to them, to first order.
@@ -182,13 +182,13 @@ def effects(
         NaN for a value that is zero.
     """
     here = values(study)
-    found = np.empty((len(here), len(constants)))
+    shares = np.empty((len(here), len(constants)))
     for column, constant in enumerate(constants):
         ends = [values(moved(study, [constant], np.array([z]))) for z in (_STEP, -_STEP)]
         with np.errstate(divide="ignore", invalid="ignore"):
-            found[:, column] = (ends[0] - ends[1]) / (2 * _STEP) / here
-    found[~np.isfinite(found)] = np.nan
-    return found
+            shares[:, column] = (ends[0] - ends[1]) / (2 * _STEP) / here
+    shares[~np.isfinite(shares)] = np.nan
+    return shares
 
 
 def concerned(study: Study, constant: Constant) -> dict[str, str]:
@@ -232,11 +232,11 @@ def _constants(name: str, material: Material) -> list[Constant]:
     return constants
 
 
-def _asked(name: str, std: float | None, found: Mapping[str, list[Constant]], study: Study) -> Constant:
-    known = {family.name: family for families in found.values() for family in families}
+def _asked(name: str, std: float | None, constants: Mapping[str, list[Constant]], study: Study) -> Constant:
+    known = {family.name: family for families in constants.values() for family in families}
     if name not in known:
         material, _, constant = name.rpartition(" ")
-        own = find(material, study.own_materials) if material in found else None
+        own = find(material, study.own_materials) if material in constants else None
         if own is None or constant not in UNITS or constant == "rho" or float(getattr(own, constant)) in (0.0, np.nan):
             raise InputError(f"--uncertain: {name!r} is unknown; {nearest(name, list(known))}; or one constant, as e33")
         known[name] = Constant(material, constant, _spread(own, (constant,)))
@@ -245,22 +245,20 @@ def _asked(name: str, std: float | None, found: Mapping[str, list[Constant]], st
 
 def _spread(material: Material, names: tuple[str, ...]) -> float:
     """The usual prior, or the most that other published values of a family are off by on average, as logarithms."""
-    largest = USUAL
-    for variant in material.variants():
-        pairs = [(float(getattr(variant, name)), float(getattr(material, name))) for name in names]
-        off = [np.log(a / b) for a, b in pairs if a * b > 0]
-        largest = max(largest, abs(float(np.mean(off)))) if off else largest
-    return largest
+    return max([USUAL, *(abs(float(np.mean(off))) for off in _differences(material, names) if off)])
 
 
 def _scatter(material: Material, family: str) -> float:
     """Deviation of the logarithms of other published values about their family's mean, the widest of the variants."""
-    largest = OWN
+    differences = _differences(material, members(material, family))
+    return min(max([OWN, *(float(np.std(off, ddof=1)) for off in differences if len(off) > 1)]), _MOST_OWN)
+
+
+def _differences(material: Material, names: Sequence[str]) -> Iterator[list[float]]:
+    """Logarithms of other published values over the material's own, a list a variant; without those of another sign."""
     for variant in material.variants():
-        pairs = [(float(getattr(variant, name)), float(getattr(material, name))) for name in members(material, family)]
-        off = [np.log(a / b) for a, b in pairs if a * b > 0]
-        largest = max(largest, float(np.std(off, ddof=1))) if len(off) > 1 else largest
-    return min(largest, _MOST_OWN)
+        pairs = [(float(getattr(variant, name)), float(getattr(material, name))) for name in names]
+        yield [np.log(a / b) for a, b in pairs if a * b > 0]
 
 
 def _is_isotropic(material: Material) -> bool:

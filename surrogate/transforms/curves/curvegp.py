@@ -18,7 +18,6 @@ from typing_extensions import override
 from approximation.arrays import Array, Indices, blocks
 from surrogate.data.inputs import Input
 from surrogate.face.model import GaussianProcess
-from surrogate.face.physical import in_blocks
 from surrogate.face.plain import plain_outputs
 from surrogate.transforms.curves.basis import Basis, Curves, Largest
 from surrogate.transforms.curves.landscape import Landscape
@@ -252,17 +251,13 @@ class CurveGP(Transformed):
         return set(self.outputs) - set(self.largest)
 
     # -- calibration ---------------------------------------------------------------------------------------------------
+    @override
     def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
         """Correct what is smooth, the curves too where the cases have them; a process over groups stays as it is.
 
-        Held-out cases hardly reach the ends of the groups' ranges, where what they tell of its error would be a guess.
-
-        Parameters
-        ----------
-        dataset, errors, t, groups : the cases, as of `Core.corrected`; curves are corrected if `dataset` holds them
+        Few held-out cases lie near the ends of the groups' ranges: a correction there would be a guess.
         """
-        plain = self.smooth_.uncalibrated()
-        smooth = in_blocks(t, lambda block: plain.mean_variance(block, None)[0])
+        smooth = self.smooth_.uncalibrated().means(t)
         known, left = np.zeros_like(smooth), errors.copy()
         for k, row in self._links.plain:
             known[row] = errors[k]

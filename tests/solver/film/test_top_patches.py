@@ -11,7 +11,7 @@ from solver.arrays import Array
 from solver.film.electroded import beyond_local, local
 from solver.film.electrodes import Electrode, electrodes
 from solver.film.stack import Layer, Stack
-from solver.point.local import Covered
+from solver.point.patchcover import Covered
 from tests.solver.film.films import BTO, FIBROUS, SILICON
 
 PZT, COPPER = solver.find("PZT-4"), solver.find("copper")

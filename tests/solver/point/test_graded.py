@@ -25,8 +25,8 @@ from solver.point.interactions import interactions
 from solver.point.pieces import Pieces
 from solver.point.profile import Shape
 from solver.point.quantities import quantities
-from solver.point.spread import spread
 from solver.point.surface import surface_fields
+from solver.point.surfacekernel import normal_kernel
 from tests.solver.film.test_grading import linear, uncoupled
 from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, Conducts, of_coats, on_film
 
@@ -192,7 +192,7 @@ def test_local_tails_are_cosine_transforms() -> None:
 
 def test_spread_of_a_constant_profile_is_that_of_a_layer() -> None:
     x = np.array([1e-3, 0.1, 0.9, 4.0, 19.0])
-    exact, found = spread(PLAIN.stack()).at(x), spread(CONSTANT.stack(), 20.0).at(x)
+    exact, found = normal_kernel(PLAIN.stack()).at(x), normal_kernel(CONSTANT.stack(), 20.0).at(x)
     np.testing.assert_allclose(found, exact, atol=1e-11 * np.max(np.abs(exact)))
 
 

@@ -12,7 +12,7 @@ from solver.film.windows import number_of
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
 from solver.names import POINT_GAP_QUANTITIES
 from solver.point.profile import Shape
-from solver.point.spread import spread
+from solver.point.surfacekernel import normal_kernel
 from solver.point.table import PointKind, window
 from solver.surroundings.ringoperators import RingOperators
 from solver.surroundings.rings import rings
@@ -183,7 +183,7 @@ def test_loads_are_those_of_the_galerkin_tables(ratio: float, exponent: float) -
     """Two discretisations, one in distances and Gauss's nodes, one in wavenumbers and Legendre functions."""
     kind = PointKind(film(BTO), (True, False), Shape(exponent))
     stack = kind.film.stack()
-    own = RingOperators(rings(), (0,), kind.compliance, kind.shape, spread(stack), strip(stack))
+    own = RingOperators(rings(), (0,), kind.compliance, kind.shape, normal_kernel(stack), strip(stack))
     found = own.at(ratio)[own.rows.loads, : own.rows.causes]
     read = kind.stiffness(window(kind, int(number_of(np.array([ratio]))[0])).read(np.log([ratio]))).loads[0]
     np.testing.assert_allclose(found, read[np.ix_([0, 1], [0, 1, 3])], rtol=1e-10)

@@ -8,7 +8,7 @@ import pytest
 
 from surrogate import load, save
 from surrogate.transforms.measured.corrected import CorrectedGP
-from tests.workflow.learning.test_measured import study_of
+from tests.workflow.learning.test_correction import study_of
 from workflow.cli import main
 from workflow.dataset import draws, factorial
 from workflow.study import uncertainty

@@ -21,7 +21,7 @@ from workflow.cli import main, predictions
         ((float("nan"),) * 3, "nan [nan, nan] (95 %)"),
     ],
 )
-def test_an_interval_is_shown_with_the_figures_that_it_has(numbers: tuple[float, ...], expected: str) -> None:
+def test_an_interval_is_shown_with_the_figures_that_it_has(numbers: tuple[float, float, float], expected: str) -> None:
     assert predictions.shown(*numbers) == expected
 
 

@@ -70,8 +70,8 @@ def gathered(slabs: list[Path], path: Path) -> bytes:
 def test_it_is_the_surrogate_of_the_whole_factorial(study: Study, slabs: list[Path]) -> None:
     assert study.crossed == ["lower_volume_fraction", "volume_fraction"]
     crossed = training.fit(study, quantities.gather([read_whole(slab) for slab in slabs]))
-    exact = factorial.learned(study, factorial.exact(study, factorial.levels(study)))
-    whole = GridGP(inputs=factorial.inputs(study), outputs=study.learned, compression=1e-9).fit(exact)
+    exact = factorial.training_data(study, factorial.exact(study, factorial.levels(study)))
+    whole = GridGP(inputs=factorial.inputs(study), outputs=study.output_names, compression=1e-9).fit(exact)
     points = {name: values.values for name, values in draws.points(study, 200, (5,)).items()}
     X = np.stack(list(points.values()), axis=1)
     away = np.abs(crossed.predict_array(X) - whole.predict_array(X)).max(axis=0)

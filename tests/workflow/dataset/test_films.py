@@ -68,12 +68,12 @@ def test_the_surrogate_of_a_few_tables_hits_cases_between_them(study: Study, sla
         name: xr.DataArray(axis.low + (axis.high - axis.low) * rng.uniform(size=6), dims="case")
         for name, axis in study.factors.items()
     }
-    exact = factorial.learned(study, factorial.exact(study, points))
+    exact = factorial.training_data(study, factorial.exact(study, points))
     predicted = model.predict(points, return_std=False)
-    whole = factorial.learned(study, whole)
-    for name in study.learned:
+    whole = factorial.training_data(study, whole)
+    for name in study.output_names:
         np.testing.assert_allclose(predicted[name], exact[name], atol=2e-3 * float(np.ptp(whole[name].values)))
-    assert "voltage[steel]" in study.learned
+    assert "voltage[steel]" in study.output_names
 
 
 def test_random_cases_share_tables(study: Study) -> None:

@@ -177,7 +177,7 @@ def test_the_surrogate_of_a_study_with_holes_is_exact_at_kept_nodes_and_refuses_
     """Oracles: the solver at its nodes, and on fresh cases whether it answers and what."""
     whole = read_whole(folder / "quantities.nc")
     model = training.fit(study, whole)
-    nodes = factorial.learned(study, whole)
+    nodes = factorial.training_data(study, whole)
     points = {name: nodes[name] for name in study.factors}
     found = model.predict(points, return_std=False)
     for name in ("depth", "contact_trailing", "voltage_sensitivity"):

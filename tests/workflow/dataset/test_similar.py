@@ -40,7 +40,7 @@ def study() -> Study:
 
 def test_cases_for_calibration_reach_the_ends_of_groups(study: Study) -> None:
     """As many again as the even ones, each at the place of one of them."""
-    held = factorial.learned(study, factorial.cases(study, "calibration"))
+    held = factorial.training_data(study, factorial.cases(study, "calibration"))
     even = held["evenly_drawn"].values == 1
     drawn = draws.points(study, 40, (study.validation.seed, 2))
     for name, column in drawn.items():
@@ -79,14 +79,14 @@ def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study)
     grouping = factorial.grouping(study)
     X = np.array([[case[name] for name in study.factors]])
     axes = dict(zip(study.axes, grouping.products.values(X)[0][:, None], strict=True))
-    stored, true = (factorial.learned(study, factorial.exact(study, one)) for one in (axes, case))
+    stored, true = (factorial.training_data(study, factorial.exact(study, one)) for one in (axes, case))
     at = representatives.factors(study, axes)
     near = np.array([[np.asarray(at[name]).item() for name in study.factors]])
     assert near[0, 0] == pytest.approx(np.sqrt(2e-4 * 1e-3))
-    values = np.array([[stored[name].item()] for name in study.learned])
-    scales = grouping.scales(study.learned)
+    values = np.array([[stored[name].item()] for name in study.output_names])
+    scales = grouping.scales(study.output_names)
     told = scales.untransform(scales.transform(values, near), X)
-    for name, found in zip(study.learned, told[:, 0], strict=True):
+    for name, found in zip(study.output_names, told[:, 0], strict=True):
         assert found == pytest.approx(true[name].item(), rel=1e-7), name
     assert grouping.scalings["depth[steel]"].coefficient > 0
     assert grouping.scalings["depth[rigid]"].coefficient == pytest.approx(0, abs=1e-12 * true["depth[rigid]"].item())

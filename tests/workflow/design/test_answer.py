@@ -38,6 +38,7 @@ ANSWER = Answer(
     variables=(RADIUS, LOAD),
     ranges=(Range("voltage", -1.0, 2.0),),
     beyond="nominal field exceeds it (a book)",
+    exceeded=("nominal field exceeds it",),
     flags="nominal field exceeds it",
     target="mine",
     statistic="worst-case",

@@ -47,7 +47,7 @@ def test_a_thickness_is_found_with_few_exact_cases(monkeypatch: pytest.MonkeyPat
     assert "led by the surrogate" in answer.polish
     assert answer.feasible
     design = {name: answer.variable(name).value for name in study.factors}
-    base = answer.kinds["base"]
+    base = answer.combination["base"]
     goal, field = answer.terms
     for term, limit in ((goal, False), (field, True)):
         case = design | {"friction": term.worst["friction"], "base": base} | study.fixed

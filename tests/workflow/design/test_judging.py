@@ -5,7 +5,7 @@ import pytest
 
 from solver import find
 from tests.workflow.design import standin
-from workflow.design.verdict import assessment, figures, linearity, perturbation, spread
+from workflow.design.verdict import assessment, linearity, merit, perturbation, spread
 from workflow.design.verdict.answer import Constant
 
 HERTZ = {"friction": 0.0}  # then the largest pressure goes as the root of load over radius
@@ -35,14 +35,14 @@ def test_the_load_at_the_first_limit_is_that_of_hertz(room: float) -> None:
     ][0, 0])  # fmt: skip
     limit = f"peak_pressure <= {room * pressure:.12g} Pa"
     design = standin.design(study, AT, maximise="load", over=["radius", "load"], subject_to=[limit])
-    found = figures.first_limit(design, [AT, AT])
+    found = merit.first_limit(design, [AT, AT])
     assert found is not None
     assert found.overload == pytest.approx(room**2, rel=1e-3)
     assert found.overload_term == limit
     free = standin.design(study, AT, maximise="load", over=["radius", "load"], subject_to=["peak_pressure <= 1e6 MPa"])
-    found = figures.first_limit(free, [AT, AT])
+    found = merit.first_limit(free, [AT, AT])
     assert found is not None
-    assert (found.overload, found.overload_term) == (figures.MOST_LOAD, "")
+    assert (found.overload, found.overload_term) == (merit.MOST_LOAD, "")
 
 
 def test_a_device_has_the_figures_of_its_charge() -> None:
@@ -51,7 +51,7 @@ def test_a_device_has_the_figures_of_its_charge() -> None:
     design = standin.design(study, AT, maximise="load", over=["radius", "load"])
     corner = {"charge_sensitivity": np.array([[2e-11, 3e-11]])}
     corner |= {f"contact_{side}": np.full((1, 2), 1e-4) for side in ("trailing", "leading")}
-    found = {one.figure: (one.figure_low, one.figure_high) for one in figures.over(design, corner)}
+    found = {one.figure: (one.figure_low, one.figure_high) for one in merit.over(design, corner)}
     assert found["force"] == pytest.approx((100.0, 100.0))  # N, of 10 kN/m along 10 mm
     assert found["signal_charge"] == pytest.approx((2e-9, 3e-9))
 

@@ -14,7 +14,7 @@ from workflow.design.asking import scenarios
 from workflow.design.search import targets
 from workflow.design.told import words
 from workflow.design.verdict.answer import Answer
-from workflow.study.asked import check_target
+from workflow.study.consistency import check_target
 from workflow.study.model import Study
 from workflow.study.target import Distribution, Target
 

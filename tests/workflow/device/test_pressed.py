@@ -16,10 +16,10 @@ from tests.studies import edited, made, refusal
 from workflow.device import pressed
 from workflow.device.circuit import permittivity
 from workflow.device.contact import Contact, film
-from workflow.report import beside as report
 from workflow.report import sentences, tables
+from workflow.report import signal_card as report
 from workflow.report.figures import signal_in_time
-from workflow.study import beside
+from workflow.study import signal_case
 from workflow.study.pressing import Pressing
 
 STUDY = """\
@@ -128,7 +128,7 @@ def _moved_by_hand(case: dict[str, Any]) -> float:
 def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path: Path) -> None:
     study = made(BESIDE)
     assert isinstance(study.signal, Pressing)
-    own = beside.pressed(study)
+    own = signal_case.of(study)
     shown = pressed.signal(own, study.signal, own.fixed).merge(pressed.held(own, study.signal))
     ball = {
         "material": "PZT-4",

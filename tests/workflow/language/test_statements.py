@@ -148,7 +148,7 @@ def test_reads_limits_in_si(text: str, value: float, upper: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "share", "borne"),
+    ("text", "share", "allowable"),
     [
         ("nominal_field <= 0.3 coercive_field", 0.3, "coercive_field"),
         ("trailing_tension < tensile_strength", 1.0, "tensile_strength"),
@@ -156,9 +156,9 @@ def test_reads_limits_in_si(text: str, value: float, upper: bool) -> None:
         ("base_peak_von_mises <= base_yield_strength", 1.0, "base_yield_strength"),
     ],
 )
-def test_reads_limits_that_name_what_a_material_bears(text: str, share: float, borne: str) -> None:
+def test_reads_limits_that_name_what_a_material_bears(text: str, share: float, allowable: str) -> None:
     limit = statements.limit(text)
-    assert (limit.value, limit.borne, limit.unitless) == (share, borne, False)
+    assert (limit.value, limit.allowable, limit.unitless) == (share, allowable, False)
 
 
 def test_figures_of_a_device_are_read_as_their_formulas() -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from surrogate import save
-from tests.workflow.learning.test_measured import study_of
+from tests.workflow.learning.test_correction import study_of
 from workflow.cli import main
 
 PAGE = Path(__file__).parents[3] / "docs/learning.md"

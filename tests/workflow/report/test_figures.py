@@ -61,7 +61,7 @@ def test_no_text_is_cut_and_no_power_of_ten_stands_apart_from_its_ticks(ran: Pro
     answer = replace(answer, terms=(goal, *answer.terms[1:]))
     drawn = [*design_plots.figures_of(answer, study.design["sensor"]).values()]
     drawn += [surrogate_errors.residuals(read_whole(folder / "validation.nc"), study.outputs)]
-    drawn += [sobol.main_effects(read_whole(folder / "sensitivity.nc"), study.outputs, study.of_interest)]
+    drawn += [sobol.main_effects(read_whole(folder / "sensitivity.nc"), study.outputs, coupling.of_interest(study))]
     seen = ""
     for figure in drawn:
         figure.canvas.draw()

@@ -16,10 +16,11 @@ from workflow.design.told.words import verdict
 from workflow.design.verdict import netcdf
 from workflow.language.numbers import shown
 from workflow.language.titles import title
-from workflow.report import device, exact, firstscreen, ranked, sentences, svg, tornado
+from workflow.report import datum_effect, device, exact, firstscreen, ranked, sentences, svg, tornado
 from workflow.report.device import Device
 from workflow.report.firstscreen import Case
 from workflow.report.svg import ACCENT, BAD
+from workflow.study import coupling
 from workflow.study.layered import BodyLayer
 from workflow.study.model import load
 from workflow.study.sections import Effects
@@ -100,7 +101,8 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     study = load(ran.folder / "config/small.yaml")
     folder, target = ran.folder / "results/small/design", study.design["sensor"]
     found = netcdf.read(folder / "sensor.nc")
-    one = firstscreen.answered(study, "sensor", target, found, exact.contact(study, found), {})
+    moved = datum_effect.of_design(study, target, found)
+    one = firstscreen.answered(study, "sensor", target, found, exact.contact(study, found), {}, moved)
     assert one.reachable
     assert one.title == "Largest voltage per load"
     assert said(one.stops) == "Tension behind the contact of 50 MPa stops it."
@@ -126,7 +128,7 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
         for variable in found.variables
     ]
     other = replace(found, terms=(goal, *found.terms[1:]), variables=tuple(variables))
-    changed = firstscreen.answered(study, "sensor", target, other, exact.contact(study, other), {})
+    changed = firstscreen.answered(study, "sensor", target, other, exact.contact(study, other), {}, moved)
     assert said(changed.build).endswith("; R = 50 mm")
     number = [float(re.findall(r"[\d.]+", text.does)[1]) for text in (one, changed)]
     assert number[1] == pytest.approx(2 * number[0], rel=0.01)
@@ -215,7 +217,7 @@ def told_of(totals: list[list[float]], outputs: list[str], inputs: list[str]) ->
 
 def test_the_sentence_about_a_goal_is_that_of_the_chart_under_it(ran: Project) -> None:
     folder = ran.folder / "results/small"
-    aims = load(ran.folder / "config/small.yaml").aims
+    aims = coupling.aims(load(ran.folder / "config/small.yaml"))
     indices = read_whole(folder / "sensitivity.nc")
     drawn = (folder / "figures/sensitivity.svg").read_text(encoding="utf-8")
     bars = re.findall(r'data-factor="(\w+)".*? width="([\d.]+)"', drawn)
@@ -263,8 +265,8 @@ def test_what_a_goal_depends_on_is_told_of_every_goal_and_category() -> None:
     )
     sensor = shipped("film_sensor")
     goals = {name for one in sensor.design.values() for goal in one.objectives for name in goal.expression.names()}
-    assert {name.partition("[")[0] for name in sensor.aims} == goals & set(sensor.outputs)
-    assert len(sensor.aims) == 2 * len(goals & set(sensor.outputs))
+    assert {name.partition("[")[0] for name in coupling.aims(sensor)} == goals & set(sensor.outputs)
+    assert len(coupling.aims(sensor)) == 2 * len(goals & set(sensor.outputs))
 
 
 def test_the_strongest_factor_is_that_of_the_widest_span_of_the_table() -> None:

@@ -68,7 +68,7 @@ def test_the_chosen_combination_is_the_best_of_all(study: Study, model: Gaussian
         if np.any(tension <= 50e6):
             best[kinds] = float(sensitivity[tension <= 50e6].max())
     winner = max(best, key=lambda kinds: best[kinds])
-    assert tuple(answer.kinds.values()) == winner
+    assert tuple(answer.combination.values()) == winner
     objective = answer.term(f"abs({SENSITIVITY})").exact
     assert best[winner] * (1 - 1e-9) <= objective <= best[winner] * 1.001
     assert all(limit.margin >= 0 for limit in answer.limits)

@@ -61,7 +61,7 @@ def through(study: Study, folder: Path) -> None:
         style.save(field_panels.fields([slab], coupling.fields(study)), folder / "fields.svg")
         data = slab.load()
     assert all(np.isfinite(data[name]).all() for name in study.outputs)
-    model = training.fit(study, data).calibrate(factorial.learned(study, factorial.cases(study, "calibration")))
+    model = training.fit(study, data).calibrate(factorial.training_data(study, factorial.cases(study, "calibration")))
     table = training.validate(study, data, factorial.cases(study, "validation"), model)
     style.save(coefficients.figure(table, study.outputs), folder / "decay.svg")
     card = datacard.card(study, "study", [folder / "slab_0.nc"], [])

@@ -1,6 +1,7 @@
 """Groups in a study: which are told apart, what is refused in one line, and similar cases that the data set holds."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -94,7 +95,7 @@ def test_logarithms_are_chosen_by_decay_and_refused_of_signs(tmp_path: Path) -> 
     wide = wide.replace("datum: 0.5", "datum: 1.0")
     half_plane = made(wide)
     data = factorial.exact(half_plane, factorial.axes(half_plane))
-    learned = factorial.with_factors(half_plane, factorial.learned(half_plane, data))
+    learned = factorial.with_factors(half_plane, factorial.training_data(half_plane, data))
     chosen = factorial.grouping(half_plane, learned)
     assert chosen.scalings["blocked_load_per_volt"].logarithm == -1
     assert chosen.scalings["depth"].logarithm == 0
@@ -134,7 +135,11 @@ def test_open_scales_are_those_along_which_coefficients_fall_fastest(half_plane:
 
 
 def test_the_card_says_how_a_case_follows(half_plane: Study) -> None:
-    told = "\n".join(datacard._stored(datacard._groups(half_plane)))
+    names = ("title", "study", "cases", "bytes", "bytes_unpacked", "crossed", "body", "on_datum", "files", "positions")
+    bare: dict[str, Any] = dict(zip(names, ("", "", 0, 0, 0, [], [], [], [], []), strict=True))
+    bare |= {name: {} for name in ("factors", "categories", "fixed", "variables")}
+    bare |= {"datum": 1.0, "seconds_of_jobs": None, "groups": datacard._groups(half_plane)}
+    told = datacard.markdown(bare)
     assert "| load_radius_per_datum2 | load * radius / datum^2 | 400 | 40000 | 5 | log |" in told
     assert "Stored cases have radius = 0.0632456" in told
     assert "- load^0.5 radius^-0.5: peak_pressure, trailing_tension, leading_compression" in told

@@ -7,7 +7,7 @@ import xarray as xr
 from surrogate import SplitGP, chebyshev_levels
 from tests.studies import edited, made, refusal
 from workflow.dataset import factorial
-from workflow.learning import filled, training
+from workflow.learning import imputation, training
 from workflow.study.model import Study
 
 STUDY = """\
@@ -57,7 +57,7 @@ def test_places_that_are_refused_are_filled_in_on_their_side_of_the_kink(study: 
     bent = away * xr.apply_ufunc(np.exp, grid["volume_fraction"])
     holes = (grid["volume_fraction"] > 0.7) & (away < 0.25)
     data = xr.Dataset({"voltage": bent.where(~holes), "peak_pressure": bent + 1})
-    found = filled.whole(study, data)
+    found = imputation.imputed(study, data)
     assert holes.sum("volume_fraction").values.tolist() == [0] * 4 + [2] * 3 + [0] * 3  # on both sides of it
     np.testing.assert_array_equal(found["voltage"].where(~holes), data["voltage"])
     np.testing.assert_array_equal(found["peak_pressure"], data["peak_pressure"])
@@ -65,7 +65,7 @@ def test_places_that_are_refused_are_filled_in_on_their_side_of_the_kink(study: 
     np.testing.assert_allclose(found["voltage"], bent, rtol=0, atol=1e-3 * float(bent.max()))
     beyond = data.assign(voltage=bent.where(grid["radius"] < 0.07))
     with pytest.raises(ValueError, match=r"all cases between kinks are refused: radius in \[0\.07, 0\.2\] m"):
-        filled.whole(study, beyond)
+        imputation.imputed(study, beyond)
 
 
 def test_a_study_without_kinks_is_what_it_was(study: Study) -> None:

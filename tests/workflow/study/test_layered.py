@@ -101,7 +101,7 @@ def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
     answer = targets.solve_target(study, "thin", fitted(study, calibrated=True))
     design = {name: answer.variable(name).value for name in study.factors}
     assert design["copper_thickness"] <= 55e-6 * (1 + 1e-9)
-    base = answer.kinds["base"]
+    base = answer.combination["base"]
     body = stack(design["copper_thickness"], design["volume_fraction"], base)
     case = {"surroundings": "insulated", "body": body, "radius": 0.05, "friction": 0.1, "load": design["load"]}
     exact = solver.solve(case)

@@ -210,7 +210,7 @@ def test_the_surrogate_of_a_probe_is_right_to_1e_5_of_the_range_within_its_box()
         name: xr.DataArray(Input(name, axis.low, axis.high, axis.scale).from_unit(2 * share - 1), dims="case")
         for (name, axis), share in zip(boxes, shares, strict=True)
     }
-    exact, answered = factorial.learned(probe, factorial.exact(probe, dict(points))), model.predict(points)
+    exact, answered = factorial.training_data(probe, factorial.exact(probe, dict(points))), model.predict(points)
     for name in model.outputs_:
         size = float(np.ptp(exact[name].values))
         np.testing.assert_allclose(answered[name], exact[name], rtol=0, atol=1e-5 * size, err_msg=name)

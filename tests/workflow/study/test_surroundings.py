@@ -13,7 +13,7 @@ from solver.similarity import QUANTITY_WEIGHTS
 from tests.studies import made, refusal
 from workflow.dataset.effects import effect
 from workflow.language import grammar
-from workflow.study import surroundings
+from workflow.study import defaults
 from workflow.study.contents import Contents
 from workflow.study.keys import Origin
 from workflow.study.model import Study
@@ -48,7 +48,7 @@ def test_cases_have_the_quantities_of_contacts_in_air(alone: Study) -> None:
 def test_what_only_some_surroundings_have_is_lacked(both: Study) -> None:
     assert both.surroundings == ["insulated", "air"]
     assert both.absent >= {*GAP_QUANTITIES, "electric_edge_intensity_trailing", "capacitance"}
-    assert "voltage[air]" in both.learned
+    assert "voltage[air]" in both.output_names
     assert both.narrowed({"surroundings": "insulated"}).kind.air is False
 
 
@@ -167,7 +167,7 @@ def settled(*, fixed: dict[str, object] | None = None, **sections: object) -> Co
     own = usual if "groups" in sections else {"radius": 0.05, **usual}
     content = {"title": "A film", "fixed": own, "factors": axes, "device": DEVICE, **sections}
     study = Contents.model_validate(content, context=Origin(Path(), {}))
-    surroundings.settle(study)
+    defaults.surround(study)
     return study
 
 
@@ -175,15 +175,15 @@ def test_a_device_is_in_air_unless_it_says_otherwise() -> None:
     study = settled()
     assert study.surroundings == ["air"]
     assert study.meeting == "line in air"
-    assert surroundings.told(study).startswith("surroundings: air, the default of films and devices")
+    assert study.defaults[0].startswith("surroundings: air, the default of films and devices")
     said = settled(fixed={"surroundings": "insulated"})
-    assert (said.surroundings, surroundings.told(said)) == (["insulated"], "")
+    assert (said.surroundings, said.defaults) == (["insulated"], ())
     assert settled(device=None).surroundings == ["air"]
     axes = {"load": {"low": 1e4, "high": 2e4, "levels": 2}}
     content = {"title": "A half-plane", "fixed": {"material": "PZT-4", "radius": 0.05}, "factors": axes}
     bare = Contents.model_validate(content, context=Origin(Path(), {}))
-    surroundings.settle(bare)
-    assert (bare.surroundings, surroundings.told(bare), bare.meeting) == (["insulated"], "", "line")
+    defaults.surround(bare)
+    assert (bare.surroundings, bare.defaults, bare.meeting) == (["insulated"], (), "line")
 
 
 @pytest.mark.parametrize(
@@ -205,4 +205,4 @@ def test_what_air_does_not_have_leaves_a_device_insulated(sections: dict[str, di
     study = settled(**sections)
     assert study.surroundings == ["insulated"]
     assert study.meeting == "line"
-    assert why in surroundings.told(study)
+    assert why in study.defaults[0]

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from approximation.arrays import Array, Indices
 from workflow.design.asking.designs import Designs
@@ -51,43 +52,28 @@ def asked(question: Question) -> bool:
     return any(names(question, term) for term in question.terms)
 
 
-class Hybrid:
+class _Hybrid(Source):
     """The exact solver but for what is costly, which comes from the surrogate."""
 
-    step: float | None = Exact.step
+    step = Exact.step
 
     def __init__(self, exact: Exact, predicted: Predicted, costly: frozenset[str]) -> None:
         self._exact, self._predicted, self._costly = exact, predicted, costly
         self.edge = exact.edge
 
+    @override
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Quantities by name.
-
-        Parameters
-        ----------
-        factors : dict of str to ndarray, over (points, scenarios), SI
-        names : sequence of str, the quantities
-        """
         searched = [name for name in names if name in self._costly]
         closed = [name for name in names if name not in self._costly]
         out = self._exact.values(factors, closed) if closed else {}
         return out | (self._predicted.values(factors, searched) if searched else {})
-
-    def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
-        """Not given, as those of the exact solver.
-
-        Parameters
-        ----------
-        factors, names, over : as of `Source.slopes`
-        """
-        return self._exact.slopes(factors, names, over)
 
 
 def affordable(designs: Designs) -> Source:
     """What stands for the exact solver where a question asks for many cases, as in difference quotients."""
     if not asked(designs.question):
         return designs.exact
-    return Hybrid(designs.exact, designs.predicted, designs.question.study.costly)
+    return _Hybrid(designs.exact, designs.predicted, designs.question.study.costly)
 
 
 def safety(question: Question, usual: float) -> float:
@@ -131,11 +117,10 @@ class Counted:
 def count_exactly(design: Designs, term: Term) -> Counted:
     """What a term counts as at one design over the many scenarios of the verdict, those that decide solved exactly.
 
-    The surrogate says which these are; they are solved, and so are those that decide then or may do so by the errors
-    that the surrogate has shown, until none is left. Scenarios that in a mean weigh a thousandth together are not
-    solved, so that a mean or a deviation errs by a thousandth of the surrogate's own errors. Where a great many decide,
-    as in a mean, all of the few scenarios of the search are solved instead, and the surrogate says what the many
-    change.
+    The surrogate says which scenarios decide. They are solved; then those are solved that decide now, or may decide by
+    the errors that the surrogate has shown, until none is left. Scenarios that weigh a thousandth of a mean together
+    are not solved: a mean errs by a thousandth of the surrogate's own errors. Where very many scenarios decide, the few
+    of the search are solved instead, and the surrogate says what the many change.
 
     Parameters
     ----------

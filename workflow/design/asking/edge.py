@@ -41,7 +41,7 @@ class Edge:
         """
         X, _ = self._points(factors)
         rising = self._region.slopes(unit_coordinates(self._inputs, X))
-        names = [own.name for own in self._inputs]
+        names = [input_.name for input_ in self._inputs]
         columns = [names.index(name) for name in over]
         return np.stack([-rising[k] * self._inputs[k].unit_slope(X[:, k]) / self._scale for k in columns], axis=-1)
 
@@ -53,4 +53,4 @@ class Edge:
 
     def _points(self, factors: dict[str, Array]) -> tuple[Array, tuple[int, ...]]:
         whole = np.zeros(np.broadcast_shapes(*(values.shape for values in factors.values())))
-        return np.stack([(factors[own.name] + whole).ravel() for own in self._inputs], -1), whole.shape
+        return np.stack([(factors[input_.name] + whole).ravel() for input_ in self._inputs], -1), whole.shape

@@ -19,7 +19,7 @@ from workflow.design.asking.sources import Factors, Source, shape
 from workflow.design.asking.terms import Deviation, Key, Term, limited, wanted
 from workflow.language.constants import CONSTANTS
 from workflow.language.expressions import Call, Expression, Operation, Power
-from workflow.language.statements import Limit, Objective
+from workflow.language.statements import Statement
 from workflow.language.statistics import Worst
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -81,14 +81,14 @@ class Question:
             limited(
                 limit,
                 self.scales.get(str(limit), 1.0),
-                limit.value * (self.study.constant(limit.borne) if limit.borne else 1.0),
+                limit.value * (self.study.constant(limit.allowable) if limit.allowable else 1.0),
                 self._deviation(limit),
                 drawn=drawn,
             )
             for limit in target.limits
         ]
 
-    def _deviation(self, statement: Objective | Limit) -> Deviation | None:
+    def _deviation(self, statement: Statement) -> Deviation | None:
         """Over what a statement's deviation is taken, with the weights of its means."""
         if not statement.deviation:
             return None

@@ -71,7 +71,7 @@ def corners(target: Target, nodes: Mapping[int, int]) -> Scenarios:
 
 
 def along(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Scenarios:
-    """The same, in groups: the draws of each are the nodes of some names, all others stand still.
+    """The same in groups: within a group only some names change, over their nodes, which are its draws.
 
     Parameters
     ----------
@@ -126,8 +126,8 @@ def draws(target: Target, count: int) -> Scenarios:
     target : Target
     count : int, number of draws, a power of two
     """
-    ranges = _ranges(target)
-    groups = _tensor({name: _nodes(*ends, GROUPS.get(len(ranges), 3)) for name, ends in ranges.items()})
+    count_of_nodes = GROUPS.get(len(target.worst_case), 3)
+    groups = _tensor({name: _nodes(low, high, count_of_nodes) for name, (low, high) in target.worst_case.items()})
     size = len(next(iter(groups.values()))) if groups else 1
     names = target.random
     # the middle of its cell instead of the corner: no draw is an end of a support
@@ -148,14 +148,9 @@ def _parted(target: Target, levels: dict[str, Array], draws: int) -> Scenarios:
     return Scenarios(values, count // draws, draws, offsets=offsets)
 
 
-def _ranges(target: Target) -> dict[str, tuple[float, float]]:
-    return {name: (low, high) for name, (low, high) in target.worst_case.items()}
-
-
 def _levels(target: Target, nodes: Mapping[int, int]) -> dict[str, Array]:
     """Nodes of every range: of worst cases, of the supports of distributions, and of tolerances, which are short."""
-    supports = {name: distribution.support for name, distribution in target.uncertain.items()}
-    ranges = _ranges(target) | supports
+    ranges = target.ranges
     count = nodes.get(len(ranges) + len(target.tolerance), 3)
     levels = {name: _nodes(low, high, count) for name, (low, high) in ranges.items()}
     return levels | dict.fromkeys(target.tolerance, _nodes(-1.0, 1.0, 3 if count <= _FEW else 5))

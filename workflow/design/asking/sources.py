@@ -1,10 +1,11 @@
 """Where a design question takes its quantities from: the surrogate, or the exact solver."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Protocol
 
 import numpy as np
 import xarray as xr
+from typing_extensions import override
 
 from approximation.arrays import Array
 from solver import CaseError, solve_interior
@@ -13,10 +14,11 @@ from surrogate import CurveGP, GaussianProcess
 from surrogate.intervals.distribution import ONE_STD
 from workflow.dataset import factorial
 from workflow.design.asking.edge import Edge
-from workflow.study.categories import Kinds, output
+from workflow.study.categories import Combination, output
 from workflow.study.model import Study
 from workflow.study.refusals import REFUSAL, AllRefusedError
 
+_DIMS = ("point", "scenario")
 _DEPTHS = np.linspace(-2.0, 0.0, 17)  # in half-widths, where the field below the contact is judged
 #: Factors by name over (points, scenarios); an axis that does not change a factor has length one.
 Factors = dict[str, Array]
@@ -27,14 +29,15 @@ def shape(factors: Factors) -> tuple[int, ...]:
     return np.broadcast_shapes(*(values.shape for values in factors.values()))
 
 
-class Source(Protocol):
+class Source(ABC):
     """Quantities of factors."""
 
-    #: Step of difference quotients in scaled coordinates; None: the derivatives are analytic.
-    step: float | None
+    #: Step of difference quotients in scaled coordinates; None: `slopes` has the derivatives.
+    step: float | None = None
     #: The edge beyond which the solver refuses cases; None where it refuses none.
-    edge: Edge | None
+    edge: Edge | None = None
 
+    @abstractmethod
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """Quantities by name, (points, scenarios) each.
 
@@ -53,9 +56,10 @@ class Source(Protocol):
         names : sequence of str, the quantities
         over : sequence of str, the factors by which they are differentiated
         """
+        raise NotImplementedError("difference quotients take the place of derivatives")
 
 
-class Exact:
+class Exact(Source):
     """The exact solver of a study.
 
     Parameters
@@ -66,7 +70,7 @@ class Exact:
         A surrogate with an edge, which stands for the cases that the solver refuses: a search passes such on its way.
     """
 
-    step: float | None = 1e-6
+    step = 1e-6
 
     def __init__(self, study: Study, beyond: "Predicted | None" = None) -> None:
         self._study = study
@@ -78,15 +82,9 @@ class Exact:
         """Every quantity that the study's cases have."""
         return self._study.quantities
 
+    @override
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Quantities by name; factors that share a dimension are evaluated together.
-
-        Parameters
-        ----------
-        factors : dict of str to ndarray, over (points, scenarios), SI
-        names : sequence of str, the quantities
-        """
-        axes = {name: _labelled(values) for name, values in factors.items()}
+        axes = _labelled(factors)
         peaks = [name for name in names if name in ALL_PEAKS]
         if self._beyond is None:
             return _values(factorial.exact(self._study, axes, peaks=peaks), names)
@@ -102,9 +100,8 @@ class Exact:
 
     def refusal(self, factors: Factors) -> str:
         """Why the solver refuses some case; empty where it refuses none."""
-        axes = {name: _labelled(values) for name, values in factors.items()}
         try:
-            factorial.exact(self._study, axes, peaks=[])
+            factorial.exact(self._study, _labelled(factors), peaks=[])
         except CaseError as error:
             return str(error)
         return ""
@@ -114,41 +111,24 @@ class Exact:
 
         Below its edges, where a conducting punch ends, the field has no bound.
         """
-        axes = {name: _labelled(values) for name, values in factors.items()}
         parts = ("electric_field_x", "electric_field_y")
-        solved = self._study.solved(solve_interior, {**self._study.fixed, **axes}, [0.0], _DEPTHS, fields=parts)
+        solved = self._study.solved(
+            solve_interior, {**self._study.fixed, **_labelled(factors)}, [0.0], _DEPTHS, fields=parts
+        )
         return float(np.hypot(*(solved[part].values for part in parts)).max())
 
-    def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
-        """Not given: the question differentiates by difference quotients.
 
-        Parameters
-        ----------
-        factors, names, over : as of `Source.slopes`
-        """
-        raise NotImplementedError("the exact solver gives no derivatives")
-
-
-class Predicted:
+class Predicted(Source):
     """The surrogate, for one combination of the study's categories."""
 
-    step: float | None = None
-    edge: Edge | None = None
-
-    def __init__(self, model: GaussianProcess, kinds: Kinds | None = None) -> None:
+    def __init__(self, model: GaussianProcess, combination: Combination | None = None) -> None:
         self.edge = None if model.region_ is None else Edge(model.region_, model.inputs_)
         self._model = model.everywhere()
-        self._kinds = kinds or {}
+        self._combination = combination or {}
         self._parts: dict[tuple[str, ...], GaussianProcess] = {}
 
+    @override
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Means by name.
-
-        Parameters
-        ----------
-        factors : dict of str to ndarray, over (points, scenarios), SI
-        names : sequence of str, the quantities
-        """
         X, whole = self._points(factors)
         model = self._of(names)
         mean = model.predict_array(X)
@@ -180,13 +160,8 @@ class Predicted:
         deviation, ends = (model.ends_of_sum(X[told], own[told], level) for level in (ONE_STD, None))
         return float(np.ptp(deviation)) / 2, float(np.abs(ends).max())
 
+    @override
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
-        """Derivatives of the means.
-
-        Parameters
-        ----------
-        factors, names, over : as of `Source.slopes`
-        """
         X, _ = self._points(factors)
         inputs = list(self._model.box)
         model = self._of(names)
@@ -197,13 +172,13 @@ class Predicted:
         """The model of these quantities, of one if there are none: what follows from curves costs a search each."""
         if not isinstance(self._model, CurveGP):
             return self._model
-        asked = tuple(dict.fromkeys(output(name, self._kinds) for name in names)) or self._model.outputs_[-1:]
+        asked = tuple(dict.fromkeys(output(name, self._combination) for name in names)) or self._model.outputs_[-1:]
         if asked not in self._parts:
             self._parts[asked] = self._model.only(asked)
         return self._parts[asked]
 
     def _column(self, name: str, model: GaussianProcess) -> int:
-        return model.outputs_.index(output(name, self._kinds))
+        return model.outputs_.index(output(name, self._combination))
 
     def _points(self, factors: Factors) -> tuple[Array, tuple[int, ...]]:
         whole = np.zeros(shape(factors))
@@ -212,12 +187,15 @@ class Predicted:
 
 def _values(solved: xr.Dataset, names: Sequence[str]) -> dict[str, Array]:
     """Quantities of solved cases, (points, scenarios) each, or of length one along what does not change them."""
-    lacking = [dim for dim in ("point", "scenario") if dim not in solved.dims]
-    arrays = {name: solved[name].expand_dims(lacking) for name in names}
-    return {name: array.transpose("point", "scenario").values for name, array in arrays.items()}
+    lacking = [dim for dim in _DIMS if dim not in solved.dims]
+    return {name: solved[name].expand_dims(lacking).transpose(*_DIMS).values for name in names}
 
 
-def _labelled(factor: Array) -> xr.DataArray:
-    """With the dimensions that it changes along."""
-    kept = [dim for dim, size in zip(("point", "scenario"), factor.shape, strict=True) if size > 1]
-    return xr.DataArray(factor.squeeze(), dims=kept)
+def _labelled(factors: Factors) -> dict[str, xr.DataArray]:
+    """Factors with the dimensions that each changes along."""
+    return {
+        name: xr.DataArray(
+            values.squeeze(), dims=[dim for dim, size in zip(_DIMS, values.shape, strict=True) if size > 1]
+        )
+        for name, values in factors.items()
+    }

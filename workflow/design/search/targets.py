@@ -11,7 +11,7 @@ from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem
 from surrogate.search.pareto import Front
-from workflow.dataset.asked import Place
+from workflow.dataset.infill import Place
 from workflow.design.asking import budget, program
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.question import Question, ask
@@ -70,7 +70,7 @@ def answer(
     """
     several = len(target.objectives) > 1
     for share in (*_WIDER, np.inf):
-        candidates = _found(study, name, target, model, tell)
+        candidates = _candidates(study, name, target, model, tell)
         tell("polishing on the exact solver")
         best = polish.first_feasible(sorted(candidates, key=lambda candidate: _rank(candidate.best), reverse=True))
         if model.region_ is None or not (reason := _refusal(best)):
@@ -108,7 +108,7 @@ def doubted(study: Study, name: str, model: GaussianProcess) -> Place:
     name : str, the target's
     model : GaussianProcess, the surrogate
     """
-    candidates = _found(study, name, study.design[name], model, lambda words: None)
+    candidates = _candidates(study, name, study.design[name], model, lambda words: None)
     best = max(candidates, key=lambda candidate: _rank(candidate.best))
     told = assessment.predict(best.design, best.question.searched)
     sizes = [
@@ -132,7 +132,7 @@ def _refusal(best: Candidate) -> str:
     return best.design.exact.refusal(best.design.factors(best.question.judged[False]))
 
 
-def _found(
+def _candidates(
     study: Study, name: str, target: Target, model: GaussianProcess, tell: Callable[[str], None]
 ) -> list[Candidate]:
     """The best design of every choice."""
@@ -148,7 +148,7 @@ def _costs(
     if budget.asked(best.question):  # near the design: a search of its own would cost as much as the design did
         without = tolerances.near(best, _asked(study, name, nominal, model, best.choice))
     else:
-        others = _found(study, name, nominal, model, lambda words: tell(f"what the tolerances cost: {words}"))
+        others = _candidates(study, name, nominal, model, lambda words: tell(f"what the tolerances cost: {words}"))
         without = polish.first_feasible(sorted(others, key=lambda candidate: _rank(candidate.best), reverse=True))
 
     def asked(other: Target) -> Question:

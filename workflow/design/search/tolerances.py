@@ -76,8 +76,8 @@ def near(best: Candidate, other: Candidate) -> Candidate:
 
 def _reached(best: Candidate, question: Question) -> float:
     """The goal near a design under other tolerances, on the surrogate."""
-    found = near(best, replace(best, asked=replace(best.asked, question=question))).best
-    return found.objective if found.feasible else np.nan
+    nearby = near(best, replace(best, asked=replace(best.asked, question=question))).best
+    return nearby.objective if nearby.feasible else np.nan
 
 
 def _share(other: float, whole: float) -> float:

@@ -4,7 +4,7 @@ import numpy as np
 
 from workflow.design.asking.terms import BINDS
 from workflow.design.verdict.answer import Answer
-from workflow.design.verdict.figures import MOST_LOAD
+from workflow.design.verdict.merit import MOST_LOAD
 from workflow.design.verdict.term import ROUNDING, Term
 from workflow.language import sizes, titles
 from workflow.language.constants import FIGURES
@@ -87,8 +87,7 @@ def within(answer: Answer) -> str:
 
 def exceeded(answer: Answer) -> str:
     """What of a design is beyond what its materials bear, without the sources; empty where nothing is."""
-    parts = [part for part in answer.flags.split("; ") if f"{part} (" in answer.beyond]
-    return f"{capital('; '.join(parts))}." if parts else ""
+    return f"{capital('; '.join(answer.exceeded))}." if answer.exceeded else ""
 
 
 def first_to_break(answer: Answer) -> str:

@@ -100,8 +100,9 @@ class Answer:
         Every factor of the factorial.
     ranges
         Of every quantity.
-    beyond, flags
-        What is beyond what the materials bear, in words with sources; that, and what else is to be known.
+    beyond, exceeded, flags
+        What is beyond what the materials bear, in words with sources, and without, each; that, and what else is to be
+        known.
     target
         Name of the target.
     statistic
@@ -124,6 +125,7 @@ class Answer:
     variables: tuple[Variable, ...]
     ranges: tuple[Range, ...] = ()
     beyond: str = ""
+    exceeded: tuple[str, ...] = ()
     flags: str = ""
     target: str = ""
     statistic: str = ""
@@ -158,14 +160,10 @@ class Answer:
     @property
     def goal(self) -> str:
         """What is asked for, as the study writes it."""
-        stated = [term.statement for term in self.objectives]
-        return " and ".join(
-            f"{'maximise' if isinstance(statement, Objective) and statement.maximise else 'minimise'} {statement}"
-            for statement in stated
-        )
+        return " and ".join(f"{goal.statement.key} {goal.name}" for goal in self.objectives)
 
     @property
-    def kinds(self) -> dict[str, str]:
+    def combination(self) -> dict[str, str]:
         """What stands for every category."""
         return {category.category: category.kind for category in self.categories}
 

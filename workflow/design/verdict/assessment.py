@@ -15,7 +15,7 @@ from workflow.design.asking.question import Question
 from workflow.design.asking.scenarios import Scenarios
 from workflow.design.asking.sources import Predicted, Source, shape
 from workflow.design.asking.terms import Key, Term
-from workflow.design.verdict import figures, linearity, perturbation, spread
+from workflow.design.verdict import linearity, merit, perturbation, spread
 from workflow.design.verdict.answer import Answer, Range
 from workflow.design.verdict.term import Scenario
 from workflow.design.verdict.term import Term as JudgedTerm
@@ -130,12 +130,13 @@ def judge(design: Designs) -> Answer:
         variables=_variables(design, exact, worst[0]),
         ranges=tuple(Range(name, float(values.min()), float(values.max())) for name, values in corner.items()),
         beyond="; ".join(f"{words} ({reason})" for words, reason in beyond),
+        exceeded=tuple(words for words, _ in beyond),
         flags="; ".join(notes),
         statistic=str(question.target.statistic),
-        figures=figures.over(design, corner),
+        figures=merit.over(design, corner),
         constants=spreads.constants,
     )
-    return replace(out, overload=figures.first_limit(design, worst)) if out.feasible else out
+    return replace(out, overload=merit.first_limit(design, worst)) if out.feasible else out
 
 
 def _terms(

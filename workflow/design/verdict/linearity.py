@@ -8,10 +8,10 @@ import numpy as np
 from approximation.arrays import Array
 from solver.names import ALL_QUANTITIES, LIMITED
 from workflow.language import titles
-from workflow.language.constants import BORNE, borne_by_base, plain
+from workflow.language.constants import ALLOWABLES, of_the_base, plain
 from workflow.language.numbers import shown
 from workflow.language.statements import Limit
-from workflow.study.borne import Borne
+from workflow.study.allowable import Allowable
 from workflow.study.model import Study
 
 _CERAMIC_FIELD = 3e5  # V/m: beyond it ferroelectric ceramics are not linear; for materials of which no field is known
@@ -25,22 +25,22 @@ class Bound:
     name: str
     words: str
     size: float
-    borne: Borne
+    allowable: Allowable
 
     @property
     def units(self) -> str:
         """Of both."""
-        return BORNE[self.name].units
+        return ALLOWABLES[self.name].units
 
     @property
     def share(self) -> float:
-        """Of what is borne."""
-        return self.size / self.borne.value
+        """Of what is allowable."""
+        return self.size / self.allowable.value
 
     @property
-    def bears(self) -> str:
-        """What is borne, in words."""
-        return f"{titles.title(self.name)} of {self.borne.of}, {shown(self.borne.value, self.units, 3)}"
+    def at_most(self) -> str:
+        """What is allowable, in words."""
+        return f"{titles.title(self.name)} of {self.allowable.of}, {shown(self.allowable.value, self.units, 3)}"
 
 
 def bound(study: Study, limit: Limit) -> tuple[str, str]:
@@ -51,10 +51,10 @@ def bound(study: Study, limit: Limit) -> tuple[str, str]:
     study : Study
     limit : Limit, of one of its targets
     """
-    if not limit.borne:
+    if not limit.allowable:
         return "", ""
-    evidence = study.bears(limit.borne)
-    return f"{titles.title(limit.borne)} of {evidence.of}", evidence.source
+    evidence = study.allowable(limit.allowable)
+    return f"{titles.title(limit.allowable)} of {evidence.of}", evidence.source
 
 
 def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None) -> list[tuple[str, str]]:
@@ -71,12 +71,15 @@ def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None
     """
     bounds = _bounds(study, corner, below)
     lines = [
-        (f"{own.words} of {shown(own.size, own.units, 3)} exceeds the {own.bears}", own.borne.source)
-        for own in bounds
-        if own.share > 1
+        (
+            f"{bounded.words} of {shown(bounded.size, bounded.units, 3)} exceeds the {bounded.at_most}",
+            bounded.allowable.source,
+        )
+        for bounded in bounds
+        if bounded.share > 1
     ]
     words, size = _largest("nominal_field", corner, study.kind.ends, below)
-    if {own.name for own in bounds}.isdisjoint(_FIELDS) and size > _CERAMIC_FIELD:
+    if {bounded.name for bounded in bounds}.isdisjoint(_FIELDS) and size > _CERAMIC_FIELD:
         usual = f"{shown(_CERAMIC_FIELD, 'V m-1', 3)}, beyond which ferroelectric ceramics are not linear"
         unknown = "the library has no coercive or breakdown field of the material"
         lines.append((f"{words} of {shown(size, 'V m-1', 3)} exceeds {usual}", unknown))
@@ -93,26 +96,26 @@ def nearest(study: Study, corner: Mapping[str, Array]) -> Bound | None:
     corner
         Quantities of the case, exactly.
     """
-    return max(_bounds(study, corner, None), key=lambda own: own.share, default=None)
+    return max(_bounds(study, corner, None), key=lambda bounded: bounded.share, default=None)
 
 
 def _bounds(study: Study, corner: Mapping[str, Array], below: float | None) -> list[Bound]:
     """Every quantity that something known bounds."""
     bounds = []
-    for name in BORNE:
+    for name in ALLOWABLES:
         try:
-            borne = study.bears(name)
+            allowable = study.allowable(name)
         except ValueError:
             continue
         for quantity in _bounded(name):
             words, size = _largest(quantity, corner, study.kind.ends, below)
-            bounds.append(Bound(name, words, size, borne))
+            bounds.append(Bound(name, words, size, allowable))
     return bounds
 
 
 def _bounded(name: str) -> list[str]:
-    """Quantities that something borne bounds."""
-    if not borne_by_base(name):
+    """Quantities that an allowable bounds."""
+    if not of_the_base(name):
         return list(LIMITED[name])
     other = {"tensile_strength": "base_peak_principal_tension", "yield_strength": "base_peak_von_mises"}
     return [other[plain(name)]] if plain(name) in other else []

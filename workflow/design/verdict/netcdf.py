@@ -143,10 +143,10 @@ def dataset(answer: Answer) -> xr.Dataset:
         data["spread"] = ("term", [term.spread for term in terms])
     if answer.overload:
         data |= vars(answer.overload)
-    if found := answer.tolerated:
+    if tolerated := answer.tolerated:
         for key, name in _TOLERATED.items():
-            data[key] = ("factor", [getattr(found, name).get(factor, np.nan) for factor in names])
-        data |= {"nominal_exact": found.exact, "nominal_choice": found.choice}
+            data[key] = ("factor", [getattr(tolerated, name).get(factor, np.nan) for factor in names])
+        data |= {"nominal_exact": tolerated.exact, "nominal_choice": tolerated.choice}
     for rows in filter(None, (getattr(answer, key) for key in _ROWS)):
         (dimension, labels), *columns = _columns(rows)
         coords[dimension] = labels
@@ -210,6 +210,8 @@ def answer_of(data: xr.Dataset) -> Answer:
     ]
     rest: dict[str, Any] = {key: tuple(_members(data, row)) for key, row in _ROWS.items()}
     rest |= {key: str(data[key].item()) for key in ("beyond", "flags", "target")}
+    # a file says it within both others
+    rest["exceeded"] = tuple(part for part in rest["flags"].split("; ") if f"{part} (" in rest["beyond"])
     rest |= {key: str(data.attrs[key]) for key in ("statistic", "polish", "source")}
     return Answer(
         tuple(terms),

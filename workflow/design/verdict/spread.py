@@ -67,7 +67,7 @@ def over(design: Designs, worst: Sequence[Scenario]) -> Spread:
     effects = np.full((len(question.terms), len(constants)), np.nan)
     told = [k for k, term in enumerate(question.terms) if _tells(question.study, term)]
     terms, cases = [question.terms[k] for k in told], [worst[k] for k in told]
-    effects[told] = uncertainty.effects(question.study, constants, lambda own: _values(design, own, terms, cases))
+    effects[told] = uncertainty.sensitivities(question.study, constants, lambda own: _values(design, own, terms, cases))
     return Spread(tuple(answer.Constant(constant.name, constant.prior) for constant in constants), effects)
 
 

@@ -2,14 +2,13 @@
 
 from collections.abc import Sequence
 
-import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from workflow.language import titles
-from workflow.report.figures.style import BLUE, GREY, ORANGE, styled
+from workflow.report.figures.style import BLUE, GREY, ORANGE, panels, styled
 
 _COLUMNS = 3
 _FLOOR = 1e-17
@@ -29,9 +28,8 @@ def figure(validation: xr.Dataset, told: Sequence[str]) -> Figure:
     validation = validation.sel(output=list(told))
     along = "axis" if "axis" in validation.dims else "input"  # groups take the place of the inputs
     names = [str(name) for name in validation[along].values]
-    rows = -(-len(names) // _COLUMNS)
-    made, axes = plt.subplots(rows, _COLUMNS, figsize=(11, 2.7 * rows), squeeze=False, sharey=True)
-    for ax, name in zip(axes.flat, names, strict=False):
+    made, axes = panels(len(names), _COLUMNS, 11, 2.7, sharey=True)
+    for ax, name in zip(axes, names, strict=True):
         slab = validation.sel({along: name})
         sizes = slab["coefficient"].transpose("mode", "output").values
         sizes = np.maximum(sizes[~np.isnan(sizes).all(axis=1)], _FLOOR)
@@ -46,8 +44,6 @@ def figure(validation: xr.Dataset, told: Sequence[str]) -> Figure:
         ax.axhline(validation.attrs["tolerance"], color=GREY, ls="--", lw=1)
         ax.set_title(f"{titles.title(name)}: {len(sizes)} levels")
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    for ax in list(axes.flat)[len(names) :]:
-        ax.set_visible(False)
     made.supxlabel("degree along the factor", fontsize=9)
     made.supylabel("largest coefficient over range", fontsize=9)
     return made

@@ -34,7 +34,7 @@ def compacted(text: str) -> str:
         text = fewer
     text = _shortened(_ungrouped(text))
     text = _PATH.sub(lambda match: f' d="{_outline(match[1])}"', _BETWEEN.sub("><", text))
-    text = _PLACED.sub(lambda match: _FINE.sub(lambda one: _number(float(one[0])), match[0]), text)
+    text = _PLACED.sub(lambda match: _FINE.sub(lambda decimal: _number(float(decimal[0])), match[0]), text)
     styles = Counter(_STYLE.findall(text))
     names = {style: _name(style) for style, times in styles.items() if times > 1}
     text = _STYLE.sub(lambda match: f' class="{names[match[1]]}"' if match[1] in names else match[0], text)

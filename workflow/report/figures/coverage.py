@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -11,9 +10,10 @@ from matplotlib.ticker import MaxNLocator
 
 from surrogate.intervals.distribution import NOMINAL
 from workflow.language import titles
-from workflow.report.figures.style import BLUE, GREY, ORANGE, styled
+from workflow.report.figures.style import BLUE, GREY, ORANGE, panels, styled
 
 _COLUMNS = 4
+_TRANSFORMS = {"raw_pit": "PIT, not calibrated", "pit": "PIT, calibrated"}
 
 
 @styled
@@ -30,18 +30,12 @@ def figure(validation: xr.Dataset, told: Sequence[str]) -> Figure:
     """
     validation = validation.sel(output=list(told))
     names = [str(name) for name in validation["input"].values]
-    rows = -(-(len(names) + 2) // _COLUMNS)
-    made, axes = plt.subplots(rows, _COLUMNS, figsize=(11, 2.6 * rows), squeeze=False)
-    panels = list(axes.flat)
-    for ax, name in zip(panels, names, strict=False):
+    made, axes = panels(len(names) + len(_TRANSFORMS), _COLUMNS, 11, 2.6)
+    for ax, name in zip(axes, names, strict=False):
         _deciles(ax, validation.sel(input=name), name)
-    for ax, (key, title) in zip(
-        panels[len(names) :], {"raw_pit": "PIT, not calibrated", "pit": "PIT, calibrated"}.items(), strict=False
-    ):
+    for ax, (key, title) in zip(axes[len(names) :], _TRANSFORMS.items(), strict=True):
         _transform(ax, validation[key])
         ax.set_title(title)
-    for ax in panels[len(names) + 2 :]:
-        ax.set_visible(False)
     return made
 
 

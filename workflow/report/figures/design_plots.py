@@ -13,8 +13,8 @@ from workflow.design.search.contact_fields import SURFACE
 from workflow.design.verdict.answer import Answer
 from workflow.language import titles
 from workflow.language.numbers import label, prefixed
+from workflow.report.figures import design_figures
 from workflow.report.figures.contours import below
-from workflow.report.figures.design_kinds import kinds
 from workflow.report.figures.hover import attach_map
 from workflow.report.figures.style import (
     BLUE,
@@ -42,7 +42,7 @@ def figures_of(answer: Answer, target: Target) -> dict[str, Figure]:
     target : Target, which it answers
     """
     contact = ["contact"] if "position" in answer.pictures.dims else []
-    return {kind: draw(kind, answer) for kind in (*kinds(target), *contact) if kind in _DRAWN}
+    return {kind: draw(kind, answer) for kind in (*design_figures.names(target), *contact) if kind in _DRAWN}
 
 
 def draw(kind: str, answer: Answer) -> Figure:

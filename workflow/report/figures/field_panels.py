@@ -14,7 +14,7 @@ from solver.fields import POINT_FIELDS
 from workflow.dataset.effects import HALF_PLANE
 from workflow.language import numbers, titles
 from workflow.report.figures.contours import below
-from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, field_label, styled
+from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, field_label, panels, styled
 from workflow.report.svg import INK
 from workflow.study import coupling
 
@@ -131,12 +131,9 @@ def _field_panels(data: xr.Dataset, varied: str, names_of_values: list[str] | No
     colours[[style == "--" for style in styles]] = to_rgba(INK)
     line = "stress_xx" in data
     names = [name for name in (SHOWN if line else POINT_FIELDS) if name in data and data[name].any()]  # not what is 0
-    rows = -(-len(names) // _ACROSS)
-    figure, axes = plt.subplots(rows, _ACROSS, figsize=(10.5, 2.8 * rows), squeeze=False)
+    figure, axes = panels(len(names), _ACROSS, 10.5, 2.8)
     X = data["position"].values
-    for ax in axes.flat[len(names) :]:
-        ax.set_visible(False)
-    for ax, name in zip(axes.flat, names, strict=False):
+    for ax, name in zip(axes, names, strict=True):
         curves = data[name].transpose(varied, "position").values
         inside_only = name in _INSIDE
         shown = np.abs(X) < 1 if inside_only else np.abs(X) < np.inf
@@ -162,9 +159,9 @@ def _field_panels(data: xr.Dataset, varied: str, names_of_values: list[str] | No
             ax.axvline(edge, color=GREY, lw=0.7, ls=":")
         if not inside_only:
             ax.set_xlim(-3, 3)
-    for ax in axes[-1]:
+    for ax in axes[(len(names) - 1) // _ACROSS * _ACROSS :]:
         ax.set_xlabel("X = (x - c)/h   (trailing edge at X = 1)" if line else "r/a")
-    handles = axes[0, 0].get_legend_handles_labels()
+    handles = axes[0].get_legend_handles_labels()
     figure.legend(*handles, loc="outside right upper", title=titles.title(varied))
     return figure
 

@@ -39,7 +39,7 @@ def attach_map(ax: Axes, x: Array, y: Array, values: Array, label: str) -> None:
 
 def metadata(figure: Figure) -> str:
     """JSON of every axes of a drawn figure: its place (shares, from the top left), its scales, its curves or map."""
-    described = [one for ax in figure.axes if (one := _axes(ax)) is not None]
+    described = [axes for ax in figure.axes if (axes := _axes(ax)) is not None]
     return json.dumps(described, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c").replace("&", "\\u0026")
 
 

@@ -8,14 +8,14 @@ from matplotlib.figure import Figure
 from workflow.language.numbers import label, prefixed
 from workflow.report.figures.style import BLUE, GREY, styled
 
-_SHOWN = {"force": "force", "charge": "charge", "voltage": "voltage", "output": "output"}
+_SHOWN = ("force", "charge", "voltage", "output")
 
 
 @styled
 def figure(shown: xr.Dataset) -> Figure:
     """Force, charge, voltage and output over time, one above the other."""
     drawn, axes = plt.subplots(len(_SHOWN), figsize=(8.4, 6.0), sharex=True)
-    for ax, (name, words) in zip(axes, _SHOWN.items(), strict=True):
+    for ax, name in zip(axes, _SHOWN, strict=True):
         values = shown[name].values
         size, units = prefixed(float(np.abs(values).max()), str(shown[name].attrs["units"]), 2)
         ax.axhline(0, color=GREY, lw=0.6)
@@ -23,7 +23,7 @@ def figure(shown: xr.Dataset) -> Figure:
             noise = float(shown["noise_output"]) / size
             ax.fill_between(shown["time"], values / size - noise, values / size + noise, color=BLUE, alpha=0.2, lw=0)
         ax.plot(shown["time"], values / size, color=BLUE, lw=1.3)
-        ax.set_ylabel(label(words, units, 60))
+        ax.set_ylabel(label(name, units, 60))
     axes[-1].set_xlabel("time [s]")
     drawn.align_ylabels(axes)
     return drawn

@@ -53,22 +53,25 @@ def main_effects(sensitivity: xr.Dataset, told: Sequence[str], of_interest: Sequ
         squeeze=False,
     )
     for row, output in zip(axes, shown, strict=True):
-        quantity, kinds = parted(output)
+        quantity, categories = parted(output)
         own = sensitivity.sel(output=output)
         size, units = prefixed(float(np.abs(own["main_effect"]).max()), own["units"].item())
         for ax, name in zip(row, inputs, strict=True):
             _curve(ax, own.sel(input=name).isel(position=slice(None, None, _EVERY)), name, size)
-        lines = [titles.title(quantity), kinds, f"[{units}]" if units else ""]
-        row[0].set_ylabel("\n".join(filter(None, lines)), fontsize=6.5 if kinds else 7.5)
+        lines = [titles.title(quantity), categories, f"[{units}]" if units else ""]
+        row[0].set_ylabel("\n".join(filter(None, lines)), fontsize=6.5 if categories else 7.5)
     for ax, name in zip(axes[-1], inputs, strict=True):
         units = factor_scale(name, sensitivity.sel(input=name)["value"].values)[1]
         ax.set_xlabel(titles.title(name) + (f" [{units}]" if units else ""))
     return figure
 
 
-def _curve(ax: Axes, one: xr.Dataset, name: str, size: float) -> None:
-    value, effect = one["value"].values / factor_scale(name, one["value"].values)[0], one["main_effect"].values / size
-    reach = _BAND * one["main_effect_std"].values / size
+def _curve(ax: Axes, curve: xr.Dataset, name: str, size: float) -> None:
+    value, effect = (
+        curve["value"].values / factor_scale(name, curve["value"].values)[0],
+        curve["main_effect"].values / size,
+    )
+    reach = _BAND * curve["main_effect_std"].values / size
     ax.fill_between(value, effect - reach, effect + reach, color=BLUE, alpha=0.25, lw=0)
     ax.plot(value, effect, color=BLUE, lw=1.4)
     ax.axhline(0, color="black", lw=0.5)

@@ -89,6 +89,25 @@ def ticked(value: float, _place: int) -> str:
     return numbers.number(value, 3)
 
 
+def panels(
+    count: int, columns: int, width: float, height: float, more: float = 0.0, **options: Any
+) -> tuple[Figure, list[Axes]]:
+    """A figure with some panels in rows; places of the last row that are left over stay empty.
+
+    Parameters
+    ----------
+    count, columns : int, panels, and places of a row
+    width, height : float, inches: of the figure, and of a row
+    more : float, inches that the figure is higher than its rows
+    **options : as of `matplotlib.pyplot.subplots`
+    """
+    rows = -(-count // columns)
+    figure, axes = plt.subplots(rows, columns, figsize=(width, height * rows + more), squeeze=False, **options)
+    for ax in axes.flat[count:]:
+        ax.set_visible(False)
+    return figure, list(axes.flat[:count])
+
+
 def by_ratio(values: Array) -> bool:
     """Whether values of a factor are spread by ratio, as those of a logarithmic one are."""
     return bool(values[0] > 0 and not np.allclose(np.diff(values), np.diff(values)[0]))

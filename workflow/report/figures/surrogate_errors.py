@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from solver.names import ALL_QUANTITIES
 from workflow.language import numbers
-from workflow.report.figures.style import BLUE, GREY, ORANGE, styled
+from workflow.report.figures.style import BLUE, GREY, ORANGE, panels, styled
 from workflow.study.categories import parted, titled
 
 _PANELS, _POINTS = 3, 150
@@ -26,10 +26,8 @@ def residuals(validation: xr.Dataset, told: Sequence[str]) -> Figure:
     """
     validation = validation.sel(output=list(told))
     names = [str(name) for name in validation.sortby("max_error", ascending=False)["output"].values[:_PANELS]]
-    columns = min(3, len(names))
-    rows = -(-len(names) // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(11, 2.1 * rows + 0.3), squeeze=False)
-    for ax, name in zip(axes.flat, names, strict=False):
+    figure, axes = panels(len(names), len(names), 11, 2.1, 0.3)
+    for ax, name in zip(axes, names, strict=True):
         output = validation.sel(output=name)
         exact, predicted = output["exact"].values, output["predicted"].values
         some = slice(None, None, max(1, exact.size // _POINTS))
@@ -42,8 +40,6 @@ def residuals(validation: xr.Dataset, told: Sequence[str]) -> Figure:
         ax.set_title(numbers.label(titled(name), units, 44), fontsize=8)
         ax.set_ylabel(f"in {numbers.number(power, 1)} of range", fontsize=7)
         ax.tick_params(labelsize=6.5)
-    for ax in list(axes.flat)[len(names) :]:
-        ax.set_visible(False)
     figure.supxlabel("exact value", fontsize=9)
     return figure
 

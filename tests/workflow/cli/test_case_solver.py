@@ -1,0 +1,114 @@
+"""Tables solved in blocks: the bits of one pass, the first row at fault by its line, a bound on the answer."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver import Material, solve
+from solver.material.library import materials
+from storage.netcdf import read_whole, write_whole
+from workflow.cli import case_solver, main
+from workflow.cli.casetable import read_cases
+from workflow.study.reading import InputError
+
+# sorted, so that blocks of neighbours would take the solver other numbers of steps
+SORTED = "".join(f"laminate,{share:.6g},,0.05,{friction},1e5\n" for share, friction in
+                 zip(np.linspace(0, 1, 300) ** 4, np.linspace(0, 1, 300), strict=True))  # fmt: skip
+OTHERS = "".join(f",,{name},0.02,0.3,{load}\n" for name in ("steel", "PZT-4", "BaTiO3") for load in range(1, 41))
+
+
+def test_blocks_give_the_bytes_of_one_pass(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "cases.csv"
+    path.write_text("composite,volume_fraction,material,radius,friction,load\n" + SORTED + OTHERS, encoding="utf-8")
+    sizes: list[int] = []
+
+    def written(most: int) -> bytes:
+        monkeypatch.setattr(case_solver, "_CASES", most)
+        sizes.clear()
+
+        def counted(factors: xr.Dataset) -> xr.Dataset:
+            sizes.append(factors.sizes["case"])
+            return solve(factors, [-2.0, 0.5])
+
+        write_whole(case_solver.solved(read_cases(path), counted, 2), tmp_path / f"{most}.nc")
+        return (tmp_path / f"{most}.nc").read_bytes()
+
+    one_pass = written(1000)
+    assert sizes == [300, 120]
+    assert written(70) == one_pass
+    assert sizes == [60] * 7
+    data = read_whole(tmp_path / "70.nc")
+    assert data["load"].sizes == {"case": 420}
+    np.testing.assert_array_equal(data["load"].values[300:], np.tile(np.arange(1.0, 41.0), 3))
+
+
+#: A row of every column that the cases below change.
+ROW = {
+    "composite": "", "volume_fraction": "0.5", "material": "", "radius": "0.05", "friction": "0.1", "load": "1e5",
+    "thickness": "", "base": "", "punch": "", "surroundings": "", "electric": "", "magnetic": "",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({"volume_fraction": "1.5"}, "volume_fraction: 1.5 is not a finite number >= 0 and <= 1"),
+        ({"volume_fraction": "", "material": "stel"}, "material: 'stel' is unknown; did you mean 'steel'?"),
+        ({"volume_fraction": ""}, "material: missing; give a material's name, or a composite's volume_fraction"),
+        ({"material": "steel"}, "material: give either a material or a composite's volume_fraction, not both"),
+        ({"radius": "-1"}, "radius: -1 is not a finite number > 0"),
+        ({"friction": "-0.1"}, "friction: -0.1 is not"),
+        ({"load": ""}, "load: missing"),
+        ({"load": "nan"}, "load: nan is not a finite number > 0 [N m-1]"),
+        ({"radius": "1e300", "load": "1e300"}, "not finite for these factors"),
+        ({"base": "steel"}, "base: 'steel' without a thickness; only a film has one"),
+        ({"thickness": "1e-12", "base": "rigid"}, "contact: wider than the resolved range"),
+        ({"punch": "stel"}, "punch: 'stel' is unknown; did you mean 'steel'?"),
+        ({"surroundings": "air", "electric": "insulating", "magnetic": "insulating"}, "the punch conducts no field"),
+    ],
+)
+def test_a_row_at_fault_is_named_by_its_line(tmp_path: Path, changed: dict[str, str], says: str) -> None:
+    path = tmp_path / "cases.csv"
+    header, good, bad = (",".join(row) + "\n" for row in (ROW, ROW.values(), (ROW | changed).values()))
+    path.write_text(header + "\n" + good * 9 + bad + good * 9 + bad, encoding="utf-8")
+    with pytest.raises(InputError, match=rf"^{path}: line 12: .*{re.escape(says)}"):
+        case_solver.solved(read_cases(path), solve)
+
+
+def test_an_answer_too_large_for_the_memory_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "cases.csv"
+    path.write_text("material,radius,load\n" + "steel,0.05,1e5\n" * 50, encoding="utf-8")
+    monkeypatch.setattr(case_solver, "_MOST_BYTES", 5000)
+    with pytest.raises(InputError, match=r"cases\.csv: 50 cases give .* bytes, more than 5000; split it"):
+        case_solver.solved(read_cases(path), solve)
+
+
+def test_a_material_is_checked_once_a_value(monkeypatch: pytest.MonkeyPatch) -> None:
+    materials()  # checks its own, once
+    checks: list[str] = []
+    monkeypatch.setattr(Material, "check", lambda self: checks.append(self.name))
+    solve({"material": ["steel", "PZT-4"] * 30, "radius": 0.05, "load": 1e5})
+    assert checks == ["steel", "PZT-4"]
+
+
+def test_what_is_written_is_said_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("cases.csv").write_text("material,radius,load\nsteel,0.05,1e5\nPZT-4,0.05,1e5\n", encoding="utf-8")
+    assert main.main(["solve", "cases.csv", "-o", "out.nc", "--positions=0,2"]) == 0
+    assert capsys.readouterr() == ("", "wrote out.nc: 2 cases, 21 quantities\n")
+    assert main.main(["interior", "cases.csv", "-o", "out.nc", "--x=0,1", "--y=-1"]) == 0
+    assert capsys.readouterr() == ("", "wrote out.nc: 2 cases, 13 fields on 2 x 1 points\n")
+
+
+def test_an_overflow_is_one_line_without_warnings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "cases.csv"
+    path.write_text("material,radius,load\nBaTiO3,0.05,1e5\n", encoding="utf-8")
+    assert main.main(["interior", str(path), "-o", str(tmp_path / "o.nc"), "--x=1", "--y=-1e-300"]) == 2
+    assert capsys.readouterr().err == (
+        f"meecontact: {path}: line 2: von_mises: not finite for these factors and points (overflow)\n"
+    )

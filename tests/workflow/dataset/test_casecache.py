@@ -1,0 +1,135 @@
+"""Cases that were solved before: equal bytes with them and without, nested levels, damaged files, and what is swept."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from storage.netcdf import write_whole
+from tests.studies import made
+from workflow.dataset import casecache, factorial, slabs
+from workflow.dataset.casecache import CaseCache
+from workflow.study.model import Study
+
+FILM = """\
+title: A film whose levels are nested
+fixed: {surroundings: insulated,
+        composite: fibrous, radius: 0.05, friction: 0.2, interface_electric: grounded, interface_magnetic: grounded}
+categories: {base: [rigid, steel]}
+factors:
+  load: {low: 2e4, high: 4e4, levels: 3, scale: log}
+  thickness: {low: 1.5e-4, high: 3e-4, levels: 3, scale: log}
+  volume_fraction: {low: 0.45, high: 0.55, levels: 2}
+dataset: {slabs: 1, positions: {inside: 2, outside: 2}}
+surrogate: {budget: 60, outputs: [voltage, peak_pressure]}
+validation: {cases: 20, calibration: 40}
+"""
+
+
+@pytest.fixture(scope="module")
+def film() -> Study:
+    return made(FILM)
+
+
+def slab(study: Study, results: Path) -> tuple[CaseCache, bytes]:
+    """A slab of the study written with what is kept: who was asked, and the bytes."""
+    output = results / "film/fields/slab_0.nc"
+    output.parent.mkdir(parents=True, exist_ok=True)
+    own = CaseCache(results, output)
+    slabs.write_slab(study, 0, output, own)
+    own.tell()
+    return own, output.read_bytes()
+
+
+def test_nested_levels_take_the_cases_of_before_and_give_equal_bytes(film: Study, tmp_path: Path) -> None:
+    first, _ = slab(film, tmp_path / "a")
+    assert (first.taken, first.cases) == (0, 36)
+    finer = made(FILM.replace("levels: 2}", "levels: 6}"))
+    again, reused = slab(finer, tmp_path / "a")
+    assert (again.taken, again.cases) == (36, 108)  # levels nest from n to 3 n
+    assert casecache.taken(tmp_path / "a", "film") == {"cases": 108, "taken": 36}
+    alone, solved = slab(finer, tmp_path / "b")
+    assert alone.taken == 0
+    assert reused == solved
+    answer = factorial.exact(film, dict(factorial.axes(film)))
+    data = xr.open_dataset(tmp_path / "a/film/fields/slab_0.nc").load()
+    np.testing.assert_allclose(
+        data["voltage"].sel(volume_fraction=answer["volume_fraction"]), answer["voltage"], rtol=1e-13
+    )
+
+
+def test_half_of_a_file_is_solved_again(film: Study, tmp_path: Path) -> None:
+    _, whole = slab(film, tmp_path)
+    cases = sorted((tmp_path / casecache.FOLDER).rglob("*.nc"))
+    assert len(cases) == 2
+    cases[0].write_bytes(cases[0].read_bytes()[:1000])
+    again, bytes_ = slab(film, tmp_path)
+    assert (again.taken, bytes_) == (18, whole)
+
+
+def test_random_cases_are_those_of_the_solver(film: Study, tmp_path: Path) -> None:
+    own, again = (CaseCache(tmp_path, tmp_path / "film/cases/validation.nc") for _ in range(2))
+    first, second = (factorial.cases(film, "validation", one) for one in (own, again))
+    plain = factorial.cases(film, "validation")
+    assert (own.taken, own.cases, again.taken) == (0, 40, 40)  # on two bases
+    xr.testing.assert_identical(first, second)
+    assert list(first.variables) == list(plain.variables)
+    assert first.attrs == plain.attrs
+    for name in plain.data_vars:
+        np.testing.assert_allclose(first[name], plain[name], rtol=1e-9)
+
+
+def test_other_constants_and_other_questions_are_other_cases(film: Study, tmp_path: Path) -> None:
+    slab(film, tmp_path)
+    for old, new in (
+        ("dataset:", "phases: [CoFe2O4, BaTiO3]\ndataset:"),
+        ("inside: 2", "inside: 4"),
+        ("friction: 0.2", "friction: 0.25"),
+    ):
+        assert slab(made(FILM.replace(old, new)), tmp_path)[0].taken == 0
+
+
+def test_cases_that_take_microseconds_are_not_kept(tmp_path: Path) -> None:
+    text = FILM.replace("categories: {base: [rigid, steel]}\n", "").replace(
+        ", interface_electric: grounded, interface_magnetic: grounded", ""
+    )
+    half = made("\n".join(line for line in text.split("\n") if "thickness" not in line))
+    own, _ = slab(half, tmp_path)
+    assert own.cases == 0
+    assert not list((tmp_path / casecache.FOLDER).rglob("*.nc"))
+
+
+def test_what_was_used_longest_ago_is_swept(tmp_path: Path) -> None:
+    folder = tmp_path / casecache.FOLDER / "cases/ab"
+    folder.mkdir(parents=True)
+    for number in range(3):
+        write_whole(xr.Dataset({"x": ("case", np.arange(9.0))}), folder / f"{number}.nc")
+    for number, age in ((0, 10), (1, 1000), (2, 100)):
+        os.utime(folder / f"{number}.nc", (1e9 - age, 1e9 - age))
+    size = (folder / "0.nc").stat().st_size
+    casecache.sweep(tmp_path, 2 * size)
+    assert sorted(file.name for file in folder.iterdir()) == ["0.nc", "2.nc"]
+
+
+def held_out(study: Study, folder: Path) -> tuple[CaseCache, xr.Dataset]:
+    """The cases for calibration of a study with what is kept: who was asked, and the cases."""
+    own = CaseCache(folder, folder / "film/cases/calibration.nc")
+    return own, factorial.cases(study, "calibration", own)
+
+
+@pytest.mark.parametrize("grows", ["load: {low: 2e4, high: 4e4", "volume_fraction: {low: 0.45, high: 0.55"])
+def test_a_box_that_has_grown_takes_the_random_cases_of_before(film: Study, tmp_path: Path, grows: str) -> None:
+    old_high, high, before = ("4e4", "8e4", "[2e4, 4e4]") if "load" in grows else ("0.55", "0.65", "[0.45, 0.55]")
+    wider = grows.replace(old_high, f"{high}, grown_from: {before}")
+    grown = made(FILM.replace(grows, wider))
+    small = held_out(film, tmp_path)[1]
+    own, cases = held_out(grown, tmp_path)
+    # half of the box is that of before: two of the four places, each of ten cases on two bases
+    assert (own.taken, own.cases) == (40, 80)
+    for name in film.factors:
+        np.testing.assert_array_equal(cases[name][:20], small[name][:20])
+    axis, beyond = (next(iter(grown.factors)), 4e4) if "load" in grows else ("volume_fraction", 0.55)
+    assert (cases[axis][20:] > beyond).all()
+    xr.testing.assert_equal(cases, held_out(grown, tmp_path / "none")[1])

@@ -1,0 +1,168 @@
+"""Measured rows correct a study's surrogate: exact answers of the solver with other constants, and errors added."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from surrogate import GridGP
+from surrogate.data.measurements import Measurements
+from tests.workflow.study.test_uncertainty import FILM
+from workflow.dataset import draws, factorial
+from workflow.learning import correction
+from workflow.learning.instruments import Instrument
+from workflow.learning.summary import Summary
+from workflow.study import uncertainty
+from workflow.study.model import Study, load
+from workflow.study.reading import InputError
+from workflow.study.uncertainty import Constant
+
+Array = NDArray[np.float64]
+
+HALF_PLANE = """\
+title: A half-plane
+fixed: {composite: fibrous, friction: 0.2}
+factors:
+  volume_fraction: {low: 0.3, high: 0.8, levels: 9}
+  radius: {low: 0.02, high: 0.1, levels: 4, scale: log}
+  load: {low: 1e4, high: 1e5, levels: 4, scale: log}
+surrogate: {outputs: [depth, voltage, stroke_per_volt, peak_pressure]}
+"""
+
+
+def study_of(text: str, folder: Path) -> tuple[Study, GridGP]:
+    """A study and its surrogate, fitted here."""
+    path = folder / "study.yaml"
+    path.write_text(text, encoding="utf-8")
+    study = load(path)
+    data = factorial.training_data(study, factorial.exact(study, factorial.axes(study)))
+    model = GridGP(inputs=factorial.inputs(study), outputs=study.output_names).fit(data)
+    model.made_from_ = study.physics
+    return study, model
+
+
+@pytest.fixture(scope="module")
+def half_plane(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, GridGP]:
+    return study_of(HALF_PLANE, tmp_path_factory.mktemp("half_plane"))
+
+
+@pytest.fixture(scope="module")
+def film(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, GridGP]:
+    return study_of(FILM, tmp_path_factory.mktemp("film"))
+
+
+def truth(study: Study, model: GridGP, known: list[Constant], z: Array, count: int, seed: int) -> tuple[Array, Array]:
+    """Random points (n, d) and all exact outputs there (n, p), constants moved."""
+    points = draws.points(study, count, (seed,))
+    exact = factorial.training_data(study, factorial.exact(uncertainty.moved(study, known, z), points))
+    X = np.stack([points[name].values for name in model.box], -1)
+    return X, np.stack([exact[name].values for name in model.outputs_], -1)
+
+
+def rows(X: Array, exact: Array, outputs: list[int], share: float, seed: int) -> Measurements:
+    """What is read of some outputs, with normal errors of a share of the values."""
+    row, output = (index.ravel() for index in np.meshgrid(np.arange(len(X)), outputs, indexing="ij"))
+    error = share * abs(exact[row, output])
+    return Measurements(
+        X, row, output, exact[row, output] + error * np.random.default_rng(seed).normal(size=len(row)), error
+    )
+
+
+@pytest.mark.parametrize("truths", [1, pytest.param(2, marks=pytest.mark.soak)])
+def test_intervals_hold_exact_answers_with_other_constants(half_plane: tuple[Study, GridGP], truths: int) -> None:
+    study, model = half_plane
+    known = uncertainty.uncertain(study)
+    held, better, moved = [], [], []
+    for seed in range(truths):
+        z = np.random.default_rng(seed).normal(size=len(known))
+        X, exact = truth(study, model, known, z, 140, seed)
+        corrected, summary = correction.learn(study, model, rows(X[:40], exact[:40], [0, 1], 0.005, seed), known)
+        lower, upper = corrected.interval_array(X[40:])
+        held.append((lower <= exact[40:]) & (exact[40:] <= upper))
+        after, before = (np.abs(one.predict_array(X[40:]) - exact[40:]).mean(axis=0) for one in (corrected, model))
+        better.append(after / before)
+        moved.append([(c["mean"] - own) / c["std"] for c, own in zip(summary.plain["constants"], z, strict=True)])
+    # 100 cases x 4 outputs a truth, of which two were never measured
+    assert np.mean(held) >= 0.92
+    assert np.median(better, axis=0)[:2].max() < 0.3
+    assert np.mean(np.abs(moved) < 1.96) > 0.85  # 8 constants a truth
+
+
+def test_a_perturbed_base_is_found(film: tuple[Study, GridGP]) -> None:
+    study, model = film
+    known = uncertainty.uncertain(study, {"steel modulus": None, "steel poisson": None})
+    z = np.array([-1.8, 0.5])
+    X, exact = truth(study, model, known, z, 60, 3)
+    steel = [model.outputs_.index(f"{name}[steel]") for name in ("depth", "contact_trailing")]
+    told: list[str] = []
+    corrected, summary = correction.learn(study, model, rows(X[:25], exact[:25], steel, 0.002, 3), known, told.append)
+    modulus = summary.plain["constants"][0]
+    assert modulus["mean"] == pytest.approx(-1.8, abs=3 * modulus["std"])
+    assert modulus["std"] < 0.5
+    lower, upper = corrected.interval_array(X[25:])
+    inside = (lower <= exact[25:]) & (exact[25:] <= upper)
+    assert inside[:, steel].mean() > 0.9
+    rigid = [k for k, name in enumerate(model.outputs_) if name.endswith("[rigid]")]
+    np.testing.assert_allclose(
+        corrected.predict_array(X)[:, rigid], model.predict_array(X)[:, rigid], rtol=1e-9
+    )  # a rigid base has no modulus
+    assert any(one.startswith("1 of 2: steel modulus") for one in told)
+    assert summary.lines[0] == "25 rows, 50 measured values"
+    assert any(line.startswith("steel modulus: moved by -1.") for line in summary.lines)
+
+
+def test_a_meter_that_errs_is_a_discrepancy(half_plane: tuple[Study, GridGP]) -> None:
+    study, model = half_plane
+    known = uncertainty.uncertain(study, {"BaTiO3 stiffness": 0.02})
+    X, exact = truth(study, model, known, np.array([0.5]), 40, 1)
+    exact[:, 1] *= 1 + 0.05 * np.sin(2 * model.inputs_[2].to_unit(X[:, 2]))  # the voltage, in the load
+    _, summary = correction.learn(study, model, rows(X, exact, [0, 1], 0.003, 1), known)
+    depth, voltage = summary.plain["discrepancies"]
+    assert "is real" in voltage["verdict"]
+    assert voltage["share_of_size"] == pytest.approx(0.035, rel=0.4)
+    assert "no discrepancy is seen" in depth["verdict"]
+
+
+def test_bad_noise_outliers_and_a_gain_are_told_and_hide_no_constant(half_plane: tuple[Study, GridGP]) -> None:
+    study, model = half_plane
+    known = uncertainty.uncertain(study, {"BaTiO3 e33": 0.1})
+    X, exact = truth(study, model, known, np.array([1.0]), 30, 2)
+    good = rows(X, exact, [0, 1], 0.02, 2)
+
+    def told(value: Array, instruments: list[Instrument] | None = None) -> Summary:
+        read = Measurements(X, good.row, good.output, value, good.error)
+        return correction.learn(study, model, read, known, instruments=instruments or [])[1]
+
+    start = exact[good.row, good.output]
+    understated = told(start + 3 * (good.value - start)).plain
+    assert all(one["low"] > 1.2 and one["low"] < 3 < one["high"] * 1.2 for one in understated["errors"])
+    assert all(one["odds"] < 20 for one in understated["discrepancies"])
+    wide = [int(np.argmax(np.where(good.output == q, good.error, 0))) for q in range(2)]
+    off = good.value.copy()
+    off[wide] += [12 * good.error[wide[0]], -9 * good.error[wide[1]]]
+    outliers = told(off)
+    assert {(one["row"], one["output"]) for one in outliers.plain["outliers"]} == {
+        (int(good.row[k]) + 1, model.outputs_[good.output[k]]) for k in wide
+    }
+    assert any(line.startswith(f"row {good.row[wide[1]] + 1}, voltage: an outlier (") for line in outliers.lines)
+    assert abs(outliers.plain["constants"][0]["mean"] - 1.0) < 2.5 * outliers.plain["constants"][0]["std"]
+    shown = told(np.where(good.output == 1, 1.12, 1.0) * good.value, [Instrument("voltage", True, 0.1)])
+    constant, gain = shown.plain["constants"]
+    assert (gain["name"], gain["prior"]) == ("voltage_gain", "+-10 %")
+    # a voltage alone tells e33 times the gain
+    assert constant["std"] > 1.5 * outliers.plain["constants"][0]["std"]
+    assert abs(constant["mean"] - 1.0) < 2.5 * constant["std"]
+    assert abs(gain["mean"] - 1.2) < 2.5 * gain["std"]
+
+
+def test_what_cannot_be_learnt_is_refused(half_plane: tuple[Study, GridGP]) -> None:
+    study, model = half_plane
+    known = uncertainty.uncertain(study)
+    X, exact = truth(study, model, known, np.zeros(len(known)), 12, 1)
+    good = rows(X, exact, [0, 1], 0.01, 1)
+    with pytest.raises(InputError, match="0 rows with a measured value; must be 1 to 1000"):
+        correction.learn(study, model, rows(X[:0], exact[:0], [0, 1], 0.01, 1), known)
+    wrong = Measurements(X, good.row, good.output, np.where(good.output == 1, 1e-3, 1.0) * good.value, good.error)
+    with pytest.raises(InputError, match=r"voltage: measured values are 0.001 times .* are they in V\?"):
+        correction.learn(study, model, wrong, known)

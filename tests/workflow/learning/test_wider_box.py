@@ -1,0 +1,110 @@
+"""Questions beyond the ranges of a study: made anew, as good as the exact solver, and the lines to change are named."""
+
+import numpy as np
+import pytest
+
+from solver import solve
+from tests.studies import made
+from workflow.design.search import targets
+from workflow.learning import wider_box
+from workflow.study.model import Study
+from workflow.study.reading import InputError
+from workflow.study.target import Target
+
+STUDY = """\
+title: A small study
+fixed: {composite: fibrous, load: 1e4, friction: 0.2}
+factors:
+  volume_fraction: {low: 0.5, high: 0.6, levels: 5}
+  radius: {low: 0.05, high: 0.1, levels: 3, scale: log}
+validation: {cases: 20, calibration: 100, tolerance: 1e-3}
+"""
+
+GROUPED = """\
+title: A small study in groups
+fixed: {composite: fibrous, charge: 0.0, magnetic_charge: 0.0}
+factors:
+  volume_fraction: {low: 0.5, high: 0.6}
+  friction: {low: 0.1, high: 0.3}
+  radius: {low: 0.05, high: 0.1, scale: log}
+  load: {low: 5e3, high: 1e4, scale: log}
+groups:
+  volume_fraction: {levels: 5, scale: logit}
+  friction: {levels: 3}
+  load * radius: {levels: 4}
+surrogate: {outputs: [voltage_sensitivity, trailing_tension]}
+validation: {cases: 20, calibration: 200, tolerance: 1e-3}
+"""
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    return made(STUDY)
+
+
+def test_a_wider_question_is_answered_exactly(study: Study) -> None:
+    target = Target.model_validate(
+        {"maximise": "abs(voltage_sensitivity)", "over": {"volume_fraction": {"high": 0.8}, "radius": {"high": 0.2}},
+         "subject_to": ["trailing_tension <= 40 MPa"]}
+    )  # fmt: skip
+    wider = wider_box.beyond(study, target)
+    assert wider == {"volume_fraction": (0.5, 0.8), "radius": (0.05, 0.2)}
+    told = "factors: volume_fraction: high: 0.8 (now 0.6); factors: radius: high: 0.2 (now 0.1 m)"
+    assert wider_box.lines(study, wider) == f"{study.path}: {told}"
+    own = wider_box.made(study, target, wider)
+    assert (own.factors["volume_fraction"].levels, own.factors["radius"].levels) == (15, 6)
+    assert own.outputs == ["trailing_tension", "voltage_sensitivity"]
+    found = targets.answer(own, "mine", target, wider_box.fitted(own))
+    over = {"volume_fraction": np.linspace(0.5, 0.8, 301), "radius": np.geomspace(0.05, 0.2, 301)}
+    exact = solve({**over, "composite": "fibrous", "load": 1e4, "friction": 0.2})
+    dense = abs(exact["voltage_sensitivity"]).where(exact["trailing_tension"] <= 40e6).max()
+    assert found.terms[0].exact >= float(dense) * (1 - 1e-6)
+    assert found.feasible
+
+
+def test_what_cannot_be_wider_is_one_line(study: Study) -> None:
+    target = Target.model_validate(
+        {"maximise": "peak_pressure", "over": {"volume_fraction": {"high": 1.2}, "radius": {}}}
+    )
+    with pytest.raises(InputError, match="volume_fraction") as error:
+        wider_box.made(study, target, wider_box.beyond(study, target))
+    assert "\n" not in str(error.value)
+    target = Target.model_validate(
+        {"maximise": "peak_pressure", "over": {"radius": {"low": 0.0}}, "at": {"volume_fraction": 0.5}}
+    )
+    with pytest.raises(InputError, match="must be positive on a log scale"):
+        wider_box.made(study, target, wider_box.beyond(study, target))
+    target = Target.model_validate({"maximise": "peak_pressure", "over": ["radius"], "at": {"volume_fraction": 0.5}})
+    assert wider_box.beyond(study, target) == {}
+
+
+def test_groups_widen_with_their_factors() -> None:
+    study = made(GROUPED)
+    asked = {
+        "maximise": "abs(voltage_sensitivity)",
+        "over": {"volume_fraction": {"high": 0.8}, "radius": {"high": 0.4}},
+        "at": {"load": 1e4},
+        "worst_case": {"friction": [0.1, 0.3]},
+        "subject_to": ["trailing_tension <= 40 MPa"],
+    }
+    target = Target.model_validate(asked)
+    own = wider_box.made(study, target, wider_box.beyond(study, target))
+    # the logit of 0.8 is 3.4 times as far from that of 0.5 as 0.6's; load times radius spans a factor of 16, not of 4
+    assert {text: one.levels for text, one in own.groups.items()} == {
+        "volume_fraction": 18, "friction": 3, "load * radius": 8,
+    }  # fmt: skip
+    found = targets.answer(own, "mine", target, wider_box.fitted(own))
+    over = {"volume_fraction": np.linspace(0.5, 0.8, 101), "radius": np.geomspace(0.05, 0.4, 101)}
+    exact = solve({**over, "friction": np.linspace(0.1, 0.3, 5), "composite": "fibrous", "load": 1e4})
+    goal, tension = abs(exact["voltage_sensitivity"]).min("friction"), exact["trailing_tension"].max("friction")
+    assert found.terms[0].exact >= float(goal.where(tension <= 40e6).max()) * (1 - 1e-6)
+    assert found.feasible
+    beyond_one = {"over": {"volume_fraction": {"high": 1.0}, "radius": {}}}
+    for changed, words in (
+        (beyond_one, "volume_fraction: scale: logit needs a range between 0"),
+        ({"worst_case": {"friction": [-1e6, 0.3]}}, "friction"),
+    ):
+        beyond = Target.model_validate(asked | changed)
+        with pytest.raises(InputError, match=words) as error:
+            wider_box.made(study, beyond, wider_box.beyond(study, beyond))
+        assert "\n" not in str(error.value)

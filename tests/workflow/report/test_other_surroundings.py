@@ -1,0 +1,63 @@
+"""What is beside the contact of a design, and what the other surroundings would make of it, in numbers and words."""
+
+import pytest
+
+from tests.studies import shipped
+from workflow.report import other_surroundings
+from workflow.study.device import Device
+from workflow.study.model import Study, load
+
+CASE = {"volume_fraction": 0.5, "friction": 0.0, "radius": 0.05, "load": 1e4}
+
+
+@pytest.fixture(scope="module")
+def bare() -> Study:
+    """A half-plane without friction: the charge per load is the same in air, the theorem of docs/theory.md, 10."""
+    return load("config/quickstart.yaml").narrowed({"magnetic": "insulating"})
+
+
+@pytest.fixture(scope="module")
+def study(bare: Study) -> Study:
+    return bare.model_copy(update={"device": Device.model_validate({"electrode_length": "10 mm"})})
+
+
+def test_air_is_compared_with_what_is_insulated_and_the_other_way_round(study: Study) -> None:
+    found = other_surroundings.compared(study, CASE)
+    assert found["surroundings"] == "insulated"
+    own, other = found["quantities"]["charge_sensitivity"]
+    assert other == pytest.approx(own, rel=1e-9)
+    own, other = found["quantities"]["voltage"]
+    assert 0.1 < other / own < 0.99
+    back = other_surroundings.compared(study.narrowed({"surroundings": "air"}), CASE)
+    assert back == {
+        "surroundings": "air",
+        "quantities": {name: values[::-1] for name, values in found["quantities"].items()},
+    }
+    oil = study.model_copy(update={"fixed": {**study.fixed, "surroundings": "air", "gap_permittivity": 2.2}})
+    assert other_surroundings.compared(oil, CASE)["quantities"]["voltage"][1] == own
+
+
+def test_a_ball_on_a_film_is_compared_too() -> None:
+    """Its capacitance is whole: 2.3 pF under a large ball on a thin film, and ten times as much in air."""
+    ball = shipped("point_sensor").narrowed({"base": "steel"})
+    found = other_surroundings.compared(ball, {"thickness": 5e-5, "radius": 0.05, "force": 0.1})
+    assert list(found["quantities"]) == ["voltage", "contact_capacitance", "charge_sensitivity"]
+    air, bare = found["quantities"]["contact_capacitance"]
+    assert air > 10 * bare
+    told = "contact capacitance 2.34 pF instead of 38.2 pF and charge per force 204 pC/N instead of 166 pC/N"
+    assert told in other_surroundings.told(found)
+
+
+def test_nothing_is_compared_without_a_device_or_where_air_means_nothing(bare: Study, study: Study) -> None:
+    assert other_surroundings.compared(bare, CASE) == {}
+    assert other_surroundings.compared(study.narrowed({"electric": "insulating"}), CASE) == {}
+    assert other_surroundings.told({}) == ""
+
+
+def test_both_are_told_with_their_units() -> None:
+    quantities = {"voltage": [25.1, 8.03], "capacitance": [2e-8, 7.4e-8]}
+    told = other_surroundings.told({"surroundings": "insulated", "quantities": quantities})
+    assert told.startswith("No charge is beside the contact (surroundings: insulated); with air there: voltage 8.03 V")
+    assert told.endswith("instead of 25.1 V and capacitance 74 nF/m instead of 20 nF/m.")
+    told = other_surroundings.told({"surroundings": "air", "quantities": quantities})
+    assert told.startswith("Air is beside the contact and carries charge (surroundings: air); with insulated")

@@ -1,0 +1,254 @@
+"""A cache of solved cases of all studies: kept by their content beside all results, and taken from there.
+
+A piece is what the solver is asked for at once: the cases of films that share their tables, else the cases at one level
+of the data set's first axis, or some of a list. Every piece is solved alone, with a cache or without, so that no bit of
+a result depends on what the cache holds. Cases that cost microseconds are not kept: to read one takes as long.
+"""
+
+import hashlib
+import json
+import os
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import cache
+from itertools import pairwise, product
+from math import prod
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from approximation.arrays import Array
+from storage.described import standard
+from storage.files import write_text
+from storage.netcdf import CHECKSUM, read_whole, write_whole
+from storage.sealed import PARTIAL, FormatError
+from workflow.run import lock, provenance
+from workflow.run.joblog import log
+from workflow.study.model import Study
+from workflow.study.refusals import Solved, labelled
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import Snakemake
+
+#: Where they lie, below the folder of all results, and how much may: what was used last stays.
+FOLDER, MOST_BYTES = ".solved", 2**31
+_OF_CASES, _TALLIES = "cases", "taken"
+_DAY = 86400.0
+#: Cases of a list that the solver is asked for at once, where none needs tables of its own: they share some.
+AT_A_TIME = 50
+
+_Part = dict[str, slice]
+
+
+class CaseCache:
+    """The cache beside the results, for one job.
+
+    Parameters
+    ----------
+    results
+        Folder of all results.
+    output
+        The job's file, below it.
+
+    Attributes
+    ----------
+    cases, taken : int
+        How many cases the job has asked for, and how many of them were solved before.
+    """
+
+    def __init__(self, results: Path, output: Path) -> None:
+        self.folder = results / FOLDER
+        self.cases = self.taken = 0
+        self._tally = self.folder / _TALLIES / output.relative_to(results).with_suffix(".json")
+
+    def around(self, study: Study, solved: Solved, asked: Mapping[str, Any]) -> Solved:
+        """What solves cases piece by piece, those that are not kept.
+
+        Parameters
+        ----------
+        study
+            Whose cases they are.
+        solved
+            Solves them, by their factors.
+        asked
+            What is asked of a case beside its factors, as plain data.
+        """
+        if not study.costly & set(study.quantities):
+            return solved
+        own = json.dumps([study.digest("phases", "materials", "body"), asked, _solver()], sort_keys=True)
+
+        def whole(factors: Mapping[str, Any]) -> xr.Dataset:
+            cases = {name: labelled(name, value) for name, value in factors.items()}
+            parts = list(_parts(study, cases))
+            answers = [self._piece(solved, own, _selected(cases, part)) for part in parts]
+            return answers[0] if len(answers) == 1 else _joined(cases, parts, answers)
+
+        return whole
+
+    def tell(self) -> None:
+        """Log how many cases were solved before, and leave it where `taken` finds it."""
+        if self.cases:
+            log.info("%d of %d cases were solved before", self.taken, self.cases)
+            try:
+                self._tally.parent.mkdir(parents=True, exist_ok=True)
+                write_text(self._tally, json.dumps({"cases": self.cases, "taken": self.taken}) + "\n")
+            except OSError as error:  # no result is lost by it
+                log.warning("how many cases were solved before is not kept: %s", error)
+
+    def _piece(self, solved: Solved, own: str, cases: Mapping[str, xr.DataArray]) -> xr.Dataset:
+        """The answer of one piece, from its file if that is whole."""
+        name = _digest(own, cases)
+        path = self.folder / _OF_CASES / name[:2] / f"{name[2:]}.nc"
+        count = prod(_sizes(cases).values())
+        try:
+            answer = _as_solved(read_whole(path))
+            os.utime(path)
+        except (OSError, FormatError):  # none, or half of one
+            answer = solved(cases)
+            _write(answer, path)
+        else:
+            self.taken += count
+        self.cases += count
+        return answer
+
+
+@contextmanager
+def of(job: "Snakemake") -> Iterator[CaseCache]:
+    """The cache for a job, whose rule has the wildcard ``study``; in the end it tells how many cases were in it."""
+    output = Path(job.output[0])
+    cache = CaseCache(lock.results(job.wildcards.study, output), output)
+    yield cache
+    cache.tell()
+
+
+def taken(results: Path, study: str) -> dict[str, int]:
+    """How many cases of a study's files were asked for piece by piece, and how many of these were solved before.
+
+    Parameters
+    ----------
+    results : Path, the folder of all results
+    study : str, its name
+    """
+    folder, tally = results / FOLDER / _TALLIES / study, {"cases": 0, "taken": 0}
+    for file in sorted(folder.rglob("*.json")):
+        if (results / study / file.relative_to(folder)).with_suffix(".nc").is_file():
+            own = json.loads(file.read_text(encoding="utf-8"))
+            tally = {name: count + int(own[name]) for name, count in tally.items()}
+    return tally
+
+
+def sweep(results: Path, most: int = MOST_BYTES) -> None:
+    """Remove what was used longest ago, and what killed writers have left.
+
+    Parameters
+    ----------
+    results : Path, the folder of all results
+    most : int, bytes that may stay
+    """
+    now, files = time.time(), []
+    for file in (results / FOLDER / _OF_CASES).rglob("*"):
+        try:
+            status = file.stat()
+        except OSError:  # another run sweeps too
+            continue
+        if file.name.endswith(PARTIAL) and now - status.st_mtime > _DAY:
+            file.unlink(missing_ok=True)
+        elif file.suffix == ".nc":
+            files.append((status.st_mtime, status.st_size, file))
+    whole = sum(size for _, size, _ in files)
+    for _, size, file in sorted(files):
+        if whole <= most:
+            break
+        file.unlink(missing_ok=True)
+        whole -= size
+
+
+@cache
+def _solver() -> str:
+    """Hash of all that makes an answer: the solver's sources, and the packages that it stands on."""
+    sources = [file.relative_to(provenance.ROOT).as_posix() for file in (provenance.ROOT / "solver").rglob("*.py")]
+    versions = provenance.versions()
+    return " ".join(
+        [provenance.code(*sorted(sources), "workflow/study/layered.py"), versions["numpy"], versions["scipy"]]
+    )
+
+
+def _digest(own: str, cases: Mapping[str, xr.DataArray]) -> str:
+    """Hash of the values of all factors, to the last bit, over their dimensions."""
+    digest = hashlib.sha256(own.encode())
+    for name, array in cases.items():
+        digest.update(json.dumps([name, list(map(str, array.dims)), list(array.shape)]).encode())
+        values = array.values
+        text = values.dtype.kind not in "iufb"
+        digest.update(json.dumps(values.tolist()).encode() if text else np.asarray(values, dtype=np.float64).tobytes())
+    return digest.hexdigest()
+
+
+def _parts(study: Study, cases: Mapping[str, xr.DataArray]) -> Iterator[_Part]:
+    """Where the pieces lie: runs of equal values of what needs tables, or levels of the first axis."""
+    names = [name for name in study.tabled if name in cases]
+    dims = list(dict.fromkeys(str(dim) for name in names for dim in cases[name].dims))
+    runs = {dim: _runs([cases[name] for name in names if dim in cases[name].dims], dim) for dim in dims}
+    if not names:
+        first, sizes = next(iter(study.axes)), _sizes(cases)
+        dim, step = (first, 1) if first in sizes else (next(iter(sizes), ""), AT_A_TIME)
+        runs = {dim: [slice(k, k + step) for k in range(0, sizes[dim], step)]} if sizes else {}
+    for region in product(*runs.values()):
+        yield dict(zip(runs, region, strict=True))
+
+
+def _runs(factors: Sequence[xr.DataArray], dim: str) -> list[slice]:
+    """Runs along a dimension in which some factors stay the same."""
+    rows = np.stack([_rows(factor, dim) for factor in factors], axis=-1)
+    ends = np.flatnonzero((rows[1:] != rows[:-1]).any(axis=-1)) + 1
+    starts = [0, *ends.tolist(), len(rows)]
+    return [slice(begin, end) for begin, end in pairwise(starts)]
+
+
+def _rows(factor: xr.DataArray, dim: str) -> Array:
+    """A factor along one of its dimensions, at the first place of all others."""
+    return np.asarray(factor.isel({other: 0 for other in factor.dims if other != dim}).values)
+
+
+def _sizes(cases: Mapping[str, xr.DataArray]) -> dict[str, int]:
+    return {str(dim): size for array in cases.values() for dim, size in array.sizes.items()}
+
+
+def _selected(cases: Mapping[str, xr.DataArray], part: _Part) -> dict[str, xr.DataArray]:
+    return {name: array.isel(part, missing_dims="ignore") for name, array in cases.items()}
+
+
+def _joined(cases: Mapping[str, xr.DataArray], parts: Sequence[_Part], answers: Sequence[xr.Dataset]) -> xr.Dataset:
+    """The answers of all pieces in one, without what some of them lack."""
+    sizes = _sizes(cases)
+    like = answers[0][[name for name in answers[0].data_vars if all(name in answer for answer in answers)]]
+    split = set(parts[0])
+    whole: dict[str, xr.Variable] = {}
+    for name, variable in like.variables.items():
+        if split & set(variable.dims):
+            values = np.empty([sizes.get(str(dim), variable.sizes[dim]) for dim in variable.dims], variable.dtype)
+            for part, answer in zip(parts, answers, strict=True):
+                values[tuple(part.get(str(dim), slice(None)) for dim in variable.dims)] = answer[name].values
+            variable = xr.Variable(variable.dims, values, variable.attrs)
+        whole[str(name)] = variable
+    coords = {name: variable for name, variable in whole.items() if name in like.coords}
+    return xr.Dataset({name: whole[str(name)] for name in map(str, like.data_vars)}, coords, like.attrs)
+
+
+def _write(answer: xr.Dataset, path: Path) -> None:
+    """Keep an answer; where there is no room for it, do without."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(answer, path)
+    except OSError as error:
+        log.warning("solved cases are not kept: %s", error)
+
+
+def _as_solved(stored: xr.Dataset) -> xr.Dataset:
+    """An answer as the solver gave it, without what every file says."""
+    beside = {*standard(stored), CHECKSUM}
+    stored.attrs = {name: value for name, value in stored.attrs.items() if name not in beside}
+    return stored.drop_encoding()

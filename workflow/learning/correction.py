@@ -1,0 +1,119 @@
+"""Measured rows on a study's surrogate: its uncertain constants and discrepancies, and the corrected surrogate."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from approximation.arrays import Array
+from solver import MaterialError
+from surrogate import GaussianProcess
+from surrogate.data.measurements import MOST_ROWS, Measurements
+from surrogate.intervals.distribution import NOMINAL, Normal
+from surrogate.transforms.measured.corrected import CorrectedGP
+from surrogate.use import learning
+from workflow.learning.constant_effects import ConstantEffects
+from workflow.learning.instruments import Instrument, shown
+from workflow.learning.summary import Summary
+from workflow.study import uncertainty
+from workflow.study.model import Study
+from workflow.study.reading import InputError
+from workflow.study.uncertainty import Constant
+
+_WRONG_UNIT = 30.0  # measured over predicted values, as a factor, by which no constant changes a quantity
+_VAGUE = 1e9  # an error of measurement over the largest value: beyond it a row says nothing, and squares overflow
+
+
+def learn(
+    study: Study,
+    model: GaussianProcess,
+    rows: Measurements,
+    constants: list[Constant],
+    say: Callable[[str], None] = lambda message: None,
+    instruments: Sequence[Instrument] = (),
+) -> tuple[CorrectedGP, Summary]:
+    """Correct a study's surrogate by measured rows.
+
+    Parameters
+    ----------
+    study, model
+        The study and its surrogate.
+    rows
+        What was measured, within the trained box.
+    constants
+        What is uncertain of the study's materials. Members of these families may be off each for itself as well.
+    say
+        Is told of progress.
+    instruments
+        Gains and offsets that readings may have.
+
+    Returns
+    -------
+    CorrectedGP, Summary
+        The corrected surrogate, and what the rows tell.
+
+    Raises
+    ------
+    InputError
+        No row or too many, values that are no such quantity in SI units, or rows that
+        the constants explain nowhere.
+    """
+    count = len(np.unique(rows.row))
+    if not 1 <= count <= MOST_ROWS:
+        raise InputError(f"{count} rows with a measured value; must be 1 to {MOST_ROWS}")
+    nominal = model.predict_array(rows.points)
+    lower, upper = model.interval_array(rows.points, NOMINAL)
+    mean = nominal[rows.row, rows.output]
+    _check_size(model, rows, mean)
+    for device in instruments:
+        if not device.measures(model, rows).any():
+            raise InputError(f"--instrument: {device.name}: no row holds a measured {device.quantity}")
+    singles = uncertainty.own(study, constants)
+    every, count = [*constants, *singles], len(constants) + len(singles)
+    effects = ConstantEffects(study, model, every, say, [instrument.name for instrument in instruments])
+    own = np.maximum(upper - nominal, nominal - lower)[rows.row, rows.output] / Normal().ends(NOMINAL)[1, 0]
+    spread = np.hypot(own, effects.error[rows.output])
+    latest: list[GaussianProcess] = []
+    unknown: list[Constant | Instrument] = [*every, *instruments]
+    single = np.array([constant in singles for constant in unknown], np.bool_)
+
+    def forward(z: Array) -> tuple[Array, Array]:
+        told = ", ".join(f"{value:+.2f}" for value in z[: len(constants)])
+        say(f"constants at {told} prior standard deviations")
+        latest[:] = [effects.at(z)]
+        predicted = latest[0].predict_array(rows.points).reshape(len(rows.points), len(model.outputs_), -1)
+        own = predicted[rows.row, rows.output]
+        return shown(list(instruments), model, rows, z[count:], mean + own[:, 0], own[:, 1 : count + 1])
+
+    try:
+        posterior = learning.learn(forward, rows, model.inputs_, len(unknown), spread, single)
+    except (learning.NotSettledError, MaterialError) as error:
+        raise InputError(str(error)) from None
+    summary = Summary.of(posterior, rows, unknown, single, model, mean)
+    names = {constant.name: constant.prior for constant in unknown}
+    surrogate = CorrectedGP(
+        model, latest[0], names, posterior.about, posterior.draws, rows, effects.error, "\n".join(summary.lines)
+    )
+    return surrogate, summary
+
+
+def _check_size(model: GaussianProcess, rows: Measurements, mean: Array) -> None:
+    """Whether measured values are of the size of what the surrogate gives."""
+    for q in rows.outputs:
+        k = rows.of(q)
+        _check_errors(model, q, rows.error[k], float(np.abs([rows.value[k], mean[k]]).max()))
+        ratio = float(np.median(np.abs(rows.value[k])) / max(float(np.median(np.abs(mean[k]))), 1e-300))
+        noise = np.nanmedian(rows.error[k]) if np.isfinite(rows.error[k]).any() else 0.0
+        small = float(np.median(np.abs(mean[k]))) < 3 * noise  # nothing but noise was to be measured
+        if not small and not 1 / _WRONG_UNIT < ratio < _WRONG_UNIT:
+            name, units = model.outputs_[q], model.attrs_[model.outputs_[q]].get("units", "")
+            raise InputError(
+                f"{name}: measured values are {ratio:.2g} times those of the surrogate; are they in {units}?"
+            )
+
+
+def _check_errors(model: GaussianProcess, output: int, errors: Array, largest: float) -> None:
+    """Whether errors of measurement leave something that was measured."""
+    vague = errors[errors > _VAGUE * largest]
+    if len(vague):
+        name, units = model.outputs_[output], model.attrs_[model.outputs_[output]].get("units", "")
+        raise InputError(f"{name}: an error of {vague[0]:g} {units}; must be at most {_VAGUE * largest:.2g} {units}")

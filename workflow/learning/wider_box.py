@@ -1,0 +1,134 @@
+"""A study whose ranges are wider than its surrogate's: made and learned anew for one question."""
+
+from collections.abc import Mapping
+from math import ceil, prod
+
+import numpy as np
+
+from surrogate import GaussianProcess, Input
+from workflow.dataset import factorial
+from workflow.language.factors import FACTORS
+from workflow.language.numbers import written
+from workflow.learning import curves, training
+from workflow.study import grouped
+from workflow.study import model as studies
+from workflow.study.model import Study
+from workflow.study.reading import InputError
+from workflow.study.sections import Axis, Group
+from workflow.study.target import Target
+
+_MOST = 400_000  # cases of a factorial made for one question
+_FINEST = 200  # levels of an axis, at most
+_CALIBRATION = 1000  # random cases that calibrate its intervals, at most
+
+
+def beyond(study: Study, target: Target) -> dict[str, tuple[float, float]]:
+    """Factors of which a target asks for values outside the study's ranges: the ranges that hold them too.
+
+    Parameters
+    ----------
+    study : Study
+    target : Target
+    """
+    wider = {}
+    for name, axis in study.factors.items():
+        asked = [value for value in target.values(name) if not isinstance(value, str)]
+        low, high = min([axis.low, *asked]), max([axis.high, *asked])
+        if (low, high) != (axis.low, axis.high):
+            wider[name] = (low, high)
+    return wider
+
+
+def lines(study: Study, wider: Mapping[str, tuple[float, float]]) -> str:
+    """Which lines of the study to change, in words.
+
+    Parameters
+    ----------
+    study : Study
+    wider : mapping of str to (float, float), SI, the ranges as `beyond` gives them
+    """
+    parts = []
+    for name, (low, high) in wider.items():
+        axis = study.factors[name]
+        ends = {"low": (low, axis.low), "high": (high, axis.high)}
+        parts += [
+            f"factors: {name}: {end}: {value:g} (now {f'{now:g} {written(FACTORS[name].units)}'.strip()})"
+            for end, (value, now) in ends.items()
+            if value != now
+        ]
+    return f"{study.path}: {'; '.join(parts)}"
+
+
+def made(study: Study, target: Target, wider: Mapping[str, tuple[float, float]]) -> Study:
+    """The study with wider ranges, and of its outputs what a target asks for.
+
+    The levels of an axis, a factor or a group of factors, grow with its range, on its own scale.
+
+    Parameters
+    ----------
+    study : Study
+    target : Target
+    wider : mapping of str to (float, float), SI, the ranges as `beyond` gives them
+
+    Raises
+    ------
+    InputError
+        Ranges in which some case has no solution, or a factorial of too many cases.
+    """
+    if study.open:
+        raise InputError(f"design: the ranges are wider than the study's, whose levels are open; {lines(study, wider)}")
+    axes = {name: _widened(axis, *wider.get(name, (axis.low, axis.high))) for name, axis in study.factors.items()}
+    groups = _groups(study, axes)
+    levels = [axis.levels for axis in (groups or axes).values()]
+    cases = prod(count or 1 for count in levels) * len(study.combinations)
+    if cases > _MOST:
+        raise InputError(f"design: ranges this wide take {cases} cases, more than {_MOST}; {lines(study, wider)}")
+    names = [name for name in study.outputs if name in target.names()]
+    return studies.remade(
+        study,
+        factors={name: axis.model_dump(mode="json") for name, axis in axes.items()},
+        groups={text: group.model_dump(mode="json") for text, group in groups.items()},
+        surrogate={"kernel": study.surrogate.kernel, "outputs": names},
+        validation=study.validation.model_dump(mode="json")
+        | {"calibration": min(study.validation.calibration, _CALIBRATION)},
+        design={},
+        readout={},
+    )
+
+
+def fitted(study: Study) -> GaussianProcess:
+    """A surrogate of a study that was made here, from exact cases."""
+    model = training.fit(study, factorial.exact(study, factorial.axes(study), curves=True))
+    model.calibrate(curves.training_data(study, factorial.cases(study, "calibration")))
+    return model
+
+
+def _groups(study: Study, factors: Mapping[str, Axis]) -> dict[str, Group]:
+    """The groups of a study, as they are written, with levels for wider factors; none of a study without any."""
+    if not study.groups:
+        return {}
+    try:
+        wider = grouped.axes(study.groups, factors, study.numbers)
+    except ValueError as error:
+        raise InputError(f"design: the ranges are wider than the study's: {error}") from None
+    groups = {}
+    for text, group in study.groups.items():
+        name = grouped.product(text).name
+        groups[text] = group.model_copy(update={"levels": _levels(study.axes[name], wider[name])})
+    return groups
+
+
+def _widened(axis: Axis, low: float, high: float) -> Axis:
+    """An axis over a wider range, with as many levels to its length; in a study with groups these have them."""
+    if (low, high) == (axis.low, axis.high):
+        return axis
+    if axis.scale == "log" and low <= 0:
+        raise InputError(f"design: {low:g} must be positive on a log scale")
+    wider = axis.model_copy(update={"low": low, "high": high})
+    return wider.model_copy(update={"levels": axis.levels and _levels(axis, wider)})
+
+
+def _levels(axis: Axis, wider: Axis) -> int:
+    """As many levels to the length of a wider axis, on its scale, as an axis has."""
+    ends = Input("axis", axis.low, axis.high, wider.scale).to_unit(np.array([wider.low, wider.high]))
+    return min(ceil((axis.levels or 2) * float(np.ptp(ends)) / 2 - 1e-9), _FINEST)

@@ -1,0 +1,69 @@
+"""What is beside the contact of a design, and what the other surroundings would make of its device's quantities."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from solver import FactorError, MaterialError
+from solver.names import AIR, CHOICES, OF_A_GAP
+from workflow.dataset import factorial
+from workflow.language import titles
+from workflow.study.model import Study
+
+_READ = (
+    "voltage",
+    "capacitance",
+    "contact_capacitance",
+    "charge_sensitivity",
+)  # what a device is read by, and air changes most
+_HERE = {
+    "insulated": "No charge is beside the contact (surroundings: insulated); with air there",
+    AIR: "Air is beside the contact and carries charge (surroundings: air); with insulated surroundings",
+}
+
+
+def compared(study: Study, case: Mapping[str, float]) -> dict[str, Any]:
+    """What a device is read by in one case, and what it would be in the other surroundings.
+
+    Parameters
+    ----------
+    study
+        With its categories held.
+    case
+        Every factor of its factorial.
+
+    Returns
+    -------
+    dict
+        ``surroundings`` of the case, and ``quantities``: by name its value here and in the other surroundings, in SI.
+        Empty of a half-plane without a device, or of a contact that the theory of air does not cover.
+    """
+    if study.device is None and not study.kind.layered:
+        return {}
+    here = study.surroundings[0]
+    other = next(name for name in CHOICES["surroundings"] if name != here)
+    fixed = {name: value for name, value in study.fixed.items() if name not in OF_A_GAP} | {"surroundings": other}
+    try:
+        solved = factorial.exact(
+            study.model_copy(update={"fixed": fixed}),
+            {name: value for name, value in case.items() if name not in OF_A_GAP},
+            peaks=(),
+        )
+    except (FactorError, MaterialError):
+        return {}
+    own = factorial.exact(study, dict(case), peaks=())
+    known = [name for name in _READ if name in own and name in solved]
+    return {
+        "surroundings": here,
+        "quantities": {name: [float(own[name]), float(solved[name])] for name in known},
+    }
+
+
+def told(compared: Mapping[str, Any]) -> str:
+    """The same in a sentence; empty of nothing."""
+    if not compared:
+        return ""
+    changed = [
+        f"{titles.title(name)} {titles.value(name, other, 3)} instead of {titles.value(name, own, 3)}"
+        for name, (own, other) in compared["quantities"].items()
+    ]
+    return f"{_HERE[compared['surroundings']]}: {titles.listed(changed)}."

@@ -1,0 +1,182 @@
+"""Whether the outputs, targets and read-outs that a study asks for are among what its cases have."""
+
+from collections.abc import Sequence
+
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, OF_A_FILM
+from workflow.language.factors import FACTORS
+from workflow.study import signal_case
+from workflow.study.contents import Contents
+from workflow.study.readout import Readout
+from workflow.study.target import Target
+
+_OF_FILMS = {*OF_A_FILM, *EVERY_FILM_QUANTITY}
+_SMOOTH = {"profile": "cylinder", "electric": "conducting", "magnetic": "conducting"}
+
+
+def check_quantities(study: Contents) -> None:
+    """Whether the data set holds what the surrogate and the designs ask for."""
+    for name in study.searched if isinstance(study.dataset.peaks, list) else ():
+        if name in study.absent or name not in ALL_PEAKS:
+            known = ", ".join(name for name in ALL_PEAKS if name not in study.absent)
+            raise ValueError(f"dataset: peaks: these cases have no {name!r}; they have {known}")
+    for name in study.surrogate.outputs:
+        if name in study.absent or ALL_QUANTITIES[name].sparse:
+            raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}{_instead(study, name)}")
+        if name in ALL_PEAKS.keys() - study.searched:
+            raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
+    for name in study.surrogate.log or []:
+        if not study.groups or name not in study.outputs:
+            needs = "is not one of surrogate.outputs" if study.groups else "needs groups"
+            raise ValueError(f"surrogate: log: {name!r} {needs}")
+    if study.surrogate.fields and study.kind.tabled:
+        raise ValueError("surrogate: fields: only those of half-planes are learned")
+    if study.surrogate.fields and any(study.fixed.get(name, usual) != usual for name, usual in _SMOOTH.items()):
+        raise ValueError("surrogate: fields: only those under a cylinder that conducts in both fields are learned")
+    if study.surrogate.fields and study.categories:
+        raise ValueError(f"surrogate: fields: are not learned over categories: {', '.join(study.categories)}")
+    for label, target in study.design.items():
+        check_target(study, f"design: {label}", target)
+    _check_signal(study)
+    for label, readout in study.readout.items():
+        _check_readout(study, f"readout: {label}", readout)
+
+
+def _check_signal(study: Contents) -> None:
+    """Whether a press in time has a design or a case, an amplifier that reads it, and a charge that can be read."""
+    if study.signal is not None and study.signal.case:
+        signal_case.check(study)
+    elif study.signal is not None:
+        _check_pressed(study, study.signal.design)
+
+
+def _check_pressed(study: Contents, design: str) -> None:
+    """Whether the punch of a design can be read."""
+    if design not in study.design:
+        known = ", ".join(study.design) or "none"
+        raise ValueError(f"signal: design: {design!r} is not a design target; known are {known}")
+    if study.device is None or study.device.amplifier is None:
+        raise ValueError("signal: needs device: amplifier")
+    target = study.design[design]
+    for name in study.kind.loads.charges:
+        if name in (*target.over, *target.at, *target.worst_case, *target.uncertain, *study.fixed):
+            raise ValueError(f"signal: {name}: the circuit gives the charge; the design must not")
+    collected = "collector" in study.fixed or "collector" in study.factors
+    needed = ("patch_charge_per_force",) if collected else ("charge_sensitivity", "voltage")
+    for name in needed:
+        if name in study.absent:
+            raise ValueError(f"signal: these cases have no {name}, whose charge would be read")
+
+
+def _check_readout(study: Contents, where: str, readout: Readout) -> None:
+    """Whether a read-out knows or infers every factor, and measures what is learned."""
+    for name in study.factors:
+        if (name in readout.infer) + (name in readout.at) != 1:
+            raise ValueError(f"{where}: {name!r} must be either in infer or in at")
+    for name in study.categories:
+        if name not in readout.at:
+            raise ValueError(f"{where}: {name!r} is missing; put it in at")
+    for name in readout.infer:
+        check_values(study, where, name, [])
+    for name, value in readout.at.items():
+        check_values(study, where, name, [value])
+    for name in readout.measured:
+        if name not in study.outputs:
+            raise ValueError(f"{where}: {name!r} is not one of surrogate.outputs")
+
+
+def check_target(study: Contents, where: str, target: Target) -> None:
+    """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs.
+
+    Parameters
+    ----------
+    study : Contents
+    where : str, the target's place, with which a message begins
+    target : Target
+    """
+    given = [*target.over, *target.at, *target.worst_case, *target.uncertain]
+    for name in given:
+        if given.count(name) > 1:
+            raise ValueError(f"{where}: {name!r} is given twice; over, at, worst_case and uncertain exclude each other")
+        check_values(study, where, name, target.values(name))
+    for name in (*study.factors, *study.categories):
+        if name not in given:
+            places = "over, at, worst_case or uncertain" if name in study.factors else "over or at"
+            raise ValueError(f"{where}: {name!r} is missing; put it in {places}")
+    for name in target.names():
+        if name in FACTORS and name not in study.factors and not isinstance(study.held(name), float | int):
+            raise ValueError(f"{where}: {name!r} {_lack(study, name) or 'has no value in this study'}")
+        if name in ALL_QUANTITIES and name not in study.outputs:
+            searched = name in ALL_PEAKS.keys() - study.absent - study.searched
+            needs = "needs dataset: peaks: true" if searched else _lack(study, name)
+            raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
+    for name in target.tolerance:
+        _check_tolerance(study, f"{where}: tolerance: {name}", name, target)
+    for name in target.constants():
+        for narrowed in study.chosen(target):
+            try:
+                narrowed.constant(name)
+            except ValueError as error:
+                raise ValueError(f"{where}: {error}") from None
+
+
+def _check_tolerance(study: Contents, where: str, name: str, target: Target) -> None:
+    """Whether a tolerance leaves values of its variable whose whole tolerance is within the study's range."""
+    if name not in study.factors:
+        raise ValueError(f"{where}: a category has none")
+    axis, given = study.factors[name], target.tolerance[name]
+    if target.tolerances[name][1] and axis.low <= 0:
+        raise ValueError(f"{where}: {given} of what may be 0 is none; must have a unit [{FACTORS[name].units}]")
+    low, high = target.room(name, axis.low, axis.high)
+    if name in target.continuous:
+        low, high = target.range(name, low, high)
+    if not low < high:
+        raise ValueError(f"{where}: {given} is larger than the range {axis.low:g} to {axis.high:g} leaves room for")
+    for value in target.variables[name].choices:
+        if isinstance(value, str) or not low <= value <= high:
+            raise ValueError(f"{where}: {given} of {value} is not within {axis.low:g} to {axis.high:g}")
+
+
+def _lack(study: Contents, name: str) -> str:
+    """Why no case has a quantity or factor, where the body is why."""
+    if name in _OF_FILMS and not study.kind.layered:
+        return f"is a film's: a {study.kind.unbounded} has none"
+    return f"is not one of surrogate.outputs{told}" if (told := _instead(study, name)) else ""
+
+
+def _instead(study: Contents, name: str) -> str:
+    """What cases have in place of a quantity that bodies of their kind never have."""
+    kind = study.kind
+    if name not in ALL_PEAKS or name in kind.peaks:
+        return ""
+    if not kind.peaks:
+        return f": no {kind.name} has a quantity of its inside"
+    alike = [peak for peak in kind.peaks if peak.endswith(name.removeprefix("film_").removeprefix("base_"))]
+    return f": a {kind.name} has {' and '.join(alike)}" if alike else ""
+
+
+def check_values(study: Contents, where: str, name: str, values: Sequence[float | str]) -> None:
+    """Raise ValueError unless the study has a factor or category, and values are among what it has of it.
+
+    Parameters
+    ----------
+    study : Contents
+    where : str, with which a message begins
+    name : str, the factor or category
+    values : sequence of float or str, SI, or names
+    """
+    if name in study.categories:
+        for value in values:
+            if value not in study.categories[name]:
+                raise ValueError(f"{where}: {name}: {value!r} is not one of {', '.join(study.categories[name])}")
+        return
+    if name not in study.factors:
+        known = ", ".join((*study.factors, *study.categories))
+        raise ValueError(f"{where}: {name!r} is not one of the study's factors: {known}")
+    axis = study.factors[name]
+    for value in values:
+        if isinstance(value, str):
+            raise ValueError(f"{where}: {name}: {value!r} is not a number")
+        if not axis.low <= value <= axis.high:
+            end = "low" if value < axis.low else "high"
+            told = f"{name} = {value:g} is not within {axis.low:g} to {axis.high:g}"
+            raise ValueError(f"{where}: {told}; factors: {name}: {end} says so")

@@ -1,0 +1,112 @@
+"""What a study does not name and is given: points rest, a device is pressed by steel, films and devices are in air.
+
+Each reads what the study's sections say alone: nothing is solved.
+"""
+
+from solver.body import airless, kind_of
+from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, OF_A_PUNCH, POINT_SLIDING, PROFILES
+from workflow.study.contents import Contents
+from workflow.study.solvable import check_fields, check_groups, hanging_on_datum
+
+_INSULATED = CHOICES["surroundings"][0]
+_PUNCH = "steel"
+#: What a device is read by without and with air: a study that learns the former alone was written for the former.
+_READ = {"capacitance": "capacitance_at_load", "contact_capacitance": "contact_capacitance_at_force"}
+
+
+def settle(study: Contents) -> None:
+    """Give a study all that it does not name; `Contents.defaults` tells of what presses and what is around."""
+    rest(study)
+    press(study)
+    surround(study)
+
+
+def rest(study: Contents) -> None:
+    """Give a study of points that asks for ``trailing_tension``, say, and names no friction, ``friction: 0``."""
+    if study.kind.contact != "point" or "friction" in _named(study):
+        return
+    try:
+        wanted = _asked(study)
+    except ValueError:  # which the target's own check tells
+        return
+    if not POINT_SLIDING.keys().isdisjoint(wanted):
+        study.fixed["friction"] = 0.0
+
+
+def press(study: Contents) -> None:
+    """Give a study with a device that names no punch one of steel, or leave it rigid where its groups need that."""
+    if study.device is None or not _named(study).isdisjoint(OF_A_PUNCH):
+        return
+    study.fixed["punch"] = _PUNCH
+    line = f"punch: {_PUNCH}, the default of a study with a device (fixed: {{punch: rigid}} for a rigid one)"
+    try:
+        hanging_on_datum(study)
+    except ValueError:  # what its groups do not tell of a punch that gives way
+        del study.fixed["punch"]
+        line = f"punch: rigid, since its groups do not tell what one of {_PUNCH} makes of its surrogate.outputs"
+    study.tell_default(line)
+
+
+def surround(study: Contents) -> None:
+    """Give a study on films, or with a device, the surroundings that it does not name: air, or insulated if need be."""
+    if "surroundings" in _named(study) or not (study.device or (study.factors and study.kind.layered)):
+        return
+    _place(study, AIR)
+    line = "surroundings: air, the default of films and devices (fixed: {surroundings: insulated} leaves it out)"
+    if lacking := _lacking(study):
+        _place(study, _INSULATED)
+        line = f"surroundings: insulated, since {lacking}"
+    study.tell_default(line)
+
+
+def _named(study: Contents) -> set[str]:
+    """Factors that a study names, with one value or several."""
+    return {*study.fixed, *study.categories, *study.factors}
+
+
+def _asked(study: Contents) -> list[str]:
+    """Names in targets, outputs and read-outs; ValueError for a target that is no expression."""
+    wanted = [name for target in study.design.values() for name in target.names()]
+    measured = (name for readout in study.readout.values() for name in readout.measured)
+    return [*wanted, *study.surrogate.outputs, *measured]
+
+
+def _lacking(study: Contents) -> str:
+    """Why a study, which is to be in air, cannot be; empty where it can."""
+    profiles = [PROFILES[name] for name in _profiles(study) if name in PROFILES]
+    if len({profile.contact for profile in profiles}) != 1:
+        return "its punches are of more than one kind"
+    factors: dict[str, object] = {**dict.fromkeys(study.factors), **study.fixed}
+    reasons = (airless({**factors, **combination}) for combination in study.combinations)
+    return next(filter(None, reasons), "") or _asks_for_more(study)
+
+
+def _asks_for_more(study: Contents) -> str:
+    """Which of what a study asks for contacts in air do not have; empty of none."""
+    has = kind_of({*study.factors, *study.fixed, *([BODY] if study.body else [])}, _profiles(study)[0], AIR)
+    try:
+        wanted = _asked(study)
+        if "positions" in study.dataset.model_fields_set or study.dataset.peaks:
+            return "dataset: positions or peaks ask for fields, which take 50 ms a case in air, or seconds"
+        check_fields(study)
+        check_groups(study)
+    except ValueError as error:
+        return str(error)
+    if study.device is not None:
+        wanted += [_READ[name] for name in study.surrogate.outputs if name in _READ]
+    for name in wanted:
+        if name in {*ALL_QUANTITIES, *ALL_PEAKS} - {*has.quantities, *has.peaks}:
+            return f"contacts in air have no {name}, which it asks for"
+        if study.surrogate.outputs and name in ALL_QUANTITIES and name not in study.surrogate.outputs:
+            return f"{name}, by which a device in air is read, is not one of surrogate.outputs"
+    return ""
+
+
+def _profiles(study: Contents) -> list[str]:
+    return study.categories.get("profile") or [str(study.fixed.get("profile", CHOICES["profile"][0]))]
+
+
+def _place(study: Contents, name: str) -> None:
+    study.fixed["surroundings"] = name
+    for target in study.design.values():
+        target.meets(study.meeting)
