@@ -7,7 +7,7 @@ BIN    := .venv/bin
 export PYTHONDONTWRITEBYTECODE :=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: run check test coverage soak kernels slurm referees lint docs bench lock schema clean help
+.PHONY: run check test tests coverage soak kernels slurm referees lint docs bench lock schema clean help
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -17,13 +17,15 @@ help:  ## list the targets
 run: .venv/$(if $(shell grep -s '^verification:' "config/$(STUDY).yaml"),dev,run).stamp  ## run one study to its report: make run [STUDY=quickstart] [CORES=all]
 	@$(BIN)/meecontact run "$(STUDY)" --cores "$(CORES)" --profile "$(PROFILE)"
 
-check: .venv/dev.stamp  ## linters, types, import contracts and the tests that need no program and no fit; three minutes
-	@$(MAKE) --no-print-directory lint
-	$(BIN)/python -m pytest -n auto -m "unit and not soak"
+# types take one core for a minute where nothing is cached: beside the tests
+check: .venv/dev.stamp  ## linters, types, import contracts and the tests that need no program and no fit; a minute and a half
+	@$(MAKE) --no-print-directory --jobs=2 lint tests LAYERS='-m "unit and not soak"'
 
-test: .venv/dev.stamp .venv/referees.stamp  ## linters, types, import contract and every test; nine minutes on two cores
-	@$(MAKE) --no-print-directory lint
-	$(BIN)/python -m pytest -n auto
+test: .venv/dev.stamp .venv/referees.stamp  ## linters, types, import contract and every test; five minutes on two cores
+	@$(MAKE) --no-print-directory --jobs=2 lint tests
+
+tests: .venv/dev.stamp  ## every test, without the linters
+	$(BIN)/python -m pytest -n auto $(LAYERS)
 
 coverage: .venv/dev.stamp .venv/referees.stamp  ## lines and branches that the tests reach, jobs of their runs included; takes twice as long
 	@rm -rf build/coverage

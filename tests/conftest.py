@@ -8,7 +8,8 @@ node ids cannot be written to.
 import contextlib
 import os
 import sys
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Generator, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -20,18 +21,22 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from hypothesis import settings
 from xdist.scheduler import LoadScopeScheduling
 
+from storage import quarantine
 from tests import layers
 from tests.closing import closing
-from tests.workflow.conftest import Project, compiled, copy
+from tests.workflow.conftest import Copy, Project, copy
 from workflow.study import model
 
-__all__ = ["compiled", "copy"]
+__all__ = ["copy"]
 
 # an example takes as long as a busy machine needs
 settings.register_profile("patient", deadline=None)
 settings.load_profile("patient")
 # nor does it say that a study's check takes long, where a test asks for one line
 model.SILENCE = 3600.0
+# a file is looked at by a fork, as in a job, although pytest-xdist has a thread, which does nothing meanwhile: a new
+# interpreter takes four times as long; both ways are tried by tests/faults/test_hostile.py
+quarantine._has_one_thread = lambda: True
 
 #: Files that look at a run of a pipeline, by the session fixture that makes it.
 FILES = {
@@ -93,6 +98,13 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     return scheduler
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """A run of the layer ``unit`` imports no file of another layer."""
+    file = collection_path.relative_to(config.rootpath).as_posix()
+    units = config.option.markexpr.startswith("unit")
+    return True if units and file.endswith(".py") and layers.layer(file, (), ()) != "unit" else None
+
+
 @pytest.hookimpl(tryfirst=True)  # before marks select
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Say each test's layer; bring the longest groups to the front; refuse a run made once more, in another group."""
@@ -132,8 +144,8 @@ def _figures_are_closed() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session")
-def quickstart_run(copy: Callable[[str], Project]) -> Project:
-    """A copy in which the quickstart has run to its report without any fault; look, and change nothing."""
+def quickstart_run(copy: Copy) -> Project:
+    """A folder in which the quickstart has run to its report without any fault; look, and change nothing."""
     project = copy("quickstart")
     project.run("meecontact", "run", "quickstart", "--cores", "2")
     return project

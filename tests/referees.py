@@ -1,7 +1,7 @@
 """What public referees say of a run's files: `python tests/referees.py results/quickstart`, with none of our own code.
 
 CF 1.11 of every netCDF file by the IOOS compliance checker; Croissant by mlcroissant; the Workflow Run RO-Crate by
-roc-validator; values and headers by Debian's ncdump and nco, where they are installed; `meecontact serve` by the client
+roc-validator; all values by Debian's nccopy and nco, where they are installed; `meecontact serve` by the client
 of UM-Bridge. `make referees` and `tests/workflow/test_referees.py` run it, in an environment of its own
 (requirements/referees.in); it exits with 1 where a referee finds a fault.
 """
@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import netCDF4
@@ -97,14 +98,15 @@ def crate(folder: Path) -> Iterator[str]:
 
 def foreign(folder: Path) -> Iterator[str]:
     """Files that Debian's own programs cannot read."""
-    for command in (["ncdump"], ["ncks", "-C", "-H"]):
-        if shutil.which(command[0]) is None:
-            print(f"{command[0]}: not installed, left out")
+    for program in ("nccopy", "ncks"):  # both read every value and write it again
+        if shutil.which(program) is None:
+            print(f"{program}: not installed, left out")
             continue
         for path in sorted(folder.rglob("*.nc")):
-            done = subprocess.run([*command, str(path)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            with TemporaryDirectory() as made:
+                done = subprocess.run([program, str(path), f"{made}/again.nc"], capture_output=True, text=True)
             if done.returncode:
-                yield f"{path}: {command[0]}: {done.stderr.strip()}"
+                yield f"{path}: {program}: {done.stderr.strip()}"
 
 
 def served(folder: Path) -> Iterator[str]:

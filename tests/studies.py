@@ -1,10 +1,23 @@
-"""Studies that come with the program, read in moments; workflow/study/test_model.py checks that they are solved."""
+"""Studies for tests: those that come with the program, and those of a text, each checked once a process."""
 
 import functools
+import json
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
+import pytest
+
+from solver.names import ALL_QUANTITIES
+from storage.netcdf import read_whole, write_whole
+from surrogate import GaussianProcess
+from workflow.dataset import datacard, factorial, quantities
+from workflow.dataset import slabs as dataset
+from workflow.learning import training
 from workflow.run.provenance import ROOT
-from workflow.study.model import Study, thawed
-from workflow.study.reading import read_yaml
+from workflow.study import partition
+from workflow.study.model import Study, load, thawed
+from workflow.study.reading import InputError, read_yaml
+from workflow.study.refusals import REASON, REFUSAL
 
 NAMES = sorted(path.stem for path in (ROOT / "config").glob("*.yaml"))
 
@@ -14,3 +27,47 @@ def shipped(name: str) -> Study:
     """A study of `config/` of which no case is solved: as if each had every quantity, and none hung on the datum."""
     path = ROOT / "config" / f"{name}.yaml"
     return thawed({"study": read_yaml(path), "path": str(path), "materials": {}, "absent": [], "hanging": []})
+
+
+@functools.cache
+def made(text: str) -> Study:
+    """The study of a text, as from the file ``study.yaml`` of a folder that is gone."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder, "study.yaml")
+        path.write_text(text, encoding="utf-8")
+        return load(path)
+
+
+def edited(text: str, old: str, new: str) -> str:
+    """The text with the first of what must stand there replaced."""
+    assert old in text
+    return text.replace(old, new, 1)
+
+
+def refusal(text: str) -> str:
+    """The one line with which the study of a text is refused, without its file."""
+    with pytest.raises(InputError) as caught:
+        made(text)
+    line = str(caught.value)
+    assert "\n" not in line
+    return line.partition("study.yaml: ")[2]
+
+
+def fitted(study: Study, *, calibrated: bool = False) -> GaussianProcess:
+    """The surrogate of a study's whole factorial; calibrated on its cases for that, if it is asked for."""
+    model = training.fit(study, factorial.exact(study, factorial.axes(study)))
+    if calibrated:
+        model.calibrate(factorial.training_data(study, factorial.cases(study, "calibration")))
+    return model
+
+
+def data_set(study: Study, folder: Path) -> list[Path]:
+    """The files that the rules make of a study's data set, in a folder of results; its slabs."""
+    (folder / "fields").mkdir()
+    slabs = [folder / f"fields/slab_{index}.nc" for index in range(partition.count(study))]
+    for index, slab in enumerate(slabs):
+        dataset.write_slab(study, index, slab)
+    told = [read_whole(slab, names=[*ALL_QUANTITIES, REFUSAL, REASON]) for slab in slabs]
+    write_whole(quantities.gather(told), folder / "quantities.nc")
+    (folder / dataset.CARD).write_text(json.dumps(datacard.card(study, "some", slabs, [])), encoding="utf-8")
+    return slabs

@@ -49,7 +49,7 @@ def blocks(kind: str, pages: Sequence[Path] = PAGES) -> list[tuple[str, str]]:
 def project(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> Project:
     """A folder of its own, in which the quickstart has run."""
     project = Project(tmp_path_factory.mktemp("docs") / "project")
-    shutil.copytree(quickstart_run.folder, project.folder)
+    shutil.copytree(quickstart_run.folder, project.folder, symlinks=True)
     return project
 
 

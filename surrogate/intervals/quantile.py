@@ -75,10 +75,12 @@ def _newton(A: Array, y: Array, level: float, width: float, b: Array) -> Array:
         curvature[np.diag_indices_from(curvature)] += 1e-6 * np.trace(curvature) / len(b)
         step = np.linalg.solve(curvature, slope)
         length = 1.0
-        while cost(b - length * step) > value - 1e-4 * length * float(slope @ step) and length > 1e-8:
+        reached = cost(b - step)
+        while reached > value - 1e-4 * length * float(slope @ step) and length > 1e-8:
             length /= 2
+            reached = cost(b - length * step)
         b = b - length * step
-        before, value = value, cost(b)
+        before, value = value, reached
         if before - value < 1e-5 * abs(value):
             break
     return b

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.workflow.conftest import Project
+from tests.workflow.conftest import Copy, Project
 
 TINY = """\
 title: A tiny study
@@ -47,7 +47,7 @@ def contents(project: Project, study: str = "tiny") -> dict[str, bytes]:
 
 
 @pytest.fixture(scope="session")
-def tiny(copy: Callable[[str], Project]) -> Callable[[str], Project]:  # the fixture of that name
+def tiny(copy: Copy) -> Callable[[str], Project]:  # the fixture of that name
     """Make copies of the project that hold the tiny study."""
 
     def make(name: str) -> Project:

@@ -27,8 +27,8 @@ def start(project: Project, study: str, *files: str, cold: bool = False) -> Run:
         command = ["snakemake", "--cores", "2", *(f"results/{study}/{file}" for file in files)]
     log = project.folder / "run.log"
     if not cold:
-        return nursery.Running(command, project.folder, project.folder, (os.devnull, log, log))
-    environment = {**os.environ, "PYTHONPATH": str(project.folder), "OMP_NUM_THREADS": "1"}
+        return nursery.Running(command, project.folder, project.modules, (os.devnull, log, log))
+    environment = {**os.environ, "PYTHONPATH": str(project.modules), "OMP_NUM_THREADS": "1"}
     program = Path(sys.executable).with_name(command[0])
     with log.open("ab") as told:
         return subprocess.Popen([program, *command[1:]], cwd=project.folder, env=environment, stdout=told, stderr=told)

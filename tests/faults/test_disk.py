@@ -35,7 +35,7 @@ def small_disk(folder: Path, kilobytes: int) -> Iterator[Callable[[], None]]:
 
 def as_plain_user(project: Project, *command: str) -> subprocess.CompletedProcess[str]:
     """Run a command that permissions bind."""
-    return nursery.run(command, project.folder, project.folder, bound=True)
+    return nursery.run(command, project.folder, project.modules, bound=True)
 
 
 def leaves_whole_files(full: subprocess.CompletedProcess[str], project: Project, expected: dict[str, bytes]) -> int:

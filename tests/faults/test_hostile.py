@@ -108,7 +108,7 @@ def few_and_many(few: int, many: int) -> Callable[[Callable[..., None]], Any]:
 
 
 @pytest.mark.soakable
-@few_and_many(150, 3000)
+@few_and_many(60, 3000)
 @given(content=hostile.spoilt(hostile.CASES))
 def test_tables_of_cases(content: bytes, place: Path) -> None:
     (place / "cases.csv").write_bytes(content)
@@ -116,7 +116,7 @@ def test_tables_of_cases(content: bytes, place: Path) -> None:
 
 
 @pytest.mark.soakable
-@few_and_many(30, 500)
+@few_and_many(15, 500)
 @given(content=hostile.spoilt(hostile.POINTS))
 def test_tables_of_points(content: bytes, place: Path) -> None:
     (place / "cases.csv").write_bytes(content)
@@ -124,7 +124,7 @@ def test_tables_of_points(content: bytes, place: Path) -> None:
 
 
 @pytest.mark.soakable
-@few_and_many(100, 2000)
+@few_and_many(60, 2000)
 @given(content=hostile.spoilt(hostile.MATERIAL))
 def test_materials(content: bytes, place: Path) -> None:
     (place / "mine.yaml").write_bytes(content)
@@ -144,7 +144,7 @@ def test_studies(content: bytes, place: Path) -> None:
 
 
 @pytest.mark.soakable
-@few_and_many(50, 500)
+@few_and_many(20, 500)
 @given(name=st.one_of(st.text(max_size=30), st.sampled_from(hostile.PAYLOADS)))
 def test_names_of_studies(name: str, place: Path) -> None:
     (place / "outside.yaml").write_text(hostile.STUDY, encoding="utf-8")
@@ -178,7 +178,7 @@ def test_bytes_of_surrogates(seed: int, flips: int, sealed: bool, tail: int, pla
 
 
 @pytest.mark.soakable
-@few_and_many(30, 1500)
+@few_and_many(15, 1500)
 @given(seed=st.integers(0, 2**64))
 def test_contents_of_surrogates(seed: int, place: Path) -> None:
     dice = random.Random(seed)

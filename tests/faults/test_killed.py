@@ -8,7 +8,7 @@ import pytest
 
 from tests.faults.conftest import NOT_COMPARED, contents
 from tests.faults.processes import kill_within, start, wait_for_orphans
-from tests.workflow.conftest import Project
+from tests.workflow.conftest import Copy, Project
 
 
 def survives(
@@ -48,7 +48,7 @@ def test_kills_lose_nothing(tiny: Callable[[str], Project], undisturbed: Project
 
 
 @pytest.mark.soak
-def test_a_hundred_kills_lose_nothing_of_the_quickstart(copy: Callable[[str], Project]) -> None:
+def test_a_hundred_kills_lose_nothing_of_the_quickstart(copy: Copy) -> None:
     undisturbed = copy("quickstart")
     undisturbed.run("meecontact", "run", "quickstart", "--cores", "2")
     expected = contents(undisturbed, "quickstart")

@@ -35,7 +35,7 @@ def test_damage_is_named_and_not_passed_on(undisturbed: Project, tmp_path: Path)
     results = project.folder / RESULTS
     for damage, says, pairs in CASES:
         shutil.rmtree(project.folder, ignore_errors=True)
-        shutil.copytree(undisturbed.folder, project.folder)
+        shutil.copytree(undisturbed.folder, project.folder, symlinks=True)
         for name, target in pairs.items():
             written = (results / name).stat()
             (results / name).write_bytes(damage((results / name).read_bytes()))

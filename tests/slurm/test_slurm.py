@@ -1,14 +1,13 @@
 """The quickstart through a real Slurm: every data file has the bytes of a local run. `make slurm`."""
 
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from tests.faults.conftest import NOT_COMPARED
 from tests.slurm.one_node import cluster, missing
-from tests.workflow.conftest import Project, copy
+from tests.workflow.conftest import Copy, Project, copy
 from workflow.run.provenance import ROOT
 
 __all__ = ["copy"]
@@ -24,7 +23,7 @@ def data(project: Project) -> dict[str, bytes]:
 
 
 @pytest.mark.skipif(bool(missing()), reason=missing() or "Slurm can be started")
-def test_slurm_and_a_local_run_give_the_same_bytes(copy: Callable[[str], Project], tmp_path: Path) -> None:
+def test_slurm_and_a_local_run_give_the_same_bytes(copy: Copy, tmp_path: Path) -> None:
     local, remote = Project(ROOT), copy("remote")
     local.run("meecontact", "run", "quickstart")  # nothing where `make run` has done it
     expected = data(local)

@@ -1,14 +1,14 @@
-"""Fixtures of the workflow's tests: a small study, and a copy of the project in which it has run."""
+"""Fixtures of the workflow's tests: a small study, and a folder in which it has run."""
 
-import compileall
 import json
 import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import pytest
 
@@ -49,23 +49,22 @@ effects:
 
 @dataclass(frozen=True)
 class Project:
-    """A copy of the project's files with room for results of its own."""
+    """A folder of studies with room for results, and where Python finds the packages."""
 
     folder: Path
-    modules: Path | None = None  # where Python finds the project's packages; by default in the copy
+    modules: Path = ROOT
 
     def run(
         self, *command: str, check: bool = True, said: str = "", cold: bool = False
     ) -> subprocess.CompletedProcess[str]:
-        """Run a command of the virtual environment inside the copy; a fork of a warm process, unless it is cold."""
-        packages = self.modules or self.folder
+        """Run a command of the virtual environment inside the folder; a fork of a warm process, unless it is cold."""
         if command[0] in nursery.PROGRAMS and not cold:
-            done = nursery.run(command, self.folder, packages, said)
+            done = nursery.run(command, self.folder, self.modules, said)
         else:
             done = subprocess.run(
                 [Path(sys.executable).with_name(command[0]), *command[1:]],
                 cwd=self.folder,
-                env={**os.environ, "PYTHONPATH": str(packages), "OMP_NUM_THREADS": "1"},
+                env={**os.environ, "PYTHONPATH": str(self.modules), "OMP_NUM_THREADS": "1"},
                 input=said,
                 capture_output=True,
                 text=True,
@@ -89,31 +88,31 @@ class Project:
         return [set(found) for found in json.loads(done.stdout)]
 
 
-@pytest.fixture(scope="session")
-def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the project's files with their bytecode, which copies of it take along."""
-    folder = tmp_path_factory.mktemp("compiled")
-    for part in (*ROOMS, "meecontact", "config", "examples"):
-        shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copy(ROOT / "pyproject.toml", folder)
-    (folder / "config" / "small.yaml").write_text(SMALL, encoding="utf-8")
-    assert compileall.compile_dir(folder, quiet=1)
-    return folder
+class Copy(Protocol):
+    """Makes folders with the project's studies and the small one; a whole one has the sources too, to be edited."""
+
+    def __call__(self, name: str, *, whole: bool = False) -> Project: ...
 
 
 @pytest.fixture(scope="session")
-def copy(compiled: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Project]:
-    """Make copies of the project that hold the small study."""
+def copy(tmp_path_factory: pytest.TempPathFactory) -> Copy:
+    """Make folders with the project's studies."""
 
-    def make(name: str) -> Project:
-        return Project(Path(shutil.copytree(compiled, tmp_path_factory.mktemp(name), dirs_exist_ok=True)))
+    def make(name: str, *, whole: bool = False) -> Project:
+        folder = tmp_path_factory.mktemp(name)
+        for part in ("config", "examples", *((*ROOMS, "meecontact") if whole else ())):
+            shutil.copytree(ROOT / part, folder / part)
+        (folder / "config" / "small.yaml").write_text(SMALL, encoding="utf-8")
+        if not whole:
+            (folder / "workflow").symlink_to(ROOT / "workflow")  # where Snakemake looks for the Snakefile
+        return Project(folder, folder if whole else ROOT)
 
     return make
 
 
 @pytest.fixture(scope="session")
-def ran(copy: Callable[[str], Project]) -> Project:
-    """A copy in which the small study has run to its report."""
+def ran(copy: Copy) -> Project:
+    """A folder in which the small study has run to its report."""
     project = copy("ran")
     project.run("meecontact", "run", "small", "--cores", "2")
     return project

@@ -1,25 +1,24 @@
 """What Snakemake would run after each of some edits, asked in one process: `python plans.py TARGET < edits.json`.
 
 Standard input is a list of lists of [file, old, new], edits that are made together; standard output a list of the rules
-that a dry run names after each such list alone. Between two of them every module of the project is forgotten, so that
-nothing of it is remembered from the last.
+that a dry run names after each such list alone. Between two of them it is forgotten which sources are behind what.
 """
 
 import contextlib
+import importlib
 import io
 import json
 import sys
 from pathlib import Path
 
-from workflow.run.provenance import ROOMS
+from workflow.run import provenance
 
 
 def planned(target: str) -> list[str]:
     """Rules that a dry run would execute for a target."""
     from snakemake.cli import main  # takes a second
 
-    for name in [name for name in sys.modules if name.partition(".")[0] in (*ROOMS, "meecontact")]:
-        del sys.modules[name]
+    importlib.reload(provenance)
     told = io.StringIO()
     with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told), contextlib.suppress(SystemExit):
         main(["--cores", "2", "-n", "--quiet", "host", "--", target])

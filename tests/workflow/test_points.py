@@ -1,7 +1,6 @@
 """A small study of a ball on a film, run whole."""
 
 import re
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from scipy.constants import Boltzmann
 
 from solver import solve
 from storage.netcdf import read_whole
-from tests.workflow.conftest import Project
+from tests.workflow.conftest import Copy, Project
 from workflow.dataset.slabs import open_results
 from workflow.design.verdict import netcdf
 
@@ -36,7 +35,7 @@ design:
 
 
 @pytest.fixture(scope="module")
-def ball(copy: Callable[[str], Project]) -> Project:
+def ball(copy: Copy) -> Project:
     project = copy("ball")
     (project.folder / "config/ball.yaml").write_text(BALL, encoding="utf-8")
     project.run("meecontact", "run", "ball", "--cores", "2")

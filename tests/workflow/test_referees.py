@@ -10,12 +10,12 @@ import netCDF4
 import pytest
 
 import surrogate
-from storage.netcdf import read_whole, write_whole
+from storage.netcdf import read_whole
+from tests.studies import data_set, made
 from tests.workflow.conftest import Project
-from workflow.dataset import croissant, datacard, quantities, slabs
+from workflow.dataset import croissant, datacard
 from workflow.learning import training
 from workflow.run.provenance import ROOT
-from workflow.study.model import load
 
 PYTHON = Path(sys.prefix) / "referees/bin/python"
 SMALL = "results/small"
@@ -40,14 +40,9 @@ dataset: {precision: float32, slabs: 1, positions: {inside: 4, outside: 2}}
 def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What a study of films writes, but its page."""
     folder = tmp_path_factory.mktemp("films")
-    (folder / "films.yaml").write_text(FILM, encoding="utf-8")
-    study = load(folder / "films.yaml")
-    (folder / "fields").mkdir()
-    slabs.write_slab(study, 0, folder / "fields/slab_0.nc")
-    whole = quantities.gather([read_whole(folder / "fields/slab_0.nc", names=study.quantities)])
-    write_whole(whole, folder / "quantities.nc")
-    surrogate.save(training.fit(study, whole), folder / "surrogate.nc")
-    card = datacard.card(study, "films", [folder / "fields/slab_0.nc"], [])
+    study = made(FILM)
+    card = datacard.card(study, "films", data_set(study, folder), [])
+    surrogate.save(training.fit(study, read_whole(folder / "quantities.nc")), folder / "surrogate.nc")
     (folder / "croissant.json").write_text(json.dumps(croissant.croissant(card)), encoding="utf-8")
     return folder
 

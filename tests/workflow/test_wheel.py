@@ -1,14 +1,14 @@
 """The wheel, away from any checkout: it holds what `meecontact run` needs."""
 
+import shutil
 import subprocess
 import sys
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.workflow.conftest import Project
+from tests.workflow.conftest import Copy, Project
 from workflow.run.provenance import ROOMS, ROOT
 
 MATERIAL = "c11: 166e9\nc12: 77e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\neps11: 11.2e-9\neps33: 12.6e-9\n"
@@ -22,8 +22,9 @@ effects:
 """
 
 
-def test_the_installed_program_runs_a_study_from_anywhere(copy: Callable[[str], Project], tmp_path: Path) -> None:
-    source = copy("wheel").folder
+def test_the_installed_program_runs_a_study_from_anywhere(copy: Copy, tmp_path: Path) -> None:
+    source = copy("wheel", whole=True).folder
+    shutil.copy(ROOT / "pyproject.toml", source)
     (source / "README.md").write_text("# meecontact\n", encoding="utf-8")
     build = "from setuptools.build_meta import build_wheel; print(build_wheel('.'))"
     told = subprocess.run([sys.executable, "-c", build], cwd=source, capture_output=True, text=True, check=True)

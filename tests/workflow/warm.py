@@ -1,11 +1,11 @@
 """Commands and runs whose Pythons are forks of one that has imported what they need: imports are paid once a worker.
 
-`python warm.py ROOT` imports what commands, Snakemake and scripts import, forgets the project's own modules (a copy
-has its own), and then reads orders: each is a process of its own, in its folder, with its environment, its standard
-input and output, and its end. In it Snakemake's jobs are forks again. Snakemake, the rules and the scripts are those
-of any run; only that a Python begins by itself, which takes a second or three, is not. Runs of an installed program
-and of designs (test_pipeline) stay as users start them, and those that `make soak` kills: their bytes are compared
-with these.
+`python warm.py ROOT` imports what commands, Snakemake and scripts import, and then reads orders: each is a process of
+its own, in its folder, with its environment, its standard input and output, and its end; one whose packages are not
+those of ROOT forgets these first. In it Snakemake's jobs are forks again. Snakemake, the rules and the scripts are
+those of any run; only that a Python begins by itself, which takes a second or three, is not. Runs of an installed
+program and of designs (test_pipeline) stay as users start them, and those that `make soak` kills: their bytes are
+compared with these.
 """
 
 import ast
@@ -103,7 +103,7 @@ def python() -> None:
 
 
 def preload() -> None:
-    """Import what they need and draw a first figure; of the project's own modules nothing stays."""
+    """Import what they need."""
     from snakemake.cli import main
     from snakemake.script import PythonScript
 
@@ -114,6 +114,13 @@ def preload() -> None:
             main(["--cores", "1", "-n"])
     bring()
     importlib.import_module("workflow.cli.main")
+    provenance = importlib.import_module("workflow.run.provenance")
+    for script in SCRIPTS.glob("*.py"):
+        provenance.code(str(script))  # which sources are behind it is remembered
+
+
+def forget() -> None:
+    """Of the project's own modules nothing stays."""
     for name in [name for name in sys.modules if name.partition(".")[0] in ROOMS]:
         del sys.modules[name]
 
@@ -148,6 +155,8 @@ def ordered() -> str:
     os.environ.clear()
     os.environ.update(order["environment"])
     os.chdir(order["folder"])
+    if order["environment"]["PYTHONPATH"] != ROOT:
+        forget()
     sys.path.insert(0, order["environment"]["PYTHONPATH"])
     written = os.O_WRONLY | os.O_CREAT | os.O_APPEND
     for number, (name, way) in enumerate(zip(order["streams"], (os.O_RDONLY, written, written), strict=True)):
@@ -161,8 +170,9 @@ def ordered() -> str:
 
 if __name__ == "__main__":
     paths = sys.path[1:]  # without this file's folder
-    sys.path.insert(0, sys.argv[1])
-    os.chdir(sys.argv[1])
+    ROOT = sys.argv[1]
+    sys.path.insert(0, ROOT)
+    os.chdir(ROOT)
     preload()
     sys.path[:] = paths
     gc.freeze()

@@ -1,9 +1,9 @@
 """What a result depends on: the sources behind a script, the versions behind a run."""
 
-import ast
 import hashlib
 import json
 import platform
+import re
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from functools import cache
@@ -55,8 +55,14 @@ def code(*paths: str) -> str:
 def _hash(files: list[Path]) -> str:
     digest = hashlib.sha256()
     for file in files:
-        digest.update(file.relative_to(ROOT).as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
+        digest.update(_told(file))
     return digest.hexdigest()[:16]
+
+
+@cache
+def _told(file: Path) -> bytes:
+    """Name and content of a file: most are behind most rules, and read once."""
+    return file.relative_to(ROOT).as_posix().encode() + b"\0" + file.read_bytes() + b"\0"
 
 
 def versions() -> dict[str, str]:
@@ -127,24 +133,24 @@ def _named(path: Path) -> tuple[frozenset[Path], frozenset[Path]]:
 
 def _used(text: str) -> Iterator[Path]:
     """Files of the rooms that a module's import statements lead to."""
-    for node in _imports(text):
-        if isinstance(node, ast.Import):
-            yield from (file for alias in node.names if (file := _file(alias.name)))
-        elif node.module and node.level == 0:
-            for alias in node.names:
-                file = _file(f"{node.module}.{alias.name}") or _definition(node.module, alias.name)
-                if file:
-                    yield file
+    for module, name in imports(text):
+        file = (_file(f"{module}.{name}") or _definition(module, name)) if module else _file(name)
+        if file:
+            yield file
 
 
-def _imports(text: str) -> Iterator[ast.Import | ast.ImportFrom]:
-    """Import statements of a module, functions' own too; expressions, most of it, hold none and are not visited."""
-    blocks: list[ast.AST] = [ast.parse(text)]
-    for node in blocks:
-        if isinstance(node, ast.Import | ast.ImportFrom):
-            yield node
-        for part in ("body", "orelse", "handlers", "finalbody", "cases"):
-            blocks += getattr(node, part, ())
+_IMPORT = re.compile(r"^[ \t]*(?:from ([\w.]+) )?import (\([^)]*\)|.*)", re.MULTILINE)
+
+
+def imports(text: str) -> Iterator[tuple[str, str]]:
+    """What a module's import statements name, functions' own too: ``(module, name)``, and ``("", module)`` of a whole.
+
+    By their lines, which is fast: to parse all modules would take more than all else of a run's start.
+    """
+    for module, names in _IMPORT.findall(text):
+        for name in re.sub(r"#.*|[()]", "", names).split(","):
+            if named := name.split():
+                yield module, named[0]
 
 
 @cache
@@ -169,5 +175,4 @@ def _definition(module: str, name: str) -> Path | None:
 @cache
 def _gathered(file: Path) -> dict[str, str]:
     """Names that a module imports from others, for good or for type checkers, and from where."""
-    imports = [node for node in _imports(file.read_text(encoding="utf-8")) if isinstance(node, ast.ImportFrom)]
-    return {alias.name: node.module for node in imports for alias in node.names if node.module}
+    return {name: module for module, name in imports(file.read_text(encoding="utf-8")) if module}

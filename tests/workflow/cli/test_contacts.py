@@ -10,7 +10,6 @@ import pytest
 import solver
 from solver.names import POINT_SLIDING
 from storage.netcdf import read_whole
-from tests.workflow.cli.test_main import complaint
 from workflow.cli import main
 from workflow.language import grammar
 
@@ -38,34 +37,6 @@ def test_a_table_mixes_punches_and_bodies(tmp_path: Path) -> None:
             assert float(data[name][row]) == pytest.approx(exact, rel=1e-12), (row, name)
     assert data["punch"].values.tolist() == ["", "steel", "", "brass"]
     np.testing.assert_array_equal(data["punch_modulus"], [np.nan, np.nan, 210e9, np.nan])
-
-
-@pytest.mark.parametrize(
-    ("header", "row", "says"),
-    [
-        ("punch", "stel", "punch: 'stel' is unknown; did you mean 'steel'?"),
-        ("punch_modulus,punch_poisson", "0,0.3", "punch_modulus: 0 is not a finite number > 0 [Pa]"),
-        ("punch_modulus,punch_poisson", "-1,0.3", "punch_modulus: -1 is not a finite number > 0 [Pa]"),
-        ("punch_modulus,punch_poisson", "nan,0.3", "punch_modulus: nan is not a finite number > 0 [Pa]"),
-        ("punch_modulus,punch_poisson", "1e9,-1", "punch_poisson: -1 is not a finite number > -1 and < 0.5 [1]"),
-        ("punch_modulus,punch_poisson", "1e9,0.5", "punch_poisson: 0.5 is not a finite number > -1 and < 0.5 [1]"),
-        (
-            "surroundings,electric,magnetic",
-            "air,insulating,insulating",
-            "surroundings: 'air' is not allowed: the punch conducts no field",
-        ),
-        ("gap_permittivity", "2.2", "gap_permittivity: 2.2 without surroundings: air; only its gap has one"),
-        ("punch,punch_modulus,punch_poisson", "steel,1e9,0.3", "punch_modulus: 1e+09 beside a punch; give either"),
-    ],
-)
-def test_a_row_at_fault_is_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], header: str, row: str, says: str
-) -> None:
-    table = tmp_path / "bad.csv"
-    good = "," * header.count(",")
-    table.write_text(f"material,radius,load,{header}\nPZT-4,0.05,1e5,{good}\nPZT-4,0.05,1e5,{row}\n", encoding="utf-8")
-    assert f"{table}: line 3: {says}" in complaint(capsys, "solve", table, "-o", tmp_path / "out.nc")
-    assert list(tmp_path.iterdir()) == [table]
 
 
 AIRY = """\
@@ -128,33 +99,6 @@ def test_a_table_mixes_lines_and_points_and_is_written_as_one(tmp_path: Path) ->
     assert float(rows[1]["contact_radius [m]"]) == float(data["contact_radius"][1])
     assert (rows[0]["contact_radius [m]"], rows[4]["base"], rows[1]["base"]) == ("", "rigid", "")
     assert main.main(["solve", str(table), "-o", str(sheet), "--positions", "0"]) == 2
-
-
-ARRAY = """\
-material,profile,radius,force,thickness [mm],base,collector,patch_size,patch_pitch
-PVDF,sphere,0.01,1,0.1,rigid,1,1 mm,2 mm
-PVDF,sphere,0.01,1,0.1,rigid,{bad}
-"""
-
-
-@pytest.mark.parametrize(
-    ("bad", "says"),
-    [
-        ("2,1e-3,2e-3", "collector: 2 is not one of the 1 electrodes of "),
-        ("1,1e-3,9e-4", "patch_pitch: 0.0009 is not more than patch_size: a patch would touch its neighbour"),
-        ("1,5,6", "patch_size: 5e+04 thicknesses of the top layer; the patch reaches farther"),
-    ],
-)
-def test_electrodes_that_cannot_be_read_are_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], bad: str, says: str
-) -> None:
-    table = tmp_path / "array.csv"
-    table.write_text(ARRAY.format(bad=bad).replace("1 mm,2 mm", "1e-3,2e-3"), encoding="utf-8")
-    assert main.main(["solve", str(table), "-o", str(tmp_path / "out.nc")]) == 2
-    told = capsys.readouterr().err
-    assert says in told
-    assert told.count("\n") == 1
-    assert list(tmp_path.iterdir()) == [table]
 
 
 def test_the_place_between_two_patches_is_told_as_far_as_the_noise_lets_it() -> None:

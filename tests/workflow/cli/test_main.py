@@ -2,7 +2,6 @@
 
 import csv
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,7 @@ from solver import solve
 from solver.fields import FIELDS, INTERIOR
 from solver.names import QUANTITIES
 from storage.netcdf import read_whole
-from tests.workflow.conftest import SMALL, Project
+from tests.workflow.conftest import SMALL, Copy, Project
 from workflow.cli import main
 
 
@@ -80,40 +79,10 @@ def test_solve_takes_own_materials(tmp_path: Path) -> None:
     assert (tmp_path / "out.nc").is_file()
 
 
-@pytest.mark.parametrize(
-    ("table", "expected"),
-    [
-        ("", "needs a header of factor names and at least one case"),
-        ("material,radius,load\n", "needs a header of factor names and at least one case"),
-        ("material,radus,load\nsteel,1,1\n", "column 'radus': unknown factor; did you mean 'radius'?"),
-        ("material,load,load\nsteel,1,1\n", "column 'load': given twice"),
-        ("material,radius,load\nsteel,1\n", "line 2: 2 cells, the header has 3"),
-        ("material,radius,load\nsteel,0.1,abc\n", "line 2: load: 'abc' is not a finite number > 0 [N m-1]"),
-        (
-            "material,radius,load\nsteel,0.1,1e4\nsteel,0.1,nan\n",
-            "line 3: load: nan is not a finite number > 0 [N m-1]",
-        ),
-        ("material,radius,load\nsteel,0.1,inf\n", "load: inf is not a finite number > 0 [N m-1]"),
-        ("material,radius,load\nsteel,-0.1,1e4\n", "line 2: radius: -0.1 is not a finite number > 0 [m]"),
-        ("material,radius,load\nsteel,0,1e4\n", "radius: 0 is not a finite number > 0 [m]"),
-        ("material,radius,load,friction\nsteel,1,1e4,-0.1\n", "line 2: friction: -0.1 is not a finite number >= 0 [1]"),
-        ("material,radius,load\nstel,0.1,1e4\n", "line 2: material: 'stel' is unknown; did you mean 'steel'?"),
-        ("material,load\nsteel,1e4\n", "radius: missing; must be a finite number > 0 [m]"),
-        ("radius,load\n0.1,1e4\n", "material: missing; give a material's name, or a composite's volume_fraction"),
-        (
-            "volume_fraction,radius,load\n1.5,0.1,1e4\n",
-            "line 2: volume_fraction: 1.5 is not a finite number >= 0 and <= 1",
-        ),
-        ("material,radius,load,profile\nsteel,0.1,1,ball\n", "line 2: profile: 'ball' is not one of"),
-    ],
-)
-def test_solve_refuses_bad_tables(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], table: str, expected: str
-) -> None:
-    cases = write(tmp_path / "cases.csv", table)
+def test_solve_refuses_a_bad_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cases = write(tmp_path / "cases.csv", "material,radius,load\nsteel,0.1,1e4\nstel,0.1,1e4\n")
     line = complaint(capsys, "solve", cases, "-o", tmp_path / "out.nc")
-    assert line.startswith(f"meecontact: {cases}: ")
-    assert expected in line
+    assert line == f"meecontact: {cases}: line 3: material: 'stel' is unknown; did you mean 'steel'?\n"
     assert sorted(tmp_path.iterdir()) == [cases]
 
 
@@ -168,23 +137,6 @@ def test_material_refuses_the_widely_copied_sign(tmp_path: Path, capsys: pytest.
     line = complaint(capsys, "material", path)
     assert f"{path}: cobalt: mu11 = -0.00059 N s2 C-2: must be positive" in line
     assert "use mu11 = +590e-6" in line
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("c11: 1e11\n", "c13: missing"),
-        ("c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: abc\n", "c44: 'abc' is not a finite number [Pa]"),
-        ("c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\nc99: 1\n", "c99: unknown entry"),
-        ("c11: 1e11\nc13: 2e11\nc33: 1e11\nc44: 1e10\n", "c13 = 2e+11 Pa: needs c13^2 < c11 c33"),
-        ("c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\ng11: 1.0\n", "g11 = 1 N s V-1 C-1: needs g11^2 < eps11 mu11"),
-        ("- 1\n", "not a mapping"),
-    ],
-)
-def test_material_refuses_bad_files(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, expected: str
-) -> None:
-    assert expected in complaint(capsys, "material", write(tmp_path / "m.yaml", text))
 
 
 def test_query_prints_and_writes_what_the_surrogate_says(
@@ -304,7 +256,7 @@ def test_query_refuses_what_is_no_surrogate(ran: Project, tmp_path: Path, capsys
     assert "flipped.nc" in complaint(capsys, "query", flipped, "--at", "radius=1")
 
 
-def test_the_installed_command_exits_with_the_status(copy: Callable[[str], Project]) -> None:
+def test_the_installed_command_exits_with_the_status(copy: Copy) -> None:
     project = copy("command")
     done = project.run("meecontact", "material", "stel", check=False, cold=True)
     assert done.returncode == 2
@@ -376,10 +328,7 @@ def test_bad_grids_of_the_interior(
 ) -> None:
     table, out = tmp_path / "cases.csv", tmp_path / "out.nc"
     table.write_text("radius,material,load\n0.05,BaTiO3,1e5\n", encoding="utf-8")
-    assert main.main(["interior", str(table), "-o", str(out), *options]) == 2
-    message = capsys.readouterr().err
-    assert words in message
-    assert message.count("\n") == 1
+    assert words in complaint(capsys, "interior", table, "-o", out, *options)
     assert not out.exists()
 
 

@@ -1,14 +1,13 @@
 """``meecontact invert --measured``: a value and its error as people write them, with units, prefixes and shares."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
 
 from surrogate import GridGP, Input
+from tests.studies import made
+from tests.workflow.cli.test_main import complaint
 from workflow.cli import main, questions
-from workflow.study.model import load
 
 STUDY = """
 title: A punch
@@ -20,12 +19,11 @@ SLOPE = -0.05  # V for a N/m
 
 
 @pytest.fixture(autouse=True)
-def results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path, own = tmp_path / "one.yaml", Input("load", 1e3, 1e5, "log", "N m-1")
-    path.write_text(STUDY, encoding="utf-8")
+def results(monkeypatch: pytest.MonkeyPatch) -> None:
+    own = Input("load", 1e3, 1e5, "log", "N m-1")
     levels = own.levels(14)
     model = GridGP(inputs=[own]).fit(xr.Dataset({"voltage": ("load", SLOPE * levels)}, {"load": levels}))
-    study = load(path)
+    study = made(STUDY)
     monkeypatch.setattr(questions, "results", lambda folder: (study, model))
 
 
@@ -67,7 +65,5 @@ def test_one_measurement_in_all_its_forms(text: str, capsys: pytest.CaptureFixtu
     ],
 )
 def test_what_is_none_is_refused_in_one_line(text: str, says: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main.main(["invert", "results/one", "--infer", "load", "--measured", f"voltage={text}"]) == 2
-    seen = capsys.readouterr()
-    assert says in seen.err
-    assert (seen.out, seen.err.count("\n")) == ("", 1)
+    words = ("invert", "results/one", "--infer", "load", "--measured", f"voltage={text}")
+    assert says in complaint(capsys, *words)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from snakemake.cli import parse_config
 
+from tests.workflow.cli.test_main import complaint
 from workflow.cli import main
 from workflow.language.cells import plain
 from workflow.language.spelling import nearest
@@ -17,12 +18,7 @@ from workflow.study import layered, location
 
 @pytest.mark.parametrize("given", ["0", "-1", "x", "1.5", "", "１", "9" * 4301])
 def test_cores_are_a_number_from_one_on_or_all(given: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as ended:
-        main.main(["run", "quickstart", f"--cores={given}"])
-    assert ended.value.code == 2
-    told = capsys.readouterr().err
-    assert "--cores: " in told
-    assert told.count("\n") == 1
+    assert "--cores: " in complaint(capsys, "run", "quickstart", f"--cores={given}")
 
 
 @pytest.mark.parametrize("command", [["solve"], ["interior", "--x=0", "--y=-1"]])
@@ -30,10 +26,7 @@ def test_netcdf_is_not_written_under_the_name_of_another_format(
     command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "x.xlsx"
-    with pytest.raises(SystemExit) as ended:
-        main.main([*command, str(ROOT / "examples/cases.csv"), "-o", str(out)])
-    assert ended.value.code == 2
-    assert "must end in .nc" in capsys.readouterr().err
+    assert "must end in .nc" in complaint(capsys, *command, ROOT / "examples/cases.csv", "-o", out)
     assert not out.exists()
 
 
@@ -44,8 +37,7 @@ def test_the_help_of_query_shows_single_percent_signs(capsys: pytest.CaptureFixt
 
 
 def test_a_composite_is_no_misspelt_material(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main.main(["material", "AlScN"]) == 2
-    told = capsys.readouterr().err
+    told = complaint(capsys, "material", "AlScN")
     assert "is a composition, not one material: a case says composite=AlScN and scandium_fraction" in told
     assert "scandium_fraction" in told
     assert "did you mean" not in told
@@ -91,14 +83,8 @@ def test_a_folder_in_which_no_netcdf_file_can_be_is_refused(
 
 
 def test_no_cell_of_the_designs_is_a_formula() -> None:
-    assert [plain(one) for one in ("=1+1", "+x", "-x", "@x", "a,b", -1.0)] == [
-        "'=1+1",
-        "'+x",
-        "'-x",
-        "'@x",
-        "a,b",
-        -1.0,
-    ]
+    assert [plain(text) for text in ("=1+1", "+x", "-x", "@x")] == ["'=1+1", "'+x", "'-x", "'@x"]
+    assert [plain(cell) for cell in ("a,b", -1.0)] == ["a,b", -1.0]
 
 
 @pytest.mark.process

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.workflow.cli.test_main import complaint
 from workflow.cli import main
 from workflow.run.provenance import ROOT
 
@@ -64,8 +65,5 @@ def test_bad_input_is_refused_in_one_line(
 ) -> None:
     path, out = tmp_path / "history.csv", tmp_path / "out.csv"
     path.write_text(history, encoding="utf-8")
-    assert main.main(["signal", str(path), "--on", case, "--device", device, "-o", str(out)]) == 2
-    error = capsys.readouterr().err
-    assert words in error
-    assert error.count("\n") == 1
+    assert words in complaint(capsys, "signal", path, "--on", case, "--device", device, "-o", out)
     assert not out.exists()

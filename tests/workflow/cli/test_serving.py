@@ -32,7 +32,7 @@ def trained(ran: Project) -> Path:
 def address(ran: Project, trained: Path) -> Iterator[str]:
     program = str(Path(sys.executable).with_name("meecontact"))
     command = [program, "serve", str(trained), "--exact", "small", "--port", "0"]
-    environment = {**os.environ, "PYTHONPATH": str(ran.folder)}
+    environment = {**os.environ, "PYTHONPATH": str(ran.modules)}
     with subprocess.Popen(command, cwd=ran.folder, env=environment, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr is not None
         line = process.stderr.readline()

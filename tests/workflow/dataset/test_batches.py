@@ -10,10 +10,10 @@ import xarray as xr
 from solver.film.windows import window
 from storage.netcdf import read_whole, write_whole
 from surrogate import GridGP
+from tests.studies import edited, fitted, made, refusal
 from workflow.dataset import batches, datacard, draws, factorial, quantities
 from workflow.learning import training
-from workflow.study.model import Study, load
-from workflow.study.reading import InputError
+from workflow.study.model import Study
 
 FILM = """\
 title: Two layers
@@ -36,10 +36,8 @@ validation: {cases: 20, calibration: 40, tolerance: 1e-3}
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    path = tmp_path_factory.mktemp("crossed") / "crossed.yaml"
-    path.write_text(FILM, encoding="utf-8")
-    return load(path)
+def study() -> Study:
+    return made(FILM)
 
 
 def run(study: Study, folder: Path) -> list[Path]:
@@ -129,15 +127,8 @@ def test_films_that_differ_in_size_alone_share_their_tables(study: Study) -> Non
         ),
     ],
 )
-def test_bad_studies_are_refused_in_one_line(tmp_path: Path, old: str, new: str, expected: str) -> None:
-    assert old in FILM
-    path = tmp_path / "bad.yaml"
-    path.write_text(FILM.replace(old, new, 1), encoding="utf-8")
-    with pytest.raises(InputError) as caught:
-        load(path)
-    line = str(caught.value)
-    assert "\n" not in line
-    assert expected in line
+def test_bad_studies_are_refused_in_one_line(old: str, new: str, expected: str) -> None:
+    assert expected in refusal(edited(FILM, old, new))
 
 
 HALF_PLANE = """\
@@ -167,8 +158,7 @@ def test_any_study_whose_factorial_is_beyond_the_budget_takes_a_part_of_it(tmp_p
         if grouped
         else HALF_PLANE
     )
-    (tmp_path / "half.yaml").write_text(text, encoding="utf-8")
-    study = load(tmp_path / "half.yaml")
+    study = made(text)
     assert sorted(study.crossed) == sorted(study.axes)
     files = run(study, tmp_path)
     asked = quantities.gather([read_whole(file) for file in files])
@@ -176,7 +166,7 @@ def test_any_study_whose_factorial_is_beyond_the_budget_takes_a_part_of_it(tmp_p
     plain = study.model_copy(
         update={"surrogate": study.surrogate.model_copy(update={"method": "factorial", "log": []})}
     )
-    whole = training.fit(plain, factorial.exact(plain, factorial.axes(plain)))
+    whole = fitted(plain)
     X = np.stack([values.values for values in draws.points(study, 200, (7,)).values()], axis=1)
     away = np.abs(model.predict_array(X) - whole.predict_array(X)).max(axis=0)
     # what 24 places on levels keep, other points may exceed
@@ -186,6 +176,5 @@ def test_any_study_whose_factorial_is_beyond_the_budget_takes_a_part_of_it(tmp_p
     assert float(table["max_error"].max()) <= 2e-3
 
 
-def test_a_factorial_within_the_budget_is_solved_whole(tmp_path: Path) -> None:
-    (tmp_path / "half.yaml").write_text(HALF_PLANE.replace("budget: 500", "budget: 810"), encoding="utf-8")
-    assert not load(tmp_path / "half.yaml").crossed
+def test_a_factorial_within_the_budget_is_solved_whole() -> None:
+    assert not made(edited(HALF_PLANE, "budget: 500", "budget: 810")).crossed

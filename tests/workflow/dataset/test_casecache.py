@@ -8,9 +8,10 @@ import pytest
 import xarray as xr
 
 from storage.netcdf import write_whole
+from tests.studies import made
 from workflow.dataset import casecache, factorial, slabs
 from workflow.dataset.casecache import CaseCache
-from workflow.study.model import Study, load
+from workflow.study.model import Study
 
 FILM = """\
 title: A film whose levels are nested
@@ -28,13 +29,8 @@ validation: {cases: 20, calibration: 40}
 
 
 @pytest.fixture(scope="module")
-def film(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    return loaded(tmp_path_factory.mktemp("film") / "film.yaml", FILM)
-
-
-def loaded(path: Path, text: str) -> Study:
-    path.write_text(text, encoding="utf-8")
-    return load(path)
+def film() -> Study:
+    return made(FILM)
 
 
 def slab(study: Study, results: Path) -> tuple[CaseCache, bytes]:
@@ -50,7 +46,7 @@ def slab(study: Study, results: Path) -> tuple[CaseCache, bytes]:
 def test_nested_levels_take_the_cases_of_before_and_give_equal_bytes(film: Study, tmp_path: Path) -> None:
     first, _ = slab(film, tmp_path / "a")
     assert (first.taken, first.cases) == (0, 36)
-    finer = loaded(tmp_path / "finer.yaml", FILM.replace("levels: 2}", "levels: 6}"))
+    finer = made(FILM.replace("levels: 2}", "levels: 6}"))
     again, reused = slab(finer, tmp_path / "a")
     assert (again.taken, again.cases) == (36, 108)  # levels nest from n to 3 n
     assert casecache.taken(tmp_path / "a", "film") == {"cases": 108, "taken": 36}
@@ -92,14 +88,14 @@ def test_other_constants_and_other_questions_are_other_cases(film: Study, tmp_pa
         ("inside: 2", "inside: 4"),
         ("friction: 0.2", "friction: 0.25"),
     ):
-        assert slab(loaded(tmp_path / "other.yaml", FILM.replace(old, new)), tmp_path)[0].taken == 0
+        assert slab(made(FILM.replace(old, new)), tmp_path)[0].taken == 0
 
 
 def test_cases_that_take_microseconds_are_not_kept(tmp_path: Path) -> None:
     text = FILM.replace("categories: {base: [rigid, steel]}\n", "").replace(
         ", interface_electric: grounded, interface_magnetic: grounded", ""
     )
-    half = loaded(tmp_path / "half.yaml", "\n".join(line for line in text.split("\n") if "thickness" not in line))
+    half = made("\n".join(line for line in text.split("\n") if "thickness" not in line))
     own, _ = slab(half, tmp_path)
     assert own.cases == 0
     assert not list((tmp_path / casecache.FOLDER).rglob("*.nc"))
@@ -127,7 +123,7 @@ def held_out(study: Study, folder: Path) -> tuple[CaseCache, xr.Dataset]:
 def test_a_box_that_has_grown_takes_the_random_cases_of_before(film: Study, tmp_path: Path, grows: str) -> None:
     old_high, high, before = ("4e4", "8e4", "[2e4, 4e4]") if "load" in grows else ("0.55", "0.65", "[0.45, 0.55]")
     wider = grows.replace(old_high, f"{high}, grown_from: {before}")
-    grown = loaded(tmp_path / "grown.yaml", FILM.replace(grows, wider))
+    grown = made(FILM.replace(grows, wider))
     small = held_out(film, tmp_path)[1]
     own, cases = held_out(grown, tmp_path)
     # half of the box is that of before: two of the four places, each of ten cases on two bases

@@ -9,10 +9,11 @@ import xarray as xr
 import solver
 from solver.fields import FIELDS
 from storage.netcdf import read_whole
+from tests.studies import made
 from workflow.dataset import datacard, draws, effects, factorial, quantities
 from workflow.dataset import slabs as dataset
 from workflow.learning import training
-from workflow.study.model import Study, load
+from workflow.study.model import Study
 
 FILM = """\
 title: A film on two bases
@@ -32,10 +33,8 @@ effects:
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    path = tmp_path_factory.mktemp("film") / "film.yaml"
-    path.write_text(FILM, encoding="utf-8")
-    return load(path)
+def study() -> Study:
+    return made(FILM)
 
 
 @pytest.fixture(scope="module")

@@ -16,13 +16,13 @@ import pytest
 import xarray as xr
 
 from solver import CaseError, solve
-from storage.netcdf import read_whole, write_whole
-from workflow.dataset import datacard, factorial, holes, quantities
+from storage.netcdf import read_whole
+from tests.studies import data_set, edited, made, refusal
+from workflow.dataset import datacard, factorial, holes
 from workflow.dataset import slabs as dataset
 from workflow.learning import training
 from workflow.study import refusals
-from workflow.study.model import Study, load
-from workflow.study.reading import InputError
+from workflow.study.model import Study
 from workflow.study.refusals import REASON, REFUSAL
 
 STUDY = """\
@@ -39,23 +39,15 @@ REASON_GIVEN = "contact: it would need tension between punch and surface (too mu
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    path = tmp_path_factory.mktemp("study") / "tilted.yaml"
-    path.write_text(STUDY, encoding="utf-8")
-    return load(path)
+def study() -> Study:
+    return made(STUDY)
 
 
 @pytest.fixture(scope="module")
 def folder(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The files that the pipeline's rules make of the data set."""
     folder = tmp_path_factory.mktemp("results")
-    (folder / "fields").mkdir()
-    slabs = [folder / f"fields/slab_{index}.nc" for index in range(2)]
-    for index, slab in enumerate(slabs):
-        dataset.write_slab(study, index, slab)
-    write_whole(quantities.gather([read_whole(slab) for slab in slabs]), folder / "quantities.nc")
-    card = datacard.card(study, "tilted", slabs, [])
-    (folder / dataset.CARD).write_text(json.dumps(card), encoding="utf-8")
+    data_set(study, folder)
     return folder
 
 
@@ -164,11 +156,9 @@ def test_a_factorial_that_lacks_too_much_is_refused_in_one_line() -> None:
     assert str(caught.value) == "5 of 20 places (25 %) are refused: too near; at most 20 % may be"
 
 
-def test_a_box_of_which_most_is_refused_is_bad_input(tmp_path: Path) -> None:
-    path = tmp_path / "steep.yaml"
-    path.write_text(STUDY.replace("low: 2e5", "low: 2e4"), encoding="utf-8")
-    with pytest.raises(InputError, match="factors: the solver refuses more than 20 % of the box: contact: it would"):
-        load(path)
+def test_a_box_of_which_most_is_refused_is_bad_input() -> None:
+    told = refusal(edited(STUDY, "low: 2e5", "low: 2e4"))
+    assert told.startswith("factors: the solver refuses more than 20 % of the box: contact: it would")
 
 
 def test_masks_of_slabs_are_joined_by_their_reasons() -> None:

@@ -1,6 +1,5 @@
 """Level counts left to the pipeline: chosen for the tolerance, put into the study, refused in one line."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -8,13 +7,14 @@ import pytest
 
 from storage.netcdf import read_whole, write_whole
 from surrogate.levels.counts import UnreachableError
-from tests.workflow.conftest import Project
+from tests.studies import edited, made
+from tests.workflow.conftest import Copy
 from workflow.dataset import factorial, levels
 from workflow.dataset import quantities as gathering
 from workflow.dataset import slabs as dataset
 from workflow.learning import training
 from workflow.study import partition
-from workflow.study.model import Study, load
+from workflow.study.model import Study
 from workflow.study.reading import InputError
 
 OPEN = """\
@@ -31,14 +31,8 @@ validation: {cases: 500, calibration: 200, tolerance: 1e-6}
 """
 
 
-def study(folder: Path, old: str = "", new: str = "") -> Study:
-    assert old in OPEN
-    (folder / "open.yaml").write_text(OPEN.replace(old, new, 1), encoding="utf-8")
-    return load(folder / "open.yaml")
-
-
 def test_chosen_levels_reach_the_tolerance(tmp_path: Path) -> None:
-    config = study(tmp_path)
+    config = made(OPEN)
     assert config.open
     assert config.cases == 0
     chosen = levels.choose(config)
@@ -62,13 +56,13 @@ def test_chosen_levels_reach_the_tolerance(tmp_path: Path) -> None:
     assert float(table["kinked"].sum()) == 0
 
 
-def test_nothing_open_nothing_chosen(tmp_path: Path) -> None:
-    config = study(tmp_path)
+def test_nothing_open_nothing_chosen() -> None:
+    config = made(OPEN)
     assert levels.with_levels(config, []) is config
 
 
-def test_the_first_axis_has_a_level_for_every_slab(tmp_path: Path) -> None:
-    config = study(tmp_path, "factors:", "factors:\n  magnetic_charge: {low: -1e-4, high: 1e-4}")
+def test_the_first_axis_has_a_level_for_every_slab() -> None:
+    config = made(edited(OPEN, "factors:", "factors:\n  magnetic_charge: {low: -1e-4, high: 1e-4}"))
     assert next(iter(config.factors)) == "magnetic_charge"
     chosen = levels.choose(
         config.model_copy(update={"validation": config.validation.model_copy(update={"tolerance": 1e-3})})
@@ -77,12 +71,12 @@ def test_the_first_axis_has_a_level_for_every_slab(tmp_path: Path) -> None:
     assert chosen["levels"].sel(input="magnetic_charge") == partition.count(config) == 3
 
 
-def test_too_few_given_levels_are_named(tmp_path: Path) -> None:
+def test_too_few_given_levels_are_named() -> None:
     with pytest.raises(UnreachableError, match=r"out of reach with 3 levels of 'friction': output '[a-z_]+' errs by"):
-        levels.choose(study(tmp_path, "levels: 6", "levels: 3"))
+        levels.choose(made(edited(OPEN, "levels: 6", "levels: 3")))
 
 
-def test_an_output_asked_for_by_name_must_not_be_kinked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_output_asked_for_by_name_must_not_be_kinked(monkeypatch: pytest.MonkeyPatch) -> None:
     exact = factorial.exact
 
     def kinked(config: Study, axes: dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]) -> object:
@@ -91,10 +85,10 @@ def test_an_output_asked_for_by_name_must_not_be_kinked(tmp_path: Path, monkeypa
 
     monkeypatch.setattr(factorial, "exact", kinked)
     with pytest.raises(InputError, match=r"outputs: 'voltage' is kinked along friction .*cannot be promised"):
-        levels.choose(study(tmp_path))
+        levels.choose(made(OPEN))
 
 
-def test_an_unreachable_tolerance_is_one_line_and_leaves_no_result(copy: Callable[[str], Project]) -> None:
+def test_an_unreachable_tolerance_is_one_line_and_leaves_no_result(copy: Copy) -> None:
     project = copy("unreachable")
     (project.folder / "config/open.yaml").write_text(OPEN.replace("20000", "400"), encoding="utf-8")
     done = project.run("meecontact", "run", "open", "--cores", "1", check=False)

@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 from solver import FactorError
+from tests.studies import made
 from workflow.dataset import draws, factorial
 from workflow.study import representatives
 from workflow.study.model import Study, load
@@ -33,10 +34,8 @@ validation: {cases: 20, calibration: 40}
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    path = tmp_path_factory.mktemp("similar") / "films.yaml"
-    path.write_text(STUDY, encoding="utf-8")
-    return load(path)
+def study() -> Study:
+    return made(STUDY)
 
 
 def test_cases_for_calibration_reach_the_ends_of_groups(study: Study) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import tracemalloc
 from pathlib import Path
 from typing import Any
@@ -13,11 +14,11 @@ import xarray as xr
 
 from solver.fields import FIELDS
 from solver.names import QUANTITIES
-from storage.netcdf import read_whole, write_whole
-from workflow.dataset import datacard, factorial, quantities
+from tests.studies import data_set, made
+from workflow.dataset import datacard, factorial
 from workflow.dataset import slabs as dataset
 from workflow.study import partition
-from workflow.study.model import Study, load
+from workflow.study.model import Study
 
 STUDY = """\
 title: Blocks
@@ -32,23 +33,15 @@ dataset: {slabs: 2, precision: float32, positions: {inside: 20, outside: 12}}
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    path = tmp_path_factory.mktemp("study") / "blocks.yaml"
-    path.write_text(STUDY, encoding="utf-8")
-    return load(path)
+def study() -> Study:
+    return made(STUDY)
 
 
 @pytest.fixture(scope="module")
 def folder(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The files that the pipeline's rules make of the data set."""
     folder = tmp_path_factory.mktemp("results")
-    (folder / "fields").mkdir()
-    slabs = [folder / f"fields/slab_{index}.nc" for index in range(2)]
-    for index, slab in enumerate(slabs):
-        dataset.write_slab(study, index, slab)
-    write_whole(quantities.gather([read_whole(slab, names=QUANTITIES) for slab in slabs]), folder / "quantities.nc")
-    card = datacard.card(study, "blocks", slabs, [])
-    (folder / dataset.CARD).write_text(json.dumps(card), encoding="utf-8")
+    data_set(study, folder)
     return folder
 
 
@@ -103,11 +96,9 @@ def test_opening_reads_no_field(folder: Path, monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_a_truncated_slab_is_named_when_it_is_read(folder: Path, tmp_path: Path) -> None:
-    for file in folder.rglob("*"):
-        if file.is_file():
-            (tmp_path / file.relative_to(folder)).parent.mkdir(exist_ok=True)
-            content = file.read_bytes()
-            (tmp_path / file.relative_to(folder)).write_bytes(content[:-1] if file.name == "slab_1.nc" else content)
+    shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
+    cut = tmp_path / "fields/slab_1.nc"
+    cut.write_bytes(cut.read_bytes()[:-1])
     data = dataset.open_results(tmp_path)
     data["stress_xx"].isel(volume_fraction=0).load()
     with pytest.raises(ValueError, match=r"slab_1\.nc: incomplete"):
@@ -139,10 +130,7 @@ def test_fields_are_chunked_for_reading_by_case_and_by_position(folder: Path) ->
 
 def test_a_value_beyond_the_stored_precision_leaves_no_file(tmp_path: Path) -> None:
     text = STUDY.replace("load: {low: 5e3, high: 5e4", "load: {low: 5e3, high: 1e120").replace("levels: 7", "levels: 3")
-    (tmp_path / "vast.yaml").write_text(
-        text.replace("radius: {low: 0.02, high: 0.2", "radius: {low: 1e-110, high: 1e-100")
-    )
-    vast = load(tmp_path / "vast.yaml")
+    vast = made(text.replace("radius: {low: 0.02, high: 0.2", "radius: {low: 1e-110, high: 1e-100"))
     with pytest.raises(ValueError, match="not finite in float32"):
         dataset.write_slab(vast, 0, tmp_path / "slab.nc")
     assert not (tmp_path / "slab.nc").exists()

@@ -1,18 +1,18 @@
 """Designs of a small study without a fit: the exact solver, or what is off by a share, stands for the surrogate."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from tests.studies import made
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.question import ask
 from workflow.design.asking.sources import Exact, Factors, Predicted
 from workflow.design.search.candidate import Candidate
-from workflow.study.model import Study, load
+from workflow.study.model import Study
 from workflow.study.target import Target
 
 Array = NDArray[np.float64]
@@ -41,12 +41,11 @@ class StandIn(Predicted):
         return 0.0, 0.0
 
 
-def study(folder: Path, **changed: Any) -> Study:
+def study(**changed: Any) -> Study:
     """A punch on BaTiO3 of which radius and load are factors."""
     validation = {"cases": 20, "calibration": 40, "tolerance": 1e-2}
     text = {"title": "small", "fixed": FIXED, "factors": FACTORS, "validation": validation}
-    (folder / "one.yaml").write_text(yaml.safe_dump(text | changed), encoding="utf-8")
-    return load(folder / "one.yaml")
+    return made(yaml.safe_dump(text | changed))
 
 
 def candidate(study: Study, off: float = 0.0, **target: Any) -> Candidate:

@@ -1,7 +1,6 @@
 """The verdict on designs: of punches without a voltage or with a fixed radius, at edges, under limits that meet."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,15 +8,13 @@ import pytest
 import yaml
 
 from solver import find, solve, solve_interior
-from workflow.dataset import factorial
+from tests.studies import fitted, made
 from workflow.design.search import targets
 from workflow.design.told import words
 from workflow.design.verdict import multipliers
 from workflow.design.verdict.answer import Answer
 from workflow.design.verdict.term import ROUNDING
-from workflow.learning import training
 from workflow.report.figures.design_plots import figures_of
-from workflow.study import model as studies
 from workflow.study.target import Target
 
 LOAD = {"low": 5e3, "high": 5e4, "levels": 5, "scale": "log"}
@@ -34,7 +31,7 @@ def exact_ranges(answer: Answer) -> dict[str, tuple[float, float]]:
 
 
 @pytest.fixture
-def ask(tmp_path: Path) -> Ask:
+def ask() -> Ask:
     """Answer a target of a small study whose composite is fibrous and whose friction is 0.2."""
 
     def answer(factors: dict[str, Any], fixed: dict[str, Any] | None = None, **target: Any) -> Answer:
@@ -44,10 +41,8 @@ def ask(tmp_path: Path) -> Ask:
             "factors": factors,
             "validation": {"cases": 20, "calibration": 40, "tolerance": 1e-2},
         }
-        (tmp_path / "one.yaml").write_text(yaml.safe_dump(text), encoding="utf-8")
-        study = studies.load(tmp_path / "one.yaml")
-        model = training.fit(study, factorial.exact(study, dict(factorial.levels(study))))
-        return targets.answer(study, "mine", Target.model_validate(target), model)
+        study = made(yaml.safe_dump(text))
+        return targets.answer(study, "mine", Target.model_validate(target), fitted(study))
 
     return answer
 

@@ -13,8 +13,9 @@ from scipy.optimize import brentq
 from solver import find, solve
 from surrogate import GaussianProcess
 from tests.solver import micromechanics
+from tests.studies import fitted
 from tests.surrogate.hypervolume import hypervolume
-from tests.workflow.conftest import Project
+from tests.workflow.conftest import Copy
 from verification.oracles import interior
 from verification.oracles.half_plane import CONSTANTS
 from workflow.dataset import factorial
@@ -178,7 +179,7 @@ def kinked() -> tuple[Study, GaussianProcess]:
             "validation": {"cases": 20, "calibration": 40, "tolerance": 1e-1},
         }
     )
-    return study, training.fit(study, factorial.exact(study, dict(factorial.levels(study))))
+    return study, fitted(study)
 
 
 def across(friction: float | Array) -> xr.Dataset:
@@ -328,7 +329,7 @@ design:
 
 
 @pytest.mark.soak  # a run of its own for what the tests above ask in this process
-def test_from_the_study_to_the_answer_and_the_command(copy: Callable[[str], Project]) -> None:
+def test_from_the_study_to_the_answer_and_the_command(copy: Copy) -> None:
     project = copy("cracks")
     (project.folder / "config" / "cracks.yaml").write_text(CRACKS, encoding="utf-8")
     project.snakemake("results/cracks/design/uncracked.nc")

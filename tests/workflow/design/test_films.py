@@ -1,17 +1,13 @@
 """A design question about films: exact cases are costly, and few are asked for; the verdict is the exact solver's."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import solver
 from approximation.arrays import Array
-from workflow.dataset import factorial
+from tests.studies import fitted, made
 from workflow.design.asking import budget, sources
 from workflow.design.search import targets
-from workflow.learning import training
-from workflow.study.model import load
 
 FILM = """\
 title: A film
@@ -33,12 +29,9 @@ design:
 """
 
 
-def test_a_thickness_is_found_with_few_exact_cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "film.yaml"
-    path.write_text(FILM, encoding="utf-8")
-    study = load(path)
-    model = training.fit(study, factorial.exact(study, factorial.axes(study)))
-    model.calibrate(factorial.training_data(study, factorial.cases(study, "calibration")))
+def test_a_thickness_is_found_with_few_exact_cases(monkeypatch: pytest.MonkeyPatch) -> None:
+    study = made(FILM)
+    model = fitted(study, calibrated=True)
     asked: list[int] = []
     exact = sources.Exact.values
 

@@ -1,7 +1,5 @@
 """What is said of one design, against closed forms: Hertz on a body without charges, bounds of the library, by hand."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -14,8 +12,8 @@ HERTZ = {"friction": 0.0}  # then the largest pressure goes as the root of load 
 AT = {"radius": 0.1, "load": 1e4}
 
 
-def test_elasticities_and_costs_are_those_of_hertz(tmp_path: Path) -> None:
-    study = standin.study(tmp_path, fixed=standin.FIXED | HERTZ)
+def test_elasticities_and_costs_are_those_of_hertz() -> None:
+    study = standin.study(fixed=standin.FIXED | HERTZ)
     design = standin.design(study, AT, minimise="peak_pressure", over=["radius", "load"], subject_to=["load >= 9 kN/m"])
     exact, _ = assessment.exactly(design, design.question.terms)
     found = perturbation.sensitivities(design, exact)
@@ -29,8 +27,8 @@ def test_elasticities_and_costs_are_those_of_hertz(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("room", [1.2, 3.0])
-def test_the_load_at_the_first_limit_is_that_of_hertz(tmp_path: Path, room: float) -> None:
-    study = standin.study(tmp_path, fixed=standin.FIXED | HERTZ)
+def test_the_load_at_the_first_limit_is_that_of_hertz(room: float) -> None:
+    study = standin.study(fixed=standin.FIXED | HERTZ)
     open_ = standin.design(study, AT, maximise="load", over=["radius", "load"])
     pressure = float(open_.exact.values({name: np.full((1, 1), one) for name, one in AT.items()}, ["peak_pressure"])[
         "peak_pressure"
@@ -47,9 +45,9 @@ def test_the_load_at_the_first_limit_is_that_of_hertz(tmp_path: Path, room: floa
     assert (found.overload, found.overload_term) == (merit.MOST_LOAD, "")
 
 
-def test_a_device_has_the_figures_of_its_charge(tmp_path: Path) -> None:
+def test_a_device_has_the_figures_of_its_charge() -> None:
     device = {"electrode_length": "10 mm", "amplifier": {"input_capacitance": "10 pF", "charge_noise": "1 fC"}}
-    study = standin.study(tmp_path, device=device)
+    study = standin.study(device=device)
     design = standin.design(study, AT, maximise="load", over=["radius", "load"])
     corner = {"charge_sensitivity": np.array([[2e-11, 3e-11]])}
     corner |= {f"contact_{side}": np.full((1, 2), 1e-4) for side in ("trailing", "leading")}
@@ -58,8 +56,8 @@ def test_a_device_has_the_figures_of_its_charge(tmp_path: Path) -> None:
     assert found["signal_charge"] == pytest.approx((2e-9, 3e-9))
 
 
-def test_what_exceeds_the_library_is_told_with_its_source(tmp_path: Path) -> None:
-    study = standin.study(tmp_path)
+def test_what_exceeds_the_library_is_told_with_its_source() -> None:
+    study = standin.study()
     limits = find("BaTiO3").limits
     strength = limits["tensile_strength"].value
     corner = {"trailing_tension": np.array([[0.5 * strength, 1.1 * strength]])}
@@ -76,8 +74,8 @@ def test_effects_of_constants_add_as_squares() -> None:
     assert np.isnan(spread.Spread((), np.empty((2, 0))).whole).all()
 
 
-def test_a_design_is_judged_with_a_surrogate_that_errs(tmp_path: Path) -> None:
-    study = standin.study(tmp_path)
+def test_a_design_is_judged_with_a_surrogate_that_errs() -> None:
+    study = standin.study()
     target = {"maximise": "abs(voltage_sensitivity)", "over": ["radius", "load"], "subject_to": ["load <= 10 kN/m"]}
     right, wrong = (assessment.judge(standin.design(study, AT, off, **target)) for off in (0.0, 0.1))
     assert right.terms[0].inside

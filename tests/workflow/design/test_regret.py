@@ -10,11 +10,9 @@ from scipy.stats import qmc
 
 from surrogate import GaussianProcess
 from tests import studies
-from workflow.dataset import factorial
 from workflow.design.asking import budget
 from workflow.design.search import targets
 from workflow.design.search.candidate import Candidate
-from workflow.learning import training
 from workflow.run.sources import ROOT
 from workflow.study.model import Study, load
 
@@ -34,7 +32,7 @@ _KEPT = 1e-12  # relative excess that is rounding
 @cache
 def trained(name: str) -> tuple[Study, GaussianProcess]:
     study = load(Path(ROOT / "config" / f"{name}.yaml"))
-    return study, training.fit(study, factorial.exact(study, dict(factorial.levels(study))))
+    return study, studies.fitted(study)
 
 
 def dense(candidate: Candidate) -> float:

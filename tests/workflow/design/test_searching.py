@@ -1,7 +1,5 @@
 """The search's parts on questions whose best is known by hand, without a fit."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -18,8 +16,8 @@ from workflow.study.target import Target
 AT = {"radius": 0.1, "load": 1e4}
 
 
-def test_the_scale_of_an_objective_next_to_zero_is_a_share_of_its_range(tmp_path: Path) -> None:
-    asked = standin.candidate(standin.study(tmp_path), maximise="radius - 0.1", over=["radius", "load"])
+def test_the_scale_of_an_objective_next_to_zero_is_a_share_of_its_range() -> None:
+    asked = standin.candidate(standin.study(), maximise="radius - 0.1", over=["radius", "load"])
     assert asked.size(-0.05) == 0.05
     assert asked.size(0.0) == pytest.approx(1e-3 * (0.2 - 0.02))
 
@@ -31,9 +29,9 @@ def searched(asked: Candidate) -> Candidate:
 
 
 @pytest.mark.parametrize("off", [0.03, -0.03])
-def test_a_polish_keeps_the_limit_that_a_surrogate_breaks(tmp_path: Path, off: float) -> None:
+def test_a_polish_keeps_the_limit_that_a_surrogate_breaks(off: float) -> None:
     target = {"maximise": "load", "over": ["load"], "at": {"radius": 0.1}, "subject_to": ["peak_pressure <= 100 MPa"]}
-    study = standin.study(tmp_path, fixed=standin.FIXED | {"friction": 0.0})
+    study = standin.study(fixed=standin.FIXED | {"friction": 0.0})
     found = polish.first_feasible([searched(standin.candidate(study, off, **target))])
     (load,) = found.design.variables["load"]
     pressure = solve({**standin.FIXED, "friction": 0.0, "radius": 0.1, "load": load})["peak_pressure"]
@@ -42,8 +40,8 @@ def test_a_polish_keeps_the_limit_that_a_surrogate_breaks(tmp_path: Path, off: f
     assert float(pressure) <= 100e6 * (1 + 1e-12)
 
 
-def test_a_tolerance_costs_what_it_keeps_away_from_the_limit(tmp_path: Path) -> None:
-    study = standin.study(tmp_path)
+def test_a_tolerance_costs_what_it_keeps_away_from_the_limit() -> None:
+    study = standin.study()
     target = Target(maximise="radius", over=["radius"], at={"load": 1e4}, tolerance={"radius": "5 %"},
                     subject_to=["radius <= 100 mm"])  # fmt: skip
     asked = standin.candidate(study, **target.model_dump())
@@ -76,8 +74,8 @@ def test_the_front_of_all_choices_is_what_none_of_them_dominates() -> None:
     assert (least.tolist(), span.tolist()) == ([1.0, 1.0], [2.0, 2.0])  # the second front is dominated
 
 
-def test_map_and_slices_are_the_terms_about_the_design(tmp_path: Path) -> None:
-    study = standin.study(tmp_path)
+def test_map_and_slices_are_the_terms_about_the_design() -> None:
+    study = standin.study()
     limit = "trailing_tension <= 50 MPa"
     design = standin.design(study, AT, maximise="peak_pressure", over=["radius", "load"], subject_to=[limit])
     found = landscape.landscape(design)

@@ -1,16 +1,13 @@
 """What the spread of the materials' constants makes of a design, against materials that are moved by hand."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from solver import find, solve
-from workflow.dataset import factorial
+from tests.studies import fitted, made
 from workflow.design.search import targets
 from workflow.design.told import asides
-from workflow.learning import training
-from workflow.study.model import load
 from workflow.study.uncertainty import FAMILIES, uncertain
 
 STUDY = """\
@@ -31,12 +28,9 @@ design:
 """
 
 
-def test_the_spread_of_a_design_is_that_of_materials_moved_by_hand(tmp_path: Path) -> None:
-    path = tmp_path / "punch.yaml"
-    path.write_text(STUDY, encoding="utf-8")
-    study = load(path)
-    model = training.fit(study, factorial.exact(study, factorial.axes(study)))
-    found = targets.solve_target(study, "sensor", model)
+def test_the_spread_of_a_design_is_that_of_materials_moved_by_hand() -> None:
+    study = made(STUDY)
+    found = targets.solve_target(study, "sensor", fitted(study))
     constants = uncertain(study)
     assert [one.constant for one in found.constants] == [one.name for one in constants]
     own, squares = find("BaTiO3"), np.zeros(2)
@@ -62,13 +56,10 @@ def test_the_spread_of_a_design_is_that_of_materials_moved_by_hand(tmp_path: Pat
     assert ("it binds" in told) == (abs(found.terms[1].margin) < 1e-3)
 
 
-def test_what_has_no_uncertain_constant_has_no_spread(tmp_path: Path) -> None:
-    path = tmp_path / "punch.yaml"
+def test_what_has_no_uncertain_constant_has_no_spread() -> None:
     alloy = STUDY.replace("material: BaTiO3", "composite: AlScN, scandium_fraction: 0.3").replace("30 MPa", "300 MPa")
-    path.write_text(alloy, encoding="utf-8")
-    study = load(path)
-    model = training.fit(study, factorial.exact(study, factorial.axes(study)))
-    found = targets.solve_target(study, "sensor", model)
+    study = made(alloy)
+    found = targets.solve_target(study, "sensor", fitted(study))
     assert found.constants == ()
     assert np.isnan(found.terms[0].spread)
     assert asides.spread(found) == ""

@@ -1,16 +1,12 @@
 """The best thickness of a film: a composite's lies where the contact is about as wide as the film is thick."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from solver import solve
-from workflow.dataset import factorial
+from tests.studies import fitted, made
 from workflow.design.search import targets
 from workflow.design.told import words
-from workflow.learning import training
-from workflow.study.model import load
 
 STUDY = """\
 title: A film, thin to thick
@@ -33,11 +29,9 @@ DENSE = np.geomspace(2e-5, 1e-3, 241)
 
 # of BaTiO3: the composite, and pure
 @pytest.mark.parametrize(("fraction", "interior"), [pytest.param(0.5, True, marks=pytest.mark.soak), (1.0, False)])
-def test_the_optimum_in_thickness_comes_out_by_itself(tmp_path: Path, fraction: float, interior: bool) -> None:
-    path = tmp_path / "film.yaml"
-    path.write_text(STUDY.format(fraction=fraction), encoding="utf-8")
-    study = load(path)
-    model = training.fit(study, factorial.exact(study, factorial.axes(study)))
+def test_the_optimum_in_thickness_comes_out_by_itself(fraction: float, interior: bool) -> None:
+    study = made(STUDY.format(fraction=fraction))
+    model = fitted(study)
     exact = solve({**study.fixed, "thickness": DENSE})
     found = targets.solve_target(study, "charge", model)
     best = float(abs(exact["charge_sensitivity"]).max())

@@ -9,14 +9,13 @@ from scipy import stats
 
 from solver import solve
 from surrogate import GaussianProcess
-from workflow.dataset import factorial
+from tests import studies
 from workflow.design.asking import scenarios
 from workflow.design.search import targets
 from workflow.design.told import words
 from workflow.design.verdict.answer import Answer
-from workflow.learning import training
 from workflow.study.consistency import check_target
-from workflow.study.model import Study, load
+from workflow.study.model import Study
 from workflow.study.target import Distribution, Target
 
 STUDY = """\
@@ -35,11 +34,9 @@ FRICTION = np.linspace(0.1, 0.4, 5)
 
 
 @pytest.fixture(scope="module")
-def fitted(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, GaussianProcess]:
-    path = tmp_path_factory.mktemp("tolerances") / "small.yaml"
-    path.write_text(STUDY, encoding="utf-8")
-    study = load(path)
-    return study, training.fit(study, factorial.exact(study, factorial.axes(study)))
+def fitted() -> tuple[Study, GaussianProcess]:
+    study = studies.made(STUDY)
+    return study, studies.fitted(study)
 
 
 def answer(fitted: tuple[Study, GaussianProcess], **changed: Any) -> Answer:

@@ -38,7 +38,7 @@ def test_a_run_ends_with_it_also_where_nothing_is_to_be_done(ran: Project, tmp_p
 
 def test_plain_snakemake_tells_it_of_the_designs_that_it_makes(ran: Project, tmp_path: Path) -> None:
     project = Project(tmp_path / "copy")
-    shutil.copytree(ran.folder, project.folder)
+    shutil.copytree(ran.folder, project.folder, symlinks=True)
     done = project.snakemake("--force", "--", "results/small/design.nc")
     assert done.stdout.splitlines().count(LINE) == 1
     quiet = project.snakemake("--force", "--", "results/small/datacard.json")

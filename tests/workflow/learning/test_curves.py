@@ -1,14 +1,13 @@
 """Largest stresses of a study by curves over its groups, against the exact search."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 
 from surrogate import CurveGP
+from tests.studies import made
 from workflow.dataset import factorial
 from workflow.learning import curves, training
-from workflow.study.model import load
 
 STUDY = """\
 title: Two axes stand for four factors
@@ -26,10 +25,8 @@ surrogate: {outputs: [peak_von_mises, peak_von_mises_depth, peak_pressure]}
 """
 
 
-def test_over_groups_sizes_carry_the_scale_and_curves_have_none(tmp_path: Path) -> None:
-    path = tmp_path / "grouped.yaml"
-    path.write_text(STUDY, encoding="utf-8")
-    study = load(path)
+def test_over_groups_sizes_carry_the_scale_and_curves_have_none() -> None:
+    study = made(STUDY)
     assert study.regions == ["body"]
     assert "peak_principal_tension" not in study.quantities  # nobody asked for its search
     data = factorial.exact(study, factorial.axes(study), curves=True)
@@ -43,13 +40,11 @@ def test_over_groups_sizes_carry_the_scale_and_curves_have_none(tmp_path: Path) 
     assert (table["baseline_max_error"].sel(output="peak_pressure") < 1e-3).all()
 
 
-def test_calibration_cases_have_curves_which_correct_the_largest_stresses(tmp_path: Path) -> None:
-    path = tmp_path / "plain.yaml"
+def test_calibration_cases_have_curves_which_correct_the_largest_stresses() -> None:
     text = re.sub(r"  (radius|load):.*\n|groups:\n(  .*\n)*", "", STUDY)
     text = text.replace("composite: fibrous", "radius: 0.05, load: 5e4")
     text = text.replace("high: 0.6}", "high: 0.8, levels: 7}").replace("high: 0.3}", "high: 0.5, levels: 6}")
-    path.write_text(f"{text}validation: {{cases: 100, calibration: 200, tolerance: 1e-5}}", encoding="utf-8")
-    study = load(path)
+    study = made(f"{text}validation: {{cases: 100, calibration: 200, tolerance: 1e-5}}")
     held, fresh = (factorial.cases(study, sample) for sample in ("calibration", "validation"))
     assert curves.given(study, held)
     assert not curves.given(study, fresh)

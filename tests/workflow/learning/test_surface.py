@@ -1,18 +1,15 @@
 """Surface fields from their surrogate against the exact solver."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
 
 from solver import solve
 from surrogate import GaussianProcess, GridGP, OutOfBoxError, load, save
+from tests.studies import fitted, made, refusal
 from workflow.dataset import factorial
-from workflow.learning import surface, training
-from workflow.study import model as studies
+from workflow.learning import surface
 from workflow.study.model import Study
-from workflow.study.reading import InputError
 
 TEXT = """\
 title: Fields as a surrogate
@@ -29,10 +26,8 @@ validation: {cases: 4000, calibration: 2000, tolerance: 1e-4}
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    path = tmp_path_factory.mktemp("surface") / "s.yaml"
-    path.write_text(TEXT, encoding="utf-8")
-    return studies.load(path)
+def study() -> Study:
+    return made(TEXT)
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +36,7 @@ def models(study: Study, tmp_path_factory: pytest.TempPathFactory) -> tuple[Grid
     save(surface.fit(study), path)
     fields = load(path)
     assert isinstance(fields, GridGP)
-    return fields, training.fit(study, factorial.exact(study, dict(factorial.levels(study))))
+    return fields, fitted(study)
 
 
 def test_fields_are_the_exact_ones_up_to_the_edges(study: Study, models: tuple[GridGP, GaussianProcess]) -> None:
@@ -79,8 +74,6 @@ def test_points_and_positions_are_checked(models: tuple[GridGP, GaussianProcess]
 
 
 @pytest.mark.parametrize("kind", ["electric: insulating", "profile: half_cylinder"])
-def test_other_punches_are_refused(tmp_path: Path, kind: str) -> None:
+def test_other_punches_are_refused(kind: str) -> None:
     text = TEXT.replace("magnetic_charge: 1e-5", kind).replace("  charge: {low: -1e-6, high: 1e-6, levels: 2}\n", "")
-    (tmp_path / "s.yaml").write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match="surrogate: fields: only those under a cylinder that conducts"):
-        studies.load(tmp_path / "s.yaml")
+    assert refusal(text).startswith("surrogate: fields: only those under a cylinder that conducts")

@@ -1,14 +1,13 @@
 """Questions beyond the ranges of a study: made anew, as good as the exact solver, and the lines to change are named."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from solver import solve
+from tests.studies import made
 from workflow.design.search import targets
 from workflow.learning import wider_box
-from workflow.study.model import Study, load
+from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
 
@@ -38,11 +37,9 @@ validation: {cases: 20, calibration: 200, tolerance: 1e-3}
 """
 
 
-@pytest.fixture
-def study(tmp_path: Path) -> Study:
-    path = tmp_path / "small.yaml"
-    path.write_text(STUDY, encoding="utf-8")
-    return load(path)
+@pytest.fixture(scope="module")
+def study() -> Study:
+    return made(STUDY)
 
 
 def test_a_wider_question_is_answered_exactly(study: Study) -> None:
@@ -81,10 +78,8 @@ def test_what_cannot_be_wider_is_one_line(study: Study) -> None:
     assert wider_box.beyond(study, target) == {}
 
 
-def test_groups_widen_with_their_factors(tmp_path: Path) -> None:
-    path = tmp_path / "grouped.yaml"
-    path.write_text(GROUPED, encoding="utf-8")
-    study = load(path)
+def test_groups_widen_with_their_factors() -> None:
+    study = made(GROUPED)
     asked = {
         "maximise": "abs(voltage_sensitivity)",
         "over": {"volume_fraction": {"high": 0.8}, "radius": {"high": 0.4}},

@@ -23,6 +23,7 @@ TWO = "factors: {volume_fraction: {low: 0.2, high: 0.8, levels: 7}, friction: {l
 NAMED = f"categories: {{composite: [fibrous, laminate]}}\n{ONE}"
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("factors", [ONE, TWO, NAMED], ids=["one factor", "two factors", "a category and a factor"])
 def test_the_number_of_slabs_does_not_change_the_figure_of_fields(factors: str, tmp_path: Path) -> None:
     drawn = set()

@@ -7,12 +7,12 @@ import pytest
 import xarray as xr
 
 import solver
-from tests.studies import shipped
+from tests.studies import fitted, made, shipped
 from workflow.dataset import factorial
-from workflow.learning import timing, training
+from workflow.learning import timing
 from workflow.report import datum_effect, page, whatif
 from workflow.study.datum import hanging
-from workflow.study.model import Study, load
+from workflow.study.model import Study
 
 FILM = """\
 title: A film
@@ -27,18 +27,15 @@ validation: {cases: 40, calibration: 60, tolerance: 1e-3}
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    path = tmp_path_factory.mktemp("film") / "film.yaml"
-    path.write_text(FILM, encoding="utf-8")
-    return load(path)
+def study() -> Study:
+    return made(FILM)
 
 
 def test_times_of_films_hold_their_tables_and_the_panel_knows_no_closed_form(
     study: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     quantities = factorial.exact(study, factorial.axes(study))
-    model = training.fit(study, quantities)
-    model.calibrate(factorial.training_data(study, factorial.cases(study, "calibration")))
+    model = fitted(study, calibrated=True)
     cases, solved, asked = factorial.cases(study, "validation"), factorial.exact, []
 
     def counted(study: Study, axes: dict[str, Any], **told: Any) -> xr.Dataset:

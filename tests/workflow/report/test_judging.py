@@ -10,12 +10,12 @@ import xarray as xr
 
 from surrogate import GridGP, Input
 from surrogate.use.export import exported
+from tests.studies import made
 from tests.workflow.report.browser import evaluated, needs_browser
 from workflow.language import grammar
 from workflow.language.constants import FIGURES
 from workflow.report import whatif
 from workflow.report.page import TEMPLATES
-from workflow.study.model import load
 
 SCRIPTS = "".join(
     (TEMPLATES / name).read_text(encoding="utf-8") for name in ("surrogate.js", "largest.js", "judging.js")
@@ -74,10 +74,8 @@ def test_the_map_allows_a_limit_what_the_list_below_it_allows(tmp_path: Path) ->
     assert evaluated(SCRIPTS + beyond, "judge.cell([1, 1]).broken", tmp_path)
 
 
-def test_a_study_with_a_device_tells_its_figures_and_no_other(tmp_path: Path) -> None:
-    path = tmp_path / "sensor.yaml"
-    path.write_text(STUDY, encoding="utf-8")
-    names = [one["name"] for one in whatif.figures(load(path))]
+def test_a_study_with_a_device_tells_its_figures_and_no_other() -> None:
+    names = [one["name"] for one in whatif.figures(made(STUDY))]
     assert names == [
         "force",
         "signal_charge",
@@ -90,9 +88,7 @@ def test_a_study_with_a_device_tells_its_figures_and_no_other(tmp_path: Path) ->
 
 @needs_browser
 def test_figures_at_the_sliders_are_those_of_python(tmp_path: Path) -> None:
-    path = tmp_path / "sensor.yaml"
-    path.write_text(STUDY, encoding="utf-8")
-    study = load(path)
+    study = made(STUDY)
     values = {"charge_sensitivity": -4e-11, "capacitance": 2e-8, "load": 5e3}
     trees = {one["name"]: one["tree"] for one in whatif.figures(study)}
     script = f"{SCRIPTS}const trees = {json.dumps(trees)}, values = {json.dumps(values)};"

@@ -12,17 +12,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+from jinja2 import ChainableUndefined
 
 import surrogate
 from solver import solve
 from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
-from tests.workflow.conftest import Project
+from tests.workflow.conftest import Copy, Project
 from tests.workflow.report.browser import in_node, needs_browser, needs_node, opened
+from workflow.dataset import factorial
 from workflow.dataset.slabs import open_results
 from workflow.design.asking import scenarios
 from workflow.design.verdict import netcdf
 from workflow.language import numbers, statements
+from workflow.report import page as reporting
 from workflow.report import whatif
 from workflow.report.page import TEMPLATES
 from workflow.study.contents import Contents
@@ -248,31 +251,24 @@ def test_the_page_is_self_contained(ran: Project) -> None:
 
 
 def test_text_from_the_study_is_escaped_and_nothing_is_solved(ran: Project, monkeypatch: pytest.MonkeyPatch) -> None:
-    from workflow.dataset import factorial
-    from workflow.report import page
-    from workflow.study import model as studies
-
-    config = studies.load(ran.folder / "config/small.yaml").model_copy(update={"title": "<script>alert(1)</script>"})
+    config = load(ran.folder / "config/small.yaml").model_copy(update={"title": "<script>alert(1)</script>"})
     results = ran.folder / "results/small"
     figures = sorted((results / "figures").rglob("*.svg"))
     monkeypatch.delattr(factorial, "exact")
     monkeypatch.delattr(Contents, "solved")
-    text = page.page(config, "small", results, figures, results / "provenance.json")
+    text = reporting.page(config, "small", results, figures, results / "provenance.json")
     assert "<script>alert" not in text
     assert "&lt;script&gt;" in text
 
 
 def test_the_page_tells_nothing_of_earlier_states_of_the_study(ran: Project, tmp_path: Path) -> None:
-    from workflow.report import page
-    from workflow.study import model as studies
-
     results = tmp_path / "results/small"
     shutil.copytree(ran.folder / "results/small", results)
     for orphan in ("fields/slab_2.nc", "fields/slab_3.nc", "levels.nc"):
         (results / orphan).write_bytes(b"old")
-    config = studies.load(ran.folder / "config/small.yaml")
+    config = load(ran.folder / "config/small.yaml")
     figures = sorted((results / "figures").rglob("*.svg"))
-    text = page.page(config, "small", results, figures, results / "provenance.json")
+    text = reporting.page(config, "small", results, figures, results / "provenance.json")
     assert re.search(r"positions each, in 2\s+slabs of", text)
     assert "Why these levels" not in text
 
@@ -463,11 +459,11 @@ addEventListener("load", () => {
 
 
 @pytest.fixture(scope="module")
-def chosen(copy: Callable[[str], Project]) -> Project:
-    """A copy in which the study with categories has run to its report."""
+def chosen(copy: Copy) -> Project:
+    """A folder in which the study with categories has run to what its page reads, but for the figures."""
     project = copy("chosen")
     (project.folder / "config/chosen.yaml").write_text(CHOSEN, encoding="utf-8")
-    project.run("meecontact", "run", "chosen", "--cores", "2")
+    project.snakemake(*(f"results/chosen/{name}" for name in ("provenance.json", "design.csv", "solved.json")))
     return project
 
 
@@ -487,10 +483,12 @@ def test_the_data_set_has_an_axis_a_category(chosen: Project) -> None:
 
 
 @needs_browser
-def test_lists_choose_what_the_panel_shows(chosen: Project, tmp_path: Path) -> None:
+def test_lists_choose_what_the_panel_shows(chosen: Project, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = chosen.folder / "results/chosen"
     model = surrogate.load(folder / "surrogate.nc")
-    found = opened((folder / "report.html").read_text(encoding="utf-8"), tmp_path, 1000, CHOOSE)
+    monkeypatch.setattr(reporting, "StrictUndefined", ChainableUndefined)  # as the figures are
+    page = reporting.page(load(chosen.folder / "config/chosen.yaml"), "chosen", folder, [], folder / "provenance.json")
+    found = opened(page, tmp_path, 1000, CHOOSE)
     assert found["complaints"] == []
     assert len(found["seen"]) == 6
     assert len({tuple(one["names"]) for one in found["seen"][:4]}) == 4

@@ -2,12 +2,11 @@
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.workflow.conftest import Project
+from tests.workflow.conftest import Copy, Project
 from workflow.cli import launch, main
 from workflow.report.verification import RedError, verdict
 from workflow.run.provenance import ROOT
@@ -40,8 +39,8 @@ def shortened(project: Project) -> None:
     (project.folder / "verification/__init__.py").write_text(f"NAMES = {FEW}\n{QUICK}", encoding="utf-8")
 
 
-def test_a_red_check_fails_the_run_and_the_page_shows_it(copy: Callable[[str], Project]) -> None:
-    project = copy("verification")
+def test_a_red_check_fails_the_run_and_the_page_shows_it(copy: Copy) -> None:
+    project = copy("verification", whole=True)
     results = project.folder / "results/verification"
     shortened(project)
     project.run("meecontact", "run", "verification", "--cores", "2")

@@ -1,5 +1,6 @@
 """The hash of a script follows the sources that the script reaches, and nothing else."""
 
+import ast
 import subprocess
 import sys
 
@@ -12,6 +13,18 @@ SCRIPTS = provenance.ROOT / "workflow" / "scripts"
 
 def reached(script: str) -> set[str]:
     return {file.relative_to(provenance.ROOT).as_posix() for file in provenance.sources(SCRIPTS / script)}
+
+
+def test_imports_by_their_lines_are_those_that_python_reads() -> None:
+    for path in (file for room in provenance.ROOMS for file in (provenance.ROOT / room).rglob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        parsed = set()
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.ImportFrom):
+                parsed |= {(node.module, alias.name) for alias in node.names}
+            elif isinstance(node, ast.Import):
+                parsed |= {("", alias.name) for alias in node.names}
+        assert set(provenance.imports(text)) == parsed, path
 
 
 def test_slabs_reach_the_solver_and_its_data() -> None:

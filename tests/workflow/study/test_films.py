@@ -1,14 +1,12 @@
 """Studies of films: what they accept, what their cases have, and the one line with which they are refused."""
 
-from pathlib import Path
-
 import pytest
 
 from solver.names import ALL_PEAKS, FILM_QUANTITIES, QUANTITIES
+from tests.studies import edited, made, refusal
 from workflow.design.asking import budget
 from workflow.study import datum, solvable
-from workflow.study.model import Study, load, thawed
-from workflow.study.reading import InputError
+from workflow.study.model import Study, thawed
 
 FILM = """\
 title: A film
@@ -29,10 +27,8 @@ design:
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    path = tmp_path_factory.mktemp("film") / "film.yaml"
-    path.write_text(FILM, encoding="utf-8")
-    return load(path)
+def study() -> Study:
+    return made(FILM)
 
 
 def test_cases_have_the_quantities_of_films(study: Study) -> None:
@@ -99,12 +95,5 @@ def test_only_depths_on_a_base_that_gives_hang_on_the_datum(study: Study) -> Non
         ("<= 3 kV/mm", "<= 3 kV", "design.thin: 'nominal_field <= 3 kV': unit mismatch: the limit is in kV, "),
     ],
 )  # fmt: skip
-def test_bad_films_are_refused_in_one_line(tmp_path: Path, old: str, new: str, expected: str) -> None:
-    assert old in FILM
-    path = tmp_path / "changed.yaml"
-    path.write_text(FILM.replace(old, new, 1), encoding="utf-8")
-    with pytest.raises(InputError) as caught:
-        load(path)
-    line = str(caught.value)
-    assert "\n" not in line
-    assert line.removeprefix(f"{path}: ").startswith(expected)
+def test_bad_films_are_refused_in_one_line(old: str, new: str, expected: str) -> None:
+    assert refusal(edited(FILM, old, new)).startswith(expected)

@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from workflow.study.model import Study, load
-from workflow.study.reading import InputError
+from tests.studies import made, refusal
 
 STUDY = """
 title: a sensor
@@ -25,15 +24,8 @@ BARE = {"share": "0.5", "low": "0.02", "high": "0.2", "load": "1e4", "off": "1e-
 WITH_UNITS = {"share": "50 %", "low": "20 mm", "high": "20 cm", "load": "10 N/mm", "off": "0.1 mm"}
 
 
-def made(folder: Path, **entries: str) -> Study:
-    """The small study with some numbers in other words."""
-    path = folder / "sensor.yaml"
-    path.write_text(STUDY.format(**(BARE | entries)), encoding="utf-8")
-    return load(path)
-
-
-def test_a_unit_says_what_a_bare_number_of_si_says(tmp_path: Path) -> None:
-    bare, other = made(tmp_path), made(tmp_path, **WITH_UNITS)
+def test_a_unit_says_what_a_bare_number_of_si_says() -> None:
+    bare, other = made(STUDY.format(**BARE)), made(STUDY.format(**WITH_UNITS))
     assert other.physics == bare.physics
     assert other.design["mine"].tolerances == bare.design["mine"].tolerances == {"radius": (1e-4, 0.0)}
     sections = {"fixed", "factors", "effects"}
@@ -51,19 +43,15 @@ def test_a_unit_says_what_a_bare_number_of_si_says(tmp_path: Path) -> None:
         ({"off": "1 V"}, "tolerance: radius: unit mismatch: '1 V' for a number in m"),
     ],
 )
-def test_a_text_that_is_no_number_of_the_factor_is_refused(tmp_path: Path, entries: dict[str, str], told: str) -> None:
-    with pytest.raises(InputError) as caught:
-        made(tmp_path, **entries)
-    assert told in str(caught.value)
+def test_a_text_that_is_no_number_of_the_factor_is_refused(entries: dict[str, str], told: str) -> None:
+    assert told in refusal(STUDY.format(**(BARE | entries)))
 
 
-def test_the_template_of_a_study_reads_with_the_unit_that_it_promises(tmp_path: Path) -> None:
+def test_the_template_of_a_study_reads_with_the_unit_that_it_promises() -> None:
     text = Path("workflow/cli/study.yaml").read_text(encoding="utf-8")
     assert "`high: 20 mm`" in text
     content = yaml.safe_load(text)
     content["factors"]["radius"] |= {"low": "10 mm", "high": "20 mm"}
     content["design"]["sensor"]["over"] = ["volume_fraction"]
     content["design"]["sensor"]["at"] = {"load": 1e4, "radius": "15 mm"}
-    path = tmp_path / "own.yaml"
-    path.write_text(yaml.safe_dump(content), encoding="utf-8")
-    assert load(path).factors["radius"].high == 0.02
+    assert made(yaml.safe_dump(content)).factors["radius"].high == 0.02

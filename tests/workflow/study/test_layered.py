@@ -9,16 +9,15 @@ import xarray as xr
 import solver
 from solver.fields import FIELDS
 from storage.netcdf import read_whole
+from tests.studies import edited, fitted, made, refusal
 from workflow.dataset import datacard, factorial
 from workflow.dataset import slabs as dataset
 from workflow.design.search import targets
 from workflow.design.search.contact_fields import fields
-from workflow.learning import training
 from workflow.report import exact as report
 from workflow.report import firstscreen, page
 from workflow.study.datum import hanging
-from workflow.study.model import Study, load, thawed
-from workflow.study.reading import InputError
+from workflow.study.model import Study, thawed
 
 LAYERS = """\
 title: A composite film on a copper electrode
@@ -44,10 +43,8 @@ design:
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    path = tmp_path_factory.mktemp("layers") / "layers.yaml"
-    path.write_text(LAYERS, encoding="utf-8")
-    return load(path)
+def study() -> Study:
+    return made(LAYERS)
 
 
 @pytest.fixture(scope="module")
@@ -78,28 +75,22 @@ def test_every_case_of_the_data_set_is_the_solvers_stack(study: Study, slab: Pat
             np.testing.assert_allclose(one[name], exact[name], rtol=1e-9, atol=1e-9 * float(np.abs(whole[name]).max()))
 
 
-def test_a_body_of_one_layer_is_the_film_of_the_same_factors(tmp_path: Path) -> None:
+ONE = """\
+title: one
+fixed: {surroundings: insulated, radius: 0.05, friction: 0.1, load: 3e4, base_poisson: 0.3}
+body: [{composite: laminate, volume_fraction: volume_fraction, thickness: thickness}]
+factors:
+  thickness: {low: 2e-4, high: 3e-4, levels: 2}
+  volume_fraction: {low: 0.4, high: 0.6, levels: 2}
+  base_modulus: {low: 1e11, high: 2e11, levels: 2}
+"""
+
+
+def test_a_body_of_one_layer_is_the_film_of_the_same_factors() -> None:
     """Two ways through the face to one number, with every factor of the body an axis of the cases."""
-    path = tmp_path / "one.yaml"
-    path.write_text(
-        "title: one\n"
-        "fixed: {surroundings: insulated, radius: 0.05, friction: 0.1, load: 3e4, base_poisson: 0.3}\n"
-        "body: [{composite: laminate, volume_fraction: volume_fraction, thickness: thickness}]\n"
-        "factors:\n"
-        "  thickness: {low: 2e-4, high: 3e-4, levels: 2}\n"
-        "  volume_fraction: {low: 0.4, high: 0.6, levels: 2}\n"
-        "  base_modulus: {low: 1e11, high: 2e11, levels: 2}\n",
-        encoding="utf-8",
-    )
-    study = load(path)
-    axes = {
-        name: xr.DataArray(values, dims="case")
-        for name, values in {
-            "thickness": [2e-4, 3e-4, 2.5e-4],
-            "volume_fraction": [0.4, 0.5, 0.6],
-            "base_modulus": [1e11, 2e11, 2e11],
-        }.items()
-    }
+    study = made(ONE)
+    values = ([2e-4, 3e-4, 2.5e-4], [0.4, 0.5, 0.6], [1e11, 2e11, 2e11])
+    axes = {name: xr.DataArray(own, dims="case") for name, own in zip(study.factors, values, strict=True)}
     found = factorial.exact(study, axes)
     film = solver.solve({**study.fixed, **axes, "composite": "laminate"})
     for name in study.quantities:
@@ -107,9 +98,7 @@ def test_a_body_of_one_layer_is_the_film_of_the_same_factors(tmp_path: Path) -> 
 
 
 def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
-    model = training.fit(study, factorial.exact(study, factorial.axes(study)))
-    model.calibrate(factorial.training_data(study, factorial.cases(study, "calibration")))
-    answer = targets.solve_target(study, "thin", model)
+    answer = targets.solve_target(study, "thin", fitted(study, calibrated=True))
     design = {name: answer.variable(name).value for name in study.factors}
     assert design["copper_thickness"] <= 55e-6 * (1 + 1e-9)
     base = answer.combination["base"]
@@ -171,12 +160,5 @@ def test_a_body_tells_what_it_is(study: Study, slab: Path) -> None:
         ("copper_thickness <= 55 um", "copper_thickness <= 55 V", "design.thin: 'copper_thickness <= 55 V': unit mism"),
     ],
 )  # fmt: skip
-def test_bad_bodies_are_refused_in_one_line(tmp_path: Path, old: str, new: str, expected: str) -> None:
-    assert old in LAYERS
-    path = tmp_path / "changed.yaml"
-    path.write_text(LAYERS.replace(old, new, 1), encoding="utf-8")
-    with pytest.raises(InputError) as caught:
-        load(path)
-    line = str(caught.value)
-    assert "\n" not in line
-    assert line.removeprefix(f"{path}: ").startswith(expected)
+def test_bad_bodies_are_refused_in_one_line(old: str, new: str, expected: str) -> None:
+    assert refusal(edited(LAYERS, old, new)).startswith(expected)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from solver.names import PEAKS
-from tests.studies import NAMES, shipped
+from tests.studies import NAMES, edited, made, refusal, shipped
 from workflow.study import model, schema
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError, read_material, read_yaml
@@ -21,22 +21,6 @@ from workflow.study.sections import Effects
 QUICKSTART = Path("config/quickstart.yaml")
 #: Studies of which the solver takes seconds for the corners.
 SECONDS = ("film_actuator", "film_sensor", "parametric", "point_sensor")
-
-
-def refusal(tmp_path: Path, old: str, new: str) -> str:
-    """The line with which a changed quickstart is refused."""
-    text = QUICKSTART.read_text(encoding="utf-8").replace(
-        "<= tensile_strength]", "<= 50 MPa, peak_pressure <= 500 MPa]", 1
-    )
-    assert old in text
-    path = tmp_path / "changed.yaml"
-    path.write_text(text.replace(old, new, 1), encoding="utf-8")
-    with pytest.raises(InputError) as caught:
-        load(path)
-    line = str(caught.value)
-    assert line.startswith(f"{path}:")
-    assert "\n" not in line
-    return line.removeprefix(f"{path}: ")
 
 
 @pytest.mark.parametrize(
@@ -108,17 +92,15 @@ def test_quickstart_is_the_factorial_of_the_documentation() -> None:
         ("\ndesign:", "\n\tdesign:", "line 30: not valid YAML: found character '\\t' that cannot start any token"),
     ],
 )  # fmt: skip
-def test_refuses_in_one_line(tmp_path: Path, old: str, new: str, expected: str) -> None:
-    line = refusal(tmp_path, old, new)
+def test_refuses_in_one_line(old: str, new: str, expected: str) -> None:
+    text = edited(QUICKSTART.read_text("utf-8"), "<= tensile_strength]", "<= 50 MPa, peak_pressure <= 500 MPa]")
+    line = refusal(edited(text, old, new))
     assert re.sub(r"line \d+", "line", line).startswith(re.sub(r"line \d+", "line", expected))
 
 
-def test_refuses_more_cases_than_it_can_hold(tmp_path: Path) -> None:
+def test_refuses_more_cases_than_it_can_hold() -> None:
     text = re.sub(r"levels: \d+", "levels: 1000", QUICKSTART.read_text(encoding="utf-8"))
-    path = tmp_path / "huge.yaml"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match="factors: 1000000000000000 cases are more than 20000000"):
-        load(path)
+    assert refusal(text).startswith("factors: 1000000000000000 cases are more than 20000000")
 
 
 EFFECTS = "title: t\neffects: {{baseline: {{material: PZT-4, radius: 0.05, load: 1e5}}, vary: {}}}\n"
@@ -147,25 +129,17 @@ factors: {{friction: {{low: 0.0, high: 0.5, levels: {}}}, load: {{low: 5e3, high
          "surrogate: fields: 1000000 cases x 21 angles are more than 20000000"),
     ],
 )  # fmt: skip
-def test_refuses_what_no_later_step_could_bear(tmp_path: Path, text: str, expected: str) -> None:
-    path = tmp_path / "large.yaml"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError) as caught:
-        load(path)
-    assert str(caught.value).startswith(f"{path}: {expected}")
+def test_refuses_what_no_later_step_could_bear(text: str, expected: str) -> None:
+    assert refusal(text).startswith(expected)
 
 
-def test_refuses_a_box_of_more_corners_than_are_solved_at_once(tmp_path: Path) -> None:
+def test_refuses_a_box_of_more_corners_than_are_solved_at_once() -> None:
     axes = ["volume_fraction", "friction", "radius", "load", "charge", "magnetic_charge", "speed", "width", "slope"]
     names = "[a, b, c, d, e, f, g, h]"
     kinds = ", ".join(f"{name}: {names}" for name in ("profile", "electric", "magnetic", "corner"))
-    path = tmp_path / "corners.yaml"
     ranges = ", ".join(f"{name}: {{low: 0.1, high: 0.2}}" for name in axes)
-    path.write_text(f"title: t\nfactors: {{{ranges}}}\ncategories: {{{kinds}}}\n", encoding="utf-8")
-    with pytest.raises(
-        InputError, match=r"factors: a box of 2097152 corners, over all categories, has more than 262144"
-    ):
-        load(path)
+    told = refusal(f"title: t\nfactors: {{{ranges}}}\ncategories: {{{kinds}}}\n")
+    assert told.startswith("factors: a box of 2097152 corners, over all categories, has more than 262144")
 
 
 def test_numbers_follow_yaml_1_2(tmp_path: Path) -> None:
@@ -263,16 +237,9 @@ def test_a_study_is_complete_when_it_is_made() -> None:
     assert "voltage" not in Study.model_validate({**content, "fixed": {**fixed, "material": "PZT-4"}}).quantities
 
 
-def test_digest_follows_its_sections_only(tmp_path: Path) -> None:
+def test_digest_follows_its_sections_only() -> None:
     one = load(QUICKSTART)
-    text = (
-        QUICKSTART.read_text(encoding="utf-8")
-        .replace("maximise: abs(stroke", "maximise: abs(blocked_load")
-        .replace("blocked_load_per_volt)", "blocked_load_per_volt)")
-    )
-    path = tmp_path / "other.yaml"
-    path.write_text(text, encoding="utf-8")
-    other = load(path)
+    other = made(edited(QUICKSTART.read_text("utf-8"), "maximise: abs(stroke", "maximise: abs(blocked_load"))
     assert one.digest("phases", "factors") == other.digest("phases", "factors")
     assert one.digest("design") != other.digest("design")
 
@@ -292,28 +259,23 @@ def test_documented_default_holds_every_default() -> None:
     assert documented == {"title": "t", **expected}
 
 
-def test_a_study_has_the_quantities_that_its_cases_have(tmp_path: Path) -> None:
-    path = tmp_path / "kinds.yaml"
+def test_a_study_has_the_quantities_that_its_cases_have() -> None:
     text = """\
 title: An insulating half cylinder
 fixed: {profile: half_cylinder, electric: insulating, radius: 0.05, load: 1.0e+5}
 factors: {volume_fraction: {low: 0.2, high: 0.8, levels: 4}, friction: {low: 0.0, high: 0.5, levels: 4}}
 """
-    path.write_text(text, encoding="utf-8")
-    found = load(path).outputs
+    found = made(text).outputs
     assert {"magnetic_potential", "trailing_tension", "depth"} <= set(found)
     assert not {"voltage", "peak_pressure", "leading_compression", "peak_von_mises"} & set(found)
-    path.write_text(text + "dataset: {peaks: true}\n", encoding="utf-8")
-    assert load(path).outputs == [*found, *PEAKS]
+    assert made(text + "dataset: {peaks: true}\n").outputs == [*found, *PEAKS]
     for extra, expected in (
         ("surrogate: {outputs: [voltage]}", "surrogate: outputs: some of these cases have no 'voltage'"),
         ("surrogate: {outputs: [peak_von_mises]}", "surrogate: outputs: 'peak_von_mises' needs dataset: peaks: true"),
         ("design: {least: {minimise: depth, over: [volume_fraction, friction], subject_to: [peak_von_mises <= 1 MPa]}}",
          "design: least: 'peak_von_mises' needs dataset: peaks: true"),
     ):  # fmt: skip
-        path.write_text(f"{text}{extra}\n", encoding="utf-8")
-        with pytest.raises(InputError, match=expected):
-            load(path)
+        assert refusal(f"{text}{extra}\n").startswith(expected)
 
 
 def test_an_effect_of_the_profile_takes_what_each_profile_needs() -> None:
@@ -337,10 +299,8 @@ effects:
 """
 
 
-def test_a_study_over_the_composition_of_an_alloy(tmp_path: Path) -> None:
-    path = tmp_path / "alloy.yaml"
-    path.write_text(ALLOY, encoding="utf-8")
-    study = load(path)
+def test_a_study_over_the_composition_of_an_alloy() -> None:
+    study = made(ALLOY)
     assert study.cases == 36
     assert "voltage_sensitivity" in study.quantities
     assert study.effects is not None
@@ -348,9 +308,8 @@ def test_a_study_over_the_composition_of_an_alloy(tmp_path: Path) -> None:
     taken = {factor: fractions & set(study.effects.case(factor)) for factor in study.effects.vary}
     of_fibres = {"volume_fraction"}
     assert taken == {"composite": fractions, "volume_fraction": of_fibres, "load": of_fibres, "material": set()}
-    path.write_text(ALLOY.replace("high: 0.4", "high: 0.6"), encoding="utf-8")
-    with pytest.raises(InputError, match=r"scandium_fraction: 0.6 is not a finite number >= 0 and <= 0.5 \[1\]"):
-        load(path)
+    told = refusal(edited(ALLOY, "high: 0.4", "high: 0.6"))
+    assert "scandium_fraction: 0.6 is not a finite number >= 0 and <= 0.5 [1]" in told
 
 
 def test_a_level_that_the_calibration_does_not_tell_is_refused() -> None:

@@ -12,7 +12,7 @@ import pytest
 from snakemake.iocontainers import InputFiles, Log, OutputFiles, Params, ResourceList, Snakemake, Wildcards
 
 from tests import studies
-from tests.workflow.conftest import SMALL, Project
+from tests.workflow.conftest import SMALL, Copy, Project
 from workflow.run import lock
 from workflow.run.provenance import ROOT
 from workflow.study import partition, planned
@@ -224,7 +224,7 @@ def test_no_page_says_that_an_edit_reruns_exactly_something() -> None:
         assert "reruns exactly" not in " ".join(page.read_text(encoding="utf-8").split()), page
 
 
-def test_a_node_of_a_cluster_works_on_the_study_of_the_start(copy: Callable[[str], Project], ran: Project) -> None:
+def test_a_node_of_a_cluster_works_on_the_study_of_the_start(copy: Copy, ran: Project) -> None:
     project, slab = copy("node"), "results/small/fields/slab_0.nc"
     lock.claim(
         {"small": partition.with_slabs(load(project.folder / "config/small.yaml")).frozen()}, project.folder / "results"

@@ -1,14 +1,13 @@
 """Uncertain constants of a study's materials: what is found, with which priors, and what a moved study answers."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from solver import Material, find, solve
+from tests.studies import made
 from workflow.dataset import factorial
 from workflow.study import uncertainty
-from workflow.study.model import Study, load
+from workflow.study.model import Study
 from workflow.study.reading import InputError
 
 FILM = """\
@@ -35,10 +34,8 @@ factors:
 
 
 @pytest.fixture(scope="module")
-def film(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    path = tmp_path_factory.mktemp("film") / "film.yaml"
-    path.write_text(FILM, encoding="utf-8")
-    return load(path)
+def film() -> Study:
+    return made(FILM)
 
 
 def test_families_and_their_priors(film: Study) -> None:
@@ -54,9 +51,8 @@ def test_families_and_their_priors(film: Study) -> None:
     assert {found["steel poisson"], found["steel modulus"], found["CoFe2O4 stiffness"]} == {0.02, 0.05}
 
 
-def test_materials_of_layers_and_bases(tmp_path: Path) -> None:
-    (tmp_path / "layers.yaml").write_text(LAYERS, encoding="utf-8")
-    names = {one.name for one in uncertainty.uncertain(load(tmp_path / "layers.yaml"))}
+def test_materials_of_layers_and_bases() -> None:
+    names = {one.name for one in uncertainty.uncertain(made(LAYERS))}
     assert names == {
         "PZT-4 stiffness", "PZT-4 piezoelectricity", "PZT-4 permittivity", "steel modulus", "steel poisson",
         "copper modulus", "copper poisson",
