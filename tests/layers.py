@@ -42,6 +42,8 @@ PROCESSES = (
 DENSE = (
     "tests/solver/face/test_film_bodies.py",
     "tests/solver/face/test_films.py",
+    "tests/solver/face/test_own_base.py",
+    "tests/solver/face/test_scans.py",
     "tests/solver/film/",
     "tests/solver/halfplane/test_conduction.py",
     "tests/solver/halfplane/test_friction_coupling.py",

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from docs import films, formulas, limits
-from tests.solver.film import test_contact, test_interior, test_surface
+from tests.solver.face import test_film_interior, test_films
 from workflow.report import problem
 from workflow.run.provenance import ROOT
 
@@ -87,15 +87,13 @@ def test_the_tests_that_the_page_of_films_names_exist() -> None:
 def test_figures_of_the_page_of_films_are_those_of_the_tests() -> None:
     rows = [[cell.strip() for cell in row.split("|")[1:-1]] for row in re.findall(r"^\|.*\|$", FILMS, re.MULTILINE)]
     start = rows.index(["", "case 1", "case 2", "case 3"]) + 2
-    for case, (name, on_surface, inside) in enumerate(
-        zip(test_contact.FIGURES, test_surface.FIGURES, test_interior.FIGURES, strict=True), start=1
-    ):
-        _, response, intensities = test_contact.FIGURES[name]
-        tested = [*response, *intensities, *(value for values in on_surface[1:] for value in values), *inside[2]]
+    for case, (name, (_, scalars, on_surface)) in enumerate(test_films.FIGURES.items(), start=1):
+        half_way, shear, normal = test_film_interior.INSIDE[name]
+        tested = [*scalars, *on_surface, *half_way, shear[0], normal[0], shear[1], normal[1]]
         assert [float(row[case]) for row in rows[start : start + len(tested)]] == tested, name
-    for ratio, tested_values in test_contact.SHORT_CIRCUIT.items():
+    for ratio, (pzt, titanate, depth) in test_films.SHORT_CIRCUIT.items():
         row = next(row for row in rows if row[0] == f"{ratio:g}")
-        assert [float(cell) for cell in row[1:]] == list(tested_values), ratio
+        assert [float(cell) for cell in row[1:]] == [*pzt, depth, *titanate], ratio
 
 
 def test_formulas_become_mathml_and_code_stays() -> None:

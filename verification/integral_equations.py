@@ -47,6 +47,8 @@ PUNCHES: dict[str, tuple[Case, profile.Profile]] = {
         profile.Profile(lambda x: 20 * x + 4e4 * x**2 + 1e9 * x**3),
     ),
 }  # fmt: skip
+#: Thicknesses of what sliding balls are on, with air beside them [m].
+AIRY = {"half-space": np.inf, "film": 1e-4}
 CONDUCTED = {(1, 2): "both", (1,): "electric", (2,): "magnetic", (): "neither"}
 X = np.array([-6.0, -1.01, *np.cos(np.pi * (np.arange(40) + 0.5) / 40), 1.01, 2.5])
 _TERMS = (3, 4, 6, 8)
@@ -91,7 +93,7 @@ def run(sizes: Sizes) -> Findings:
         check(
             f"Sliding ball in air, {body}", turned, sliding_points.AIR_TOLERANCE, sliding_points.first_order_in_air, h
         )
-        for body, h in {"half-space": np.inf, "film": 1e-4}.items()
+        for body, h in AIRY.items()
     ]
     words = "circle pressed in to 0.4 of its radius"
     curves.append(Curve("collocation_circle", words, "terms", _CIRCLE_TERMS, circle))

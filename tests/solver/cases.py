@@ -1,10 +1,13 @@
 """What the tests of the solver share: a case with every term, and comparisons with the 50-digit oracle."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+import pytest
 import xarray as xr
 
+import solver
 from verification.oracles.precise import Solution
 
 #: A case with every term at work: friction, both charges, a datum that is not one.
@@ -43,6 +46,24 @@ def assert_agrees(found: xr.Dataset, exact: Solution, rtol: float = 1e-11) -> No
         reference = np.array(values, dtype=float)
         if reference.size:
             np.testing.assert_allclose(found[name].values, reference, rtol=rtol, atol=_ZERO, err_msg=name)
+
+
+def refused(factors: Any, message: str, *more: str, positions: Any = None, **options: Any) -> None:
+    """One line that begins so, and has the other words too."""
+    with pytest.raises((solver.FactorError, solver.MaterialError)) as caught:
+        solver.solve(factors, positions, **options)
+    told = str(caught.value)
+    assert told.startswith(message), told
+    assert all(word in told for word in more), told
+    assert "\n" not in told
+
+
+def assert_alike(found: xr.Dataset, expected: xr.Dataset, share: float, names: Iterable[str] | None = None) -> None:
+    """Every variable of the second, or those named, in the first: each to a share of its largest value."""
+    for name in map(str, expected.data_vars) if names is None else names:
+        one, two = found[name].squeeze().values, expected[name].squeeze().values
+        largest = float(np.nanmax(np.abs(two))) if two.size else 0.0
+        np.testing.assert_allclose(one, two, rtol=0, atol=share * largest, err_msg=name)
 
 
 def assert_same(found: xr.Dataset, expected: xr.Dataset, rtol: float = 1e-14) -> None:

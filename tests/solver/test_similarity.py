@@ -53,15 +53,26 @@ def test_half_planes_scale_with_size_and_strength(
     assert_similar(one, two, size, strength, 1e-9)
 
 
+LINE: dict[str, Any] = {"composite": "fibrous", "volume_fraction": 0.4, "friction": 0.2, "load": 1e4, "datum": 0.5}
+BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0, "friction": 0.2}
+AIRY: dict[str, Any] = {
+    "material": "PZT-4", "thickness": 2e-4, "base": "steel", "radius": 0.05, "load": 2e4, "datum": 1.0,
+    "magnetic": "insulating", "surroundings": "air",
+}  # fmt: skip
+
+
 @pytest.mark.parametrize(
-    "profile",
-    [{"profile": "flat", "width": 1e-3, "moment": 0.4}, {"profile": "wedge", "slope": 1e-3}],
-    ids=("tilted by a moment", "wedge"),
+    ("case", "rtol"),
+    [
+        (LINE | {"profile": "flat", "width": 1e-3, "moment": 0.4}, 1e-6),
+        (LINE | {"profile": "wedge", "slope": 1e-3}, 1e-6),
+        (BALL | {"thickness": 1e-4, "base": "steel", "surroundings": "insulated", "total_charge": 1e-10}, 1e-8),
+    ],
+    ids=("tilted by a moment", "wedge", "ball on a film"),
 )
-def test_other_profiles_scale_too(profile: dict[str, Any]) -> None:
-    case = {"composite": "fibrous", "volume_fraction": 0.4, "friction": 0.2, "load": 1e4, "datum": 0.5, **profile}
-    one, two = (solver.solve(c, POSITIONS, peaks=True) for c in (case, scaled(case, 0.3, 1.7)))
-    assert_similar(one, two, 0.3, 1.7, 1e-6)
+def test_other_profiles_scale_too(case: dict[str, Any], rtol: float) -> None:
+    one, two = (solver.solve(c, POSITIONS, peaks=rtol == 1e-6) for c in (case, scaled(case, 0.3, 1.7)))
+    assert_similar(one, two, 0.3, 1.7, rtol)
 
 
 @pytest.mark.parametrize("base", ["rigid", "steel"])
@@ -70,6 +81,23 @@ def test_films_scale_with_size_and_strength(base: str) -> None:
     case = {**FILM, "base": base, "interface_magnetic": "grounded"}
     one, two = (solver.solve(c, POSITIONS) for c in (case, scaled(case, 4.0, 0.7)))
     assert_similar(one, two, 4.0, 0.7, 1e-8)
+
+
+def test_films_in_air_scale_with_their_permittivity() -> None:
+    one, two = (solver.solve(c | {"gap_permittivity": of}) for c, of in ((AIRY, 1.0), (scaled(AIRY, 1.7, 0.8), 0.8)))
+    assert_similar(one, two, 1.7, 0.8, 1e-6)
+
+
+def test_stacks_scale_with_their_layers() -> None:
+    titanate, ferrite = solver.find("BaTiO3"), solver.find("CoFe2O4")
+    one, two = (
+        solver.solve(
+            {"radius": 0.05 * f, "load": 1e5 * f, "datum": f, "surroundings": "insulated"}
+            | {"body": solver.Stack([solver.Layer(titanate, f * 1e-4), solver.Layer(ferrite, f * 2e-4)], base="steel")}
+        )
+        for f in (1.0, 2.0)
+    )
+    assert_similar(one, two, 2.0, 1.0, 1e-11)
 
 
 def test_the_table_knows_every_quantity_and_field() -> None:

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.fields import EVERY_INTERIOR, INTERIOR
+from solver.fields import INTERIOR
 from tests.solver.face.test_films import FIGURES, FILM
 
 #: Theory of films, section 9, half way down at X = 0: sigma_xx, sigma_yy, D_y, von Mises; on the base at X = 0 and 1:
@@ -38,21 +38,6 @@ def test_published_figures_are_hit(name: str) -> None:
     np.testing.assert_allclose([float(found[key][0, 0]) for key in _HALF_WAY], half_way, rtol=1e-9)
     np.testing.assert_allclose(found["stress_xy"][1], shear, rtol=1e-9, atol=1e-3)
     np.testing.assert_allclose(found["stress_yy"][1], normal, rtol=1e-9)
-
-
-def test_film_of_its_base_s_own_material_is_the_half_plane() -> None:
-    """Every field, at the surface, in the film, about its base and in it."""
-    punch: dict[str, Any] = {"material": "BaTiO3-CoFe2O4 50:50", "friction": 0.3, "load": 1e5, "datum": 0.4,
-                             "radius": 0.05, "charge": 2e-6, "magnetic_charge": 1e-3}  # fmt: skip
-    film = {"surroundings": "insulated",
-            "base": "BaTiO3-CoFe2O4 50:50", "interface_electric": "bonded", "interface_magnetic": "bonded",
-            "thickness": 0.3e-3}  # fmt: skip
-    X, Y = [-2.0, -0.7, 0.1, 1.3], [0.0, -0.05, -0.9, -1.4, -1.7, -5.0]
-    exact = solver.solve_interior(punch, X, Y, fields=list(EVERY_INTERIOR))
-    found = solver.solve_interior(punch | film, X, Y, fields=list(EVERY_INTERIOR))
-    for key, value in exact.data_vars.items():
-        size = float(np.max(np.abs(value)))
-        np.testing.assert_allclose(found[key], value, rtol=0, atol=1e-10 * size, err_msg=str(key))
 
 
 def test_a_mixed_table_and_rigid_bases_and_similarity() -> None:

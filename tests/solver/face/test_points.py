@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import solver
-from solver.names import FACTORS, POINT_QUANTITIES, POINT_SLIDING
-from solver.similarity import FACTOR_WEIGHTS, QUANTITY_WEIGHTS
+from solver.names import POINT_QUANTITIES, POINT_SLIDING
 
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
 DISC: dict[str, Any] = {"profile": "disc", "width": 1e-4, "radius": None}
@@ -55,50 +54,6 @@ def test_a_power_of_2_is_a_sphere_and_a_conduction_of_cases_is_told_apart() -> N
     other = solver.solve(power | kinds | {"profile": "power", "exponent": 2.0, "coefficient": 100.0})
     assert "voltage" not in one
     np.testing.assert_allclose(one["contact_radius"], other["contact_radius"], rtol=1e-13)
-
-
-def test_quantities_scale_as_they_are_said_to() -> None:
-    size, strength = 3.0, 2.0
-    case = COATED | {"total_charge": 1e-10, "magnetic": "insulating"}
-    scaled = {
-        name: value * size ** FACTOR_WEIGHTS[name].size * strength ** FACTOR_WEIGHTS[name].strength
-        if name in FACTORS and name in FACTOR_WEIGHTS
-        else value
-        for name, value in case.items()
-    }
-    one, other = solver.solve(case), solver.solve(scaled)
-    for name in one:
-        weight = QUANTITY_WEIGHTS[str(name)]
-        assert float(other[name] / one[name]) == pytest.approx(size**weight.size * strength**weight.strength, rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("changed", "message"),
-    [
-        ({"load": 1e4}, "load: the profile sphere has none; give force [N]"),
-        ({"charge": 1e-9}, "charge: the profile sphere has none; give total_charge [C]"),
-        ({"datum": 0.1}, "datum: the profile sphere has none; only contacts along a line have it"),
-        ({"speed": 1.0}, "speed: the profile sphere has none; only contacts along a line have it"),
-        ({"force": -1.0}, "force: -1 is not a finite number > 0 [N]"),
-        (
-            {"force": 1e12, "thickness": 1e-6, "surroundings": "insulated", "base": "rigid"},
-            "contact: wider than the resolved range",
-        ),
-        ({"thickness": 1e-4}, "base: missing"),
-        ({"total_flux": 1.0, "magnetic": "insulating"}, "total_flux: 1 on a punch that is magnetic insulating"),
-        ({"slope": 0.1}, "slope: the profile sphere has none"),
-        ({"profile": "cylinder"}, "load: missing"),
-        (
-            {"profile": "cone", "radius": None, "slope": 1e9},
-            "slope: 1e+09 is 90 degrees from the surface; must be <= 1, 45 degrees",
-        ),
-    ],
-)
-def test_bad_cases_are_refused_in_one_line(changed: dict[str, Any], message: str) -> None:
-    with pytest.raises(solver.FactorError) as refusal:
-        solver.solve({name: value for name, value in (BALL | changed).items() if value is not None})
-    assert str(refusal.value).startswith(message)
-    assert "\n" not in str(refusal.value)
 
 
 def test_what_friction_adds_is_given_where_it_is_a_factor() -> None:

@@ -1,23 +1,19 @@
 """Stacks and contacts that the tests of films share."""
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg import expm
 
 import solver
 from solver.arrays import Array
 from solver.film.contact import FilmContact
 from solver.film.interior import fields_of
-from solver.film.quantities import driven
 from solver.film.stack import Layer, Stack
 from solver.film.surface import SurfaceTable
 from solver.film.table import Table, table
 from solver.film.tractions import TractionTable
-from solver.halfplane.contact import Contact
 from solver.halfplane.interior import with_derived
 from solver.halfplane.profile import Profile
-from solver.halfplane.response import Response
 
 BTO, CFO, STEEL = solver.find("BaTiO3"), solver.find("CoFe2O4"), solver.find("steel")
 SILICON = solver.find("silicon")
@@ -70,21 +66,15 @@ def interior_fields(contact: FilmContact, X: Array, Y: Array, names: tuple[str, 
     return np.stack([values[name] for name in names], 1)
 
 
-def require_closed_form(film: FilmContact, exact: Contact, response: Response) -> None:
-    """All that a film which lies on its own material answers, beside the closed form."""
-    pairs = [(film.trailing, exact.trailing), (film.leading, exact.leading), (film.depth, response.depth)]
-    for edge, smooth in zip((1.0, -1.0), exact.profile.smooth, strict=True):
-        if smooth:
-            pairs.append((film.edge_intensity(edge)[0], exact.edge_intensity(edge).ravel()))
-            pairs.append((film.edge_stress(edge), exact.edge_stress(edge)))
-    idle = replace(film, charges=np.zeros_like(film.charges))
-    for field in np.flatnonzero(exact.sliding.conducts).tolist():
-        j, short = 1 + field, np.zeros_like(film.charges)
-        short[:, field] = response.short_circuit(field) * film.load
-        moved = idle.potential(field) - replace(film, charges=short).potential(field)
-        pairs += [(film.potential(field), response.potential(field)), (moved, idle.potential(field))]
-        tangents = idle.tangents[:, j, 0], *driven(film.tangents, j)
-        closed = response.sensitivity(field), response.stroke(field), response.blocked_load(field)
-        pairs += zip(tangents, closed, strict=True)
-    for one, other in pairs:
-        np.testing.assert_allclose(np.ravel(one), np.ravel(other), rtol=1e-11)
+def by_exponentials(stack: Stack, wave: float) -> tuple[Array, Array]:
+    """[k u; t] on top, and k phi below every layer from the lowest on, of a stack whose layers lie on electrodes.
+
+    Of the base's tractions (4) and of the charges of the electrodes, the lowest first; (8, n) and (layer, n).
+    """
+    assert stack.base_medium is not None
+    columns, phi = np.concatenate([stack.base_medium.compliance, np.eye(4)]), []
+    for layer, medium in zip(stack.layers[::-1], stack.media[::-1], strict=True):
+        columns = np.concatenate([columns, np.eye(8)[:, [6]]], 1)
+        phi.append(np.pad(columns[2], (0, 4 + len(stack.layers) - columns.shape[1])))
+        columns = expm(wave * layer.thickness * medium.system) @ columns
+    return columns, np.array(phi)

@@ -9,32 +9,11 @@ from solver.film import kernel as kernels
 from solver.film.contact import FilmContact
 from solver.film.stack import Layer, Stack
 from solver.film.table import table
-from solver.halfplane.contact import Contact
 from solver.halfplane.profile import Profile
 from solver.halfplane.punch import Punch
-from solver.halfplane.response import Response
-from solver.halfplane.sliding import Sliding
-from solver.halfplane.surface import HalfPlane
-from tests.solver.film.films import FIBROUS, ON_STEEL, cases, require_closed_form
-from tests.solver.film.test_contact import PROFILES
+from tests.solver.film.films import FIBROUS, ON_STEEL, cases
 
 STEEL = Punch.isotropic(210e9, 0.3)
-
-
-@pytest.mark.parametrize("conducts", [(True, True), (True, False), (False, False)])
-@pytest.mark.parametrize("name", PROFILES)
-def test_film_of_its_own_base_is_the_closed_form(name: str, conducts: tuple[bool, bool]) -> None:
-    profile, degree = PROFILES[name]
-    charges = np.array([2e-6, -3e-3]) * conducts
-    sliding = Sliding(HalfPlane(FIBROUS), np.array(0.4), np.array(conducts), STEEL)
-    exact = Contact(sliding, profile, cases(1e5), charges[None])
-    datum, own = np.array(0.2), np.array(0.05)
-    response = Response(exact, datum, own)
-    stack = Stack((Layer(FIBROUS, 2e-4, "bonded", "bonded"),), FIBROUS)
-    of = table(stack, 0.4, conducts, smooth=profile.smooth, degree=degree, least=0.3, most=4.0, nodes=8, punch=STEEL)
-    half = float(np.ravel(exact.half_width)[0])
-    found = FilmContact(of.narrowed(half), profile, cases(1e5), charges[None], datum, own)
-    require_closed_form(found, exact, response)
 
 
 def test_silicone_on_a_stiff_film_is_the_silicone_of_hertz() -> None:

@@ -4,16 +4,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
 from scipy.special import ellipk
 
 import solver
 from solver.arrays import Array
 from solver.film.electrodes import Electrode
 from solver.film.floating import Strips, stiffness
-from solver.film.stack import Layer, Stack, StackError
+from solver.film.stack import Layer, Stack
 from solver.film.wavenumbers import wavenumbers
-from tests.solver.film.films import BTO, FIBROUS, SILICON
+from tests.solver.film.films import BTO, FIBROUS, SILICON, by_exponentials
 
 GLASS, PDMS, PVDF, COPPER = (solver.find(name) for name in ("glass", "PDMS", "PVDF", "copper"))
 BETWEEN = Stack(
@@ -94,16 +93,10 @@ def test_three_strips_are_those_that_charges_on_them_give(size: float, pitch: fl
 def test_an_electrode_s_charge_per_potential_by_exponentials_of_the_layers() -> None:
     """Over an active base, between a bare surface and others that are grounded."""
     k = np.array([0.3, 1.0, 3.0])
-    assert PIEZO.base_medium is not None
     for number in (1, 2, 3):
         ours, limit = stiffness(PIEZO, number, k)
-        for wave, value in zip(k, ours, strict=True):
-            # [k u; t] going up, of the base's tractions (4) and of the charges of three electrodes (3)
-            columns, phi = np.concatenate([PIEZO.base_medium.compliance, np.eye(4)]), []
-            for layer, medium in zip(PIEZO.layers[::-1], PIEZO.media[::-1], strict=True):
-                columns = np.concatenate([columns, np.eye(8)[:, [6]]], 1)
-                phi.append(np.pad(columns[2], (0, 7 - columns.shape[1])))
-                columns = expm(wave * layer.thickness * medium.system) @ columns
+        for wave, value in zip(k.tolist(), ours, strict=True):
+            columns, phi = by_exponentials(PIEZO, wave)
             charges = np.linalg.solve(np.concatenate([columns[4:], phi]), np.eye(7)[4 + 3 - number])[4:]
             assert value == pytest.approx(charges[3 - number], rel=1e-9)
         assert stiffness(PIEZO, number, np.array([60.0]))[0][0] == pytest.approx(limit, rel=1e-12)
@@ -170,43 +163,3 @@ def test_what_a_floating_strip_reads_is_its_charge_its_capacitance_and_its_volta
     assert float(found["patch_charge_gradient"]) == pytest.approx((near[1] - near[2]) / step, rel=1e-4)
     many = charge(case | {"floating_neighbours": [0, 1, 2, 6]})
     assert abs(many[3] / many[2] - 1) < abs(many[1] / many[0] - 1)
-
-
-REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
-    "without a pitch": (READ | {"floating_neighbours": 1}, "patch_pitch: missing; floating_neighbours needs it"),
-    "half a strip": (
-        READ | {"patch_pitch": 6e-4, "floating_neighbours": 1.5},
-        r"floating_neighbours: 1.5 is not a whole number >= 0 \[1\]",
-    ),
-    "too many": (READ | {"patch_pitch": 6e-4, "floating_neighbours": 21}, "floating_neighbours: 21"),
-    "below a ball": (
-        {"profile": "sphere", "radius": 0.01, "force": 0.1, "body": COVERED, "collector": 2, "patch": "strip"}
-        | {"patch_size": 5e-4, "patch_pitch": 6e-4, "floating_neighbours": 1},
-        "floating_neighbours: 1 below a point contact, of patches that are no discs",
-    ),
-    "a bare punch that conducts": (
-        READ | {"patch_pitch": 6e-4, "floating_neighbours": 1, "electric": "conducting"},
-        "floating_neighbours: below a punch that conducts",
-    ),
-    "on top": (
-        READ | {"patch_pitch": 6e-4, "floating_neighbours": 1, "electrode": "top", "collector": 1},
-        "floating_neighbours: of the electrode on top, whose gaps are not given",
-    ),
-    "a metal": (
-        READ
-        | {"patch_pitch": 6e-4, "floating_neighbours": 1, "collector": 1}
-        | {"body": Stack([Layer(PDMS, 1e-3), Layer(COPPER, 1e-5), Layer(PVDF, 5e-5)])},
-        "floating_neighbours: of a metal, whose gaps are not given",
-    ),
-    "a gap that is too wide": (
-        READ | {"patch_size": 1e-6, "patch_pitch": 6e-4, "floating_neighbours": 1},
-        "patch_pitch: the gap between patches is too wide for floating_neighbours, 599 times the patch",
-    ),
-}
-
-
-@pytest.mark.parametrize("name", REFUSALS)
-def test_strips_that_cannot_float_are_refused_by_name(name: str) -> None:
-    factors, words = REFUSALS[name]
-    with pytest.raises((solver.FactorError, StackError), match=f"^{words}"):
-        solver.solve(factors)

@@ -13,6 +13,7 @@ from solver.arrays import Array
 from solver.film.basis import Basis
 from solver.film.electroded import surface as surface_of
 from solver.film.electrodes import Electrode
+from solver.film.floating import stiffness
 from solver.film.fourier import Medium
 from solver.film.grading import Graded, GradedMedium
 from solver.film.interior import Interior
@@ -28,6 +29,7 @@ from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
 from tests.layers import SOAK
+from tests.solver.cases import assert_alike
 from tests.solver.film.films import BTO, CFO, FIBROUS, STEEL, contact, interior_fields, surface_fields
 from tests.solver.film.test_surface import FIELDS
 
@@ -51,13 +53,19 @@ def exponential(depth: Array) -> solver.Material:
     return solver.Material(**{name: getattr(FIBROUS, name) * factor for name in UNITS if name != "rho"})
 
 
+#: Whose tables are kept from test to test, as those of one stack.
+FALLING = {covered: Stack((Graded(exponential, 1.0),), electroded=covered) for covered in (False, True)}
+LINEAR = Stack((Graded(linear, 1.0),))
+ON_STEEL = Stack((Graded(linear, 2e-4, *END),), STEEL)
+
+
 def at_half_lengths(stack: Stack, half: Array, accuracy: float = 1.0) -> Array:
     sliding = Sliding(HalfPlane(stack.top.material), np.array(0.3), np.array([True, True]))
     return at(System(kernel(stack, 2.1 * float(np.max(half))), sliding, (True, True), 1, accuracy), half)
 
 
 def test_exponential_grading_has_its_exact_exponents() -> None:
-    stack = Stack((Graded(exponential, 1.0),))
+    stack = FALLING[False]
     medium = GradedMedium(stack.top, stack.scale)  # type: ignore[arg-type]
     surface = Medium(FIBROUS, stack.scale)
     k = np.array([0.03, 0.3, 1.0, 3.0])
@@ -72,7 +80,7 @@ def test_exponential_grading_has_its_exact_exponents() -> None:
 @pytest.mark.parametrize("covered", [False, True])
 def test_electrodes_get_what_exact_exponents_say(*, covered: bool) -> None:
     """What that on the base gets per traction at the surface, and how the surface answers where one covers it."""
-    stack, k = Stack((Graded(exponential, 1.0),), electroded=covered), np.array([0.03, 0.3, 1.0, 3.0])
+    stack, k = FALLING[covered], np.array([0.03, 0.3, 1.0, 3.0])
     rows, response = Electrode(stack, 1 + covered).rows(k), graded_response(stack).difference(k) + surface_of(stack)
     surface, bend = Medium(FIBROUS, stack.scale), 0.4 * np.diag([1.0] * 4 + [-1.0] * 4)
     for wavenumber, row, found in zip(k, rows, response, strict=True):
@@ -99,44 +107,29 @@ def test_electrodes_without_end_have_what_the_depth_averages() -> None:
     assert [charges[1], -charges[0]] == pytest.approx([exact, exact], rel=1e-11)
 
 
-def test_a_roller_on_a_covered_film_graded_by_nothing_has_all_that_one_on_a_layer_has() -> None:
+COVER = {"electrode": "top", "magnetic": "insulating", "collector": 2, "patch_size": 1e-4, "patch_position": 3e-5}
+
+
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("own", [{"interface_magnetic": "grounded", "charge": 2e-5}, COVER], ids=["bare", "covered"])
+def test_a_roller_on_a_film_graded_by_nothing_has_all_that_one_on_a_layer_has(own: dict[str, object]) -> None:
     film: dict[str, object] = {"radius": 0.05, "load": 2e4, "friction": 0.3, "datum": 0.1, "thickness": 2e-4}
-    film |= {"volume_fraction": 0.5, "base": "steel", "electrode": "top", "magnetic": "insulating"}
-    film |= {"collector": 2, "patch_size": 1e-4, "patch_position": 3e-5}
-    exact, found = solver.solve(film), solver.solve(film | {"base_volume_fraction": 0.5})
+    film |= {"volume_fraction": 0.5, "base": "steel", "surroundings": "insulated"} | own
+    X = None if own is COVER else [-9.0, -1.3, -1.0001, -0.999, 0.4, 0.9, 1.02, 4.0]
+    exact, found = solver.solve(film, X), solver.solve(film | {"base_volume_fraction": 0.5}, X)
     assert set(exact) == set(found)
-    for name, value in exact.items():
-        assert float(found[name]) == pytest.approx(float(value), rel=1e-9), name
+    quantities = [name for name in map(str, exact) if not exact[name].ndim]
+    assert_alike(found, exact, 1e-9, quantities)
+    assert_alike(found, exact, 1e-8)
 
 
 @pytest.mark.parametrize("covered", [False, True])
 def test_tails_are_those_of_the_response(*, covered: bool) -> None:
-    response = graded_response(Stack((Graded(exponential, 1.0),), electroded=covered))
+    response = graded_response(FALLING[covered])
     k = np.array([200.0, 400.0])
     left = response.difference(k) - sum(response.tails[j] / k[:, None, None] ** (j + 1) for j in range(3))
     size = np.max(np.abs(left), axis=(1, 2)) * k**4
     assert size[1] == pytest.approx(size[0], rel=0.1)
-
-
-def test_constant_profile_is_a_homogeneous_layer() -> None:
-    half = np.array([0.1, 1.0])
-    graded = Stack((Graded(lambda depth: solver.fibrous(BTO, CFO, 0.5 + 0 * depth), 1.0),), STEEL)
-    plain = Stack((Layer(FIBROUS, 1.0),), STEEL)
-    found, expected = at_half_lengths(graded, half)[:, :12], at_half_lengths(plain, half, 1.5)[:, :12]
-    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-11)
-
-
-def test_surface_fields_of_a_constant_profile_are_those_of_a_layer() -> None:
-    X = np.array([-9.0, -1.3, -1.0001, -0.999, 0.4, 0.9, 1.02, 4.0])
-    charges = (2e-5, 1e-2)
-    stacks = (
-        Stack((Graded(lambda depth: solver.fibrous(BTO, CFO, 0.5 + 0 * depth), 2e-4, magnetic="grounded"),), STEEL),
-        Stack((Layer(FIBROUS, 2e-4, magnetic="grounded"),), STEEL),
-    )
-    one, other = (surface_fields(contact(narrow(stack), CYLINDER, 1e5, charges), X) for stack in stacks)
-    for field in FIELDS:
-        values = other[field][0]
-        np.testing.assert_allclose(one[field][0], values, rtol=1e-7, atol=1e-9 * np.max(np.abs(values)))
 
 
 @pytest.mark.soakable
@@ -145,7 +138,7 @@ def test_surface_fields_of_a_graded_film_are_nearly_those_of_a_staircase() -> No
     count = 24 if SOAK else 12
     middles = (np.arange(count) + 0.5) / count
     stairs = tuple(Layer(linear(np.array(z)), 2e-4 / count, *(END if z == middles[-1] else ())) for z in middles)
-    graded = contact(narrow(Stack((Graded(linear, 2e-4, *END),), STEEL)), CYLINDER, 1e5)
+    graded = contact(narrow(ON_STEEL), CYLINDER, 1e5)
     one = surface_fields(graded, X)
     of = narrow(Stack(stairs, STEEL), count)
     other = surface_fields(contact(of, CYLINDER, 1e5), X)
@@ -161,8 +154,7 @@ def test_surface_fields_of_a_graded_film_are_nearly_those_of_a_staircase() -> No
 
 def test_linear_grading_converges() -> None:
     half = np.array([0.3, 1.0])
-    stack = Stack((Graded(linear, 1.0),))
-    found, finer = at_half_lengths(stack, half), at_half_lengths(stack, half, 1.4)
+    found, finer = at_half_lengths(LINEAR, half), at_half_lengths(LINEAR, half, 1.4)
     np.testing.assert_allclose(found[:, [0, 3, 4], 0], finer[:, [0, 3, 4], 0], rtol=1e-8)
     np.testing.assert_allclose(found[:, [0, 3, 4], 1:], finer[:, [0, 3, 4], 1:], rtol=5e-7)  # their small couplings
     size = np.max(np.abs(finer[:, 6:10]), axis=1, keepdims=True)
@@ -213,8 +205,7 @@ def test_staircases_tend_to_the_graded_film() -> None:
         stack = Stack(tuple(Layer(linear(np.array(z)), 1.0 / count) for z in middles))
         read = at_half_lengths(stack, half)[0]
         loads.append(read[0, 0] / stack.scale[1] ** 2)
-    graded = Stack((Graded(linear, 1.0),))
-    exact = at_half_lengths(graded, half)[0, 0, 0] / graded.scale[1] ** 2
+    exact = at_half_lengths(LINEAR, np.array([0.3, 1.0]))[0, 0, 0] / LINEAR.scale[1] ** 2
     first, second = loads[1] - loads[0], loads[2] - loads[1]
     limit = loads[2] + second / (first / second - 1)  # the middle of the top layer is not the surface: first order
     assert limit == pytest.approx(exact, rel=1e-4)
@@ -222,8 +213,7 @@ def test_staircases_tend_to_the_graded_film() -> None:
 
 
 def test_contact_on_a_graded_film_is_read_from_a_table() -> None:
-    stack = Stack((Graded(linear, 2e-4, magnetic="grounded"),), STEEL)
-    film = contact(narrow(stack), CYLINDER, 1e5, (2e-5, 1e-2), 0.1)
+    film = contact(narrow(ON_STEEL), CYLINDER, 1e5, (2e-5, 1e-2), 0.1)
     step = 10.0
     ends = [
         type(film)(film.table, film.profile, film.load + s * step, film.charges, film.datum).response[0]
@@ -241,6 +231,7 @@ def test_contact_on_a_graded_film_is_read_from_a_table() -> None:
 
 
 @pytest.mark.filterwarnings("ignore::scipy.integrate.IntegrationWarning")  # of edges that are singular
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("smooth", [(True, True), (False, True), (False, False)])
 def test_rough_integrals_are_those_of_quadrature(smooth: tuple[bool, bool]) -> None:
     basis = Basis(0.07, smooth, 12, 40)
@@ -280,6 +271,10 @@ def test_bad_gradings_are_refused_by_name(make: object, said: str | None) -> Non
         kernel(Stack((made,)) if isinstance(made := make(), Layer) else made, 1.0)
 
 
-def test_waves_of_a_graded_layer_are_refused() -> None:
+def test_what_is_not_given_of_graded_layers_is_refused() -> None:
     with pytest.raises(StackError, match="not graded"):
-        waves(Stack((Graded(linear, 1.0),)), np.ones(1))
+        waves(LINEAR, np.ones(1))
+    with pytest.raises(StackError, match="patch_size: of the electrode on top of a film that is graded is not given"):
+        Electrode(FALLING[True], 1).rows(np.ones(1))
+    with pytest.raises(StackError, match="floating_neighbours: of a film that is graded are not given"):
+        stiffness(LINEAR, 1, np.ones(1))

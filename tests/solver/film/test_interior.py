@@ -3,69 +3,23 @@
 import numpy as np
 import pytest
 
-import solver
 from solver.arrays import Array
 from solver.film.contact import FilmContact
 from solver.film.stack import Layer, Stack, StackError
 from solver.film.table import table
-from solver.halfplane.contact import Contact
-from solver.halfplane.interior import LINEAR, interior_parts
 from solver.halfplane.profile import Profile
-from solver.halfplane.sliding import Sliding
-from solver.halfplane.surface import HalfPlane
 from tests.solver.film.films import (
     BTO,
     CFO,
     ELASTIC,
     FIBROUS,
     ON_STEEL,
-    cases,
     cylinder,
     interior_fields,
     surface_fields,
 )
 
 LAYERED = Stack((Layer(ELASTIC, 0.1e-3, "grounded"), Layer(FIBROUS, 0.1e-3), Layer(BTO, 0.1e-3, "bonded")), ELASTIC)
-
-#: Theory of films, section 9: sigma_xx, sigma_yy, D_y, von Mises at (0, h1/2); sigma_xy, sigma_yy below X = 0 and 1.
-FIGURES = [
-    ((Stack((Layer(BTO, 0.5e-3),)), 0.0), 0.5e-3,
-     (-6.545137408e05, -2.051132126e08, -1.330565069e-02, 1.829406836e08, 0.0, -1.446113727e08, 3.299573303e07,
-      -1.059483710e08)),
-    ((Stack((Layer(FIBROUS, 0.2e-3),)), 0.3, 1e5, (2e-5, 1e-2)), 0.2e-3,
-     (-9.114078814e07, -3.431055653e08, -5.824930730e-02, 2.364533602e08, -2.839180515e07, -2.792505284e08,
-      6.210199417e07, -9.112992695e07)),
-    ((ON_STEEL, 0.3), 0.2e-3,
-     (-1.053084797e08, -2.981709574e08, -4.356648744e-03, 1.904045604e08, -1.539243427e07, -2.376930566e08,
-      5.320606955e07, -9.673632142e07)),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("case", FIGURES)
-def test_published_figures_are_hit(case: tuple[tuple[object, ...], float, tuple[float, ...]]) -> None:
-    arguments, thickness, expected = case
-    film = cylinder(*arguments)  # type: ignore[arg-type]
-    names = ("stress_xx", "stress_yy", "electric_displacement_y", "von_mises", "stress_xy")
-    Y = -np.array([thickness / 2, thickness]) / film.half_width
-    found = interior_fields(film, np.array([0.0, 1.0]), Y, names)[0]
-    interface = [found[4, 1, 0], found[1, 1, 0], found[4, 1, 1], found[1, 1, 1]]
-    np.testing.assert_allclose([*found[:4, 0, 0], *interface], expected, rtol=2e-9, atol=1.0)
-
-
-@pytest.mark.parametrize("material", [FIBROUS, ELASTIC])
-def test_film_of_its_own_base_is_the_closed_form(material: solver.Material) -> None:
-    """At depths above, on and below the interface; an isotropic body's roots coincide."""
-    profile, charges = Profile.cylinder(np.array(0.05)), np.array([[2e-6, -3e-3]])
-    exact = Contact(Sliding(HalfPlane(material), np.array(0.4), np.array([True, True])), profile, cases(1e5), charges)
-    stack = Stack((Layer(material, 2e-4, "bonded", "bonded"),), material)
-    of = table(stack, 0.4, least=0.3, most=4.0, nodes=8).narrowed(float(exact.half_width[0]))
-    film = FilmContact(of, profile, cases(1e5), charges, np.array(1.0))
-    X, Y = np.array([-2.0, -0.5, 0.3, 1.1]), np.array([-0.02, -0.5, -0.9, -1.5, -4.0])
-    found = interior_fields(film, X, Y, LINEAR)[0]
-    x, y = (v.ravel() for v in np.meshgrid(X, Y))
-    expected = interior_parts(exact, x, y, LINEAR).whole(exact)[0].reshape(found.shape)
-    for name, one, other in zip(LINEAR, found, expected, strict=True):
-        np.testing.assert_allclose(one, other, atol=1e-10 * np.max(np.abs(other)), err_msg=name)
 
 
 def test_fields_meet_the_surface_and_both_sides_of_interfaces() -> None:

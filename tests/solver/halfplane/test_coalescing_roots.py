@@ -52,13 +52,15 @@ def test_the_made_materials_have_a_double_root(name: str) -> None:
     assert gaps[0] < 1e-6 < 1e-2 < gaps[1]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("name", "offset"), [("titanate", 0.0), ("titanate", 1e-7), ("ferrite", 0.0)])
 def test_double_roots_of_coupled_materials(name: str, offset: float) -> None:
     material = coalescing(name)
     check(material | {"c13": material["c13"] * (1 + offset)})
 
 
-@pytest.mark.parametrize("offset", [0.0, 1e-15, -1e-8])
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize("offset", [0.0, -1e-8, 1e-15])
 def test_isotropic_and_nearly_isotropic_elasticity(offset: float) -> None:
     material = isotropic(70e9, 0.33)
     check(material | {"c33": material["c33"] * (1 + offset)})

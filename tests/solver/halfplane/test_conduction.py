@@ -14,7 +14,7 @@ POSITIONS = [-250.0, -1.7, -1.0001, -0.95, 0.2, 0.95, 1.0001, 4.0]
 KINDS = ("conducting", "insulating")
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("magnetic", KINDS)
 @pytest.mark.parametrize("electric", KINDS)
 @pytest.mark.parametrize(("name", "friction"), [(SIH_SONG, 0.0), (SIH_SONG, 1.3), ("PZT-5H", 0.4), ("CoFe2O4", 1e-9)])

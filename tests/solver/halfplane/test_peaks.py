@@ -54,7 +54,7 @@ def searched(case: dict[str, Any], field: str) -> tuple[float, float]:
     return max(found)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: "-".join(map(str, case.values())))
 def test_peaks_are_those_of_a_search(case: dict[str, Any]) -> None:
     found = solver.solve(factors(case), peaks=True)
@@ -105,17 +105,6 @@ def test_each_case_of_a_factorial_is_found_by_itself() -> None:
             tolerance = 1e-7 if name.endswith("depth") else 1e-11
             assert case[name].item() == pytest.approx(one[name].item(), rel=tolerance), name
             assert whole[name].attrs["units"] == PEAKS[name].units
-
-
-def test_peaks_scale_as_the_pressure() -> None:
-    case = {"material": SIH_SONG, "friction": 0.3, "radius": [0.01, 0.2], "load": [1e3, 1e5]}
-    found = solver.solve(case, peaks=True)
-    half = (found["contact_trailing"] + found["contact_leading"]) / 2
-    for name in ("peak_von_mises", "peak_principal_tension"):
-        share = found[name] / found["peak_pressure"]
-        np.testing.assert_allclose(share, share[0, 0], rtol=1e-12)
-    depth = found["peak_von_mises_depth"] / half
-    np.testing.assert_allclose(depth, depth[0, 0], rtol=1e-9)
 
 
 def test_friction_and_its_mirror_image() -> None:

@@ -20,7 +20,7 @@ def check(factors: dict[str, Any], exact_constants: dict[str, Any], positions: t
     assert_agrees(solver.solve(factors, positions), exact)
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", list(solver.materials()))
 def test_built_in_materials(name: str) -> None:
     check({"material": name} | CHARGED, constants(solver.find(name)), POSITIONS)
@@ -29,7 +29,7 @@ def test_built_in_materials(name: str) -> None:
 MIXES = [("fibrous", 0.0), ("fibrous", 0.6), ("fibrous", 1.0), ("laminate", 0.0), ("laminate", 0.9), ("laminate", 1.0)]
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("composite", "fraction"), MIXES)
 def test_composites(composite: str, fraction: float) -> None:
     one, two = (constants(phase) for phase in (solver.find("BaTiO3"), solver.find("CoFe2O4")))
@@ -39,7 +39,7 @@ def test_composites(composite: str, fraction: float) -> None:
     check(factors, exact, POSITIONS)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("friction", [0.0, 1e-12, 0.3, 2.0, 10.0])
 def test_friction_and_positions_up_to_the_edges(friction: float) -> None:
     check({"material": SIH_SONG, **CHARGED, "friction": friction}, constants(solver.find(SIH_SONG)), UP_TO_THE_EDGES)
@@ -55,12 +55,14 @@ def test_radii_and_loads_over_twelve_decades(radius: float, load: float) -> None
     check(factors, constants(solver.find(SIH_SONG)), POSITIONS)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("load", [1e-6, 1e6])
 def test_charges_that_dwarf_the_load_and_that_the_load_dwarfs(load: float) -> None:
     check({"material": SIH_SONG, **CHARGED, "load": load}, constants(solver.find(SIH_SONG)), POSITIONS)
 
 
-@pytest.mark.parametrize("friction", [0.3, 10.0])
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("friction", [10.0, 0.3])
 def test_fields_outside_the_very_edges(friction: float) -> None:
     """Steel under steep friction has a small pressure exponent: rounding of 1/X would show in sigma_xx."""
     positions = (-1 - 1e-9, 1 + 1e-8, 1 + 1e-12)

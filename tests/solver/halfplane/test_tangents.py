@@ -9,7 +9,6 @@ from hypothesis import given
 from numpy.polynomial import chebyshev
 
 import solver
-from tests.solver.cases import CHARGED
 from tests.solver.strategies import decades, loads, materials, property_based
 
 FIELDS = (
@@ -61,20 +60,6 @@ def test_strokes_and_blocked_loads_are_derivatives(
         per_volt = -jacobian[0, 1] / np.linalg.det(jacobian)
         noise = 1e-13 * abs(at.depth.item() / np.linalg.det(jacobian))
         assert at[blocked].item() == pytest.approx(per_volt, rel=1e-9, abs=noise), blocked
-
-
-@pytest.mark.parametrize("friction", [0.0, 0.4])
-@pytest.mark.parametrize("fraction", [0.1, 0.7])
-@pytest.mark.parametrize("composite", ["fibrous", "laminate"])
-def test_blocked_load_follows_the_path_of_constant_depth(composite: str, fraction: float, friction: float) -> None:
-    case: dict[str, Any] = {"composite": composite, "volume_fraction": fraction, **CHARGED, "friction": friction}
-    at = solver.solve(case)
-    for charge, potential, _, _, _, blocked in FIELDS:
-        ends = solver.solve(case | {"load": around(case), charge: [0.0, 1.0]})
-        low, high = ends.isel({charge: 0}, drop=True), ends.isel({charge: 1}, drop=True)
-        held = (at.depth.item() - low.depth) / (high.depth - low.depth)  # depth is affine in the charge
-        along = low[potential] + held * (high[potential] - low[potential])
-        assert at[blocked].item() == pytest.approx(1 / derivative(along, case["load"]), rel=1e-9), blocked
 
 
 def derivative(values: xr.DataArray, load: float) -> float:

@@ -65,26 +65,6 @@ def test_fraction_outside_zero_to_a_half(x: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("factors", "words"),
-    [
-        ({"composite": "AlScN"}, "scandium_fraction: missing; must be a finite number >= 0 and <= 0.5 [1] (composite"),
-        ({"scandium_fraction": 0.2}, "scandium_fraction: the composite fibrous has none; AlScN has it"),
-        (
-            {"composite": "AlScN", "volume_fraction": 0.2},
-            "volume_fraction: the composite AlScN has none; fibrous or laminate has it",
-        ),
-        ({"composite": "AlScN", "scandium_fraction": 0.6}, "scandium_fraction: 0.6 is not a finite number >= 0 and <="),
-        ({"material": "AlN", "scandium_fraction": 0.2}, "material: give either a material or a composite's scandium_"),
-        ({"composite": ["AlScN", "laminate"], "scandium_fraction": 0.2}, "volume_fraction: missing"),
-    ],
-)
-def test_refused_in_one_line(factors: dict[str, Any], words: str) -> None:
-    with pytest.raises(solver.FactorError) as caught:
-        solver.solve({**factors, **CONTACT})
-    assert str(caught.value).startswith(words)
-
-
-@pytest.mark.parametrize(
     "body", [{}, {"thickness": 1e-3, "surroundings": "insulated", "base": "silicon"}], ids=["half-plane", "film"]
 )
 def test_beside_other_composites_it_is_what_its_constants_say(body: dict[str, Any]) -> None:

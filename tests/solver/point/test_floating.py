@@ -77,6 +77,7 @@ def by_charges(discs: Discs, place: Array) -> float:
     return found
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("size", "pitch"), [(1.0, 1.3), (0.3, 0.45)])
 def test_discs_have_the_potentials_that_their_charges_make(size: float, pitch: float) -> None:
     discs = Discs(BETWEEN, 2, size, pitch, 1)
@@ -125,19 +126,3 @@ def test_what_a_floating_disc_reads_is_its_charge_its_capacitance_and_its_voltag
     assert float(found["patch_charge_gradient"]) == pytest.approx((charges[1] - charges[2]) / step, rel=1e-4)
     alone = solver.solve(case | {"floating_neighbours": 0})
     assert 0 < abs(float(found["disc_capacitance"] / alone["disc_capacitance"]) - 1) < 1e-4  # behind a thin film
-
-
-REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
-    "too many": ({"floating_neighbours": 3}, "floating_neighbours: 3 of discs; must be at most 2, 25 discs in all"),
-    "too close": ({"patch_pitch": 5.5e-4}, "patch_pitch: 1.1 times patch_size; of discs that float it must be"),
-    "too large": ({"patch_size": 5e-3, "patch_pitch": 8e-3}, "patch_size: .* times what is beside the electrode"),
-    "no discs": ({"patch": "strip"}, "floating_neighbours: 1 below a point contact, of patches that are no discs"),
-    "a bare punch that conducts": ({"electric": "conducting"}, "floating_neighbours: below a punch that conducts"),
-}
-
-
-@pytest.mark.parametrize("changed", REFUSALS)
-def test_what_is_not_given_is_refused(changed: str) -> None:
-    factors, reason = REFUSALS[changed]
-    with pytest.raises(ValueError, match=reason):
-        solver.solve(READ | {"patch_pitch": 7e-4, "floating_neighbours": 1} | factors)

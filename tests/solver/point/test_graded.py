@@ -15,7 +15,7 @@ from solver.arrays import Array
 from solver.fields import POINT_FIELDS
 from solver.film.grading import local_tails
 from solver.film.kernel import graded_response
-from solver.film.powerlaw import constants_of
+from solver.film.powerlaw import PowerLaw, constants_of
 from solver.film.stack import Layer, Stack
 from solver.film.windows import Coat
 from solver.point.galerkin import Added
@@ -28,7 +28,7 @@ from solver.point.quantities import quantities
 from solver.point.surface import surface_fields
 from solver.point.surfacekernel import normal_kernel
 from tests.solver.film.test_grading import linear, uncoupled
-from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, Conducts, of_coats, on_film
+from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, of_coats, on_film
 
 
 def constant(depth: Array) -> solver.Material:
@@ -130,20 +130,6 @@ def test_moving_the_edge_releases_what_its_strengths_say(a: float) -> None:
     np.testing.assert_allclose(rate, released, atol=2e-10 * np.max(np.abs(released)))
 
 
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize(
-    ("exponent", "coefficient", "conducts"),
-    [(2.0, 100.0, (True, True)), (1.0, 0.1, (True, False)), (0.0, 5e-5, (True, True))],
-)
-def test_constant_profile_is_a_homogeneous_layer(exponent: float, coefficient: float, conducts: Conducts) -> None:
-    one, other = (
-        quantities(on_film(kind, 1e-4, exponent, coefficient, 5.0, (2e-10, 0.0), conducts))
-        for kind in (PLAIN, CONSTANT)
-    )
-    for name, value in one.items():
-        assert other[name][0] == pytest.approx(value[0], rel=1e-9), name
-
-
 def test_staircases_tend_to_the_graded_film() -> None:
     exact, _ = solved(of_coats((Coat(linear),)).stack(), 2.0, np.array([0.5]))
     found = []
@@ -173,7 +159,7 @@ def test_pressure_and_charge_below_a_ball_carry_its_loads() -> None:
 
 
 @pytest.mark.sampled(1)
-@pytest.mark.parametrize(("exponent", "coefficient"), [(3.0, 1e5), (2.0, 100.0)])
+@pytest.mark.parametrize(("exponent", "coefficient"), [(2.0, 100.0), (3.0, 1e5)])
 def test_tangents_are_differences(exponent: float, coefficient: float) -> None:
     step = 1e-4
     forces = 5 * np.array([1 - step, 1.0, 1 + step])
@@ -214,41 +200,16 @@ def test_pieces_integrate_logarithms_and_read_what_is_singular_at_the_edge(*, ki
 
 def test_two_ways_to_a_graded_film_are_one() -> None:
     found = solver.solve(GRADED | {"force": [2.0, 5.0]})
-    profile = solver.Graded(lambda depth: solver.fibrous(BTO, CFO, 0.2 + 0.6 * depth), 1e-4)
+    profile = solver.Graded(PowerLaw("fibrous", (constants_of(BTO), constants_of(CFO)), 0.2, 0.8, 1.0), 1e-4)
     other = solver.solve(BALL | {"force": [2.0, 5.0], "body": solver.Stack((profile,), solver.find("steel"))})
     assert {"voltage", "charge_sensitivity", "contact_stiffness", "nominal_field"} <= set(found)
     for name in found:
-        np.testing.assert_allclose(found[name], other[name], rtol=1e-9, err_msg=str(name))
+        np.testing.assert_allclose(found[name], other[name], rtol=1e-12, err_msg=str(name))
     assert "trailing_tension" not in solver.solve(GRADED | {"friction": 0.0})
 
 
-REFUSED = {
-    "air": ({"surroundings": "air"}, "surroundings: 'air' is not allowed: the film is graded, whose displacements"),
-    "a patch on top": (
-        {"collector": 1, "electrode": "top", "patch_size": 1e-4},
-        "patch_size: of the electrode on top of a film that is graded is not given",
-    ),
-    "neighbours that float": (
-        {"collector": 1, "electric": "insulating", "patch_size": 1e-4, "patch_pitch": 2e-4, "floating_neighbours": 1},
-        "floating_neighbours: of a film that is graded are not given",
-    ),
-    "flux": (
-        {"interface_magnetic": "insulated", "base": "rigid"},
-        "interface_magnetic: 'insulated' is not allowed below",
-    ),
-}
-
-
-@pytest.mark.parametrize(("own", "message"), REFUSED.values(), ids=REFUSED)
-def test_what_is_not_solved_below_points_is_told_in_one_line(own: dict[str, Any], message: str) -> None:
-    with pytest.raises((solver.FactorError, solver.MaterialError)) as refusal:
-        solver.solve(GRADED | own)
-    assert str(refusal.value).startswith(message)
-    assert "\n" not in str(refusal.value)
-
-
 def test_largest_stresses_are_those_of_the_fields_inside() -> None:
-    """On the interface and below it; graded by nothing, those of a layer."""
+    """On the interface and below it."""
     found = solver.solve(GRADED, peaks=["interface_shear", "interface_shear_position", "base_peak_von_mises"])
     depth = float(GRADED["thickness"] / found["contact_radius"])
     names, place = ["stress_xy", "von_mises"], float(found["interface_shear_position"])
@@ -258,11 +219,6 @@ def test_largest_stresses_are_those_of_the_fields_inside() -> None:
     assert shear[1] > max(shear[0], shear[2])
     below = solver.solve_interior(GRADED, np.linspace(-1.5, 1.5, 13), [-1.0001 * depth], fields=names[1:])
     assert 0.97 < float(below["von_mises"].max() / found["base_peak_von_mises"]) < 1
-    nothing = solver.solve(GRADED | {"base_volume_fraction": 0.2000001}, peaks=["base_peak_von_mises"])
-    layer = solver.solve(
-        {name: value for name, value in GRADED.items() if name != "base_volume_fraction"}, peaks=["base_peak_von_mises"]
-    )
-    assert float(nothing["base_peak_von_mises"]) == pytest.approx(float(layer["base_peak_von_mises"]), rel=1e-6)
 
 
 FALLING = solver.Graded(lambda depth: solver.fibrous(BTO, CFO, 0.8 - 0.6 * depth), 1e-4)
@@ -274,18 +230,6 @@ def inside(layers: Sequence[solver.Layer], x: list[float], y: list[float], field
     case = PRESSED | {"body": solver.Stack(layers, base="steel")}
     a = float(solver.solve(case)["contact_radius"])
     return solver.solve_interior(case, x, (np.array(y) * 1e-4 / a).tolist(), fields=list(fields)).squeeze()
-
-
-def test_fields_inside_what_is_graded_by_nothing_are_those_of_a_layer() -> None:
-    half = solver.fibrous(BTO, CFO, 0.5)
-    nothing = solver.Graded(lambda depth: solver.fibrous(BTO, CFO, 0.5 + 0.0 * depth), 1e-4)
-    names, places = (
-        ("stress_xx", "stress_xy", "electric_field_x", "electric_potential"),
-        ([-1.3, 0.4], [-0.02, -0.6, -1.4]),
-    )
-    one, other = inside([nothing], *places, names), inside([solver.Layer(half, 1e-4)], *places, names)
-    for name in names:
-        np.testing.assert_allclose(one[name], other[name], rtol=0, atol=1e-9 * float(np.abs(other[name]).max()))
 
 
 def test_fields_inside_obey_the_material_at_their_depth_and_meet_the_surface() -> None:

@@ -58,7 +58,8 @@ def rubbed(stack: Stack, exponent: float, radius: float) -> tuple[Array, Array]:
     return solved[:1], psi / stack.scale[1:, None] / stack.scale[1]
 
 
-@pytest.mark.parametrize(("exponent", "covered"), [(2.0, True), (1.0, False)])
+@pytest.mark.soak  # the ball below has it in every quantity
+@pytest.mark.parametrize(("exponent", "covered"), [(1.0, False), (2.0, True)])
 def test_friction_on_what_is_graded_by_nothing_is_that_on_a_layer(exponent: float, *, covered: bool) -> None:
     kinds = (replace(kind, electroded=covered) for kind in (CONSTANT, PLAIN))
     (shift, psi), (other, own) = (rubbed(kind.stack(), exponent, 0.7) for kind in kinds)

@@ -63,17 +63,6 @@ def test_half_plane_keeps_its_pressure_whatever_the_charges() -> None:
     assert np.max(np.abs(contact.state.densities)) > 1e-6 * contact.state.loads[0] / contact.state.half
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_without_permittivity_it_is_the_contact_without_air(friction: float) -> None:
-    contact = airy(on_rigid(FIBROUS), friction=friction, charges=(1e-7, -1e-4), permittivity=1e-16)
-    state, bare = contact.state, contact.contact
-    np.testing.assert_allclose(state.half, bare.half_width[0], rtol=1e-12)
-    np.testing.assert_allclose(state.response * bare.scale[1:], bare.response[0], rtol=1e-12)
-    np.testing.assert_allclose(np.diag(state.tangents), np.diag(bare.tangents[0]), rtol=1e-11)
-    fixed = [bare.at_fixed_contact[0, 1 + f, f] for f in (0, 1)]
-    np.testing.assert_allclose([state.at_fixed_contact[1 + f, f] for f in (0, 1)], fixed, rtol=1e-11)
-
-
 def test_tangents_are_those_of_neighbouring_cases() -> None:
     contact = airy(on_rigid(FIBROUS), friction=0.3, charges=(2e-7, 1e-4), nodes=9)
     bare, scale = contact.contact, contact.contact.scale
@@ -86,24 +75,6 @@ def test_tangents_are_those_of_neighbouring_cases() -> None:
             found.append(AirContact(contact.table, near, contact.permittivity).state.response * scale[1:])
         slope = (found[1] - found[0]) / (2e-4 * values[k])
         np.testing.assert_allclose(contact.state.tangents[:, k], slope, rtol=1e-6, atol=1e-6 * np.max(np.abs(slope)))
-
-
-def test_similar_contacts_share_radius_times_permittivity() -> None:
-    """Twice the load, charges and permittivity on half the radius: the same contact, everything else twice."""
-    one = airy(on_rigid(FIBROUS), 5e3, charges=(1e-7, 0.0))
-    two = replace(
-        one,
-        contact=replace(
-            one.contact,
-            profile=replace(one.contact.profile, slope=tuple(2 * c for c in one.contact.profile.slope)),
-            load=2 * one.contact.load,
-            charges=2 * one.contact.charges,
-        ),
-        permittivity=2 * one.permittivity,
-    )
-    assert two.state.half == pytest.approx(one.state.half, rel=1e-12)
-    np.testing.assert_allclose(two.state.densities, 2 * one.state.densities, rtol=1e-9)
-    np.testing.assert_allclose(two.state.response, 2 * one.state.response, rtol=1e-10)
 
 
 def test_figures_of_boundary_elements() -> None:

@@ -1,6 +1,7 @@
 """Fields with air beside the contact: finite elements, no air, the gap's law, balances, both ways to the surface."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -14,8 +15,6 @@ from solver.surroundings.coupled import AirContact
 from solver.surroundings.operators import EDGE
 from solver.surroundings.surface import surface_fields
 from solver.surroundings.tractions import Solved
-from tests.solver.film.films import interior_fields
-from tests.solver.film.films import surface_fields as without
 from tests.solver.quadrature import rule
 from tests.solver.surroundings.airy import CFO, FIBROUS, PZT, airy, on_rigid, on_steel
 
@@ -38,30 +37,22 @@ BOTH = (
 INSIDE = ("stress_xx", "stress_yy", "stress_xy", "electric_displacement_y", "electric_field_x", "electric_potential")
 
 
+@cache
+def made(name: str) -> AirContact:
+    stack, own = CASES[name]
+    return airy(stack, **own)  # type: ignore[arg-type]
+
+
 def inside(contact: AirContact, x: Array, y: Array, names: tuple[str, ...]) -> Array:
     found: Array = fields_of(Solved(contact.state, EDGES, FAR).tractions, x, y, names, contact.contact.datum)[0]
     return found
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_without_permittivity_they_are_those_without_air(name: str) -> None:
-    stack, own = CASES[name]
-    contact = airy(stack, permittivity=1e-14, **own)  # type: ignore[arg-type]
-    found, expected = surface_fields(contact.state, X), without(contact.contact, X)
-    for field, _, _ in BOTH:
-        one, other = (of[field][0] * np.sqrt(np.abs(1 - X**2)) for of in (found, expected))
-        np.testing.assert_allclose(one, other, rtol=0, atol=1e-9 * np.max(np.abs(other)), err_msg=field)
-    x, y = np.array([-3.0, -1.1, 0.3, 2.0]), np.array([-0.05, -0.5, -3.0])
-    bare = interior_fields(contact.contact, x, y, INSIDE)[0]
-    for field, one, other in zip(INSIDE, inside(contact, x, y, INSIDE), bare, strict=True):
-        np.testing.assert_allclose(one, other, rtol=0, atol=1e-10 * np.nanmax(np.abs(other)), err_msg=field)
-
-
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", CASES)
 def test_kernels_and_waves_meet_at_the_surface_and_the_gap_has_its_law(name: str) -> None:
     """Inside fields come from spectra of all charges, those on the surface from tables of kernels; V by the table."""
-    stack, own = CASES[name]
-    contact = airy(stack, **own)  # type: ignore[arg-type]
+    contact = made(name)
     state, scale = contact.state, contact.contact.scale
     found = surface_fields(state, X)
     at = inside(contact, X, np.zeros(1), (*(other for _, other, _ in BOTH), "electric_potential"))[:, 0]
@@ -89,8 +80,7 @@ def test_kernels_and_waves_meet_at_the_surface_and_the_gap_has_its_law(name: str
 @pytest.mark.parametrize("name", CASES)
 def test_tractions_balance_load_and_charges(name: str) -> None:
     """The contact by a double exponential rule, what is beside it by panels in arccosh X; an edge is good to 1e-6."""
-    stack, own = CASES[name]
-    contact = airy(stack, **own)  # type: ignore[arg-type]
+    contact = made(name)
     state, nodes = contact.state, rule()
     on = surface_fields(state, nodes.X)
     local, weights = np.polynomial.legendre.leggauss(20)
@@ -113,7 +103,7 @@ def test_tractions_balance_load_and_charges(name: str) -> None:
 
 def test_edge_stresses_are_limits_of_the_fields_and_even_without_friction() -> None:
     """Of the charges on one side the stretch at the other edge had the wrong sign: 14 % here, and two edges unlike."""
-    state = airy(*CASES["steel"][:1], **CASES["steel"][1]).state  # type: ignore[arg-type]
+    state = made("steel").state
     edge = state.outputs[EDGE] / state.of.contact.scale[1]
     near = surface_fields(state, np.array([1 + 1e-7, -1 - 1e-7]))["stress_xx"][0]
     np.testing.assert_allclose(edge[0], edge[1], rtol=1e-9)
@@ -122,7 +112,7 @@ def test_edge_stresses_are_limits_of_the_fields_and_even_without_friction() -> N
 
 def test_fields_do_not_see_where_the_intervals_end() -> None:
     """What lies beyond them is a charge at infinity."""
-    state = airy(*CASES["rigid"][:1], **CASES["rigid"][1]).state  # type: ignore[arg-type]
+    state = made("rigid").state
     few, many = (Solved(state, EDGES, count).tractions for count in (10, FAR))
     x, y = np.array([-2.0, 0.4]), np.array([-0.2, -0.9])
     one, two = (fields_of(of, x, y, INSIDE[:5], np.ones(1)) for of in (few, many))
@@ -134,7 +124,7 @@ def test_fields_do_not_see_where_the_intervals_end() -> None:
 
 def test_fields_inside_are_in_equilibrium_and_meet_at_interfaces() -> None:
     """Differences of sixth order: with the surface's values they leave no other field than that below it."""
-    contact = airy(*CASES["bonded"][:1], **CASES["bonded"][1])  # type: ignore[arg-type]
+    contact = made("bonded")
     half, step = contact.state.half, 1e-3
     tractions = replace(Solved(contact.state, EDGES).tractions, widest=3.0)
     names = ("stress_xx", "stress_xy", "stress_yy", "electric_displacement_x", "electric_displacement_y",

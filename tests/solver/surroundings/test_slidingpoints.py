@@ -5,59 +5,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import solver
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
-from solver.names import FILM_PEAKS, PEAKS
 from solver.point.sliding import FirstOrderWarning
 from tests.solver.surroundings.test_pointfields import FIBROUS
 from tests.solver.surroundings.test_points import FILM, HALF, answer
-from verification import sliding_points
 
 SLID = {"friction": 0.3}
 POSITIONS, DEPTHS = np.array([-1.05, -0.5, 0.95, 2.0]), np.array([-0.02, -0.7])
 TURNED = ("contact_offset", "trailing_tension", "peak_pressure", "peak_displacement", "gap_field")
-
-
-def test_collocation_on_a_film_agrees() -> None:
-    """Which shares no code; a half-space in `make run STUDY=verification`. The film's shift sees the air."""
-    found = sliding_points.in_air(1e-4)
-    assert abs(found.offset) < 2e-6
-    assert max(found.charges, found.pressures) < sliding_points.AIR_TOLERANCE
-    film = FILM | SLID | {"base": "rigid"}
-    air, bare = (answer(film | {"surroundings": one})["contact_offset"] for one in ("air", "insulated"))
-    assert abs(air / bare - 1) > 1e-3
-
-
-@pytest.mark.parametrize("own", [FILM, HALF | {"punch": "steel"}])
-def test_without_permittivity_it_slides_as_without_air(own: dict[str, Any]) -> None:
-    case = own | SLID | {"total_charge": 2e-10}
-    bare, air = answer(case | {"surroundings": "insulated"}), answer(case | {"gap_permittivity": 1e-15})
-    kept = [name for name in bare if "edge_intensity" not in name]
-    np.testing.assert_allclose([air[name] for name in kept], [bare[name] for name in kept], rtol=1e-10)
-
-
-def test_fields_without_permittivity_are_those_without_air() -> None:
-    bare, none = FIBROUS | SLID | {"surroundings": "insulated"}, FIBROUS | SLID | {"gap_permittivity": 1e-15}
-    exact, found = (solver.solve(case, POSITIONS) for case in (bare, none))
-    inside = [solver.solve_interior(case, POSITIONS, DEPTHS) for case in (bare, none)]
-    _alike(found, exact, ["contact_pressure", "electric_displacement", "radial_stress", "hoop_stress"])
-    _alike(inside[1], inside[0], list(map(str, inside[0].data_vars)))
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("own", [HALF, FILM])
-def test_largest_stresses_without_permittivity_are_those_without_air(own: dict[str, Any]) -> None:
-    around = {"surroundings": "insulated"}, {"gap_permittivity": 1e-15}
-    exact, found = (solver.solve(own | SLID | one, peaks=True) for one in around)
-    _alike(found, exact, [name for name in {**PEAKS, **FILM_PEAKS} if name in exact])
-
-
-def _alike(found: xr.Dataset, exact: xr.Dataset, names: list[str]) -> None:
-    for name in names:
-        size = float(np.max(np.abs(exact[name])))
-        np.testing.assert_allclose(found[name], exact[name], rtol=0, atol=1e-9 * size, err_msg=name)
 
 
 def test_no_friction_is_no_sliding_and_little_is_a_little() -> None:
@@ -84,15 +41,6 @@ def test_a_dielectric_under_its_own_elasticity_feels_nothing_of_it() -> None:
     shifted = answer(case | SLID | {"punch": "rigid"})
     assert abs(shifted["contact_offset"]) > 1e-3 * shifted["contact_radius"]
     assert shifted["peak_displacement"] > still["peak_displacement"]
-
-
-@pytest.mark.parametrize("charge", [0.0, 8e-10])
-def test_film_of_its_base_s_own_material_is_the_half_space(charge: float) -> None:
-    """Two charges: above the field at which the surface gives way, and below it."""
-    case = HALF | SLID | {"total_charge": charge}
-    half = answer(case)
-    film = answer(case | {"thickness": 6e-5, "base": "BaTiO3", "interface_electric": "bonded"})
-    np.testing.assert_allclose([film[name] for name in TURNED], [half[name] for name in TURNED], rtol=1e-8)
 
 
 @pytest.mark.parametrize("case", [HALF, FILM | {"base": "rigid"}, FIBROUS | {"magnetic": "conducting"}])

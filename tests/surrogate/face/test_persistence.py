@@ -45,6 +45,7 @@ def test_a_loaded_model_predicts_the_same_bits(kind: str, tmp_path: Path) -> Non
     assert (model.made_from_, load(tmp_path / "d.nc").made_from_) == ("", "some state")
 
 
+@pytest.mark.usefixtures("quarantined")
 def test_a_calibrated_model_of_one_input_survives_its_file(tmp_path: Path) -> None:
     """It has no corners of two inputs: nothing of length zero stands in a file."""
     one = FactorialRegressor().fit(np.linspace(0, 1, 9)[:, None], np.exp(np.linspace(0, 1, 9))).model_
@@ -70,6 +71,13 @@ def test_every_variable_says_what_it_is(kind: str, tmp_path: Path) -> None:
         for variable in file.variables.values():
             assert variable.long_name, variable.name
             assert variable.units == "1"
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    path = tmp_path_factory.mktemp("stored") / "model.nc"
+    save(fitted("chebyshev"), path)
+    return path.read_bytes()
 
 
 def edit(path: Path, change: Callable[[xr.Dataset], xr.Dataset]) -> None:
@@ -113,10 +121,10 @@ def replaced(name: str, value: Any) -> Callable[[xr.Dataset], xr.Dataset]:  # an
     ],
 )
 def test_a_wrong_model_is_refused_with_its_reason(
-    change: Callable[[xr.Dataset], xr.Dataset], says: str, tmp_path: Path
+    change: Callable[[xr.Dataset], xr.Dataset], says: str, stored: bytes, tmp_path: Path
 ) -> None:
     path = tmp_path / "model.nc"
-    save(fitted("chebyshev"), path)
+    path.write_bytes(stored)
     edit(path, change)
     with pytest.raises(FormatError, match=re.escape(says)) as caught:
         load(path)
@@ -124,10 +132,8 @@ def test_a_wrong_model_is_refused_with_its_reason(
     assert "\n" not in str(caught.value)
 
 
-def test_an_altered_or_truncated_model_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "model.nc"
-    save(fitted("chebyshev"), path)
-    whole = path.read_bytes()
+def test_an_altered_or_truncated_model_is_refused(stored: bytes, tmp_path: Path) -> None:
+    path, whole = tmp_path / "model.nc", stored
     path.write_bytes(whole[: len(whole) // 2])
     with pytest.raises(FormatError, match="truncated"):
         load(path)
@@ -139,9 +145,10 @@ def test_an_altered_or_truncated_model_is_refused(tmp_path: Path) -> None:
             load(path)
 
 
-def test_a_model_that_unpacks_to_too_much_is_refused(tmp_path: Path) -> None:
+@pytest.mark.usefixtures("quarantined")
+def test_a_model_that_unpacks_to_too_much_is_refused(stored: bytes, tmp_path: Path) -> None:
     path = tmp_path / "model.nc"
-    save(fitted("chebyshev"), path)
+    path.write_bytes(stored)
     with netCDF4.Dataset(path, "a") as file:
         file.createDimension("huge", 2**36)
         file.createVariable("bomb", "f8", ("huge",), compression="zstd", chunksizes=(2**16,))

@@ -19,6 +19,7 @@ from surrogate.face import persistence
 from surrogate.face.sizes import MOST, check_sizes
 
 ONE = Input("a", 0, 1)
+pytestmark = pytest.mark.usefixtures("quarantined")
 
 
 def model(count: int = 6) -> GridGP:

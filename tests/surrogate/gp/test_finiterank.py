@@ -17,6 +17,7 @@ from surrogate.gp import finiterank, scattergp
 from surrogate.gp.finiterank import FiniteRank, largest
 from surrogate.gp.poisson import Decay, _cost, kernel, most_likely
 from surrogate.use.validation import validate
+from tests.surrogate.slopes import assert_slopes
 
 Array = NDArray[np.float64]
 INPUTS = (Input("x", -1.0, 1.0), Input("y", 1.0, 100.0, "log"), Input("z", 0.0, 2.0))
@@ -138,14 +139,8 @@ def many() -> ScatterGP:
 
 
 def test_gradients_agree_with_differences(many: ScatterGP) -> None:
-    at = {one.name: xr.DataArray(one.from_unit(0.9 * scaled(6)[k]), dims="point") for k, one in enumerate(INPUTS)}
-    gradient = many.gradient(at)
-    for one in INPUTS:
-        step = 1e-4 * np.abs(at[one.name])
-        above, below = ({**at, one.name: at[one.name] + sign * step} for sign in (1, -1))
-        slope = (many.predict(above) - many.predict(below)) / (2 * step)
-        for name in ("f", "g"):
-            np.testing.assert_allclose(gradient[name].sel(input=one.name), slope[name], rtol=1e-5, atol=1e-6)
+    X = np.stack([one.from_unit(0.9 * row) for one, row in zip(INPUTS, scaled(6), strict=True)], axis=1)
+    assert_slopes(many, X, rtol=1e-5)
 
 
 def test_a_model_survives_its_file_and_an_altered_one_is_refused(many: ScatterGP, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -11,9 +12,11 @@ from numpy.polynomial.chebyshev import chebval
 from numpy.typing import NDArray
 
 from surrogate import GridGP, Input, load, save
+from tests.layers import SOAK
 
 Array = NDArray[np.float64]
 NAMES = ("x", "y", "z")
+EXAMPLES = 100 if SOAK else 8
 
 
 @st.composite
@@ -53,8 +56,9 @@ def spread(data: xr.Dataset, name: str) -> float:
     return float(np.ptp(data[name].values)) + 1e-300
 
 
+@pytest.mark.soakable
 @given(factorials(), st.sampled_from(["chebyshev", "matern32", "matern52"]))
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=EXAMPLES)
 def test_the_data_are_met_and_nothing_is_unknown_there(made: tuple[list[Input], xr.Dataset], kernel: str) -> None:
     inputs, data = made
     # a long length scale would let the nugget be felt
@@ -71,8 +75,9 @@ def test_the_data_are_met_and_nothing_is_unknown_there(made: tuple[list[Input], 
         assert float(at_levels.max()) <= (1e-10 if kernel == "chebyshev" else 1e-5) * scale * _prior(model, p)
 
 
+@pytest.mark.soakable
 @given(factorials(fewest=3))
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=EXAMPLES)
 def test_polynomials_of_half_the_degree_are_met_everywhere(made: tuple[list[Input], xr.Dataset]) -> None:
     # the kernel's tail puts rho^(2(n-m)) of a coefficient of degree m elsewhere, so low degrees are exact to rounding
     inputs, data = made
@@ -89,8 +94,9 @@ def test_polynomials_of_half_the_degree_are_met_everywhere(made: tuple[list[Inpu
     np.testing.assert_allclose(model.predict(points)["h"], want, rtol=0, atol=float(room))
 
 
+@pytest.mark.soakable
 @given(factorials(), st.floats(-1, 1), st.floats(-1, 1))
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=EXAMPLES)
 def test_two_levels_make_an_affine_factor_exact(
     made: tuple[list[Input], xr.Dataset], share: float, slope: float
 ) -> None:
@@ -111,8 +117,9 @@ def test_two_levels_make_an_affine_factor_exact(
     np.testing.assert_allclose(model.predict({**points, "w": w})["f"], want, rtol=0, atol=room)
 
 
+@pytest.mark.soakable
 @given(factorials(), st.randoms(use_true_random=False))
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=EXAMPLES)
 def test_the_order_of_the_factors_does_not_matter(made: tuple[list[Input], xr.Dataset], random: object) -> None:
     inputs, data = made
     turned = inputs[::-1]
@@ -125,8 +132,9 @@ def test_the_order_of_the_factors_does_not_matter(made: tuple[list[Input], xr.Da
         np.testing.assert_allclose(a[f"{name}_std"], b[f"{name}_std"], rtol=1e-3, atol=room)
 
 
+@pytest.mark.soakable
 @given(factorials(), st.sampled_from(["chebyshev", "rbf", "matern32", "matern52"]))
-@settings(deadline=None, max_examples=8)
+@settings(deadline=None, max_examples=4)
 def test_a_file_gives_the_same_bits_back(made: tuple[list[Input], xr.Dataset], kernel: str) -> None:
     inputs, data = made
     model = GridGP(kernel, inputs).fit(data)  # type: ignore[arg-type]  # plain strings

@@ -76,19 +76,20 @@ def test_closed_sums_reach_as_far_as_they_should(model: GridGP) -> None:
 
 
 def test_differences_of_near_points_hold(model: GridGP) -> None:
-    fresh, step = cases(250, 9), 0.02
+    count, step = 120, 0.02
+    fresh = cases(count, 9)
     at = fresh["x"].values * (1 - step)
     moved = truth(at + step, fresh["y"].values)
     held: list[bool] = []
     alone: list[bool] = []
-    for k in range(250):
+    for k in range(count):
         points = {"x": xr.DataArray([at[k], at[k] + step], dims="end"), "y": float(fresh["y"][k])}
         true = moved["first"][k] - truth(at[k : k + 1], fresh["y"].values[k : k + 1])["first"][0]
         for together, found in ((True, held), (False, alone)):
             drawn = model.sample(points, 200, k, together=together)["first"].values
             low, high = np.quantile(drawn[:, 1] - drawn[:, 0], [0.025, 0.975])
             found.append(bool(low <= true <= high))
-    assert np.mean(held) == pytest.approx(0.95, abs=4 * np.sqrt(0.95 * 0.05 / 250) + 0.015)
+    assert np.mean(held) == pytest.approx(0.95, abs=4 * np.sqrt(0.95 * 0.05 / count) + 0.015)
     assert np.mean(alone) > np.mean(held)  # wider than they must be
 
 

@@ -25,6 +25,7 @@ class Solver:
         return xr.Dataset(functions.outputs({n: xr.DataArray(x, dims=n, coords={n: x}) for n, x in levels.items()}))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
 def test_the_counts_deliver_and_are_no_waste(tolerance: float) -> None:
     solver = Solver()

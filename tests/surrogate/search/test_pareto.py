@@ -54,7 +54,7 @@ def test_front_of_two_spheres(bulge: float) -> None:
 def test_no_front_where_nothing_is_feasible() -> None:
     problem = spheres(1.0)
     never = Problem(2, lambda X: (problem.value(X)[0], np.ones((len(X), 1))), problem.slope)
-    assert front(never, 2, scan=64) is None
+    assert front(never, 2, scan=16) is None
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)

@@ -14,6 +14,7 @@ from surrogate.data.inputs import unit_coordinates
 from surrogate.use.sensitivity import sobol
 from surrogate.use.validation import validate
 from tests.surrogate.grouped import GROUPING, GROUPS, INPUTS, PRESSING, SCALINGS, cases, factorial, world
+from tests.surrogate.slopes import assert_slopes
 
 
 @pytest.fixture(scope="module")
@@ -38,15 +39,8 @@ def test_what_the_groups_tell_is_exact_in_the_inputs(exact: GroupedGP) -> None:
 
 
 def test_gradients_are_those_by_the_inputs(calibrated: GroupedGP) -> None:
-    x = np.stack([one.from_unit(np.array([-0.3, 0.2, 0.6])) for one in INPUTS], axis=1)
-    slopes = calibrated.gradient_array(x)
-    for k, one in enumerate(INPUTS):
-        step = 1e-5 * (one.high - one.low)
-        up, down = x.copy(), x.copy()
-        up[:, k] += step
-        down[:, k] -= step
-        found = (calibrated.predict_array(up) - calibrated.predict_array(down)) / (2 * step)
-        np.testing.assert_allclose(slopes[:, :, k], found, rtol=1e-5, atol=1e-6 * np.abs(found).max())
+    X = np.stack([one.from_unit(np.array([-0.3, 0.2, 0.6])) for one in INPUTS], axis=1)
+    assert_slopes(calibrated, X, rtol=1e-5)
 
 
 def test_intervals_hold_by_the_inputs_and_of_derivatives(calibrated: GroupedGP) -> None:

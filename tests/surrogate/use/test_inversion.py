@@ -71,7 +71,8 @@ def test_disagreement_shows_in_the_misfit() -> None:
 
 
 @pytest.mark.parametrize("trials", [40, pytest.param(250, marks=pytest.mark.soak)])
-@pytest.mark.parametrize("error", [1e-2, 0.5])
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("error", [0.5, 1e-2])
 def test_intervals_hold_the_truth_as_often_as_they_say(error: float, trials: int) -> None:
     inversion = Inversion(model("folded"), ["a", "b"], ["u", "v"], {"c": 0.0})
     random = np.random.default_rng(3)

@@ -20,6 +20,7 @@ from surrogate.transforms.measured.draws import Draw
 from surrogate.use import residuals
 from surrogate.use.learning import Learnt, NotSettledError, learn
 from surrogate.use.residuals import Residuals
+from tests.surrogate.slopes import assert_slopes
 
 Array = NDArray[np.float64]
 INPUTS = (Input("x", 0.0, 1.0), Input("y", 1.0, 10.0, "log"))
@@ -99,8 +100,8 @@ def corrected(found: Learnt, rows: Measurements) -> CorrectedGP:
     return CorrectedGP(nominal(), effect, CONSTANTS, found.about, found.draws, rows, np.zeros(2), "what it taught")
 
 
-# of four, whose shares scatter by 0.105, 0.033 and 0.12 from device to device, three standard deviations more
-@pytest.mark.parametrize(("count", "slack"), [(4, 3.0), pytest.param(200, 0.0, marks=pytest.mark.soak)])
+# of two, whose shares scatter by 0.105, 0.033 and 0.12 from device to device, three standard deviations more
+@pytest.mark.parametrize(("count", "slack"), [(2, 3.0), pytest.param(200, 0.0, marks=pytest.mark.soak)])
 def test_intervals_hold_on_synthetic_devices(count: int, slack: float) -> None:
     # discrepancies from none to ten times the noise; 20 truths a device of each output that nobody has measured
     truths, rows, constants = [], [], []
@@ -229,11 +230,9 @@ def test_what_is_unknown_is_drawn_from_its_density(monkeypatch: pytest.MonkeyPat
 
 def test_gradients_are_those_of_the_means(device: Device, found: Learnt) -> None:
     surrogate = corrected(found, device.rows())
-    X, step = np.array([[0.3, 2.0], [0.8, 6.0]]), np.array([1e-4, 0.0])
-    slope = surrogate.gradient(X, return_std=True)
-    numeric = (surrogate.predict_array(X + step) - surrogate.predict_array(X - step)) / 2e-4
-    np.testing.assert_allclose(slope["f0"].sel(input="x"), numeric[:, 0], rtol=1e-5)
-    assert (slope["f0_std"] > 0).all()
+    X = np.array([[0.3, 2.0], [0.8, 6.0]])
+    assert_slopes(surrogate, X, rtol=1e-5)
+    assert (surrogate.gradient(X, return_std=True)["f0_std"] > 0).all()
 
 
 def test_a_stored_model_gives_the_same_answers(device: Device, found: Learnt, tmp_path: Path) -> None:

@@ -1,0 +1,244 @@
+"""What can not be solved is refused by name, in one line: of every kind of body, punch, film and electrode."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solver
+from solver.film.stack import Layer, Stack
+from tests.solver.cases import refused
+from tests.solver.film.films import BTO
+
+PDMS, PVDF, GLASS, COPPER = (solver.find(name) for name in ("PDMS", "PVDF", "glass", "copper"))
+Case = dict[str, Any]
+
+
+def without(case: Case, *names: str) -> Case:
+    return {name: value for name, value in case.items() if name not in names}
+
+
+BARE: Case = {"surroundings": "insulated"}
+AIR: Case = {"surroundings": "air"}
+LINE: Case = {"material": "BaTiO3", "radius": 0.05, "load": 1e5}
+PRESSED = without(LINE, "radius")
+FILM = LINE | BARE | {"thickness": 0.5e-3, "base": "rigid"}
+MIX: Case = BARE | {"volume_fraction": 0.5, "thickness": 0.2e-3, "radius": 0.05, "friction": 0.3, "load": 1e5}
+GRADED = MIX | {"volume_fraction": 0.2, "base": "steel", "base_volume_fraction": 0.5}
+BALL: Case = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
+ON_FILM = BALL | BARE | {"thickness": 1e-4, "base": "rigid"}
+GRADED_BALL = without(ON_FILM, "material") | {"volume_fraction": 0.2, "base_volume_fraction": 0.8, "base": "steel"}
+STACK = Stack([Layer(BTO, 1e-4)])
+ON_STACK = LINE | BARE | {"body": STACK, "material": None}
+READ: Case = {"body": Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)]), "collector": 1, "material": None}
+PATCH = BALL | BARE | READ | {"patch_size": 1e-3}
+STRIPS: Case = BARE | {
+    "radius": 0.01, "punch": "skin", "load": 20.0, "electric": "insulating", "magnetic": "insulating", "collector": 2,
+    "body": Stack([Layer(PDMS, 1e-3, "grounded"), Layer(PVDF, 5e-5)]), "patch_size": 5e-4, "patch_pitch": 6e-4,
+    "floating_neighbours": 1,
+}  # fmt: skip
+DISCS = without(STRIPS, "load") | {"profile": "sphere", "force": 0.05, "patch_pitch": 7e-4}
+SCANDIUM: Case = {"composite": "AlScN", "radius": 0.05, "load": 1e4}
+STEEL: Case = {"punch_modulus": 210e9, "punch_poisson": 0.3}
+
+
+def own(*slope: float) -> Case:
+    return PRESSED | {"profile": solver.Profile.polynomial(slope, (True, True))}
+
+
+#: By the beginning of the message.
+REFUSED: dict[str, Case] = {
+    # profiles of the half-plane
+    "width: missing": PRESSED | {"profile": "flat"},
+    "slope: missing": PRESSED | {"profile": "wedge"},
+    "slope: 0 is not a finite number > 0": PRESSED | {"profile": "wedge", "slope": 0.0},
+    "radius: missing": PRESSED | {"profile": "half_cylinder"},
+    "radius: the profile flat has none": LINE | {"profile": "flat", "width": 1e-3},
+    "corner: the profile cylinder has none": LINE | {"corner": "leading"},
+    "moment: give either": PRESSED | {"profile": "flat", "width": 1e-3, "slope": 0.0, "moment": 1.0},
+    "contact: it would need tension": PRESSED | {"profile": "flat", "width": 4e-4, "slope": 0.01},
+    "contact: it would need tension b": PRESSED | {"profile": "flat", "width": 4e-4, "moment": 15.0},
+    "profile: 'ball' is not one of cylinder, flat": LINE | {"profile": "ball"},
+    "load: the profile sphere has none; give force": LINE | {"profile": "sphere"},
+    "slope: the punch does not widen upwards": own(0.0, -1.0),
+    "slope: an even power": own(0.0, 0.0, 1.0),
+    "slope: an even power of": own(0.1, 0.0, 1.0, 0.0),
+    "slope: an even power of x ": own(0.1, 0.0),
+    "slope: the punch does not widen upwards from its lowest point: it carries no load": own(0.0, 0.0),
+    # films
+    "thickness: 0 is not a finite number > 0 [m]": FILM | {"thickness": 0.0},
+    "thickness: -0.001 is not": FILM | {"thickness": [1e-3, -1e-3]},
+    "thickness: inf is not": FILM | {"thickness": np.inf},
+    "base: 'stele' is unknown; did you mean 'steel'": FILM | {"base": "stele"},
+    "base: '7.0' is no material; must be 'rigid' or": FILM | {"base": 7.0},
+    "base: missing; must be 'rigid' or": without(FILM, "base"),
+    "base: 'rigid' without": without(FILM, "thickness"),
+    "interface_electric: 'bonded' without a thickness": LINE | {"interface_electric": "bonded"},
+    "base_modulus: 1e+11 without a thickness": LINE | {"base_modulus": 1e11},
+    "base_modulus: 1e+11 beside a base": FILM | {"base_modulus": 1e11, "base_poisson": 0.3},
+    "base_poisson: missing; must be": FILM | {"base": "", "base_modulus": 1e11},
+    "base_poisson: 0.5 is not": FILM | {"base": "", "base_modulus": 1e9, "base_poisson": 0.5},
+    "interface_electric: 'bonded' is not allowed": FILM | {"interface_electric": "bonded"},
+    "interface_magnetic: 'insulated' is allowed": FILM | {"base": "steel", "interface_magnetic": "insulated"},
+    "interface_magnetic: 'open' is not one of grounded": FILM | {"interface_magnetic": "open"},
+    "contact: wider than the resolved range": FILM | {"load": 1e12},
+    "contact: narrower than the resolved range": FILM | {"load": 1e-6},
+    "contact: it would need tension be": without(FILM, "radius") | {"profile": "flat", "width": 1e-3, "slope": 0.1},
+    "contact: contacts of more than one length": MIX | {
+        "base": "rigid", "friction": 0.0, "radius": 5e4, "load": 4300.0, "charge": -1e-5
+    },
+    "contact: it would need tension between punch and surface": MIX | {
+        "base": "rigid", "radius": 50.0, "load": 1e3, "charge": 1e-5
+    },
+    # graded films and stacks
+    "base_volume_fraction: 1.2 is not a finite number": GRADED | {"base_volume_fraction": 1.2},
+    "grading_exponent: 0.5 is": GRADED | {"grading_exponent": 0.5},
+    "grading_exponent: 1.5 is not 1, 2, 3 or >= 4": GRADED | {"grading_exponent": 1.5},
+    "grading_exponent: 2 without a base_volume_fraction": MIX | {"base": "steel", "grading_exponent": 2.0},
+    "base_volume_fraction: 0.5 without a thickness": without(GRADED, "thickness", "base"),
+    "base_volume_fraction: 0.5 without a volume_fraction": FILM | {"base_volume_fraction": 0.5},
+    "interface_magnetic: 'insulated' is not allowed below a graded layer": GRADED | {
+        "base": "rigid", "interface_magnetic": "insulated"
+    },
+    "body: 'steel' is no solver.Stack": ON_STACK | {"body": "steel"},
+    "material: beside a body": ON_STACK | {"material": "BaTiO3"},
+    "base: beside a body": ON_STACK | {"base": "steel"},
+    "contact: wider than the resolved range, ": ON_STACK | {"body": Stack([Layer(BTO, 1e-9)])},
+    # speeds
+    "speed: 5000 m/s is not below the first critical speed of the film, 2758.22 m/s": FILM | {"speed": 5e3},
+    "speed: 2900 m/s is not below the first critical speed of the film, 2": FILM | {"base": "steel", "speed": 2900.0},
+    "speed: 900 m/s is not below the first critical speed of the film, 745.3": FILM | {
+        "base": "polyimide", "speed": 900.0
+    },
+    "speed: base: rho: missing; a speed needs": FILM | {
+        "base": "", "base_modulus": 1e11, "base_poisson": 0.3, "speed": 1.0
+    },
+    # what is beside the contact
+    "surroundings: 'water' is not one of insulated, air": LINE | {"surroundings": "water"},
+    "surroundings: 'air' is not allowed: the punch conducts no field": LINE | AIR | {
+        "electric": "insulating", "magnetic": "insulating"
+    },
+    "surroundings: 'air' is not allowed: the punch has a corner": PRESSED | AIR | {"profile": "flat", "width": 1e-3},
+    "gap_permittivity: 0 is not a finite number > 0 [1]": LINE | AIR | {"gap_permittivity": 0.0},
+    "gap_permittivity: 2.2 without surroundings: air; only its gap has one": LINE | {"gap_permittivity": 2.2},
+    "surroundings: the punch touches the surface beside the contact, at (x - c)/h = ": LINE | {
+        "material": "PMN-PT 67:33", "thickness": 5.8e-5, "base": "steel", "load": 1e3, "friction": 0.3,
+        "charge": 1.8e-4, "magnetic": "insulating",
+    },
+    "speed: 10000 m/s is not below the limiting speed": LINE | AIR | {"speed": 1e4},
+    "surroundings: 'air' is not allowed: the punch conducts no fiel": BALL | AIR | {
+        "electric": "insulating", "magnetic": "insulating"
+    },
+    "surroundings: 'air' is not allowed: a disc's face touches all over": without(BALL, "radius") | AIR | {
+        "profile": "disc", "width": 1e-3
+    },
+    "gap_radius: missing; must be a finite number > 0 [m]: a cone or a power beside air says nowhere":
+        without(BALL, "radius") | AIR | {"profile": "cone", "slope": 0.1},
+    "gap_radius: 0.1 beside a contact along a line; only a point's gap has one": LINE | AIR | {"gap_radius": 0.1},
+    "gap_radius: 0.1 without surroundings: air; only its gap has one": BALL | {"gap_radius": 0.1},
+    # points
+    "load: the profile sphere has none; give force [N]": BALL | {"load": 1e4},
+    "charge: the profile sphere has none; give total_charge [C]": BALL | {"charge": 1e-9},
+    "datum: the profile sphere has none; only contacts along a line have it": BALL | {"datum": 0.1},
+    "speed: the profile sphere has none; only contacts along a line have it": BALL | {"speed": 1.0},
+    "force: -1 is not a finite number > 0 [N]": BALL | {"force": -1.0},
+    "contact: wider than the resolved range, 0": ON_FILM | {"force": 1e12, "thickness": 1e-6},
+    "base: missing": BALL | {"thickness": 1e-4},
+    "total_flux: 1 on a punch that is magnetic insulating": BALL | {"total_flux": 1.0, "magnetic": "insulating"},
+    "slope: the profile sphere has none": BALL | {"slope": 0.1},
+    "load: missing": BALL | {"profile": "cylinder"},
+    "slope: 1e+09 is 90 degrees from the surface; must be <= 1, 45 degrees": without(BALL, "radius") | {
+        "profile": "cone", "slope": 1e9
+    },
+    # points on graded films
+    "surroundings: 'air' is not allowed: the film is graded, whose displacements": GRADED_BALL | AIR,
+    "interface_magnetic: 'insulated' is not allowed below": GRADED_BALL | {
+        "interface_magnetic": "insulated", "base": "rigid"
+    },
+    # electrodes
+    "collector: 3 is not one of the 2 electrodes of": BALL | BARE | READ | {"collector": 3},
+    "friction: of a point contact on patches of the electrode on top; must be 0": PATCH | {
+        "friction": 0.1, "electrode": "top", "electric": "insulating"
+    },
+    "electrode_voltage: below a punch that conducts on a bare surface": BALL | BARE | READ | {"electrode_voltage": 3.0},
+    "collector: missing; electrode_voltage needs it": ON_FILM | {"electrode_voltage": 3.0},
+    "collector: 1.5 is not a whole number >= 1 [1]": BALL | BARE | READ | {"collector": 1.5},
+    "patch_pitch: 0.0009 is not more than patch_size: a patch would touch its neighbour": PATCH | {"patch_pitch": 9e-4},
+    "patch_size: 1e+04 thicknesses of the top layer; the patch reaches farther ": PATCH | {"patch_size": 1.0},
+    "collector: missing; patch_size needs it": ON_FILM | {"patch_size": 1e-3},
+    "collector: 1 without a film": BALL | {"collector": 1},
+    "patch: 'disc' below a contact along": LINE | BARE | READ | {"patch_size": 1e-3, "patch": "disc"},
+    "patch: 'rectangle' without a patch_length, which must be a finite number > 0 [m]": PATCH | {"patch": "rectangle"},
+    "patch_hole: 0.001 is not less than patch_size": PATCH | {"patch": "ring", "patch_hole": 1e-3},
+    "patch_length: 0.001 of a patch that is no rectangle": PATCH | {"patch": "disc", "patch_length": 1e-3},
+    "patch: missing; patch_length needs it; must be rectangle": PATCH | {"patch_length": 1e-3},
+    "total_charge: 1e-09 of a punch on an electrode": ON_FILM | {"electrode": "top", "total_charge": 1e-9},
+    "electrode: 'top' without a film in insulated surroundings": FILM | AIR | {"electrode": "top"},
+    # strips and discs that float
+    "patch_pitch: missing; floating_neighbours needs it": without(STRIPS, "patch_pitch"),
+    "floating_neighbours: 1.5 is not a whole number >= 0 [1]": STRIPS | {"floating_neighbours": 1.5},
+    "floating_neighbours: 21": STRIPS | {"floating_neighbours": 21},
+    "floating_neighbours: 1 below a point contact, of patches that are no discs": DISCS | {"patch": "strip"},
+    "floating_neighbours: below a punch that conducts": STRIPS | {"electric": "conducting"},
+    "floating_neighbours: below a punch that con": DISCS | {"electric": "conducting"},
+    "floating_neighbours: of the electrode on top, whose gaps are not given": STRIPS | {
+        "electrode": "top", "collector": 1
+    },
+    "floating_neighbours: of a metal, whose gaps are not given": STRIPS | {
+        "collector": 1, "body": Stack([Layer(PDMS, 1e-3), Layer(COPPER, 1e-5), Layer(PVDF, 5e-5)])
+    },
+    "patch_pitch: the gap between patches is too wide for floating_neighbours, 599 times the patch": STRIPS | {
+        "patch_size": 1e-6
+    },
+    "floating_neighbours: 3 of discs; must be at most 2, 25 discs in all": DISCS | {"floating_neighbours": 3},
+    "patch_pitch: 1.1 times patch_size; of discs that float it must be": DISCS | {"patch_pitch": 5.5e-4},
+    "patch_size: ": DISCS | {"patch_size": 5e-3, "patch_pitch": 8e-3},
+    # composites
+    "scandium_fraction: missing; must be a finite number >= 0 and <= 0.5 [1] (composite": SCANDIUM,
+    "scandium_fraction: the composite fibrous has none; AlScN has it": without(SCANDIUM, "composite") | {
+        "scandium_fraction": 0.2
+    },
+    "volume_fraction: the composite AlScN has none; fibrous or laminate has it": SCANDIUM | {"volume_fraction": 0.2},
+    "scandium_fraction: 0.6 is not a finite number >= 0 and <=": SCANDIUM | {"scandium_fraction": 0.6},
+    "material: give either a material or a composite's scandium_": LINE | {"scandium_fraction": 0.2},
+    "volume_fraction: missing": SCANDIUM | {"composite": ["AlScN", "laminate"], "scandium_fraction": 0.2},
+    # units
+    "radius: '5 kg': unit mismatch: 'kg' does not measure what 'm' measures": BALL | {"radius": "5 kg"},
+    "radius: 'five' is not a finite number > 0 [m], bare or with its unit": BALL | {"radius": "five"},
+    "radius: -0.005 is not a finite number > 0 [m]": BALL | {"radius": ["5 mm", "-5 mm"]},
+}  # fmt: skip
+
+
+#: What needs many tables first; tests/solver/film/test_contact.py refuses two lengths in one, test_body.py the air.
+LONG = (
+    "contact: contacts of more than one length",
+    "surroundings: 'air' is not allowed: the film is graded, whose displacements",
+)
+
+
+@pytest.mark.parametrize(
+    "message", [pytest.param(message, marks=pytest.mark.soak) if message in LONG else message for message in REFUSED]
+)
+def test_it_is_refused(message: str) -> None:
+    refused({name: value for name, value in REFUSED[message].items() if value is not None}, message)
+
+
+PUNCHES: dict[str, Case] = {
+    "punch: 'stel' is unknown; did you mean 'steel'? known are rigid, steel, stainless": {"punch": "stel"},
+    "punch: 'PZT-4' is not isotropic and elastic alone; must be rigid, steel": {"punch": "PZT-4"},
+    "punch: '3.0' is no punch; must be 'rigid' or a material's name": {"punch": 3.0},
+    "punch_modulus: 2.1e+11 beside a punch; give either": {"punch": "steel", **STEEL},
+    "punch_poisson: 0.3 beside a punch; give either": {"punch": "rigid", "punch_poisson": 0.3},
+    "punch_poisson: missing; must be a finite number > -1 and < 0.5 [1]": {"punch_modulus": 210e9},
+    "punch_modulus: missing; must be a finite number > 0 [Pa]": {"punch_poisson": 0.3},
+    "punch_modulus: 0 is not a finite number > 0 [Pa]": STEEL | {"punch_modulus": 0.0},
+    "punch_modulus: -1 is not a finite number > 0 [Pa]": STEEL | {"punch_modulus": -1.0},
+    "punch_poisson: 0.5 is not a finite number > -1 and < 0.5 [1]": STEEL | {"punch_poisson": 0.5},
+    "punch_poisson: -1 is not a finite number > -1 and < 0.5 [1]": STEEL | {"punch_poisson": -1.0},
+}
+
+
+@pytest.mark.parametrize("case", [LINE, MIX | {"base": "steel"}, BALL])
+def test_bad_punches_are(case: Case) -> None:
+    for message, changed in PUNCHES.items():
+        refused(case | changed, message)

@@ -1,0 +1,23 @@
+"""What a model's file holds is looked at in this process: what a child makes of hostile files is for tests/storage."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from storage.quarantine import try_to_read
+from storage.sealed import check_seal
+from surrogate.face import persistence
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _in_this_process() -> Iterator[None]:
+    """No child is started for every file of a test's own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(persistence, "try_to_read", check_seal)
+        yield
+
+
+@pytest.fixture
+def quarantined(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As it is shipped."""
+    monkeypatch.setattr(persistence, "try_to_read", try_to_read)
