@@ -8,7 +8,6 @@ from typing import Any
 import netCDF4
 import numpy as np
 import xarray as xr
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from storage.blocks import STATISTICS
 from storage.netcdf import MAX_BYTES
@@ -65,6 +64,8 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
 
 def markdown(card: Mapping[str, Any]) -> str:
     """The card for people."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # which most jobs that read a card do without
+
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=False,
