@@ -36,7 +36,7 @@ def cited_of_films(text: str) -> tuple[set[str], set[str]]:
 
 
 def sources() -> list[Path]:
-    rooms = ("solver", "surrogate", "workflow", "tests", "benchmarks")
+    rooms = ("solver", "surrogate", "workflow", "verification", "tests", "benchmarks")
     return [path for room in rooms for path in sorted((ROOT / room).rglob("*.py")) if path != Path(__file__)]
 
 

@@ -93,7 +93,7 @@ def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study)
 
 
 @pytest.mark.process
-def test_equal_inputs_give_equal_bytes_whatever_python_hashes_texts_to(study: Study) -> None:
+def test_equal_inputs_give_equal_bytes_whatever_python_hashes_texts_to(tmp_path: Path) -> None:
     """Two factors are divided by in the second product: the order, which decides bits, is the product's."""
     code = (
         "import sys; from pathlib import Path; from workflow.dataset import factorial; "
@@ -104,9 +104,12 @@ def test_equal_inputs_give_equal_bytes_whatever_python_hashes_texts_to(study: St
         "print({name: one.values.tobytes().hex() for name, one in found.items() if hasattr(one, 'values')})"
     )
 
+    path = tmp_path / "study.yaml"
+    path.write_text(STUDY, encoding="utf-8")
+
     def told(seed: int) -> str:
         environment = {**os.environ, "PYTHONHASHSEED": str(seed)}
-        command = [sys.executable, "-c", code, str(study.path)]
+        command = [sys.executable, "-c", code, str(path)]
         return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
 
     first = told(0)
