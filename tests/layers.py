@@ -40,11 +40,13 @@ PROCESSES = (
 
 #: Files and folders of dense searches, solutions in 50 digits and fits of studies.
 DENSE = (
+    "tests/solver/face/test_air.py",
     "tests/solver/face/test_film_bodies.py",
     "tests/solver/face/test_films.py",
     "tests/solver/face/test_own_base.py",
     "tests/solver/face/test_scans.py",
     "tests/solver/film/",
+    "tests/solver/halfplane/test_coalescing_roots.py",
     "tests/solver/halfplane/test_conduction.py",
     "tests/solver/halfplane/test_friction_coupling.py",
     "tests/solver/halfplane/test_interior.py",
@@ -53,6 +55,15 @@ DENSE = (
     "tests/solver/halfplane/test_precision.py",
     "tests/solver/halfplane/test_scaling.py",
     "tests/solver/halfplane/test_speed.py",
+    "tests/solver/point/test_floating.py",
+    "tests/solver/point/test_graded.py",
+    "tests/solver/point/test_gradedsliding.py",
+    "tests/solver/point/test_inside.py",
+    "tests/solver/point/test_peaks.py",
+    "tests/solver/point/test_precise.py",
+    "tests/solver/point/test_sliding.py",
+    "tests/solver/surroundings/",
+    "tests/solver/test_curves.py",
     "tests/surrogate/face/test_persistence.py",
     "tests/surrogate/gp/test_finiterank.py",
     "tests/surrogate/gp/test_properties.py",
@@ -63,6 +74,7 @@ DENSE = (
     "tests/surrogate/use/",
     "tests/test_examples.py",
     "tests/test_theory.py",
+    "tests/test_theorypoints.py",
     "tests/verification/",
     "tests/workflow/cli/test_learn.py",
     "tests/workflow/dataset/",
@@ -79,6 +91,8 @@ DENSE = (
 #: Of those folders, files of moments.
 MOMENTS = (
     "tests/solver/film/test_stack.py",
+    "tests/solver/surroundings/test_densities.py",
+    "tests/solver/surroundings/test_equilibration.py",
     "tests/verification/test_oracles.py",
     "tests/workflow/design/test_answer.py",
     "tests/workflow/design/test_counting.py",
