@@ -18,10 +18,10 @@ run: .venv/$(if $(shell grep -s '^verification:' "config/$(STUDY).yaml"),dev,run
 	@$(BIN)/meecontact run "$(STUDY)" --cores "$(CORES)" --profile "$(PROFILE)"
 
 # types take one core for a minute where nothing is cached: beside the tests
-check: .venv/dev.stamp  ## linters, types, import contracts and the tests that need no program and no fit; a minute and a half
+check: .venv/dev.stamp  ## linters, types, import contracts and the tests of moments; two minutes on two cores, three and a half where no types are cached
 	@$(MAKE) --no-print-directory --jobs=2 lint tests LAYERS='-m "unit and not soak"'
 
-test: .venv/dev.stamp .venv/referees.stamp  ## linters, types, import contract and every test; five minutes on two cores
+test: .venv/dev.stamp .venv/referees.stamp  ## linters, types, import contract and every test; eight minutes on two fast cores, thirteen on slow ones
 	@$(MAKE) --no-print-directory --jobs=2 lint tests
 
 tests: .venv/dev.stamp  ## every test, without the linters
