@@ -81,7 +81,7 @@ def named(option: str, words: str | Sequence[str] | None, *, valued: bool = Fals
     Raises
     ------
     InputError
-        A name that is given twice, or that lacks its value.
+        A name that is missing, is given twice, or lacks its value.
 
     Examples
     --------
@@ -95,6 +95,8 @@ def named(option: str, words: str | Sequence[str] | None, *, valued: bool = Fals
             name = " ".join(name.split())
             if valued and not text.strip():
                 raise InputError(f"{option}: {part.strip()!r} is not of the form NAME=VALUE")
+            if not name:
+                raise InputError(f"{option}: a name is missing in {word!r}")
             if name in texts:
                 raise InputError(f"{option}: {name}: given twice")
             texts[name] = text.strip()

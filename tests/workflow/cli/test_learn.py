@@ -228,6 +228,7 @@ def test_instruments_that_do_not_fit_are_refused(project: Path, capsys: pytest.C
         ("voltage_offset=1um", "--instrument: voltage_offset: unit mismatch: '1um'"),
         ("voltage_offset=2%", "--instrument: voltage_offset: '2%' is not a positive size with a unit"),
         ("voltage_gain=1%,voltage_gain=2%", "--instrument: voltage_gain: given twice"),
+        ("voltage_gain=1%,", "--instrument: a name is missing in 'voltage_gain=1%,'"),
         ("contact_trailing_gain=1%", "contact_trailing_gain: no row holds a measured contact_trailing"),
     ):
         assert asked(project, "--instrument", word) == 2

@@ -127,6 +127,7 @@ def test_uncertain_factors_choices_and_defaults(ran: Project) -> None:
         (["--maximise", "depth", "--over", "radius=b", "--at", "load=1e4"], "--over: radius: 'b' is not a finite"),
         (["--maximise", "depth", "--over", "radius", "--at", "load"], "--at: load: '' is not a finite number"),
         (["--maximise", "depth", "--over", "radius,radius"], "--over: radius: given twice"),
+        (["--maximise", "depth", "--over", "radius,"], "--over: a name is missing in 'radius,'"),
         (["--maximise", "peak_pressure", "--over", "radius", "--at", "load=1e4,volume_fraction=0.5", "--limit",
           "peak_von_mises < 100 MPa"], "design: 'peak_von_mises' needs dataset: peaks: true"),
         (["--over", "radius"], "design: maximise or minimise: missing"),
