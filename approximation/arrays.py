@@ -15,15 +15,5 @@ Indices: TypeAlias = NDArray[np.intp]
 
 
 def blocks(count: int, size: int) -> Iterator[slice]:
-    """Yield the slices that cut so many places into blocks, the last of which may be shorter.
-
-    Parameters
-    ----------
-    count, size : int, number of places, and of those in a block
-
-    Examples
-    --------
-    >>> list(blocks(5, 3))
-    [slice(0, 3, None), slice(3, 6, None)]
-    """
+    """Yield the slices that cut so many places into blocks, the last of which may be shorter."""
     return (slice(start, start + size) for start in range(0, count, size))

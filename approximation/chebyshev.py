@@ -16,13 +16,7 @@ _FEW = 32  # points below which one compiled recurrence a polynomial beats a ste
 
 
 def gauss_points(count: int) -> Array:
-    """Return the zeros of the Chebyshev polynomial T_count, ascending and antisymmetric, shape (count,).
-
-    Raises
-    ------
-    ValueError
-        A count that is no whole number >= 1.
-    """
+    """Return the zeros of the Chebyshev polynomial T_count, ascending and antisymmetric, shape (count,)."""
     if count != int(count) or count < 1:
         raise ValueError(f"a number of Chebyshev points must be a whole number >= 1, got {count!r}")
     # equal shares of a right angle are equal numbers: those of n are among those of 3 n, to the last bit
@@ -30,30 +24,14 @@ def gauss_points(count: int) -> Array:
 
 
 def mapped_points(count: int, start: float, end: float) -> Array:
-    """Return the points of `gauss_points` on another interval, from `start` on; (count,).
-
-    Parameters
-    ----------
-    count : int, number of points
-    start, end : float, the interval
-    """
+    """Return the points of `gauss_points` on another interval, from `start` on; (count,)."""
     return np.asarray((start + end) / 2 + (end - start) / 2 * gauss_points(count))
 
 
 def coefficients(values: Array, axis: int = 0) -> Array:
     """Return the coefficients of the polynomial through values at `gauss_points`, by a discrete cosine transform.
 
-    Parameters
-    ----------
-    values : ndarray, shape (..., n, ...)
-        Values at the n points along an axis.
-    axis : int
-        That axis.
-
-    Returns
-    -------
-    ndarray
-        Of the shape of `values`: the m-th entry along the axis multiplies T_m.
+    values: (..., n, ...).
     """
     # the transform counts points from the right end
     series = dct(np.flip(values, axis), type=2, axis=axis) / values.shape[axis]
@@ -66,10 +44,7 @@ def coefficients(values: Array, axis: int = 0) -> Array:
 def interpolation(count: int, places: Array) -> Array:
     """Return what takes values at `gauss_points` to the polynomial through them at places; (n, count).
 
-    Parameters
-    ----------
-    count : int, number of points
-    places : ndarray, shape (n,), within [-1, 1]
+    places: (n,), within [-1, 1].
     """
     return np.asarray(chebvander(places, count - 1) @ coefficients(np.eye(count)))
 
@@ -77,12 +52,7 @@ def interpolation(count: int, places: Array) -> Array:
 def polynomials(t: Array, count: int) -> Array:
     """Return T_0 .. T_{count-1} at t, (B,), by their recurrence: (count, B); valid outside [-1, 1] too.
 
-    Parameters
-    ----------
-    t : ndarray, shape (B,)
-        Points.
-    count : int
-        Number of polynomials.
+    t: (B,).
     """
     if len(t) < _FEW:
         return np.asarray(eval_chebyt(np.arange(count)[:, None], t))
@@ -100,10 +70,7 @@ def polynomials(t: Array, count: int) -> Array:
 def slopes(t: Array, T: Array) -> Array:
     """Return the derivatives of the polynomials, (count, B).
 
-    Parameters
-    ----------
-    t : ndarray, shape (B,), places
-    T : ndarray, shape (count, B), count > 1, the polynomials there
+    t: (B,), places; T: (count, B), count > 1, the polynomials there.
     """
     S = np.zeros_like(T)
     S[1] = 1

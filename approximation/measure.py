@@ -25,23 +25,10 @@ class Bent(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Measure:
-    """The largest over branches of ``linear . s + |root s|`` of the first m of some fields s.
+    """The largest over branches of ``linear . s + |root s|`` of the first m of some fields s."""
 
-    Attributes
-    ----------
-    linear : ndarray, shape (branches, m)
-        The linear part of every branch.
-    root : ndarray, shape (branches, rows, m)
-        What the norm of every branch is taken of.
-
-    Raises
-    ------
-    ValueError
-        Shapes that do not fit each other, or numbers that are not finite.
-    """
-
-    linear: Array
-    root: Array
+    linear: Array  # shape (branches, m); The linear part of every branch
+    root: Array  # shape (branches, rows, m); What the norm of every branch is taken of
 
     def __post_init__(self) -> None:
         branches, fields = np.shape(self.linear) if np.ndim(self.linear) == 2 else (0, 0)

@@ -19,21 +19,10 @@ class Panels:
     """A net of panels: rows of them along the second coordinate, each with the same ones along the first.
 
     The points come panel by panel, row by row of panels, and in a panel row by row.
-
-    Attributes
-    ----------
-    across : tuple of int
-        Number of points of every panel along the first coordinate.
-    down : tuple of int
-        Number of points of every row of panels along the second; (1,): there is no such coordinate.
-
-    Raises
-    ------
-    ValueError
-        Numbers of points below one, or one along the first coordinate.
     """
 
-    across: tuple[int, ...]
+    across: tuple[int, ...]  # Number of points of every panel along the first coordinate
+    # Number of points of every row of panels along the second; (1,): there is no such coordinate
     down: tuple[int, ...] = (1,)
 
     def __post_init__(self) -> None:
@@ -77,20 +66,11 @@ class Panels:
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """Some of the points of panels.
+    """Some of the points of panels."""
 
-    Attributes
-    ----------
-    shapes : tuple of (int, int)
-        Number of points down and across of every panel.
-    points : ndarray of int
-        Which they are.
-    panel, across, down : ndarray
-        Panel and coordinates of every one.
-    """
-
-    shapes: tuple[tuple[int, int], ...]
-    points: Indices
+    shapes: tuple[tuple[int, int], ...]  # Number of points down and across of every panel
+    points: Indices  # Which they are
+    # Panel and coordinates of every one
     panel: Indices
     across: Array
     down: Array
@@ -122,15 +102,7 @@ class Scan:
 
 
 def line(counts: Sequence[int], ends: Sequence[float]) -> Array:
-    """Return the coordinates of the points of panels side by side, (point,).
-
-    Parameters
-    ----------
-    counts : sequence of int
-        Number of points of every panel.
-    ends : sequence of float
-        Ends of the panels, one more.
-    """
+    """Return the coordinates of the points of panels side by side, (point,)."""
     return np.concatenate([mapped_points(n, *pair) for n, pair in zip(counts, pairwise(ends), strict=True)])
 
 
@@ -140,13 +112,7 @@ def _some(count: int) -> Indices:
 
 
 def spacing(place: Array, count: int | Indices) -> Array:
-    """About the distance of Chebyshev points near a place.
-
-    Parameters
-    ----------
-    place : ndarray of any shape, within [-1, 1]
-    count : int or ndarray that broadcasts with it, number of points
-    """
+    """About the distance of Chebyshev points near a place."""
     angle = np.pi / count
     return np.asarray(angle * np.sqrt(np.maximum(1 - place**2, 0)) + angle**2 / 2)
 
@@ -154,10 +120,7 @@ def spacing(place: Array, count: int | Indices) -> Array:
 def rows(count: int, places: Array) -> Array:
     """Return what takes values at the points of a panel to value and two derivatives at places: (n, 3, count).
 
-    Parameters
-    ----------
-    count : int, number of points
-    places : ndarray, shape (n,), within [-1, 1]
+    places: (n,), within [-1, 1].
     """
     if count == 1:
         return np.tile([[1.0], [0.0], [0.0]], (len(places), 1, 1))
@@ -179,10 +142,8 @@ def jets(fields: Array, across: Array, down: Array) -> Array:
 
     The last axes are the orders in the second and the first coordinate.
 
-    Parameters
-    ----------
-    fields : ndarray, shape (n, m, down, across), values at the points of a panel
-    across, down : ndarray, shape (n, 3, across), (n, 3, down), as of `rows`
+    fields: (n, m, down, across), values at the points of a panel; across, down: (n, 3, across), (n, 3, down), as of
+    `rows`.
     """
     n, m, height, width = fields.shape
     along = (fields.reshape(n, m * height, width) @ np.swapaxes(across, 1, 2)).reshape(n, m, height, 3)

@@ -15,26 +15,12 @@ from approximation.panels import line
 
 @dataclass(frozen=True)
 class Interval:
-    """An interval and its Chebyshev points.
+    """An interval and its Chebyshev points."""
 
-    Attributes
-    ----------
-    low, high : float
-        Its ends.
-    count : int
-        Number of points.
-
-    Examples
-    --------
-    >>> half = Interval(0.0, 2.0, 3)
-    >>> squares = coefficients(half.points**2)
-    >>> half.polynomials(np.array([1.5])) @ squares, half.polynomials(np.array([1.5])) @ half.derived(squares)
-    (array([2.25]), array([3.]))
-    """
-
+    # Its ends
     low: float
     high: float
-    count: int
+    count: int  # Number of points
 
     @cached_property
     def points(self) -> Array:
@@ -44,10 +30,7 @@ class Interval:
     def polynomials(self, places: Array, *, clipped: bool = True) -> Array:
         """Return Chebyshev polynomials at places: (place, count).
 
-        Parameters
-        ----------
-        places : ndarray, shape (place,)
-        clipped : bool, whether those beyond the ends are put there
+        places: (place,).
         """
         local = (2 * places - self.low - self.high) / (self.high - self.low)
         return polynomials(np.clip(local, -1.0, 1.0) if clipped else local, self.count).T
@@ -67,39 +50,16 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class Piecewise:
-    """A function that is a polynomial on each of some panels.
+    """A function that is a polynomial on each of some panels."""
 
-    Attributes
-    ----------
-    ends : ndarray, shape (panel + 1,)
-        Ends of the panels, rising.
-    series : ndarray, shape (panel, count, ...)
-        Chebyshev coefficients on every panel.
-
-    Examples
-    --------
-    >>> waves = Piecewise.of(np.sin, np.array([0.0, 1.0, 4.0]), 12)
-    >>> bool(abs(waves.at(np.array([0.5, 3.0])) - np.sin([0.5, 3.0])).max() < 1e-9)
-    True
-    """
-
-    ends: Array
-    series: Array
+    ends: Array  # shape (panel + 1,); Ends of the panels, rising
+    series: Array  # shape (panel, count, ...); Chebyshev coefficients on every panel
 
     @classmethod
     def of(cls, values: Callable[[Array], Array], ends: Array, count: int, groups: Array | None = None) -> "Piecewise":
         """Table a function.
 
-        Parameters
-        ----------
-        values : callable
-            From places, (place,), to values there, (place, ...).
-        ends : ndarray, shape (panel + 1,)
-            Ends of the panels, rising.
-        count : int
-            Number of points on every panel.
-        groups : ndarray, shape (panel,)
-            Panels of one group are asked for at once, those of another apart; by default all at once.
+        ends: (panel + 1,); groups: (panel,).
         """
         parts: list[Array] = []
         marks = np.zeros(ends.size - 1) if groups is None else groups
@@ -111,12 +71,7 @@ class Piecewise:
     def at(self, places: Array, mixing: Array | None = None) -> Array:
         """Return values at places, which lie within the panels; (..., outputs).
 
-        Parameters
-        ----------
-        places : ndarray, shape (...)
-            Where.
-        mixing : ndarray, shape (output, mixed)
-            Sums of the outputs that are given in place of them.
+        places: (...); mixing: (output, mixed).
         """
         flat, count = places.ravel(), self.series.shape[1]
         series = self.series.reshape(len(self.series), count, -1) if mixing is None else self.series @ mixing
@@ -136,12 +91,7 @@ class Piecewise:
     def halved(self, values: Callable[[Array], Array], which: Flags) -> "Piecewise":
         """Return the function with some panels cut in halves, which are tabled anew.
 
-        Parameters
-        ----------
-        values : callable
-            As of `of`.
-        which : ndarray of bool, shape (panel,)
-            Those that are cut.
+        which: (panel,).
         """
         middles = (self.ends[:-1] + self.ends[1:]) / 2
         ends = np.sort(np.concatenate([self.ends, middles[which]]))
@@ -155,10 +105,7 @@ class Piecewise:
     def mirrored(self, odd: Flags) -> "Piecewise":
         """Return the function on both sides of its first end, 0.
 
-        Parameters
-        ----------
-        odd : ndarray of bool, shape (output,)
-            Whether an output changes its sign with the place.
+        odd: (output,).
         """
         signs = (-1.0) ** np.arange(self.series.shape[1])[:, None] * np.where(odd, -1.0, 1.0)
         ends = np.concatenate([-self.ends[:0:-1], self.ends])

@@ -11,10 +11,7 @@ from approximation.arrays import Array, Indices
 def values(degrees: Indices, t: Array) -> Array:
     """Return prod_k T_{degrees[m, k]}(t_k), (m, B).
 
-    Parameters
-    ----------
-    degrees : ndarray of int, shape (m, d)
-    t : ndarray, shape (d, B), places
+    degrees: (m, d); t: (d, B), places.
     """
     return product(degrees, polynomials(t, 1 + int(degrees.max())))
 
@@ -22,10 +19,7 @@ def values(degrees: Indices, t: Array) -> Array:
 def slopes(degrees: Indices, t: Array) -> Iterator[Array]:
     """Yield the derivatives of `values` by every coordinate, (m, B) each.
 
-    Parameters
-    ----------
-    degrees : ndarray of int, shape (m, d)
-    t : ndarray, shape (d, B), places
+    degrees: (m, d); t: (d, B), places.
     """
     T = polynomials(t, max(2, 1 + int(degrees.max())))
     S = derivatives(t, T)
@@ -35,10 +29,7 @@ def slopes(degrees: Indices, t: Array) -> Iterator[Array]:
 def polynomials(t: Array, count: int) -> Array:
     """Return T_0 .. T_{count-1} of every coordinate, (count, d, B).
 
-    Parameters
-    ----------
-    t : ndarray, shape (d, B), places
-    count : int, number of polynomials
+    t: (d, B), places.
     """
     return chebyshev.polynomials(t.ravel(), count).reshape(count, *t.shape)
 
@@ -46,10 +37,7 @@ def polynomials(t: Array, count: int) -> Array:
 def derivatives(t: Array, T: Array) -> Array:
     """Return the derivatives of polynomials, (count, d, B).
 
-    Parameters
-    ----------
-    t : ndarray, shape (d, B), places
-    T : ndarray, shape (count, d, B), count > 1, the polynomials there
+    t: (d, B), places; T: (count, d, B), count > 1, the polynomials there.
     """
     return chebyshev.slopes(t.ravel(), T.reshape(len(T), -1)).reshape(T.shape)
 
@@ -57,12 +45,8 @@ def derivatives(t: Array, T: Array) -> Array:
 def product(degrees: Indices, T: Array, S: Array | None = None, derived: int = -1) -> Array:
     """Return products of polynomials that are known, (m, B).
 
-    Parameters
-    ----------
-    degrees : ndarray of int, shape (m, d)
-    T : ndarray, shape (count, d, B), the polynomials of every coordinate
-    S : ndarray, shape (count, d, B), their derivatives; None where none is asked for
-    derived : int, the coordinate whose derivatives stand in place of its polynomials; -1: none
+    degrees: (m, d); T: (count, d, B), the polynomials of every coordinate; S: (count, d, B), their derivatives; None
+    where none is asked for.
     """
     whole = np.ones((len(degrees), T.shape[2]))
     for k, degree in enumerate(degrees.T):

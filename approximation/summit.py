@@ -17,39 +17,23 @@ _ALIKE = 1e-9  # relative difference up to which two tops are equals
 
 @dataclass(frozen=True, eq=False)
 class Top:
-    """Where a measure is largest on each of some fields, (n,), in the panel's own coordinates.
+    """Where a measure is largest on each of some fields, (n,), in the panel's own coordinates."""
 
-    Attributes
-    ----------
-    panel : ndarray of int
-        Number of the panel.
-    across, down : ndarray
-        Coordinates in [-1, 1].
-    value : ndarray
-        The measure there.
-    """
-
-    panel: Indices
+    panel: Indices  # Number of the panel
+    # Coordinates in [-1, 1]
     across: Array
     down: Array
-    value: Array
+    value: Array  # The measure there
 
 
 def highest(fields: Array, counts: tuple[int, ...], measure: Measure, close: float = CLOSE) -> Top:
     """Find where a measure is largest on panels side by side, from the best points of several hills; (n,).
 
-    Parameters
-    ----------
-    fields : ndarray, shape (n, m, down, across)
-        At the points of the panels.
-    counts : tuple of int
-        Number of points across of every panel.
-    measure, close
-        As of `climb`.
-
     Notes
     -----
     Of tops that are equal but for rounding, the first from the left is given.
+
+    fields: (n, m, down, across).
     """
     ends = np.cumsum((0, *counts))
     curves, down, across = _hills(measure.values(fields.reshape(*fields.shape[:2], -1)), fields.shape[2], ends)
@@ -91,16 +75,7 @@ def climb(
 ) -> tuple[Array, Array, Array]:
     """Return coordinates across and down and the measure of the highest points met from starting points; (n,) each.
 
-    Parameters
-    ----------
-    fields : ndarray, shape (n, m, down, across)
-        At the points of a panel.
-    measure : Measure
-        Of the m fields.
-    start : pair of ndarray, shape (n,)
-        Coordinates across and down, in [-1, 1].
-    close : float
-        Step, in the half-width of a panel, at which the iteration ends; the place is as good as its square.
+    fields: (n, m, down, across); start: pair of ndarray, shape (n,).
     """
     counts = fields.shape[3], fields.shape[2]
     (u, v), active = start, np.arange(len(fields))
@@ -131,10 +106,7 @@ def climb(
 def hill(jet: Array, bent: Bent) -> tuple[Array, Array]:
     """Return gradient, (2, n), and curvature, (3, n), of uu, vv and uv, of a measure by the coordinates of a panel.
 
-    Parameters
-    ----------
-    jet : ndarray, shape (n, m, 3, 3), of the fields, as `panels.jets` gives it
-    bent : Bent, how the measure depends on them
+    jet: (n, m, 3, 3), of the fields, as `panels.jets` gives it.
     """
     slope, steep = bent.slope, jet[..., [0, 1], [1, 0]]  # by u, by v: (n, m, 2)
     gradient = np.asarray(slope[:, None] @ steep)[:, 0].T
@@ -146,10 +118,7 @@ def hill(jet: Array, bent: Bent) -> tuple[Array, Array]:
 def held(place: Array, slope: Array, count: int | Indices) -> Flags:
     """Whether an end of the panel holds a coordinate, or there is no such coordinate.
 
-    Parameters
-    ----------
-    place, slope : ndarray, shape (n,), the coordinate, within [-1, 1], and the measure's derivative by it
-    count : int or ndarray of int, number of the panel's points along it
+    place, slope: (n,), the coordinate, within [-1, 1], and the measure's derivative by it.
     """
     return np.asarray(((np.abs(place) >= 1) & (place * slope > 0)) | (np.asarray(count) == 1))
 

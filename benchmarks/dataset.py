@@ -29,11 +29,6 @@ def measure(levels: int = 25, repeats: int = 3) -> dict[str, float]:
     ``step`` is what a run waits for: as many processes as cores, each with its slab, their start included. ``slab`` is
     one core's work on all of it, ``raw`` one core's writing of the same bytes. Processor time tells what the ways cost
     where the machine has other work too.
-
-    Parameters
-    ----------
-    levels : int, of the first axis
-    repeats : int, of which the best counts; the ways take turns
     """
     study, cores = _part(levels), len(os.sched_getaffinity(0))
     with tempfile.TemporaryDirectory(dir=ROOT) as folder:
@@ -78,13 +73,7 @@ def _step(levels: int, cores: int, folder: Path) -> None:
 
 
 def one_of(levels: int, slabs: int, index: int, path: str) -> None:
-    """Write one of some slabs.
-
-    Parameters
-    ----------
-    levels, slabs, index : int, of the first axis, how many slabs share them, and number of this one
-    path : str, the file
-    """
+    """Write one of some slabs."""
     study = _part(levels)
     split = study.dataset.model_copy(update={"slabs": slabs})
     dataset.write_slab(study.model_copy(update={"dataset": split}), index, Path(path))

@@ -33,13 +33,7 @@ class Job:
 
 
 def planned(target: str, cores: int) -> tuple[dict[int, Job], dict[int, set[int]]]:
-    """The jobs that Snakemake would run, and which of them each waits for.
-
-    Parameters
-    ----------
-    target : str, of Snakemake
-    cores : int
-    """
+    """The jobs that Snakemake would run, and which of them each waits for."""
     from snakemake.api import SnakemakeApi
     from snakemake.iocontainers import Snakemake
     from snakemake.settings.types import DAGSettings, OutputSettings, Quietness, ResourceSettings
@@ -65,14 +59,7 @@ def planned(target: str, cores: int) -> tuple[dict[int, Job], dict[int, set[int]
 
 
 def run(jobs: dict[int, Job], waits: dict[int, set[int]], cores: int) -> None:
-    """Run every job once those are done that it waits for, as many at a time as there are cores, by priority.
-
-    Parameters
-    ----------
-    jobs : dict of int to Job
-    waits : dict of int to set of int, for which jobs each waits
-    cores : int
-    """
+    """Run every job once those are done that it waits for, as many at a time as there are cores, by priority."""
     order = TopologicalSorter(waits)
     order.prepare()
     ready: list[int] = []
@@ -89,13 +76,7 @@ def run(jobs: dict[int, Job], waits: dict[int, set[int]], cores: int) -> None:
 
 
 def main(target: str, cores: int) -> None:
-    """Plan, run, and print what it took.
-
-    Parameters
-    ----------
-    target : str, of Snakemake
-    cores : int
-    """
+    """Plan, run, and print what it took."""
     jobs, waits = planned(target, cores)
     _, cost = timed(lambda: run(jobs, waits, cores))
     print(json.dumps({**cost._asdict(), "jobs": len(jobs)}))

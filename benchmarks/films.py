@@ -21,12 +21,7 @@ QUERIES, OUTPUTS = 1_000_000, 21
 
 
 def measure(fresh: int = 1000, held: int = 2500, queries: int = QUERIES) -> dict[str, float]:
-    """Seconds and largest errors over range on fresh cases, before and after the calibration, for every base.
-
-    Parameters
-    ----------
-    fresh, held, queries : int, fresh cases, cases of the calibration, and queries that are timed
-    """
+    """Seconds and largest errors over range on fresh cases, before and after the calibration, for every base."""
     whole = studies.load(ROOT / "config" / "film.yaml")
     measured: dict[str, float] = {}
     for base in BASES:

@@ -47,10 +47,7 @@ def kronecker(levels: Sequence[Array], values: Array) -> Predict:
     chapter 5): eigenvectors of every factor's matrix diagonalise it, and mean and variance are contractions over the
     whole grid.
 
-    Parameters
-    ----------
-    levels : sequence of ndarray, shape (n_f,), of every factor in [-1, 1]
-    values : ndarray, shape (n_1, ..., n_d, p), the outputs
+    levels: sequence of ndarray, shape (n_f,), of every factor in [-1, 1]; values: (n_1, ..., n_d, p), the outputs.
     """
     parts = [_process(levels, own) for own in np.moveaxis(values, -1, 0)]
 

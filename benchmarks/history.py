@@ -36,15 +36,7 @@ def printed(content: Mapping[str, Any]) -> str:
 
 
 def appended(history: str, found: Mapping[str, Any], date: str, commit: str, cores: int) -> str:
-    """The history with today's rows.
-
-    Parameters
-    ----------
-    history : str, the table so far, as CSV
-    found : mapping, what was measured
-    date, commit : str, when, and of which commit
-    cores : int, of the machine
-    """
+    """The history with today's rows."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     if not history:

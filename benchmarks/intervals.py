@@ -49,10 +49,7 @@ class Method:
     def inside(self, true: Array, level: float) -> Flags:
         """Whether the interval of a level holds the truth, (p, n).
 
-        Parameters
-        ----------
-        true : ndarray, shape (p, n), in the outputs' units
-        level : float, probability of the interval
+        true: (p, n), in the outputs' units.
         """
         lower, upper = (
             self.distribution.ends(level) if self.symmetric is None else (-self.symmetric[level], self.symmetric[level])
@@ -65,11 +62,6 @@ def measure(studies: tuple[str, ...] = ("quickstart", "precise", "sensor"), fres
     """Coverage by level, least and largest over quantities, and in the worst parts of the box; PIT, CRPS and errors.
 
     Every study is calibrated on the cases of its own run.
-
-    Parameters
-    ----------
-    studies : tuple of str, their names
-    fresh : int, number of fresh cases
     """
     measured: dict[str, float] = {}
     for name in studies:
@@ -83,13 +75,7 @@ def measure(studies: tuple[str, ...] = ("quickstart", "precise", "sensor"), fres
 
 
 def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict[str, float]:
-    """What `measure` gives, for one raw model; calibrates it.
-
-    Parameters
-    ----------
-    model : GaussianProcess, not calibrated
-    held, fresh : Dataset, over ``case``, for the calibration, and never seen
-    """
+    """What `measure` gives, for one raw model; calibrates it."""
     X, true = _cases(model, fresh)
     raw = Method(*_predicted(model, X), Normal())
     seconds = -least(lambda: model.interval_array(X), 7).processor
@@ -146,10 +132,7 @@ def _worst_parts(t: Array, inside: Flags) -> dict[str, float]:
 def worst_slab(t: Array, inside: Flags) -> Array:
     """Coverage in the worst slab of every output, (p,).
 
-    Parameters
-    ----------
-    t : ndarray, shape (d, n), scaled coordinates of the cases
-    inside : ndarray of bool, shape (p, n), whether the interval holds the truth
+    t: (d, n), scaled coordinates of the cases; inside: (p, n), whether the interval holds the truth.
     """
     random = np.random.default_rng(0)
     half, width = t.shape[1] // 2, int(SLAB * (t.shape[1] // 2))

@@ -40,27 +40,15 @@ FIRST = 10_000
 
 @dataclass(frozen=True)
 class Scenario:
-    """What is wrong with the rows, and which words would be.
+    """What is wrong with the rows, and which words would be."""
 
-    Attributes
-    ----------
-    own
-        Deviation of each constant beside its family; by default drawn from the prior: none to 6 %.
-    errors
-        True over stated errors.
-    outliers
-        Rows of which one value is off, by 6 to 20 stated errors.
-    gain
-        Deviation of the gain of the first output's instrument; it is among the unknowns where it is not zero.
-    discrepancy
-        Amplitude of a smooth discrepancy of each measured output, over its size.
-    """
-
+    # Deviation of each constant beside its family; by default drawn from the prior: none to 6 %
     own: float | None = None
-    errors: float = 1.0
-    outliers: int = 0
+    errors: float = 1.0  # True over stated errors
+    outliers: int = 0  # Rows of which one value is off, by 6 to 20 stated errors
+    # Deviation of the gain of the first output's instrument; it is among the unknowns where it is not zero
     gain: float = 0.0
-    discrepancy: float = 0.0
+    discrepancy: float = 0.0  # Amplitude of a smooth discrepancy of each measured output, over its size
 
 
 SCENARIOS = {
@@ -78,10 +66,7 @@ SCENARIOS = {
 def model(X: Array, logs: Array) -> Array:
     """Four outputs, (n, 4), of nine constants.
 
-    Parameters
-    ----------
-    X : ndarray, shape (n, 2), points
-    logs : ndarray, shape (9,), logarithms of the constants over nominal ones, a family three each
+    X: (n, 2), points; logs: (9,), logarithms of the constants over nominal ones, a family three each.
     """
     x, y = X[:, 0], np.log10(X[:, 1])
     (c1, c2, c3), (e1, e2, e3), (k1, k2, k3) = np.exp(logs).reshape(3, 3)
@@ -104,10 +89,7 @@ def logs(z: Array) -> Array:
 def slopes(X: Array, z: Array) -> Array:
     """Derivatives of the outputs by all scaled constants, (n, 4, 12).
 
-    Parameters
-    ----------
-    X : ndarray, shape (n, 2), points
-    z : ndarray, shape (12,), scaled constants
+    X: (n, 2), points; z: (12,), scaled constants.
     """
     steps = 1e-5 * np.eye(12)
     return np.stack([(model(X, logs(z + step)) - model(X, logs(z - step))) / 2e-5 for step in steps], -1)
@@ -243,13 +225,7 @@ def _wrong(found: Learnt, rows: Measurements, off: set[int], scenario: Scenario)
 
 
 def measure(devices: int = 200, first: int = FIRST) -> dict[str, float]:
-    """Shares of intervals that hold, by scenario.
-
-    Parameters
-    ----------
-    devices : int, of every scenario
-    first : int, seed of the first of them
-    """
+    """Shares of intervals that hold, by scenario."""
     measured: dict[str, float] = {}
     for name, scenario in SCENARIOS.items():
         start = process_time()

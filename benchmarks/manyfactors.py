@@ -25,13 +25,7 @@ _FRESH = 40
 
 
 def measure(tolerance: float = 1e-3, path: str | Path = ROOT / "config" / "two_layers.yaml") -> dict[str, float]:
-    """Places, seconds of processor time, and errors over range: largest of all quantities, their median, voltage.
-
-    Parameters
-    ----------
-    tolerance : float, over the range, of the cross approximation
-    path : str or path, the study's file
-    """
+    """Places, seconds of processor time, and errors over range: largest of all quantities, their median, voltage."""
     study = load(path)
     study = study.model_copy(
         update={"validation": study.validation.model_copy(update={"tolerance": tolerance, "cases": _FRESH})}

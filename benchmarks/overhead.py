@@ -31,13 +31,7 @@ NOT_COMPARED = {
 
 
 def measure(studies: tuple[str, ...] = ("quickstart", "large"), repeats: int = 2) -> dict[str, float]:
-    """Seconds and processor seconds of both ways, the best of some repeats taken in turn, and the overhead's share.
-
-    Parameters
-    ----------
-    studies : tuple of str, their names
-    repeats : int, of which the best counts
-    """
+    """Seconds and processor seconds of both ways, the best of some repeats taken in turn, and the overhead's share."""
     cores = len(os.sched_getaffinity(0))
     measured = {"cores": float(cores)}
     for study in studies:

@@ -25,10 +25,7 @@ Fit = Callable[[Array, Array], Predict]
 def standardised(values: Array, fit: Callable[[Array], Predict]) -> Predict:
     """Return a predictor of values that is fitted to them with mean zero and deviation one.
 
-    Parameters
-    ----------
-    values : ndarray, shape (..., p), the outputs
-    fit : callable, gives the predictor of standardised ones
+    values: (..., p), the outputs.
     """
     every = tuple(range(values.ndim - 1))
     offset, scale = values.mean(axis=every), values.std(axis=every)
@@ -44,11 +41,7 @@ def standardised(values: Array, fit: Callable[[Array], Predict]) -> Predict:
 def scikit_learn(t: Array, y: Array, noisy: bool = False) -> Predict:
     """One Gaussian process an output, RBF kernel with a length scale an input, marginal likelihood.
 
-    Parameters
-    ----------
-    t : ndarray, shape (n, d), scaled coordinates of the cases
-    y : ndarray, shape (n, p), the outputs
-    noisy : bool, whether the cases have noise, which is estimated
+    t: (n, d), scaled coordinates of the cases; y: (n, p), the outputs.
     """
     kernel = ConstantKernel(1.0, (1e-4, 1e5)) * RBF(np.ones(t.shape[1]), (1e-2, 1e3))
     if noisy:
@@ -79,11 +72,7 @@ def _rbf_interpolator(t: Array, y: Array) -> Predict:
 def smt(t: Array, y: Array, noisy: bool = False) -> Predict:
     """Kriging of the Surrogate Modeling Toolbox, one model an output, one start of its search.
 
-    Parameters
-    ----------
-    t : ndarray, shape (n, d), scaled coordinates of the cases
-    y : ndarray, shape (n, p), the outputs
-    noisy : bool, whether the cases have noise, which is estimated
+    t: (n, d), scaled coordinates of the cases; y: (n, p), the outputs.
     """
     from smt.surrogate_models import KRG
 

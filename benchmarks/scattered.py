@@ -66,10 +66,7 @@ FUNCTIONS: dict[str, tuple[Callable[[Array], Array], float]] = {
 def ours(t: Array, y: Array) -> Predict:
     """`ScatterGP` as it comes.
 
-    Parameters
-    ----------
-    t : ndarray, shape (n, d), scaled coordinates of the cases
-    y : ndarray, shape (n, 1), the output
+    t: (n, d), scaled coordinates of the cases; y: (n, 1), the output.
     """
     names = [f"x{k}" for k in range(t.shape[1])]
     data = xr.Dataset({name: ("case", column) for name, column in zip(names, t.T, strict=True)})

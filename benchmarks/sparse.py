@@ -26,10 +26,7 @@ def _leja(count: int) -> Array:
 def basis(t: Array, points: Array) -> Array:
     """Newton's polynomials, each one at its own point and zero at those before; (count, B).
 
-    Parameters
-    ----------
-    t : ndarray, shape (B,), places
-    points : ndarray, shape (count,)
+    t: (B,), places; points: (count,).
     """
     polynomials = np.ones((len(points), len(t)))
     for level in range(1, len(points)):
@@ -39,20 +36,7 @@ def basis(t: Array, points: Array) -> Array:
 
 
 def sparse_grid(solve: Callable[[Array], Array], dimensions: int, most: int) -> Callable[[Array], Array]:
-    """Learn a function from at most so many points, each where the surplus next to it is largest.
-
-    Parameters
-    ----------
-    solve
-        Blocks (n, ...) at points (n, d) of [-1, 1]^d; each value should have a range of about 1.
-    dimensions, most
-        d, and points in all.
-
-    Returns
-    -------
-    callable
-        Blocks at further points.
-    """
+    """Learn a function from at most so many points, each where the surplus next to it is largest."""
     leja_points = _leja(_LEVELS)
     indices, surpluses, accepted = [(0,) * dimensions], [solve(np.zeros((1, dimensions)))[0]], set[int]()
 

@@ -45,24 +45,16 @@ LONG, BLOCK = 5.0, 1000
 
 @dataclass(frozen=True)
 class Entry:
-    """One method on one set of cases.
-
-    Attributes
-    ----------
-    fit
-        Gives the model; None for the exact solver.
-    ask
-        From model, points (n, d) in physical units and whether a standard deviation is wanted to mean and, where there
-        is one, standard deviation, (n, outputs).
-    judge
-        Coverage of the 95 % interval and CRPS over range of every output, by the model's own distribution; without, by
-        the normal one of mean and standard deviation.
-    """
+    """One method on one set of cases."""
 
     method: str
     cases: int
-    fit: Callable[[], Any] | None
+    fit: Callable[[], Any] | None  # Gives the model; None for the exact solver
+    # From model, points (n, d) in physical units and whether a standard deviation is wanted to mean and, where there
+    # is one, standard deviation, (n, outputs)
     ask: Callable[[Any, Array, bool], tuple[Array, Array | None]]
+    # Coverage of the 95 % interval and CRPS over range of every output, by the model's own distribution; without, by
+    # the normal one of mean and standard deviation
     judge: Callable[[Any], tuple[Array, Array]] | None = None
 
 

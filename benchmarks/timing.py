@@ -23,13 +23,7 @@ def timed(action: Callable[[], T]) -> tuple[T, Cost]:
 
 
 def least(action: Callable[[], object], repeats: int = 3) -> Cost:
-    """The least costs of some runs.
-
-    Parameters
-    ----------
-    action : callable
-    repeats : int, number of runs
-    """
+    """The least costs of some runs."""
     costs = [timed(action)[1] for _ in range(repeats)]
     return Cost(min(cost.seconds for cost in costs), min(cost.processor for cost in costs))
 

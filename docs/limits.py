@@ -69,13 +69,7 @@ _TOLD = {
 
 
 def surroundings(name: str, case: Mapping[str, float | str]) -> str:
-    """The row of a design: what it is insulated, and in air.
-
-    Parameters
-    ----------
-    name : str, the design's
-    case : mapping of str to float or str, SI, its factors
-    """
+    """The row of a design: what it is insulated, and in air."""
     film = {"friction": 0.3, **_GROUNDED, **case}
     device = Device.model_validate(read_yaml(Path(__file__).parents[1] / "config/film_sensor.yaml")["device"])
     kinds: tuple[tuple[dict[str, str], Meeting], ...] = (

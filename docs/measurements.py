@@ -38,13 +38,7 @@ def _short(deviations: float) -> str:
 
 
 def written(text: str, compared_rows: Sequence[Row]) -> str:
-    """The page with the table in place of the one that it has.
-
-    Parameters
-    ----------
-    text : str, the page
-    compared_rows : sequence of Row, of the table
-    """
+    """The page with the table in place of the one that it has."""
     return re.sub(re.escape(_HEAD) + r"(\|.*\n)*", lambda _: table(compared_rows), text)
 
 

@@ -10,21 +10,11 @@ _FILE = re.compile(r"`([\w/-]+\.(?:yaml|csv))`:\s*\Z")
 
 @dataclass(frozen=True)
 class Part:
-    """A part of a page.
+    """A part of a page."""
 
-    Attributes
-    ----------
-    kind
-        ``markdown``, ``python``, ``sh``, ``text`` (what is printed), or another: the content of a file.
-    text
-        What stands there.
-    file
-        Where the reader writes it, as the last word of the prose before it says: "`config/mine.yaml`:".
-    """
-
-    kind: str
-    text: str
-    file: str = ""
+    kind: str  # ``markdown``, ``python``, ``sh``, ``text`` (what is printed), or another: the content of a file
+    text: str  # What stands there
+    file: str = ""  # Where the reader writes it, as the last word of the prose before it says: "`config/mine.yaml`:"
 
 
 def parts(page: str) -> list[Part]:

@@ -33,12 +33,7 @@ def on_config(config: Any) -> Any:
 
 
 def on_files(files: Any, config: Any) -> Any:
-    """Add what does not stand in this folder; MkDocs calls it by this name.
-
-    Parameters
-    ----------
-    files, config : as MkDocs gives them
-    """
+    """Add what does not stand in this folder; MkDocs calls it by this name."""
     written = {
         "commands.md": commands(),
         "study.md": study(),
@@ -55,13 +50,7 @@ def on_files(files: Any, config: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Links to files of the project lead to their copies; a link to a script on a line of its own shows the script.
-
-    Parameters
-    ----------
-    markdown : str, the page
-    page : as MkDocs gives it
-    """
+    """Links to files of the project lead to their copies; a link to a script on a line of its own shows the script."""
     up = "../" * page.file.src_uri.count("/")
 
     def linked(link: re.Match[str]) -> str:

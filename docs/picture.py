@@ -64,14 +64,7 @@ def shortened(pairs: Arrows) -> Arrows:
 
 
 def opened(title: str, size: tuple[float, float], font: int) -> list[str]:
-    """The first lines of a picture: its paper, and the tips of its arrows.
-
-    Parameters
-    ----------
-    title : str
-    size : (float, float), width and height
-    font : int, size of its letters [px]
-    """
+    """The first lines of a picture: its paper, and the tips of its arrows."""
     wide, high = size
     return [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide:g} {high:g}"',

@@ -11,12 +11,7 @@ _PART = re.compile(r"(?:[^,(\[]|\([^)]*\)|\[[^]]*\])+")
 
 
 def spread(docstring: str) -> str:
-    """A docstring whose lines ``name : type, shape, meaning`` have their meaning on a line of its own.
-
-    Parameters
-    ----------
-    docstring : str, in numpy's style
-    """
+    """A docstring whose lines ``name : type, shape, meaning`` have their meaning on a line of its own."""
     return _SECTION.sub(lambda section: _LINE.sub(_two_lines, section[0]), docstring)
 
 
@@ -34,11 +29,6 @@ class Sections(Extension):
     """Spreads every docstring of the site."""
 
     def on_object(self, *, obj: Object, **_: object) -> None:
-        """Spread one object's.
-
-        Parameters
-        ----------
-        obj : Object, a module, class, function or attribute
-        """
+        """Spread one object's."""
         if obj.docstring:
             obj.docstring.value = spread(obj.docstring.value)

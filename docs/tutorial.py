@@ -36,12 +36,6 @@ def follow(page: str, folder: Path, run: Callable[[str], str] = command) -> Iter
     """Do what a page says, in a folder: every part that is done, and what it prints.
 
     Files are written, commands run as processes, and all Python of the page is one session of this process.
-
-    Parameters
-    ----------
-    page : str, its text
-    folder : Path, where it is followed
-    run : callable, runs a command and gives what it prints
     """
     session: dict[str, object] = {}
     with contextlib.chdir(folder), mpl.rc_context({"backend": "svg", "svg.hashsalt": "meecontact"}):
@@ -59,14 +53,7 @@ def follow(page: str, folder: Path, run: Callable[[str], str] = command) -> Iter
 
 
 def told(page: str, folder: Path, run: Callable[[str], str] = command) -> str:
-    """The page with what its commands and its Python print in the blocks that show it.
-
-    Parameters
-    ----------
-    page : str, its text
-    folder : Path, where it is followed
-    run : callable, runs a command and gives what it prints
-    """
+    """The page with what its commands and its Python print in the blocks that show it."""
     last = ""
     for part, printed in follow(page, folder, run):
         if part.kind == "text":

@@ -11,12 +11,7 @@ INPUTS = [surrogate.Input("volume_fraction", 0.2, 0.8), surrogate.Input("radius"
 
 
 def scattered(count: int, seed: int) -> xr.Dataset:
-    """Random exact cases, along one dimension.
-
-    Parameters
-    ----------
-    count, seed : int, number of cases, and what draws them
-    """
+    """Random exact cases, along one dimension."""
     unit = 2 * qmc.LatinHypercube(len(INPUTS), rng=seed).random(count) - 1
     columns = {axis.name: ("case", axis.from_unit(unit[:, k])) for k, axis in enumerate(INPUTS)}
     return solver.solve(dict(xr.Dataset(columns)) | {"load": 1e4, "friction": 0.2})

@@ -41,9 +41,7 @@ def shown(value: object) -> str:
 def dot(one: Array, two: Array) -> Array:
     """Sum of products over the last axis.
 
-    Parameters
-    ----------
-    one, two : ndarray, shape (..., n)
+    one, two: (..., n).
     """
     return np.asarray(np.einsum("...i,...i", one, two))
 
@@ -61,18 +59,7 @@ def distinct_rows(rows: Array) -> tuple[Array, NDArray[np.intp]]:
 
 
 def joined(parts: Sequence[tuple[Indices, Mapping[str, Array]]], count: int) -> dict[str, Array]:
-    """Outputs of all cases from those of some, as far as all parts have them; (case, ...) each.
-
-    Parameters
-    ----------
-    parts : sequence of (ndarray of int, mapping of str to ndarray), places among the cases, and outputs of these
-    count : int, number of all cases
-
-    Examples
-    --------
-    >>> joined([(np.array([1]), {"a": np.ones(1)}), (np.array([0]), {"a": np.zeros(1), "b": np.ones(1)})], 2)
-    {'a': array([0., 1.])}
-    """
+    """Outputs of all cases from those of some, as far as all parts have them; (case, ...) each."""
     (_, first), *others = parts
     whole = {}
     for name, own in first.items():
@@ -84,14 +71,7 @@ def joined(parts: Sequence[tuple[Indices, Mapping[str, Array]]], count: int) -> 
 
 
 def selected(record: Record, places: slice | Indices, *names: str) -> Record:
-    """A dataclass of arrays over cases with some of the cases; an array that is None stays so.
-
-    Parameters
-    ----------
-    record : dataclass
-    places : slice or ndarray of int, which cases
-    names : str, of the arrays
-    """
+    """A dataclass of arrays over cases with some of the cases; an array that is None stays so."""
     given = {name: getattr(record, name) for name in names}
     return replace(record, **{name: values[places] for name, values in given.items() if values is not None})
 
@@ -114,10 +94,7 @@ def components(vector: Array) -> list[Array]:
 def power_series(coefficients: Array, x: Points) -> Points:
     """Sum of coefficients[..., k] x^k (Horner), (..., point).
 
-    Parameters
-    ----------
-    coefficients : ndarray, shape (..., degree + 1)
-    x : ndarray, shape (..., point); case axes of both broadcast
+    coefficients: (..., degree + 1); x: (..., point); case axes of both broadcast.
     """
     value: Any = coefficients[..., -1, None]
     for k in range(coefficients.shape[-1] - 2, -1, -1):

@@ -46,43 +46,21 @@ _ENDED, _ENDLESS, _END = ("cylinder", "sphere"), ("cone", "power"), "gap_radius"
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of body, and how a punch touches it.
+    """A kind of body, and how a punch touches it."""
 
-    Attributes
-    ----------
-    name
-        As titles call it.
-    contact
-        Whether a contact is a line, per metre of which loads are given, or a point.
-    datum
-        What its depths and potentials refer to.
-    quantities, peaks
-        Quantities that its cases may have: those that come together, and those that are searched for.
-    regions
-        Names of ``solver.curves.REGIONS`` that its peaks may follow from.
-    layered
-        Whether it has a top layer with a thickness, on a base.
-    air
-        Whether the air beside its contact carries charge.
-    factors
-        Factors that no other kind has.
-    tabled
-        Numeric factors for whose every value the solver makes tables; empty for a closed form.
-    method
-        What a solution's source says of it beside the closed form.
-    """
-
-    name: str
-    contact: Contact
-    datum: Datum
+    name: str  # As titles call it
+    contact: Contact  # Whether a contact is a line, per metre of which loads are given, or a point
+    datum: Datum  # What its depths and potentials refer to
+    # Quantities that its cases may have: those that come together, and those that are searched for
     quantities: Mapping[str, Described]
     peaks: Mapping[str, Described]
-    regions: tuple[str, ...]
-    layered: bool = False
-    air: bool = False
-    factors: tuple[str, ...] = ()
+    regions: tuple[str, ...]  # Names of ``solver.curves.REGIONS`` that its peaks may follow from
+    layered: bool = False  # Whether it has a top layer with a thickness, on a base
+    air: bool = False  # Whether the air beside its contact carries charge
+    factors: tuple[str, ...] = ()  # Factors that no other kind has
+    # Numeric factors for whose every value the solver makes tables; empty for a closed form
     tabled: tuple[str, ...] = ()
-    method: str = ""
+    method: str = ""  # What a solution's source says of it beside the closed form
 
     @property
     def loads(self) -> Loads:
@@ -197,35 +175,14 @@ KINDS: dict[tuple[Contact, bool, bool], Kind] = {(kind.contact, kind.layered, ki
 def kind_of(
     factors: Collection[str], profile: object = "cylinder", surroundings: object = CHOICES["surroundings"][0]
 ) -> Kind:
-    """The kind of a case.
-
-    Parameters
-    ----------
-    factors
-        Names of the factors that it has.
-    profile
-        That of its punch; one of one's own, or one that is not known and refused later, is pressed along a line.
-    surroundings
-        What is beside its contact.
-    """
+    """The kind of a case."""
     contact = PROFILES[profile].contact if isinstance(profile, str) and profile in PROFILES else "line"
     layered = BODY in factors or "thickness" in factors
     return KINDS[contact, layered, surroundings == AIR]
 
 
 def airless(case: Mapping[str, object]) -> str:
-    """Why no air can be beside the contact of a case, as far as its factors tell; empty where it can.
-
-    Parameters
-    ----------
-    case
-        Its factors by name, without those that have their default.
-
-    Examples
-    --------
-    >>> airless({"profile": "cylinder"}), airless({"profile": "flat"})
-    ('', 'no narrow gap with an end lies beside its punch (flat)')
-    """
+    """Why no air can be beside the contact of a case, as far as its factors tell; empty where it can."""
 
     def of(name: str) -> object:
         return case.get(name, CHOICES[name][0])
@@ -263,16 +220,6 @@ def around(case: Mapping[str, object]) -> str:
     """What is beside the contact of a case that does not say: air beside a film, where it can be.
 
     Beside a half-plane or a half-space, as in the seed's problem, there is no charge.
-
-    Parameters
-    ----------
-    case
-        Its factors by name, without those that have their default.
-
-    Examples
-    --------
-    >>> around({"load": 1e4, "radius": 0.05}), around({"load": 1e4, "radius": 0.05, "thickness": 1e-4})
-    ('insulated', 'air')
     """
     kind = kind_of(case, case.get("profile", "cylinder"))
     return AIR if kind.layered and not airless(case) else CHOICES["surroundings"][0]

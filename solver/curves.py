@@ -21,26 +21,17 @@ class Region:
     """A net of panels of Chebyshev points over a region, and the fields that are given there.
 
     The points come panel by panel, row by row of panels, and in a panel row by row.
-
-    Attributes
-    ----------
-    fields
-        Their names; every one is given as ``<region>_<field>``.
-    across, across_at
-        Number of points of every panel from the leading to the trailing side, and the ends of the panels in the
-        coordinate of the region.
-    down, down_at
-        The same of every row of panels; of an interface one point.
-    size
-        The size by which the stresses scale.
     """
 
-    fields: tuple[str, ...]
+    fields: tuple[str, ...]  # Their names; every one is given as ``<region>_<field>``
+    # Number of points of every panel from the leading to the trailing side, and the ends of the panels in the
+    # coordinate of the region
     across: tuple[int, ...]
     across_at: tuple[float, ...]
+    # The same of every row of panels; of an interface one point
     down: tuple[int, ...] = (1,)
     down_at: tuple[float, ...] = (0.0, 0.0)
-    size: str = "mean_pressure"
+    size: str = "mean_pressure"  # The size by which the stresses scale
 
     @property
     def panels(self) -> Panels:
@@ -65,21 +56,11 @@ class Region:
 
 @dataclass(frozen=True)
 class Peak:
-    """How a quantity follows from curves.
+    """How a quantity follows from curves."""
 
-    Attributes
-    ----------
-    region
-        Name in ``REGIONS``.
-    measure
-        Of the first fields of the region; what is largest.
-    place
-        The field that is read where it is largest; empty: the measure itself.
-    """
-
-    region: str
-    measure: Measure
-    place: str = ""
+    region: str  # Name in ``REGIONS``
+    measure: Measure  # Of the first fields of the region; what is largest
+    place: str = ""  # The field that is read where it is largest; empty: the measure itself
 
 
 _HALF = 0.5**0.5

@@ -91,19 +91,7 @@ class Outline:
 
 
 def positive(units: str, long_name: str, default: float | None = None, *, optional: bool = False) -> Factor:
-    """A factor that is > 0.
-
-    Parameters
-    ----------
-    units, long_name : str
-    default : float or None, as of :class:`Factor`
-    optional : bool, whether a case may be without it
-
-    Examples
-    --------
-    >>> positive("m", "punch radius R").allowed
-    'a finite number > 0 [m]'
-    """
+    """A factor that is > 0."""
     return Factor(units, long_name, default, 0.0, low_allowed=False, optional=optional)
 
 
@@ -114,11 +102,5 @@ def poisson(of: str) -> Factor:
 
 
 def on_datum(units: str, long_name: str, *, on_punch: bool = False) -> Described:
-    """An output that depends on the datum of a half-plane.
-
-    Parameters
-    ----------
-    units, long_name : str, of the output
-    on_punch : bool, whether it depends on the datum of an elastic punch too
-    """
+    """An output that depends on the datum of a half-plane."""
     return Described(units, long_name, _DATUM, on_datum=True, on_punch=on_punch)

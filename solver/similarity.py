@@ -83,30 +83,12 @@ def weight_of(factor: str) -> Weight:
     """What multiplies a factor under similarity; fractions, friction, speed, moduli and names stay.
 
     An own name of a study, as ``copper_thickness``, is a number of a layer by its ending.
-
-    Examples
-    --------
-    >>> weight_of("load"), weight_of("friction"), weight_of("copper_thickness")
-    (Weight(size=1.0, strength=1.0), Weight(size=0.0, strength=0.0), Weight(size=1.0, strength=0.0))
     """
     return FACTOR_WEIGHTS.get("thickness" if factor.endswith("_thickness") else factor, Weight())
 
 
 def scale_powers(quantity: str, load: str, length: str) -> dict[str, float]:
-    """Powers of a load-like and a length-like factor whose product scales as a quantity does.
-
-    Parameters
-    ----------
-    quantity
-        A name of `QUANTITY_WEIGHTS`; ValueError for another one.
-    load, length
-        Two factors of independent weights, such as ``load`` and ``thickness`` or ``load`` and ``radius``.
-
-    Examples
-    --------
-    >>> scale_powers("peak_pressure", "load", "thickness"), scale_powers("contact_trailing", "load", "radius")
-    ({'load': 1.0, 'thickness': -1.0}, {'load': 0.5, 'radius': 0.5})
-    """
+    """Powers of a load-like and a length-like factor whose product scales as a quantity does."""
     if quantity not in QUANTITY_WEIGHTS:
         raise ValueError(f"{quantity!r} has no known powers of size and strength")
     a, b, wanted = weight_of(load), weight_of(length), QUANTITY_WEIGHTS[quantity]

@@ -12,14 +12,6 @@ def _controller() -> ThreadpoolController:
 
 
 def one_thread() -> AbstractContextManager[object]:
-    """Within it BLAS has one thread; afterwards as many as before.
-
-    Examples
-    --------
-    >>> from threadpoolctl import threadpool_info
-    >>> with one_thread():
-    ...     {pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"}
-    {1}
-    """
+    """Within it BLAS has one thread; afterwards as many as before."""
     limit: AbstractContextManager[object] = _controller().limit(limits=1, user_api="blas")
     return limit

@@ -75,13 +75,7 @@ class Unit:
         return self.exponents == other.exponents
 
     def __str__(self) -> str:
-        """In SI without prefixes: as few symbols as tell it, or what it was made of, as ``V m N-1``.
-
-        Examples
-        --------
-        >>> str(parse("kC / F / m")), str(parse("V m N-1"))
-        ('V m-1', 'V m N-1')
-        """
+        """In SI without prefixes: as few symbols as tell it, or what it was made of, as ``V m N-1``."""
         symbols = _alone(self.exponents) or self.symbols
         if len(symbols) > _FEW:
             symbols = _per_length(self.exponents) or symbols
@@ -108,13 +102,7 @@ def _per_length(exponents: tuple[Fraction, ...]) -> tuple[tuple[str, Fraction], 
 
 
 def parse(text: str) -> Unit:
-    """Read a unit; an empty text is a pure number.
-
-    Raises
-    ------
-    ValueError
-        Naming the part that is no unit.
-    """
+    """Read a unit; an empty text is a pure number."""
     unit, position = Unit.none(), 0
     text = text.strip()
     if len(text) > _LONGEST:
@@ -145,16 +133,6 @@ def in_si(text: str, units: str) -> float:
     """Read a number with its unit, as ``115 GPa`` or ``115GPa``: its value in SI.
 
     What a decimal prefix does is rounded once: ``11.2 nF/m`` is 11.2e-9 to the last bit.
-
-    Parameters
-    ----------
-    text : str
-    units : str, of the SI, which the text's unit must fit
-
-    Raises
-    ------
-    ValueError
-        No number with a unit, a unit that is none, or one of another kind of quantity.
     """
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
     if match is None:
@@ -169,18 +147,7 @@ def in_si(text: str, units: str) -> float:
 
 
 def scaled(text: str, scale: float) -> float:
-    """A number in digits, times a scale, rounded once; one that is not finite as it is.
-
-    Parameters
-    ----------
-    text : str, the digits
-    scale : float
-
-    Examples
-    --------
-    >>> scaled("80", 1e-6), 80 * 1e-6
-    (8e-05, 7.999999999999999e-05)
-    """
+    """A number in digits, times a scale, rounded once; one that is not finite as it is."""
     return float(Decimal(text) * Decimal(repr(scale))) if isfinite(float(text)) else float(text)
 
 

@@ -119,31 +119,6 @@ def write_blocks(
     """Write a data set to a netCDF-4 file in blocks; the file appears whole or not at all.
 
     Every variable gets its statistics as attributes: `actual_range`, `mean`, `standard_deviation`.
-
-    Parameters
-    ----------
-    path : path-like
-        Where to; its folder must exist.
-    frame : Dataset
-        Coordinates, attributes, and every variable's dimensions, size and type; the variables' values are not read
-        (broadcast views will do).
-    blocks : iterable of (region, values)
-        Values of all variables in one region after the other, in C order: together they fill the arrays from their
-        first element to their last. A region has a slice for every axis that all variables share. Masked values are
-        stored as NaN, and the statistics do not count them.
-    chunks : mapping
-        Length of a chunk along each dimension, at most.
-    last : callable
-        Gives, once all blocks are written, what follows them in the file; by default nothing.
-
-    Raises
-    ------
-    FileNotFoundError
-        The folder does not exist.
-    ValueError
-        The blocks do not fill the arrays, or a value is not finite.
-    OSError
-        No room or no permission, in the system's words, with the file.
     """
     frame = as_stored(frame.drop_encoding())
     frame.attrs |= standard(frame)

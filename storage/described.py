@@ -12,15 +12,6 @@ def described(dataset: xr.Dataset, title: str, source: str, meanings: Mapping[st
     """A copy in which every variable has `long_name` and `units`, and the data set `title` and `source`.
 
     What a variable says of itself stays. A name with a number at its end means what it means without.
-
-    Parameters
-    ----------
-    dataset
-        Any; what has a unit of its own says so already, all else is a plain number, or a text.
-    title, source
-        What the data set is, and how it was made.
-    meanings
-        `long_name` by name.
     """
     copy = dataset.copy()
     for name, variable in copy.variables.items():

@@ -135,18 +135,7 @@ def limit() -> None:
 
 
 def examine(path: Path, max_bytes: int) -> None:
-    """Read everything in a file.
-
-    Parameters
-    ----------
-    path : Path, the file
-    max_bytes : int, the most that its contents may take in memory
-
-    Raises
-    ------
-    NotPlainError
-        Something is not plain; any other error where the file cannot be read.
-    """
+    """Read everything in a file."""
     hdf5 = Hdf5()
     limit()
     hdf5.check(path)
@@ -191,13 +180,7 @@ def _bounded(what: str, text: str) -> int:
 
 
 def outcome(path: Path, max_bytes: int) -> tuple[int, str]:
-    """Exit status and reason: 0 for a plain file, `NOT_PLAIN`, or 1 for one that cannot be read.
-
-    Parameters
-    ----------
-    path : Path, the file
-    max_bytes : int, the most that its contents may take in memory
-    """
+    """Exit status and reason: 0 for a plain file, `NOT_PLAIN`, or 1 for one that cannot be read."""
     try:
         examine(path, max_bytes)
     except NotPlainError as error:

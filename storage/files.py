@@ -11,13 +11,7 @@ from storage.sealed import appearing
 
 
 def regular(path: Path) -> Path:
-    """The path, unless it is a device or a pipe: one never ends, the other makes its reader wait.
-
-    Raises
-    ------
-    OSError
-        There is no such file, or it is a device, a pipe or a socket; it names the file.
-    """
+    """The path, unless it is a device or a pipe: one never ends, the other makes its reader wait."""
     mode = path.stat().st_mode
     if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):  # a folder says so itself when it is opened
         raise OSError(errno.EINVAL, "not a regular file", str(path))
@@ -25,20 +19,7 @@ def regular(path: Path) -> Path:
 
 
 def output(path: Path, *inputs: Path) -> Path:
-    """Where to write what an option asks for: the file itself, or what a link leads to.
-
-    Parameters
-    ----------
-    path : Path, what the option says
-    *inputs : Path, files that are read for it
-
-    Raises
-    ------
-    FileNotFoundError
-        There is no such folder.
-    OSError
-        The path is a device, a pipe or a folder, which a new file would replace, or one of the inputs; it names it.
-    """
+    """Where to write what an option asks for: the file itself, or what a link leads to."""
     target = path.resolve() if path.is_symlink() else path
     if not target.parent.is_dir():
         raise FileNotFoundError(f"{path}: the folder {target.parent} does not exist")
@@ -52,41 +33,18 @@ def output(path: Path, *inputs: Path) -> Path:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text in UTF-8, whole or not at all.
-
-    Parameters
-    ----------
-    path : Path, the file
-    text : str
-    """
+    """Write a text in UTF-8, whole or not at all."""
     write_bytes(path, text.encode())
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write beside the final name, then rename: a reader never sees half a file.
-
-    Parameters
-    ----------
-    path : Path, the file
-    content : bytes
-
-    Raises
-    ------
-    OSError
-        No room, or no permission; it names the file.
-    """
+    """Write beside the final name, then rename: a reader never sees half a file."""
     with writing(path) as file:
         file.write(content)
 
 
 @contextmanager
 def writing(path: Path) -> Iterator[BinaryIO]:
-    """A file to write to, beside the final name; it takes that name in the end, or is removed after an error.
-
-    Raises
-    ------
-    OSError
-        No room, or no permission; it names the file.
-    """
+    """A file to write to, beside the final name; it takes that name in the end, or is removed after an error."""
     with appearing(path) as partial, partial.open("xb") as file:
         yield file

@@ -47,22 +47,6 @@ def write_whole(dataset: xr.Dataset, path: str | PathLike[str]) -> None:
     The attribute `checksum` is the SHA-256 of the names, dimensions, attributes and bytes of all variables. Equal data
     sets give equal bytes. Large float arrays are compressed (zlib level 1 after a byte shuffle, which every
     netCDF library reads).
-
-    Parameters
-    ----------
-    dataset : Dataset
-        Numbers, booleans and strings; no times, and no encoding of its own (it is dropped).
-    path : path-like
-        Where to; its folder must exist. An existing file is replaced.
-
-    Raises
-    ------
-    FileNotFoundError
-        The folder does not exist.
-    TypeError
-        A variable or attribute of a kind that the file cannot hold.
-    OSError
-        No room or no permission, in the system's words, with the file.
     """
     plain = as_stored(dataset.drop_encoding())
     plain.attrs.pop(CHECKSUM, None)
@@ -80,27 +64,7 @@ def read_whole(
     max_bytes: int = MAX_BYTES,
     names: Collection[str] | None = None,
 ) -> xr.Dataset:
-    """Read a file of `write_whole` or `write_blocks`.
-
-    Parameters
-    ----------
-    path : path-like
-        The file.
-    lazy : bool
-        Verify the bytes of the file, but leave the arrays on disk; close the data set after use. By default
-        everything is loaded, and its contents are verified too.
-    max_bytes : int
-        Refuse a file that is, or unpacks to, more than this.
-    names : collection of str, optional
-        Load these variables (and the coordinates) only, from a file whose bytes are verified.
-
-    Raises
-    ------
-    FileNotFoundError
-        There is no such file.
-    FormatError
-        The file is no netCDF-4, truncated, incomplete, altered or too large; one line with file and reason.
-    """
+    """Read a file of `write_whole` or `write_blocks`."""
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file")
@@ -140,14 +104,7 @@ def checksum_parts(dataset: xr.Dataset) -> dict[str, str]:
 
 
 def started(dims: Iterable[Hashable], shape: Iterable[int], dtype: np.dtype[Any]) -> "hashlib._Hash":
-    """Digest of a variable's shape, to be fed with its contents, in pieces where it is large.
-
-    Parameters
-    ----------
-    dims : iterable of str, the variable's
-    shape : iterable of int, along them
-    dtype : dtype, of its values
-    """
+    """Digest of a variable's shape, to be fed with its contents, in pieces where it is large."""
     kind = dtype.newbyteorder("<").str if dtype.kind in "biuf" else "text"
     return hashlib.sha256(json.dumps([[str(dim) for dim in dims], list(shape), kind]).encode())
 
@@ -162,25 +119,13 @@ def contents(values: np.ndarray[Any, Any]) -> memoryview | bytes:
 
 
 def finished(digest: "hashlib._Hash", attrs: Mapping[Any, Any]) -> str:
-    """Digest of a variable with its attributes.
-
-    Parameters
-    ----------
-    digest : as `started` gave it, fed with the contents
-    attrs : mapping, the variable's attributes
-    """
+    """Digest of a variable with its attributes."""
     digest.update(_attributes(attrs))
     return digest.hexdigest()
 
 
 def combined(digests: Mapping[str, str], attrs: Mapping[Any, Any]) -> str:
-    """Digest of a whole data set from those of its variables.
-
-    Parameters
-    ----------
-    digests : mapping of str to str, by variable
-    attrs : mapping, the data set's attributes
-    """
+    """Digest of a whole data set from those of its variables."""
     own = {key: value for key, value in attrs.items() if key != CHECKSUM}
     return hashlib.sha256(json.dumps(sorted(digests.items())).encode() + _attributes(own)).hexdigest()
 

@@ -26,22 +26,6 @@ def try_to_read(path: str | PathLike[str], max_bytes: int) -> None:
 
     A process of one thread, such as a job of the pipeline, forks; any other starts a new interpreter, which takes some
     four times as long, since a fork would copy its other threads' locks and not the threads.
-
-    Parameters
-    ----------
-    path : path-like
-        The file; its bytes are verified before the netCDF library sees them.
-    max_bytes : int
-        Refuse a file that is, or unpacks to, more than this.
-
-    Raises
-    ------
-    FileNotFoundError
-        There is no such regular file.
-    FormatError
-        The file is not whole, keeps the library busy, crashes it, asks it for too much memory, is none that it reads,
-        or holds more than plain variables of numbers and texts: values stored elsewhere, groups, types of its own,
-        attributes beyond one text or numbers of 64 kB.
     """
     file = Path(path)
     if not file.is_file():
@@ -62,13 +46,7 @@ def try_to_read(path: str | PathLike[str], max_bytes: int) -> None:
 
 @contextlib.contextmanager
 def little_memory(path: Path) -> Iterator[None]:
-    """Within it, this process takes at most `examined.MEMORY` more addresses, and some for each thread that may start.
-
-    Raises
-    ------
-    FormatError
-        What is made of the file's content asks for more; the file is named.
-    """
+    """Limit this process to `examined.MEMORY` more addresses, and some for each thread that may start."""
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     most = examined.addresses() + examined.MEMORY + _A_THREAD * (os.cpu_count() or 1)
     if soft == resource.RLIM_INFINITY or most < soft:

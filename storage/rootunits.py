@@ -16,13 +16,7 @@ _SCALED = ", divided by the square root of 1 m"
 
 
 def scaled(attrs: Mapping[Any, Any]) -> dict[Hashable, Any]:
-    """Attributes of a variable as a file holds them.
-
-    Examples
-    --------
-    >>> scaled({"units": "C m-3/2", "long_name": "edge intensity of D_y"})["units"]
-    'C m-2'
-    """
+    """Attributes of a variable as a file holds them."""
     units = attrs.get("units")
     if not isinstance(units, str) or not (root := _ROOT.search(units)):
         return dict(attrs)

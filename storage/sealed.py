@@ -28,22 +28,7 @@ class FormatError(ValueError):
 
 @contextmanager
 def appearing(path: Path, *, sealed: bool = False) -> Iterator[Path]:
-    """Give a temporary name in the same folder; what is written there is flushed and renamed in the end.
-
-    Parameters
-    ----------
-    path
-        The final name.
-    sealed
-        Whether to seal it before.
-
-    Raises
-    ------
-    FileNotFoundError
-        The folder does not exist.
-    OSError
-        No room or no permission, in the system's words, with the file.
-    """
+    """Give a temporary name in the same folder; what is written there is flushed and renamed in the end."""
     if not path.parent.is_dir():
         raise FileNotFoundError(f"{path}: the folder {path.parent} does not exist")
     partial = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(4)}{PARTIAL}")
@@ -71,19 +56,7 @@ def seal(path: Path) -> None:
 
 
 def check_seal(path: Path, max_bytes: int, *, digest: bool = True) -> str:
-    """Refuse a file that is too large, incomplete or altered, by :class:`FormatError`.
-
-    Parameters
-    ----------
-    path : Path, the file
-    max_bytes : int, the largest that is read
-    digest : bool, whether it is looked for what was altered, which reads the whole file
-
-    Returns
-    -------
-    str
-        The SHA-256 that the seal holds, in hexadecimal.
-    """
+    """Refuse a file that is too large, incomplete or altered, by :class:`FormatError`."""
     size = path.stat().st_size
     if size > max_bytes:
         raise FormatError(path, f"too large: {size} bytes, at most {max_bytes} are read")
@@ -99,13 +72,7 @@ def check_seal(path: Path, max_bytes: int, *, digest: bool = True) -> str:
 
 
 def sha256(path: Path, length: int | None = None) -> bytes:
-    """SHA-256 of the beginning of a file.
-
-    Parameters
-    ----------
-    path : Path, the file
-    length : int, bytes; None: all
-    """
+    """SHA-256 of the beginning of a file."""
     digest, left = hashlib.sha256(), path.stat().st_size if length is None else length
     with path.open("rb") as file:
         while left > 0 and (part := file.read(min(left, 2**20))):

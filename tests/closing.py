@@ -7,15 +7,7 @@ _SKIPPED = "Skipped: "
 
 
 def closing(reasons: Sequence[str]) -> str:
-    """One line for the reasons for which tests were skipped, each of which says how to get what is missing.
-
-    Examples
-    --------
-    >>> closing(["Skipped: no ncdump (Debian: netcdf-bin)"] * 2)
-    'not run: 2 tests: no ncdump (Debian: netcdf-bin)'
-    >>> closing([])
-    'nothing was left out'
-    """
+    """One line for the reasons for which tests were skipped, each of which says how to get what is missing."""
     counted = Counter(reason.removeprefix(_SKIPPED) for reason in reasons)
     parts = [f"{count} test{'s' * (count > 1)}: {reason}" for reason, count in counted.items()]
     return f"not run: {'; '.join(parts)}" if parts else "nothing was left out"

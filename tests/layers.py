@@ -104,20 +104,7 @@ MOMENTS = (
 
 
 def layer(file: str, marks: Iterable[str], fixtures: Iterable[str]) -> str:
-    """The layer of a test.
-
-    Parameters
-    ----------
-    file : str
-        Its file, from the root of the project.
-    marks, fixtures : iterable of str
-        Names of its marks, and of the fixtures that it needs.
-
-    Returns
-    -------
-    str
-        One of `LAYERS`.
-    """
+    """The layer of a test."""
     own = [name for name in LAYERS if name in set(marks)]
     if own:
         return own[-1]
@@ -127,25 +114,7 @@ def layer(file: str, marks: Iterable[str], fixtures: Iterable[str]) -> str:
 
 
 def sample(cases: Sequence[frozenset[tuple[str, object]]], count: int) -> set[int]:
-    """Positions of a few cases of a product: each adds the most values that none before it has.
-
-    Parameters
-    ----------
-    cases : sequence of frozenset of (name, value)
-        What each case is made of.
-    count : int
-        How many to take.
-
-    Returns
-    -------
-    set of int
-
-    Examples
-    --------
-    >>> whole = [frozenset({("a", i), ("b", j)}) for i in range(3) for j in range(3)]
-    >>> sorted(sample(whole, 3))
-    [0, 4, 8]
-    """
+    """Positions of a few cases of a product: each adds the most values that none before it has."""
     taken: set[int] = set()
     seen: set[tuple[str, object]] = set()
     spread = [k * len(cases) // count for k in range(count)]  # where nothing is new, far from one another

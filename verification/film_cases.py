@@ -93,10 +93,7 @@ class Solved:
     def inside(self, at: Array, Y: Array) -> Answers:
         """``FIELDS`` (depth, place).
 
-        Parameters
-        ----------
-        at : ndarray, shape (place,), along the surface over the contact's half-width
-        Y : ndarray, shape (depth,), depths over the same
+        at: (place,), along the surface over the contact's half-width; Y: (depth,), depths over the same.
         """
         found = solver.solve_interior(self.case, at, Y, fields=FIELDS)
         return {name: found[name].values for name in FIELDS}

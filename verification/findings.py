@@ -14,45 +14,26 @@ _NOTHING = 1e-60  # smaller values are zero to the 50-digit oracle
 
 @dataclass(frozen=True)
 class Sizes:
-    """How much is asked; what the page and the tests differ in.
+    """How much is asked; what the page and the tests differ in."""
 
-    Attributes
-    ----------
-    cases : int
-        Random cases in 50 digits.
-    elements : int
-        Finest mesh, in elements under the punch; a sixth and two more is the highest order of elements of films.
-    timed : int
-        Cases of the closed form that are timed at once; 0: nothing is timed.
-    seed : int
-        Of the random cases.
-    """
-
-    cases: int = 12
+    cases: int = 12  # Random cases in 50 digits
+    # Finest mesh, in elements under the punch; a sixth and two more is the highest order of elements of films
     elements: int = 24
-    timed: int = 4096
-    seed: int = 1
+    timed: int = 4096  # Cases of the closed form that are timed at once; 0: nothing is timed
+    seed: int = 1  # Of the random cases
 
 
 @dataclass(frozen=True)
 class Check:
-    """One comparison.
+    """One comparison."""
 
-    Attributes
-    ----------
-    name, compared : str
-        What is checked; the found and the expected.
-    error, tolerance : float
-        The measured error and the largest that passes.
-    seconds : float
-        Time that it took.
-    """
-
+    # What is checked; the found and the expected
     name: str
     compared: str
+    # The measured error and the largest that passes
     error: float
     tolerance: float
-    seconds: float
+    seconds: float  # Time that it took
 
     @property
     def passed(self) -> bool:
@@ -102,38 +83,20 @@ class Findings:
 
 
 def check(name: str, compared: str, tolerance: float, error: Callable[..., float], *of: Any) -> Check:
-    """Measure one error and its time.
-
-    Parameters
-    ----------
-    name, compared : str, what is checked, and against what
-    tolerance : float, in the error's unit
-    error : callable, of `of`, gives the error
-    of : what the error is of
-    """
+    """Measure one error and its time."""
     start = perf_counter()
     measured = float(error(*of))
     return Check(name, compared, measured, tolerance, perf_counter() - start)
 
 
 def off(found: ArrayLike, expected: ArrayLike) -> float:
-    """Largest difference over the largest expected size; itself where nothing is expected.
-
-    Parameters
-    ----------
-    found, expected : array_like of one shape, in one unit
-    """
+    """Largest difference over the largest expected size; itself where nothing is expected."""
     found, expected = np.asarray(found, dtype=float), np.asarray(expected, dtype=float)
     size = float(np.max(np.abs(expected)))
     return float(np.max(np.abs(found - expected))) / (size or 1.0)
 
 
 def off_each(found: ArrayLike, expected: ArrayLike) -> float:
-    """Largest difference of a value over its own expected size.
-
-    Parameters
-    ----------
-    found, expected : array_like of one shape, in one unit
-    """
+    """Largest difference of a value over its own expected size."""
     found, expected = np.asarray(found, dtype=float), np.asarray(expected, dtype=float)
     return float(np.max(np.abs(found - expected) / np.maximum(np.abs(expected), _NOTHING)))

@@ -126,15 +126,7 @@ def _problem(name: str, case: Case, terms: int, surface: SurfaceResponse) -> col
 
 
 def error(name: str, conducted: tuple[int, ...], terms: int, surface: SurfaceResponse) -> float:
-    """Largest error of an end or a response over itself, or of a surface field over its largest value.
-
-    Parameters
-    ----------
-    name : str, the profile's
-    conducted : tuple of int, fields that the punch conducts: 1 the electric, 2 the magnetic one
-    terms : int, of every traction
-    surface : SurfaceResponse, of the half-plane
-    """
+    """Largest error of an end or a response over itself, or of a surface field over its largest value."""
     case = _case(name, conducted)
     return _difference(solver.solve(case, X), _collocated(name, case, terms, surface))
 

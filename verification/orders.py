@@ -25,14 +25,7 @@ def orders_of(sizes: Sizes) -> list[int]:
 def refined(
     figure: str, shown: str, contacts: Mapping[str, Callable[[int], Refined]], sizes: Sizes
 ) -> tuple[list[Check], list[Curve]]:
-    """Checks at the highest order, and curves of one error over all orders.
-
-    Parameters
-    ----------
-    figure, shown : str, of the curves, and which error they show
-    contacts : mapping of str to callable, by the name of a case, from an order to both answers
-    sizes : Sizes
-    """
+    """Checks at the highest order, and curves of one error over all orders."""
     orders = orders_of(sizes)
     slack = 10 ** ((10 - orders[-1]) / 2)
     checks, curves = list[Check](), list[Curve]()

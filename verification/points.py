@@ -194,13 +194,7 @@ def _tangents() -> float:
 
 
 def elements(base: str, order: int) -> float:
-    """Largest relative error of force, depth and voltage at the solver's radius.
-
-    Parameters
-    ----------
-    base : str, below the film: a material or rigid
-    order : int, of the elements' polynomials
-    """
+    """Largest relative error of force, depth and voltage at the solver's radius."""
     case = _FILM | {"base": base, "total_charge": 2e-9}
     ours = solver.solve(case)
     layer = Layer(constants(solver.find("PZT-4")), case["thickness"])

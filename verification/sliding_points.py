@@ -25,18 +25,12 @@ _AIR_PLACES = 0.05, 0.93, 1.02, 8.0  # r/a at which tractions are compared, belo
 
 @dataclass(frozen=True)
 class Difference:
-    """What the grid has over the first order, less 1, of a grounded ball at one depth.
+    """What the grid has over the first order, less 1, of a grounded ball at one depth."""
 
-    Attributes
-    ----------
-    force, charge
-        Without friction's first order, which has no part in them.
-    force_moment, charge_moment
-        First moments about the axis of the ball, of the first order.
-    """
-
+    # Without friction's first order, which has no part in them
     force: float
     charge: float
+    # First moments about the axis of the ball, of the first order
     force_moment: float
     charge_moment: float
 
@@ -45,12 +39,6 @@ def difference(case: Case, friction: float, cells: int) -> Difference:
     """Of a ball on a half-space or a film, at the depth that its force has at rest.
 
     Force and charge are over those of the same grid at rest, so that only friction tells them apart.
-
-    Parameters
-    ----------
-    case : dict, SI, as of `solver.solve`
-    friction : float
-    cells : int, of the grid, a side
     """
     grounded, a, (slid, still) = _on_grids(case, friction, cells)
     first = _moments(grounded | {"friction": friction}, a)
@@ -63,14 +51,7 @@ def difference(case: Case, friction: float, cells: int) -> Difference:
 
 
 def raised(case: Case, friction: float, cells: int) -> tuple[float, float]:
-    """What friction adds to the largest pressure of a grounded ball over that at rest: on the grid, in first order.
-
-    Parameters
-    ----------
-    case : dict, SI, as of `solver.solve`
-    friction : float
-    cells : int, of the grid, a side
-    """
+    """What friction adds to the largest pressure of a grounded ball over that at rest: on the grid, in first order."""
     grounded, _, (slid, still) = _on_grids(case, friction, cells)
     own = solver.solve(grounded | {"friction": np.array([friction, 0.0])})["peak_pressure"].values
     return slid["peak_pressure"] / still["peak_pressure"] - 1, float(own[0] / own[1]) - 1
@@ -116,29 +97,16 @@ def first_order(case: Case) -> float:
 
 @dataclass(frozen=True)
 class AirDifference:
-    """What the solver has of the first order of a ball in air over the collocation, less 1.
+    """What the solver has of the first order of a ball in air over the collocation, less 1."""
 
-    Attributes
-    ----------
-    offset
-        Of the contact.
-    charges, pressures
-        Of cos(angle), largest difference over the largest value, D_y below the contact and beside it.
-    """
-
-    offset: float
+    offset: float  # Of the contact
+    # Of cos(angle), largest difference over the largest value, D_y below the contact and beside it
     charges: float
     pressures: float
 
 
 def in_air(thickness: float = np.inf, charge: float = 0.0) -> AirDifference:
-    """Of a ball on BaTiO3 with air beside it.
-
-    Parameters
-    ----------
-    thickness : float, of a film on a rigid, grounded base [m]; infinite: a half-space
-    charge : float, C
-    """
+    """Of a ball on BaTiO3 with air beside it."""
     material = solver.find(MATERIAL)
     other = SlidingGap(constants(material), BALL["radius"], _AIR_RADIUS, charge, thickness)
     case = BALL | {"force": other.force, "total_charge": charge, "friction": _AIR_FRICTION, "surroundings": "air"}
@@ -161,11 +129,6 @@ def in_air(thickness: float = np.inf, charge: float = 0.0) -> AirDifference:
 
 
 def first_order_in_air(thickness: float) -> float:
-    """Largest of these differences.
-
-    Parameters
-    ----------
-    thickness : float, as of :func:`in_air`
-    """
+    """Largest of these differences."""
     differences = in_air(thickness)
     return max(abs(differences.offset), differences.charges, differences.pressures)

@@ -17,13 +17,7 @@ from solver.surroundings.quantities import quantities
 
 
 class FilmInAir(OnFilm):
-    """Contact of cases of one kind of punch on films, with air beside it.
-
-    Raises
-    ------
-    FactorError, MaterialError
-        As without air; a punch or a film that the theory of air does not cover.
-    """
+    """Contact of cases of one kind of punch on films, with air beside it."""
 
     def quantities(self) -> dict[str, Array]:
         """Those of ``solver.body.FILM_IN_AIR`` that every case has; (...)."""

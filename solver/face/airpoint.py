@@ -21,13 +21,7 @@ _CARRIED = ("electric_displacement", "magnetic_induction")
 
 
 class _InAir(OnPoints):
-    """What half-spaces and films have in common.
-
-    Raises
-    ------
-    FactorError, MaterialError
-        As without air; a punch or a body that the theory of air does not cover.
-    """
+    """What half-spaces and films have in common."""
 
     def quantities(self) -> dict[str, Array]:
         """Those of the kind that every case has, to the first order in friction; (...)."""

@@ -25,17 +25,7 @@ _TEXTS = ("title", "source")
 
 
 def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[str | Material]) -> dict[str, str]:
-    """Title, source, composite and phases, and the defaults of all factors that were not given.
-
-    Parameters
-    ----------
-    title
-        What was solved for.
-    arrays
-        The factors that were given, checked.
-    phases
-        Phase one and phase two of a composite.
-    """
+    """Title, source, composite and phases, and the defaults of all factors that were not given."""
     defaults = _defaults(arrays)
     kinds = present(arrays)
     attrs = {
@@ -56,14 +46,7 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
 
 
 def of_output(described: Described, arrays: Mapping[str, xr.DataArray], kinds: Sequence[Kind]) -> dict[str, str]:
-    """CF attributes of an output of cases of some kinds; what depends on a datum says which ones they have.
-
-    Parameters
-    ----------
-    described : Described, the output
-    arrays : mapping of str to DataArray, the cases' factors
-    kinds : sequence of Kind, those of the cases
-    """
+    """CF attributes of an output of cases of some kinds; what depends on a datum says which ones they have."""
     attrs = _of_body(described, arrays, kinds)
     line = any(kind.contact == "line" for kind in kinds)
     if described.on_punch and line and not set(OF_A_PUNCH).isdisjoint(arrays):

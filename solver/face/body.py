@@ -20,13 +20,7 @@ from solver.material.constants import MaterialError
 
 
 class Body(ABC):
-    """Cases of one kind, solved: arrays by the names of ``solver.names`` over the axes of the cases, then own axes.
-
-    Parameters
-    ----------
-    cases
-        Of one kind, profile and corner.
-    """
+    """Cases of one kind, solved: arrays by the names of ``solver.names`` over the axes of the cases, then own axes."""
 
     #: Whether there are places without fields, which are NaN: those in a rigid base.
     hollow: ClassVar[bool] = True
@@ -52,30 +46,14 @@ class Body(ABC):
 
     @np.errstate(all="ignore")  # here and below: what is not finite is named in the outputs
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """Fields on the surface, those that are singular at the edges also in regular form if asked; (..., position).
-
-        Parameters
-        ----------
-        positions
-            X = (x - c)/h, or r/a of a point contact, where the punch slides x/a; (position,).
-        regular
-            Also give fields times sqrt|1 - X^2|.
-        """
+        """Surface fields, (..., position); those singular at the edges also in regular form if `regular`."""
         values = self._surface(positions, regular)
         ordered = [name for field in {**FIELDS, **POINT_FIELDS} for name in (field, f"{field}_regular")]
         return {name: values[name] for name in ordered if name in values}
 
     @np.errstate(all="ignore")
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """Fields inside on the grid of two axes, of a point contact in the plane of symmetry; (..., y, x).
-
-        Parameters
-        ----------
-        x, y
-            In half-widths of the contact, from its middle and the surface.
-        asked
-            Names of fields; None: all of ``solver.fields.INTERIOR`` that need no constant which a material lacks.
-        """
+        """Fields inside on the grid of two axes, of a point contact in the plane of symmetry; (..., y, x)."""
         names = asked or [name for name in INTERIOR if name not in self._need_c12 or self._lacks_c12 is None]
         for name in names:
             if name in self._need_c12:

@@ -31,17 +31,7 @@ _OF_A_KIND = ("profile", "corner")  # one of each at a time; what varies is solv
 
 @dataclass(frozen=True, eq=False)
 class Cases:
-    """Cases by their factors.
-
-    Parameters
-    ----------
-    arrays
-        Checked factors, by name.
-    materials
-        Own materials by name, beside the built-in ones.
-    phases
-        Phase one and phase two of a composite.
-    """
+    """Cases by their factors."""
 
     arrays: Mapping[str, xr.DataArray]
     materials: Mapping[str, Material]
@@ -137,18 +127,7 @@ class Cases:
     ) -> dict[str, xr.Variable]:
         """Outputs over the dimensions of the cases and own axes; what does not vary is a broadcast view.
 
-        Parameters
-        ----------
-        values : mapping of str to ndarray, shape (..., own axes), SI
-        described : mapping of str to Described, the same outputs
-        of : str, what the cases were solved for, which a message names
-        axes : mapping of str to Variable, the own axes; None: none
-        hollow : bool, whether the body has places without fields, which are NaN
-
-        Raises
-        ------
-        FactorError
-            An output is not finite in some case: no file ever holds such a value unawares.
+        values: mapping of str to ndarray, shape (..., own axes), SI.
         """
         kinds = present(self.arrays)
         own = {name: axis.size for name, axis in (axes or {}).items()}
@@ -161,13 +140,7 @@ class Cases:
         return outputs
 
     def solved(self, title: str, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
-        """The part of each kind of case, put together, with global attributes.
-
-        Parameters
-        ----------
-        title : str, of the solution
-        part : callable, solves the cases of one kind
-        """
+        """The part of each kind of case, put together, with global attributes."""
         with one_thread():
             return self._by_kind(part).assign_attrs(attributes(title, self.arrays, self.phases))
 

@@ -51,13 +51,7 @@ def electroded(cases: Cases) -> BoolArray:
 
 
 def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
-    """Only films have an electrode that is read, a number of it is whole, and neighbours do not touch.
-
-    Raises
-    ------
-    FactorError
-        Naming the factor, its value and what is allowed.
-    """
+    """Only films have an electrode that is read, a number of it is whole, and neighbours do not touch."""
     given = [name for name in OF_AN_ELECTRODE if name in arrays]
     if not given:
         return

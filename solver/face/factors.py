@@ -28,13 +28,7 @@ _CHARGES = {
 
 
 def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
-    """Factors as arrays with dimensions, every name known and every value allowed.
-
-    Raises
-    ------
-    FactorError
-        Naming the factor, its value and what is allowed.
-    """
+    """Factors as arrays with dimensions, every name known and every value allowed."""
     given = {**factors.data_vars, **factors.coords} if isinstance(factors, xr.Dataset) else dict(factors)
     known = (*MATERIALS, *CHOICES, *FACTORS, BODY)
     arrays: dict[str, xr.DataArray] = {}

@@ -32,13 +32,7 @@ class _Group:
 
 
 class OnFilm(Body):
-    """Contact of cases of one kind of punch on films, each on its base.
-
-    Raises
-    ------
-    FactorError, MaterialError
-        An unknown base, an interface that a base does not have, inadmissible materials, a contact that does not exist.
-    """
+    """Contact of cases of one kind of punch on films, each on its base."""
 
     def __init__(self, cases: Cases) -> None:
         super().__init__(cases)

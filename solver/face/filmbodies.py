@@ -25,34 +25,17 @@ Film = tuple[tuple[Coat, ...], Constants | None]
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """Films, told apart by numbers.
+    """Films, told apart by numbers."""
 
-    Attributes
-    ----------
-    thickness
-        Of the top layer [m], over the case axes.
-    columns
-        Numbers that tell films apart, each over the case axes.
-    film
-        From one row of the columns to the layers, the top one of unit thickness, and the base.
-    lacks_c12
-        The name of a material without c12, of layers and of bases that are not rigid.
-    """
-
-    thickness: Array
-    columns: list[Array]
+    thickness: Array  # Of the top layer [m], over the case axes
+    columns: list[Array]  # Numbers that tell films apart, each over the case axes
+    # From one row of the columns to the layers, the top one of unit thickness, and the base
     film: Callable[[Sequence[float]], Film]
-    lacks_c12: str | None
+    lacks_c12: str | None  # The name of a material without c12, of layers and of bases that are not rigid
 
 
 def films_of(cases: Cases) -> Bodies:
-    """The films of cases that are all on films.
-
-    Raises
-    ------
-    FactorError, MaterialError
-        A material or a base that is unknown or inadmissible.
-    """
+    """The films of cases that are all on films."""
     return _by_stack(cases) if BODY in cases.values else _by_factors(cases)
 
 
@@ -131,12 +114,6 @@ def half_planes(cases: Cases, material: Material, half_length: Array) -> Bodies:
     """Half-planes as films bonded to their own material: of any thickness, which the contact is given in proportion to.
 
     All lie in the middle of one window of half-lengths, whatever their punch and load.
-
-    Parameters
-    ----------
-    cases : Cases
-    material : Material, of every case
-    half_length : ndarray, over the case axes, of the contacts [m]
     """
 
     def film(row: Sequence[float]) -> Film:
@@ -148,13 +125,7 @@ def half_planes(cases: Cases, material: Material, half_length: Array) -> Bodies:
 
 
 def refuse_charge(cases: Cases) -> None:
-    """Refuse an electric charge of a punch on a metal, which is not the punch's to keep.
-
-    Raises
-    ------
-    FactorError
-        Naming the charge.
-    """
+    """Refuse an electric charge of a punch on a metal, which is not the punch's to keep."""
     name = cases.kind.loads.charges[0]
     if np.any(charge := cases.number(name)):
         raise FactorError(

@@ -56,13 +56,7 @@ def present(arrays: Mapping[str, xr.DataArray]) -> list[Kind]:
 
 
 def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
-    """Every film has a base, every half-plane has none of a film's factors.
-
-    Raises
-    ------
-    FactorError
-        Naming the factor, its value and what is allowed.
-    """
+    """Every film has a base, every half-plane has none of a film's factors."""
     if not arrays.keys() & {BODY, *OF_A_FILM}:
         return
     present = {name: _has(arrays, name) for name in OF_A_FILM}
@@ -87,18 +81,7 @@ def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
 
 
 def check_elasticity(arrays: Mapping[str, xr.DataArray], body: str) -> None:
-    """A base or a punch is either named or has both modulus and Poisson's ratio.
-
-    Parameters
-    ----------
-    arrays : mapping of str to DataArray, the cases' factors
-    body : str, ``base`` or ``punch``
-
-    Raises
-    ------
-    FactorError
-        Naming the factor, its value and what is allowed.
-    """
+    """A base or a punch is either named or has both modulus and Poisson's ratio."""
     modulus, poisson = f"{body}_modulus", f"{body}_poisson"
     if not arrays.keys() & {modulus, poisson}:
         return
@@ -111,13 +94,7 @@ def check_elasticity(arrays: Mapping[str, xr.DataArray], body: str) -> None:
 
 
 def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
-    """Only a gap with air has a permittivity and a radius, and only a sphere says itself where its gap ends.
-
-    Raises
-    ------
-    FactorError
-        Naming the factor, its value and what is allowed.
-    """
+    """Only a gap with air has a permittivity and a radius, and only a sphere says itself where its gap ends."""
     if not arrays.keys() & {"surroundings", *OF_A_GAP}:
         return
     air = among(arrays, "surroundings", [AIR])
@@ -138,25 +115,12 @@ def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
 
 
 def bare(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
-    """A factor without coordinates.
-
-    Parameters
-    ----------
-    arrays : mapping of str to DataArray, the cases' factors
-    name : str, the factor
-    """
+    """A factor without coordinates."""
     return arrays[name].drop_vars(arrays[name].coords)
 
 
 def among(arrays: Mapping[str, xr.DataArray], name: str, some: Sequence[str]) -> xr.DataArray:
-    """Which cases have one of some names; none where the factor is not given.
-
-    Parameters
-    ----------
-    arrays : mapping of str to DataArray, the cases' factors
-    name : str, the factor
-    some : sequence of str, the names
-    """
+    """Which cases have one of some names; none where the factor is not given."""
     if name not in arrays:
         return xr.DataArray(False)
     matches = [arrays[name].values == choice for choice in some]
@@ -176,15 +140,7 @@ def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:
 
 
 def refuse(arrays: Mapping[str, xr.DataArray], name: str, bad: xr.DataArray, why: str) -> None:
-    """Raise FactorError, with the first offending value, where there is one.
-
-    Parameters
-    ----------
-    arrays : mapping of str to DataArray, the cases' factors
-    name : str, the factor
-    bad : DataArray of bool, where its value is not allowed
-    why : str, what the message says behind the value
-    """
+    """Raise FactorError, with the first offending value, where there is one."""
     if not np.any(bad):
         return
     values, places = xr.broadcast(bare(arrays, name), bad)

@@ -29,11 +29,6 @@ from solver.names import PEAKS
 class OnHalfPlane(Body):
     """Contact of cases of one kind on a half-plane. Every output (..., own axes) has the smallest shape that it needs.
 
-    Raises
-    ------
-    FactorError, MaterialError
-        A speed at or above the limiting one, an inadmissible material, a contact that does not exist.
-
     Warns
     -----
     PrecisionWarning

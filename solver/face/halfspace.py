@@ -25,11 +25,6 @@ from solver.point.rim import Rim
 class OnHalfSpace(OnPoints):
     """Points on half-spaces.
 
-    Raises
-    ------
-    FactorError, MaterialError
-        An inadmissible material.
-
     Warns
     -----
     PrecisionWarning

@@ -18,13 +18,7 @@ from solver.names import CHOICES, COMPOSITES
 
 
 def material_of(cases: Cases) -> Material:
-    """The material of cases, constants over their axes.
-
-    Raises
-    ------
-    FactorError, MaterialError
-        Phases that are not two; a material that is unknown, inadmissible or itself of many cases.
-    """
+    """The material of cases, constants over their axes."""
     phases = phases_of(cases)
     if "material" in cases.values:
         return _chosen(cases.values["material"], cases.materials)
@@ -39,13 +33,7 @@ def material_of(cases: Cases) -> Material:
 
 
 def phases_of(cases: Cases) -> tuple[Material, Material]:
-    """Phase one and phase two of a composite.
-
-    Raises
-    ------
-    FactorError, MaterialError
-        Phases that are not two, or unknown.
-    """
+    """Phase one and phase two of a composite."""
     if len(cases.phases) != 2:
         raise FactorError(f"phases: {len(cases.phases)} given; a composite has two")
     one, two = (_found(phase, cases.materials) for phase in _named("phases", cases.phases))
@@ -53,13 +41,7 @@ def phases_of(cases: Cases) -> tuple[Material, Material]:
 
 
 def base_of(cases: Cases) -> tuple[Material, BoolArray]:
-    """The base of every case, and where it is rigid: the constants of a rigid one have no meaning.
-
-    Raises
-    ------
-    FactorError, MaterialError
-        A base that is unknown, inadmissible or itself of many cases.
-    """
+    """The base of every case, and where it is rigid: the constants of a rigid one have no meaning."""
     if "base" not in cases.values:
         return _isotropic(cases), np.array(False)
     which = cases.values["base"]

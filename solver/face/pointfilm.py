@@ -24,13 +24,7 @@ from solver.point.table import PointKind
 
 
 class OnPointFilm(OnPoints):
-    """Points on films, all cases of one film and conduction from the same tables.
-
-    Raises
-    ------
-    FactorError, MaterialError
-        An unknown base, an interface that a base does not have, inadmissible materials.
-    """
+    """Points on films, all cases of one film and conduction from the same tables."""
 
     def quantities(self) -> dict[str, Array]:
         """Those of a half-space, and the nominal field."""
@@ -103,13 +97,7 @@ def _stack(pressed: Pressed) -> Stack:
 
 
 def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Array]:
-    """Quantities of a body, and the nominal field where it is a film.
-
-    Parameters
-    ----------
-    out : dict of str to ndarray, SI, the quantities
-    pressed : Pressed, whose quantities they are
-    """
+    """Quantities of a body, and the nominal field where it is a film."""
     body = pressed.body
     if isinstance(body, Film) and "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (body.thickness * body.kind.film.above_ground)

@@ -22,13 +22,7 @@ _MODULUS_OF_RIGID, _POISSON_OF_RIGID = np.inf, 0.0
 
 
 def punch_of(cases: Cases) -> Punch:
-    """The elasticity of the punch, over the case axes.
-
-    Raises
-    ------
-    FactorError, MaterialError
-        A punch that is unknown, or of a material that is not isotropic.
-    """
+    """The elasticity of the punch, over the case axes."""
     if not _given(cases):
         return RIGID_PUNCH
     which = cases.values.get("punch", np.array(None, dtype=object))
@@ -81,13 +75,7 @@ def _isotropic(cases: Cases, which: object) -> tuple[float, float]:
 
 
 def _of_material(material: Material) -> tuple[float, float]:
-    """Modulus and Poisson's ratio of a material.
-
-    Raises
-    ------
-    MaterialError
-        It is not isotropic, or couples fields.
-    """
+    """Modulus and Poisson's ratio of a material."""
     c11, c13, c33, c44, c12 = (np.asarray(getattr(material, name)) for name in ("c11", "c13", "c33", "c44", "c12"))
     if c11.shape:
         raise FactorError(f"punch: {material.name!r} holds arrays; a factor takes one material a value")

@@ -16,13 +16,7 @@ _THERE = ("thickness", "gap_radius", "base_volume_fraction", "grading_exponent",
 
 
 def settled(arrays: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:
-    """Factors with the surroundings of every case, where a film or a table leaves them open.
-
-    Parameters
-    ----------
-    arrays
-        Factors of the cases, by name, each of an allowed value.
-    """
+    """Factors with the surroundings of every case, where a film or a table leaves them open."""
     given = arrays.get("surroundings")
     opened = arrays.keys() & {BODY, "thickness"} if given is None else any(map(absent, given.values.flat))
     if not opened:

@@ -24,13 +24,7 @@ _BLOCK = 4096  # points of a path at a time: bounded memory
 
 @dataclass(frozen=True, eq=False)
 class Antiderivatives:
-    """F of the terms of a basis at complex points z, Im z >= 0.
-
-    Parameters
-    ----------
-    basis
-        Basis of the tractions.
-    """
+    """F of the terms of a basis at complex points z, Im z >= 0."""
 
     basis: Basis
 
@@ -47,10 +41,7 @@ class Antiderivatives:
     def pressed(self, z: ComplexArray, terms: Array) -> ComplexArray:
         """Of w sum_j terms_j P_j; (point, c).
 
-        Parameters
-        ----------
-        z : ndarray of complex, shape (point,), Im z >= 0
-        terms : ndarray, shape (pressures, c)
+        z: (point,), Im z >= 0; terms: (pressures, c).
         """
         return np.asarray(self._first(z)[:, None] * terms[0] + self._others(z, terms[1:]))
 

@@ -22,19 +22,7 @@ _FAR = 300.0  # k h at which the means of a graded layer end: they decay like (k
 
 @dataclass(frozen=True, eq=False)
 class Assembly:
-    """Integrals of kernels against the basis of one system at half-lengths of like size.
-
-    Parameters
-    ----------
-    system
-        The contact.
-    basis
-        Basis of its tractions.
-    half_lengths
-        h [m]; (half,).
-    points
-        X beside the collocation nodes, at which gradients are asked for; (point,).
-    """
+    """Integrals of kernels against the basis of one system at half-lengths of like size."""
 
     system: System
     basis: Basis
@@ -145,15 +133,7 @@ class Assembly:
 
 
 def mixing(friction: float, carried: Array) -> Array:
-    """From the channels of the kernel to du/dx of (y, phi, psi, x), then u of (y, phi, psi); (19, 7).
-
-    Parameters
-    ----------
-    friction
-        eta; only what carries sigma_yy carries sigma_xy = eta sigma_yy.
-    carried
-        (sigma_yy, D_y, B_y) of the source; (3,).
-    """
+    """From the channels of the kernel to du/dx of (y, phi, psi, x), then u of (y, phi, psi); (19, 7)."""
     matrix = np.zeros((19, 7))
     shear = friction * carried[0]
     for o in range(3):

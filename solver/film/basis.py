@@ -24,19 +24,7 @@ RULES = ((5.0, CANCELS, 20.0), (2.4, 20.0, 60.0), (1.2, 60.0, np.inf))
 
 @dataclass(frozen=True, eq=False)
 class Basis:
-    """Basis with exponents of one friction, and its rules; nothing here knows a length.
-
-    Parameters
-    ----------
-    delta
-        theta / pi of the friction angle, |delta| < 1/2.
-    smooth
-        Whether the trailing and the leading edge are smooth.
-    terms
-        M: number of collocation nodes.
-    samples
-        N: number of nodes of the rules that integrate kernels against the basis.
-    """
+    """Basis with exponents of one friction, and its rules; nothing here knows a length."""
 
     delta: float
     smooth: tuple[bool, bool]
@@ -118,10 +106,7 @@ class Basis:
     def dual(self, X: Array, count: int) -> Array:
         """P_j^(-A,-B); (count, X).
 
-        Parameters
-        ----------
-        X : ndarray, shape (X,), points within [-1, 1]
-        count : int, j < count
+        X: (X,), points within [-1, 1].
         """
         A, B = self.exponents
         return jacobi(count, -A, -B, X).T
@@ -140,13 +125,7 @@ class Basis:
         return np.asarray((1 - X) ** A * (1 + X) ** B)
 
     def transforms(self, z: Points) -> tuple[Points, Points]:
-        """H[w P_j] and H[T_n / sqrt(1 - X^2)] off the contact; (..., pressures) and (..., M + 1).
-
-        Parameters
-        ----------
-        z
-            Points, real with |z| > 1, or complex with Im z >= 0.
-        """
+        """H[w P_j] and H[T_n / sqrt(1 - X^2)] off the contact; (..., pressures) and (..., M + 1)."""
         return self.transformed(z, np.eye(self.pressures)), self.charged(z)
 
     def charged(self, z: Points) -> Points:
@@ -161,10 +140,7 @@ class Basis:
     def transformed(self, z: Points, terms: Array) -> Points:
         """H[w sum_j terms_j P_j] off the contact; (..., c).
 
-        Parameters
-        ----------
-        z : ndarray, shape (...), points as for :meth:`transforms`
-        terms : ndarray, shape (pressures, c)
+        z: (...), points as for :meth:`transforms`; terms: (pressures, c).
         """
 
         def near(z: Points) -> Points:
@@ -208,13 +184,7 @@ class Basis:
 
 @lru_cache(256)
 def gauss_jacobi(count: int, A: float, B: float) -> tuple[Array, Array]:
-    """Gauss's rule of weight (1 - X)^A (1 + X)^B: nodes and weights, which cannot be written to.
-
-    Parameters
-    ----------
-    count : int, number of nodes
-    A, B : float, > -1
-    """
+    """Gauss's rule of weight (1 - X)^A (1 + X)^B: nodes and weights, which cannot be written to."""
     with np.errstate(
         invalid="ignore", divide="ignore"
     ):  # SciPy divides by 0 where A + B = -1, in a place that it then replaces
@@ -229,13 +199,7 @@ def off_contact(
 ) -> Points:
     """H[w sum_j terms_j P_j] off the contact: by Gauss's rules, next to it closed; (..., c).
 
-    Parameters
-    ----------
-    z : ndarray, shape (...), points, real with |z| > 1, or complex with Im z >= 0
-    count : int, M, by which rules and closed form are told apart
-    exponents : (float, float), A and B of w and P_j
-    terms : ndarray, shape (j, c)
-    near : callable, the closed form of some of the points
+    z: (...), points, real with |z| > 1, or complex with Im z >= 0; terms: (j, c).
     """
     apart = 2 * count * np.log(np.abs(ellipse(z)[0]))
     out = np.empty((*z.shape, terms.shape[-1]), z.dtype)
@@ -248,13 +212,7 @@ def off_contact(
 
 
 def by_gauss(z: Points, nodes: int, exponents: tuple[float, float], terms: Array) -> Points:
-    """H[w sum_j terms_j P_j] by Gauss's rule, away from the contact; (..., c).
-
-    Parameters
-    ----------
-    z, exponents, terms : as of :func:`off_contact`
-    nodes : int
-    """
+    """H[w sum_j terms_j P_j] by Gauss's rule, away from the contact; (..., c)."""
     S, weights = gauss_jacobi(nodes, *exponents)
     rule = weights[:, None] * (jacobi(len(terms), *exponents, S) @ terms) / np.pi
     values: Points = (1 / (S - z[..., None])) @ rule
@@ -268,13 +226,7 @@ def ellipse(z: Points) -> tuple[Points, Points]:
 
 
 def double_exponential(least: float, count: int) -> tuple[Array, Array, Array, Array]:
-    """Nodes X, 1 - X, 1 + X and weights of a rule on [-1, 1] for any behaviour at its ends; (count,) each.
-
-    Parameters
-    ----------
-    least : float, the least exponent of the distance from an end in the integral of what is integrated
-    count : int
-    """
+    """Nodes X, 1 - X, 1 + X and weights of a rule on [-1, 1] for any behaviour at its ends; (count,) each."""
     end = np.arcsinh(40 / (np.pi * least))  # e^-40 of the integrand is left out
     steps = np.linspace(-end, end, count)
     below, above = 2 / (1 + np.exp(-np.pi * np.sinh(steps))), 2 / (1 + np.exp(np.pi * np.sinh(steps)))
@@ -296,11 +248,7 @@ def log_mean(S: Array) -> Array:
 def jacobi(count: int, a: float, b: float, X: Points) -> Points:
     """Jacobi polynomials P_j^(a,b), by their recurrence; (..., count).
 
-    Parameters
-    ----------
-    count : int, j < count
-    a, b : float
-    X : ndarray, shape (...), real or complex points
+    X: (...), real or complex points.
     """
     values = np.ones((count, *X.shape), X.dtype)
     if count > 1:

@@ -23,28 +23,7 @@ _NORMAL = np.diag([1.0, 0.0, 0.0])  # (y, y) among (y, phi, psi)
 
 @dataclass(frozen=True, eq=False)
 class FilmContact:
-    """Contacts of cases read from a table.
-
-    Parameters
-    ----------
-    table
-        Table of stack, friction, conduction and kind of edges.
-    profile
-        The punch; parameters (case,) or ().
-    load
-        Normal load P > 0 [N/m]; (case,).
-    charges
-        Electric charge T [C/m] and magnetic charge J [Wb/m]; (case, 2); 0 where the punch does not conduct.
-    datum
-        Reference length L > 0 of the base [m] where it is not held at zero; (case,) or ().
-    punch_datum
-        Reference length of the displacement of an elastic punch [m]; (case,) or (); by default ``datum``.
-
-    Raises
-    ------
-    ContactError
-        No contact, more than one, one that would need tension or that is beyond the range of the table.
-    """
+    """Contacts of cases read from a table."""
 
     table: Table
     profile: Profile
@@ -281,10 +260,7 @@ def _moved(read: Array, rate: Array, causes: Causes) -> Array:
 def mean_power(centre: Array, n: int) -> Array:
     """Mean of (X + c/h)^n with weight (1 - X^2)^(3/2), by Gauss's rule; (case,).
 
-    Parameters
-    ----------
-    centre : ndarray, shape (case,), c/h
-    n : int
+    centre: (case,), c/h.
     """
     X, weights = mean_rule(n // 2 + 4)
     return np.asarray((X + centre[:, None]) ** n @ weights)

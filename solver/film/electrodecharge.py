@@ -26,19 +26,7 @@ _BLOCK = 200_000  # transforms of cases at wavenumbers held at once
 
 
 def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
-    """Those of ``ELECTRODE_QUANTITIES`` and ``STRIP_QUANTITIES`` of ``solver.names`` that are asked for, SI; (case,).
-
-    Parameters
-    ----------
-    films : Films, the cases
-    reading : Reading, what is read of the electrode, over (case,)
-
-    Raises
-    ------
-    StackError
-        An electrode that is not there, a patch that reaches farther than is resolved; strips that float below a punch
-        that conducts on a bare surface.
-    """
+    """Requested electrode and strip quantities of `solver.names`, SI; (case,)."""
     reading.refused(conducts=films.kind.conducts[0])
     reading, parts = reading.over(films.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, window, contact in films.parts:
@@ -49,22 +37,7 @@ def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
 
 
 def together(reading: Reading, read: Callable[[Indices, int, int], "Collected"], extent: Array) -> dict[str, Array]:
-    """Outputs of cases by electrode and by octave of distances, those that all have.
-
-    Parameters
-    ----------
-    reading
-        Of the cases, lengths over the top layer's thickness.
-    read
-        What some cases bring to an electrode of a number, for an octave of distances.
-    extent
-        Of the contacts from their middle; (case,).
-
-    Raises
-    ------
-    StackError
-        A patch that reaches farther than is resolved.
-    """
+    """Outputs of cases by electrode and by octave of distances, those that all have."""
     octaves, parts = octave_of(reading.reach + extent), list[tuple[Indices, dict[str, Array]]]()
     for number in np.unique(reading.collector).tolist():
         for octave in np.unique(octaves).tolist():
@@ -80,19 +53,7 @@ def together(reading: Reading, read: Callable[[Indices, int, int], "Collected"],
 
 
 class Collected(ABC):
-    """What contacts of either kind bring to one electrode and to patches of it; (case,) each.
-
-    Parameters
-    ----------
-    electrode
-        That is read.
-    reading
-        Its patches.
-    force
-        What presses.
-    loads
-        Force and charges, SI; (case, 3).
-    """
+    """What contacts of either kind bring to one electrode and to patches of it; (case,) each."""
 
     #: Names of the capacitance of a patch that floats, and of its voltage per force.
     floats: ClassVar[tuple[str, str]]

@@ -78,10 +78,7 @@ def surface(stack: Stack) -> Array:
 def difference(stack: Stack, k: Array) -> Array:
     """What the layers and the base add to :func:`surface`; (k, 4, 4).
 
-    Parameters
-    ----------
-    stack : Stack
-    k : ndarray, shape (k,), wavenumbers [1/m]
+    k: (k,), wavenumbers [1/m].
     """
     added = waves(stack, k)[0].difference
     if not stack.electroded:
@@ -92,10 +89,7 @@ def difference(stack: Stack, k: Array) -> Array:
 def grounded(stack: Stack, added: Array) -> Array:
     """Delta' of a surface that is grounded, from Delta of the bare one; (k, 4, 4).
 
-    Parameters
-    ----------
-    stack : Stack
-    added : ndarray, shape (k, 4, 4), Delta
+    added: (k, 4, 4), Delta.
     """
     D, own = _shared(stack, added), stack.media[0].compliance[_PHI, _PHI]
     return _without_phi(D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (own + D[:, _PHI, _PHI])[:, None, None])
@@ -104,10 +98,7 @@ def grounded(stack: Stack, added: Array) -> Array:
 def grounded_tails(stack: Stack, tails: Array) -> Array:
     """Those of Delta' in powers of 1/k, from those of Delta; (order, 4, 4).
 
-    Parameters
-    ----------
-    stack : Stack
-    tails : ndarray, shape (order, 4, 4), Y1, Y2, ...
+    tails: (order, 4, 4), Y1, Y2, ....
     """
     D, own = _shared(stack, tails), stack.media[0].compliance[_PHI, _PHI]
     inverse, added = [1 / own], np.array(D)  # of p + D_ff, from order 0 on
@@ -146,10 +137,7 @@ def local(stack: Stack) -> Array:
 def beyond_local(stack: Stack, k: Array) -> Array:
     """What the layers and the base add to it, ``(Delta_f - v Delta_ff) / (p + Delta_ff)``; (k, 4).
 
-    Parameters
-    ----------
-    stack : Stack
-    k : ndarray, shape (k,), wavenumbers [1/m]
+    k: (k,), wavenumbers [1/m].
     """
     own, row = stack.media[0].compliance[_PHI, _PHI], waves(stack, k)[0].difference[:, _PHI]
     shares = (row - local(stack) * row[:, _PHI, None]) / (own + row[:, _PHI, None])

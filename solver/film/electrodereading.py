@@ -23,36 +23,18 @@ Gapped = TypeVar("Gapped")
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """The electrode that is read, and patches of it at zero volts; (case,) each.
+    """The electrode that is read, and patches of it at zero volts; (case,) each."""
 
-    Attributes
-    ----------
-    collector
-        Number of the electrode, 1 for the uppermost.
-    shape
-        Of its patches: place in ``solver.names.CHOICES["patch"]``.
-    position
-        Of the patch's middle from that of the contact [m].
-    other
-        Inner diameter of a ring, length of a rectangle across x [m]; of others 0.
-    size
-        Diameter of a disc or ring, width of a strip across x or of a rectangle [m]; None: no patches.
-    pitch
-        Distance of neighbours [m]; None: no neighbours.
-    floating
-        Number of strips or discs that float on each side; None: all of the electrode is at zero volts.
-    voltage
-        Of the electrode without patches [V]; None: zero.
-    """
-
-    collector: Array
-    shape: Array
-    position: Array
-    other: Array
+    collector: Array  # Number of the electrode, 1 for the uppermost
+    shape: Array  # Of its patches: place in ``solver.names.CHOICES["patch"]``
+    position: Array  # Of the patch's middle from that of the contact [m]
+    other: Array  # Inner diameter of a ring, length of a rectangle across x [m]; of others 0
+    # Diameter of a disc or ring, width of a strip across x or of a rectangle [m]; None: no patches
     size: Array | None = None
-    pitch: Array | None = None
+    pitch: Array | None = None  # Distance of neighbours [m]; None: no neighbours
+    # Number of strips or discs that float on each side; None: all of the electrode is at zero volts
     floating: Array | None = None
-    voltage: Array | None = None
+    voltage: Array | None = None  # Of the electrode without patches [V]; None: zero
 
     def part(self, places: Indices) -> "Reading":
         """Some of the cases."""
@@ -91,13 +73,7 @@ class Reading:
         return np.asarray(np.hypot(along, across))
 
     def gapped(self, made: Callable[[float, float, int], Gapped]) -> tuple[Indices, list[Gapped]]:
-        """Which of several each case has, and these, made of size, pitch and number of neighbours.
-
-        Raises
-        ------
-        ValueError
-            No neighbours float.
-        """
+        """Which of several each case has, and these, made of size, pitch and number of neighbours."""
         if self.size is None or self.pitch is None or self.floating is None:
             raise ValueError("no neighbours float")
         rows = np.stack([self.size, self.pitch, self.floating], -1)

@@ -50,20 +50,7 @@ def electrodes(stack: Stack) -> list[tuple[int, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class Electrode:
-    """One electrode of a stack, by what it gets of tractions (i sigma_xy, sigma_yy, D_y, B_y) at the surface.
-
-    Parameters
-    ----------
-    stack
-        Layers on a base.
-    number
-        Of the electrode, 1 for the uppermost.
-
-    Raises
-    ------
-    StackError
-        A number that no electrode has; a base that insulates the magnetic field.
-    """
+    """One electrode of a stack, by what it gets of tractions (i sigma_xy, sigma_yy, D_y, B_y) at the surface."""
 
     stack: Stack
     number: int
@@ -120,18 +107,7 @@ class Electrode:
         return total
 
     def transfers(self, reach: float) -> tuple[Array, Array, Array]:
-        """Wavenumbers [1/m] and weights for distances up to reach [m], (k,) each, and rows of charge and of sigma_yy.
-
-        Returns
-        -------
-        tuple
-            k, weights, and (k, 2, 4).
-
-        Raises
-        ------
-        FarError
-            A distance that is not resolved.
-        """
+        """Wavenumbers [1/m], weights (k,), and rows of charge and sigma_yy for distances up to `reach` [m]."""
         if reach > _FARTHEST * self.width:
             farthest = _FARTHEST * self.width / self.stack.top.thickness
             raise FarError(f"the patch reaches farther from the contact than is resolved, {farthest:.3g} times that")
@@ -203,14 +179,7 @@ class Electrode:
 
 @lru_cache(_KEPT)
 def transfers(stack: Stack, number: int, octave: int) -> tuple[Array, Array, Array]:
-    """As :meth:`Electrode.transfers`, kept.
-
-    Parameters
-    ----------
-    stack : Stack
-    number : int, that of the electrode
-    octave : int, for distances up to 2^octave times the thickness of the top layer
-    """
+    """As :meth:`Electrode.transfers`, kept."""
     return Electrode(stack, number).transfers(2.0**octave * stack.top.thickness)
 
 

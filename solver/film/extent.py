@@ -23,26 +23,7 @@ class TensionError(ContactError):
 
 
 def extent(table: Table, loading: Loading, half_width: Array | None) -> tuple[Array, Array]:
-    """Half-length [m] and c/h of every case; (case,) each.
-
-    Parameters
-    ----------
-    table
-        Table of the stack, friction, conduction and kind of edges.
-    loading
-        The cases.
-    half_width
-        Half the width of a punch with two corners [m]; (case,); None for others.
-
-    Raises
-    ------
-    RangeError
-        A contact narrower or wider than the table.
-    LengthsError
-        Contacts of more than one length carry the load.
-    TensionError
-        The contact would need tension.
-    """
+    """Half-length [m] and c/h of every case; (case,) each."""
     count = len(loading.loads)
     half, centre = np.empty(count), np.empty(count)
     for start in range(0, count, _CHUNK):
@@ -116,13 +97,7 @@ def _start(table: Table, loading: Loading) -> tuple[Array, Array, Array, Array]:
 
 
 def load_at_nodes(table: Table, loading: Loading) -> Array:
-    """Load that each half-length of the table carries; (case, node).
-
-    Parameters
-    ----------
-    table : Table, of the contacts
-    loading : Loading, of the cases
-    """
+    """Load that each half-length of the table carries; (case, node)."""
     h, load = table.half_lengths, table.at_nodes[:, LOAD]
     if loading.order == 1 and loading.slope.shape[-1] == 2:  # the slope of a cylinder knows no centre
         weights = np.stack([h**2 * load[:, 0], load[:, 1], load[:, 2]])

@@ -37,16 +37,7 @@ def stiffness(stack: Stack, number: int, k: Array) -> tuple[Array, float]:
 
     In the units of the stack.
 
-    Parameters
-    ----------
-    stack : Stack
-    number : int, that of the electrode
-    k : ndarray, shape (k,), wavenumbers [1/m]
-
-    Raises
-    ------
-    StackError
-        An electrode on top or a metal, which has no gaps that are bare.
+    k: (k,), wavenumbers [1/m].
     """
     if stack.top.graded:
         raise StackError("floating_neighbours: of a film that is graded are not given")
@@ -87,23 +78,15 @@ def stiffness(stack: Stack, number: int, k: Array) -> tuple[Array, float]:
 
 @dataclass(frozen=True, eq=False)
 class Patches(ABC):
-    """Parts of one electrode side by side, in lengths over the thickness of the top layer.
+    """Parts of one electrode side by side, in lengths over the thickness of the top layer."""
 
-    Attributes
-    ----------
-    stack, number
-        The electrode that they are parts of.
-    size, pitch
-        Width or diameter of the parts, and distance of their middles.
-    floating
-        n: parts that float on each side of the one that is read.
-    """
-
+    # The electrode that they are parts of
     stack: Stack
     number: int
+    # Width or diameter of the parts, and distance of their middles
     size: float
     pitch: float
-    floating: int
+    floating: int  # n: parts that float on each side of the one that is read
 
     @property
     @abstractmethod
@@ -137,13 +120,7 @@ class Patches(ABC):
 
 
 class Strips(Patches):
-    """2 n + 1 strips side by side.
-
-    Raises
-    ------
-    StackError
-        An electrode without gaps; a gap much wider than the layers beside it or than the strips.
-    """
+    """2 n + 1 strips side by side."""
 
     @property
     def _gap(self) -> float:
@@ -220,10 +197,5 @@ class Strips(Patches):
 
 @lru_cache(_KEPT)
 def strips(stack: Stack, number: int, size: float, pitch: float, floating: int) -> Strips:
-    """Strips, kept: they do not depend on the contact.
-
-    Parameters
-    ----------
-    stack, number, size, pitch, floating : as of :class:`Strips`
-    """
+    """Strips, kept: they do not depend on the contact."""
     return Strips(stack, number, size, pitch, floating)

@@ -29,18 +29,7 @@ _DEGREE = 11  # of the Taylor polynomial, at a norm of 1/2: 2^-12 / 12! is below
 
 @dataclass(frozen=True, eq=False)
 class Medium:
-    """A material in the units of a stack; arrays carry the material's case axes first.
-
-    Parameters
-    ----------
-    material
-        An admissible material.
-    scale
-        Diagonal (..., 4) of the units: u = scale u', t = t' / scale.
-    speed
-        Steady speed V >= 0 [m/s] of what moves over it, below the transonic one: it enters as Q - rho V^2 diag(1, 1, 0,
-        0) and changes nothing else.
-    """
+    """A material in the units of a stack; arrays carry the material's case axes first."""
 
     material: Material
     scale: Array
@@ -118,10 +107,7 @@ def falling(G: Array, s: Array) -> Array:
     By eigenvectors where they are well conditioned, by Taylor's series of a small enough part, squared again and
     again, elsewhere (degenerate materials). What is squared decays: nothing grows.
 
-    Parameters
-    ----------
-    G : ndarray, shape (..., 4, 4), with eigenvalues of positive real part
-    s : ndarray, shape (...), >= 0
+    G: (..., 4, 4), with eigenvalues of positive real part; s: (...), >= 0.
     """
     values, vectors = np.linalg.eig(G)
     if np.max(np.linalg.cond(vectors)) < _WELL_CONDITIONED:

@@ -76,13 +76,7 @@ class Graded(Layer):
 
 
 def staircase(stack: Stack, count: int) -> Stack:
-    """The stack with its graded top layer in homogeneous sublayers of the materials at their middles.
-
-    Parameters
-    ----------
-    stack : Stack
-    count : int, number of sublayers
-    """
+    """The stack with its graded top layer in homogeneous sublayers of the materials at their middles."""
     layer = stack.top
     if not isinstance(layer, Graded):
         raise StackError("layers: the top layer is not graded")
@@ -94,13 +88,7 @@ def staircase(stack: Stack, count: int) -> Stack:
 
 
 def extrapolated(by_count: Callable[[int], Array], counts: tuple[int, ...]) -> Array:
-    """What staircases tend to, in even powers of their steps (Romberg).
-
-    Parameters
-    ----------
-    by_count : callable, gives the answer of a staircase of so many steps
-    counts : tuple of int, numbers of steps, each twice the one before
-    """
+    """What staircases tend to, in even powers of their steps (Romberg)."""
     table = [by_count(count) for count in counts]
     for order in range(1, len(table)):
         table = [fine + (fine - coarse) / (4**order - 1) for coarse, fine in pairwise(table)]
@@ -167,10 +155,7 @@ class GradedMedium:
     def difference(self, k: Array, below: Array) -> Array:
         """Y_top - Y0 of the surface; (k, 4, 4).
 
-        Parameters
-        ----------
-        k : ndarray, shape (k,), wavenumbers
-        below : ndarray, shape (k, 4, 4), response of the body below
+        k: (k,), wavenumbers; below: (k, 4, 4), response of the body below.
         """
         Y = extrapolated(lambda count: self._staircase(k, below, count), _SUBLAYERS)
         return Y - self.at(np.zeros(()))[0]
@@ -194,15 +179,7 @@ class GradedMedium:
 
 @dataclass(frozen=True, eq=False)
 class GradedResponse:
-    """Delta(k) of a stack with a graded top layer as a punch meets it, tabulated once over wavenumbers.
-
-    Parameters
-    ----------
-    stack
-        The stack.
-    ends
-        Ends of panels in k, from 0 on [1/m]; (panel + 1,).
-    """
+    """Delta(k) of a stack with a graded top layer as a punch meets it, tabulated once over wavenumbers."""
 
     stack: Stack
     ends: Array
@@ -239,11 +216,7 @@ class GradedResponse:
     def decayed(self, k: Array, width: float, count: int = 3) -> Array:
         """Delta without the first of its tails times 1 - exp(-bk) sum (bk)^i/i!, like k^-(count + 1); (k, 4, 4).
 
-        Parameters
-        ----------
-        k : ndarray, shape (k,), wavenumbers [1/m]
-        width : float, b [m]
-        count : int, number of tails
+        k: (k,), wavenumbers [1/m].
         """
         orders = np.arange(1, count + 1)[:, None]
         smoothed: Array = np.asarray(gammainc(orders, width * k) / k**orders, dtype=np.float64)
@@ -255,10 +228,7 @@ def local_tails(x: Array, width: float) -> Array:
 
     They are (1/Gamma(j)) int_0^b v^j / (v^2 + x^2) dv: singular at 0, and falling like x^-2.
 
-    Parameters
-    ----------
-    x : ndarray, shape (x,), > 0 [m]
-    width : float, b [m]
+    x: (x,), > 0 [m].
     """
     t = x / width
     log, angle = np.log1p(t**-2) / 2, np.arctan(1 / t)
@@ -269,10 +239,7 @@ def local_tails(x: Array, width: float) -> Array:
 def local_sines(x: Array, width: float) -> Array:
     """Sine transforms of the same, (1/Gamma(j)) int_0^b v^(j-1) x / (v^2 + x^2) dv; (4, x).
 
-    Parameters
-    ----------
-    x : ndarray, shape (x,), > 0 [m]
-    width : float, b [m]
+    x: (x,), > 0 [m].
     """
     t = x / width
     log, angle = np.log1p(t**-2) / 2, np.arctan(1 / t)
@@ -283,10 +250,7 @@ def local_sines(x: Array, width: float) -> Array:
 def smooth_tails(x: Array, width: float) -> tuple[Array, Array]:
     """Smooth parts of the sine and the cosine transforms of the tails, j = 1, 2, 3; (3, x) each.
 
-    Parameters
-    ----------
-    x : ndarray, shape (x,), >= 0 [m]
-    width : float, b [m]
+    x: (x,), >= 0 [m].
     """
     angle, log = np.arctan(x / width), np.log(x**2 + width**2)
     sines = np.array([-angle, x / 2 * log, width * x / 2 + x**2 / 2 * angle])

@@ -33,15 +33,7 @@ _ON = 1 + 1e-12  # a depth on an interface belongs to the layer above it
 
 @dataclass(frozen=True, eq=False)
 class Interior:
-    """Fields under tractions.
-
-    Parameters
-    ----------
-    tractions
-        Tractions of members, several columns of each.
-    sublayers
-        Number of homogeneous layers that a graded one is inside.
-    """
+    """Fields under tractions."""
 
     tractions: Tractions
     sublayers: int = SUBLAYERS
@@ -57,21 +49,7 @@ class Interior:
         return self.tractions.system.kernel.stack
 
     def fields(self, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
-        """Fields of ``solver.halfplane.interior.LINEAR``, SI; (member, field, y, x, column).
-
-        Parameters
-        ----------
-        X, Y
-            (x - c)/h and y/h <= 0, for all members (1, x), (1, y) or for each (member, x), (member, y). A depth on an
-            interface belongs to the layer above it; a rigid base has no fields: NaN.
-        names
-            Fields; ``stress_zz`` needs c12.
-
-        Raises
-        ------
-        StackError
-            Positions farther from the contact than is resolved.
-        """
+        """Fields of ``solver.halfplane.interior.LINEAR``, SI; (member, field, y, x, column)."""
         which = [LINEAR.index(name) for name in names]
         depth = -Y * self.tractions.half_lengths[:, None]
         body = self._body_at(depth)
@@ -84,14 +62,6 @@ class Interior:
 
     def potentials(self, X: Array, Y: Array, datum: Array) -> Array:
         """Electric [V] and magnetic [A] potential; (member, 2, y, x, column).
-
-        Parameters
-        ----------
-        X, Y
-            As of :meth:`fields`.
-        datum
-            Reference length L of the base [m], which counts where no interface below holds a potential at zero;
-            (member,).
 
         Notes
         -----
@@ -257,24 +227,7 @@ def _add(out: Array, x: Array, k: Array, transforms: ComplexArray) -> None:
 
 
 def fields_of(tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...], datum: Array) -> Array:
-    """Fields inside films and bases under tractions of one column; (member, field, y, x), SI.
-
-    Parameters
-    ----------
-    tractions
-        Of the members.
-    X, Y
-        (x - c)/h and y/h <= 0; (x,) and (y,). A rigid base has no fields: NaN.
-    names
-        Of ``solver.halfplane.interior.LINEAR``, and potentials.
-    datum
-        Reference length L of the base [m]; (member,).
-
-    Raises
-    ------
-    StackError
-        Positions farther from the contact than is resolved, the magnetic potential over an insulated base.
-    """
+    """Fields inside films and bases under tractions of one column; (member, field, y, x), SI."""
     if "magnetic_potential" in names and tractions.system.kernel.stack.insulated:
         raise StackError("magnetic_potential: is not given inside a film on a base that insulates the magnetic field")
     linear = tuple(name for name in names if name in LINEAR)

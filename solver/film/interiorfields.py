@@ -17,16 +17,7 @@ _VALUES = 1 << 16  # points times cases at a time
 def interior_fields(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
     """Fields of ``solver.halfplane.interior.LINEAR`` and potentials, NaN in a rigid base; (case, field, y, x).
 
-    Parameters
-    ----------
-    films : Films, the cases
-    x, y : ndarray, shape (x,), (y,), places (x - c)/h and y/h
-    names : tuple of str, the fields
-
-    Raises
-    ------
-    StackError
-        Positions farther from the contact than is resolved, the magnetic potential over an insulated base.
+    x, y: (x,), (y,), places (x - c)/h and y/h.
     """
     blocks = list(in_blocks(x, y))
     together = max(_VALUES // (y[blocks[0][0]].size * x[blocks[0][1]].size), 1)
@@ -48,9 +39,7 @@ def interior_fields(films: Films, x: Array, y: Array, names: tuple[str, ...]) ->
 def in_blocks(x: Array, y: Array) -> Iterator[tuple[slice, slice]]:
     """Rows and columns of a grid, some at a time.
 
-    Parameters
-    ----------
-    x, y : ndarray, shape (x,), (y,), places of its columns and rows
+    x, y: (x,), (y,), places of its columns and rows.
     """
     across = min(x.size, _ALONG)
     down = min(y.size, max(_POINTS // across, 1))

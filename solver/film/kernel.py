@@ -50,24 +50,13 @@ _FARTHEST = 1e5  # reach over the width of the strip: bounded time
 
 @dataclass(frozen=True, eq=False)
 class Kernel:
-    """K and U of a stack for |x| <= reach, by Chebyshev panels in |x|.
+    """K and U of a stack for |x| <= reach, by Chebyshev panels in |x|."""
 
-    Attributes
-    ----------
-    stack
-        The stack.
-    width
-        b = 2 h1 g [m]: distance of the nearest singularities from the real axis, and the datum L of U.
-    positive
-        K (ten channels) and U (nine) at distances from 0 to the reach [m]; (distance, 19).
-    graded
-        Response of a stack whose top layer is graded: the kernels are then without their rough parts
-        (:mod:`solver.film.rough`), and U is left out.
-    """
-
-    stack: Stack
-    width: float
-    positive: Piecewise
+    stack: Stack  # The stack
+    width: float  # b = 2 h1 g [m]: distance of the nearest singularities from the real axis, and the datum L of U
+    positive: Piecewise  # K (ten channels) and U (nine) at distances from 0 to the reach [m]; (distance, 19)
+    # Response of a stack whose top layer is graded: the kernels are then without their rough parts
+    # (:mod:`solver.film.rough`), and U is left out
     graded: GradedResponse | None = None
 
     @property
@@ -87,25 +76,7 @@ class Kernel:
         return self.width * min(1.0, float(np.min(lengths, initial=1.0)))
 
     def at(self, x: Array, mixing: Array | None = None) -> Array:
-        """Channels, or sums of them, at distances x [m].
-
-        Parameters
-        ----------
-        x
-            Distances, any shape (...).
-        mixing
-            From the channels, K (ten) and U (nine, with the datum L = b), to what is asked for; (19, c).
-
-        Returns
-        -------
-        ndarray
-            (..., c).
-
-        Raises
-        ------
-        StackError
-            A distance beyond the reach of the table.
-        """
+        """Channels, or sums of them, at distances x [m]."""
         farthest = float(np.max(np.abs(x), initial=0.0))
         if farthest > self.reach * (1 + 1e-12):
             raise StackError(f"kernel: distance {farthest:g} m is beyond the resolved {self.reach:g} m")
@@ -118,20 +89,7 @@ class Kernel:
 
 @lru_cache(_KERNELS)
 def kernel(stack: Stack, reach: float, *, by_distance: bool = False) -> Kernel:
-    """Table of the kernels for distances up to ``reach`` [m], one for every friction, conduction and punch.
-
-    Parameters
-    ----------
-    stack, reach
-        Of which films, and how far.
-    by_distance
-        Give each octave of distances wavenumbers of its own: the same to rounding, sooner where the reach is long.
-
-    Raises
-    ------
-    StackError
-        A stack whose kernels the table does not resolve.
-    """
+    """Table of the kernels for distances up to ``reach`` [m], one for every friction, conduction and punch."""
     width = strip(stack)
     if not reach < _FARTHEST * width:
         raise StackError(
@@ -145,17 +103,7 @@ def kernel(stack: Stack, reach: float, *, by_distance: bool = False) -> Kernel:
 
 
 def growing(width: float, reach: float, *, halvings: int = 0) -> Array:
-    """Ends of panels in the distance from 0 to the reach or beyond [m], which grow from half the width on; (end,).
-
-    Parameters
-    ----------
-    width
-        Of the strip in which what is tabled is analytic [m].
-    reach
-        Where the panels may end [m].
-    halvings
-        Of the first panel, for what is rough at 0.
-    """
+    """Ends of panels in the distance from 0 to the reach or beyond [m], which grow from half the width on; (end,)."""
     ends = [0.0, *(width / 2 * 0.5 ** np.arange(halvings, -1, -1))]
     while ends[-1] < reach:
         ends.append(_GROWN * ends[-1] + width / 2)
@@ -165,10 +113,7 @@ def growing(width: float, reach: float, *, halvings: int = 0) -> Array:
 def octave(ends: Array, width: float) -> Array:
     """Distances of a panel over the width, as a power of two: transforms of one octave share their wavenumbers.
 
-    Parameters
-    ----------
-    ends : ndarray, shape (panel + 1,), of the panels [m]
-    width : float, m
+    ends: (panel + 1,), of the panels [m].
     """
     return np.asarray(np.floor(np.log2(ends[1:] / width)))
 

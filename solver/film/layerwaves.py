@@ -15,14 +15,8 @@ def modal(
 ) -> ComplexArray:
     """Rows of [u,x; t] of a wave at depths; (member, k, y, row, column).
 
-    Parameters
-    ----------
-    medium : Medium, of the layer
-    k : ndarray, shape (k,), wavenumbers [1/m]
-    depth : ndarray, shape (member, y), below where the wave starts [m]
-    t : ndarray of complex, shape (member, k, 4, column), with which it starts
-    rows : ndarray, shape (row, 8)
-    upward : bool, whether it rises, over heights, its traction t mirrored
+    k: (k,), wavenumbers [1/m]; depth: (member, y), below where the wave starts [m]; t: (member, k, 4, column), with
+    which it starts; rows: (row, 8).
     """
     rates, parts = medium.modes
     own = np.concatenate([medium.compliance, np.eye(4)]) @ parts
@@ -42,13 +36,8 @@ def layer_waves(
 ) -> ComplexArray:
     """Rows of [u,x; t] at depths within a layer; (member, k, y, row, column).
 
-    Parameters
-    ----------
-    layer : LayerWaves
-    k, rows : as of :func:`modal`
-    depth : ndarray, shape (member, y), below the layer's top [m]
-    amplitude : ndarray of complex, shape (member, k, 4, column), traction of what enters at the top
-    reflected : bool, whether what the layer's own half-plane would carry is left out
+    depth: (member, y), below the layer's top [m]; amplitude: (member, k, 4, column), traction of what enters at the
+    top.
     """
     down = -layer.round_trip @ amplitude if reflected else amplitude  # (I + F)^-1 - I = -F (I + F)^-1
     up = layer.reflection @ falling(layer.medium.decay, k * layer.thickness) @ amplitude
@@ -59,12 +48,7 @@ def layer_waves(
 def below(layer: LayerWaves, k: Array, amplitude: ComplexArray, grounded: tuple[int, ...]) -> ComplexArray:
     """Tractions on the top of what lies below a layer; an electrode carries the flux that it does not pass on.
 
-    Parameters
-    ----------
-    layer : LayerWaves
-    k : ndarray, shape (k,), wavenumbers [1/m]
-    amplitude : ndarray of complex, shape (member, k, 4, column), traction of what enters at the top
-    grounded : tuple of int, components that the interface below holds at zero
+    k: (k,), wavenumbers [1/m]; amplitude: (member, k, 4, column), traction of what enters at the top.
     """
     down = falling(layer.medium.decay, k * layer.thickness) @ amplitude
     t: ComplexArray = down + layer.reflection @ down

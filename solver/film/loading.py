@@ -13,19 +13,13 @@ from solver.halfplane.profile import Profile
 
 @dataclass(frozen=True, eq=False)
 class Causes:
-    """The causes at an extent of the contact, and their derivatives in log h and in c/h.
+    """The causes at an extent of the contact, and their derivatives in log h and in c/h."""
 
-    Attributes
-    ----------
-    values, by_width, by_centre
-        Powers of X in g', T/h, J/h and, between corners, P/h; (..., cause).
-    constant, constant_by_width, constant_by_centre
-        Constant slope a_0 that the centre gives; (...).
-    """
-
+    # Powers of X in g', T/h, J/h and, between corners, P/h; (..., cause)
     values: Array
     by_width: Array
     by_centre: Array
+    # Constant slope a_0 that the centre gives; (...)
     constant: Array
     constant_by_width: Array
     constant_by_centre: Array
@@ -33,32 +27,17 @@ class Causes:
 
 @dataclass(frozen=True, eq=False)
 class Loading:
-    """Punches and loads of cases in the units of a stack.
+    """Punches and loads of cases in the units of a stack."""
 
-    Attributes
-    ----------
-    slope
-        Coefficients of g' in powers of x; (case, degree + 1).
-    loads
-        P, T and J; (case, 3).
-    smooth
-        Whether the trailing and the leading edge are smooth.
-    """
-
-    slope: Array
-    loads: Array
-    smooth: tuple[bool, bool]
+    slope: Array  # Coefficients of g' in powers of x; (case, degree + 1)
+    loads: Array  # P, T and J; (case, 3)
+    smooth: tuple[bool, bool]  # Whether the trailing and the leading edge are smooth
 
     @classmethod
     def of(cls, table: Table, profile: Profile, load: Array, charges: Array) -> Self:
         """From SI values of cases.
 
-        Parameters
-        ----------
-        table : Table, of the contacts
-        profile : Profile, with parameters over (case,)
-        load : ndarray, shape (case,), P [N/m]
-        charges : ndarray, shape (case, 2), T and J [C/m, Wb/m]
+        load: (case,), P [N/m]; charges: (case, 2), T and J [C/m, Wb/m].
         """
         scale = table.system.kernel.stack.scale
         slope = np.zeros((load.size, table.system.degree + 1))
@@ -78,9 +57,7 @@ class Loading:
     def at(self, half: Array, centre: Array) -> Causes:
         """Causes at contacts.
 
-        Parameters
-        ----------
-        half, centre : ndarray, shape (case,) or (case, node), half-length h and c/h
+        half, centre: (case,) or (case, node), half-length h and c/h.
         """
         axes = (slice(None), *(None,) * (half.ndim - 1))
         powers, by_width, by_centre = slopes([*np.moveaxis(self.slope[axes], -1, 0)], half, centre)

@@ -36,10 +36,7 @@ def peak_pressure(contact: FilmContact) -> Array:
 def largest(series: Array, exponent: float) -> Array:
     """Largest (1 - X)^A (1 + X)^B f(X), A = alpha, B = 1 - alpha; (case,).
 
-    Parameters
-    ----------
-    series : ndarray, shape (case, coefficient), Chebyshev series of f
-    exponent : float, alpha
+    series: (case, coefficient), Chebyshev series of f.
     """
     A, B = exponent, 1 - exponent
     count = series.shape[1]

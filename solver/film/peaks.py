@@ -33,31 +33,13 @@ _CHUNK = 256  # cases at a time: bounded memory
 
 @dataclass(frozen=True, eq=False)
 class PeakTable:
-    """Stresses of a film over the half-lengths of a table of contacts.
-
-    Parameters
-    ----------
-    table
-        Table of the contacts.
-    """
+    """Stresses of a film over the half-lengths of a table of contacts."""
 
     table: Table
     _tabled: dict[str, tuple[Net, Array]] = field(default_factory=dict, init=False, repr=False)
 
     def tabled(self, region: str) -> tuple[Net, Array]:
-        """Net over a region, and Chebyshev coefficients in log h of its stresses; (node, stress, depth, x, cause).
-
-        Parameters
-        ----------
-        region : str, one of :data:`PEAKS_OF`
-
-        Raises
-        ------
-        RangeError
-            Contacts so wide that the film has no depth below 0.1 h.
-        StackError
-            Stresses of a rigid base.
-        """
+        """Net over a region, and Chebyshev coefficients in log h of its stresses; (node, stress, depth, x, cause)."""
         if region not in self._tabled:
             stack, upper = self.table.system.kernel.stack, self.table.upper
             if region == "film" and DEPTH * upper >= stack.thickness:
@@ -78,13 +60,7 @@ class PeakTable:
         return Tractions.by_cause(self.table.system, self.table.half_lengths)
 
     def peaks(self, contact: FilmContact, region: str) -> dict[str, Array]:
-        """Peaks in a region of contacts read from the same table, by name; (case,) each. Raises as :meth:`tabled`.
-
-        Parameters
-        ----------
-        contact : FilmContact, with half-lengths and causes
-        region : str, one of :data:`PEAKS_OF`
-        """
+        """Peaks in a region of contacts read from the same table, by name; (case,) each. Raises as :meth:`tabled`."""
         (net, series), h = self.tabled(region), contact.half_width
         parts = []
         for places in np.split(np.arange(h.size), range(_CHUNK, h.size, _CHUNK)):
@@ -96,11 +72,6 @@ class PeakTable:
         """Fields of a region of ``solver.curves`` of contacts read from the same table, by name; (case, point), SI.
 
         They are what is searched by :meth:`peaks`, at fewer points in the bodies. Raises as :meth:`tabled`.
-
-        Parameters
-        ----------
-        contact : FilmContact, of the cases
-        region : str, one of :data:`PEAKS_OF`
         """
         here, (net, series) = REGIONS[region], self.tabled(region)
         across, down = here.lines()
@@ -114,11 +85,7 @@ class PeakTable:
     def read(self, contact: FilmContact, series: Array, some: slice = slice(None)) -> Array:
         """What some contacts read from a series of this table; (case, ...).
 
-        Parameters
-        ----------
-        contact : FilmContact, with half-lengths and causes
-        series : ndarray, shape (node, ..., cause), over the table's half-lengths
-        some : slice, of the contacts
+        series: (node, ..., cause), over the table's half-lengths.
         """
         polynomials = self.table.polynomials(np.log(contact.half_width[some]))
         weights = np.einsum("cn,cq->cnq", polynomials, contact.causes.values[some]).reshape(len(polynomials), -1)
@@ -131,12 +98,7 @@ def largest(stresses: Array, net: Net, half_lengths: Array, region: str) -> dict
 
     Principal stresses and tension are 0 where none is tensile, and the position of the tension is then NaN.
 
-    Parameters
-    ----------
-    stresses : ndarray, shape (case, stress, depth, x)
-    net : Net, with their places
-    half_lengths : ndarray, shape (case,), in the unit of the net
-    region : str, one of :data:`PEAKS_OF`
+    stresses: (case, stress, depth, x); half_lengths: (case,), in the unit of the net.
     """
     measured = ((stresses, SHEAR), (stresses[:, 1:], ITSELF))
     if region != "interface":

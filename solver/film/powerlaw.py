@@ -19,13 +19,7 @@ SMOOTH = 4.0
 
 
 def material_from(constants: Constants, name: str) -> Material:
-    """The material of constants.
-
-    Parameters
-    ----------
-    constants : tuple of float, SI, as `constants_of` gives them
-    name : str, the material's
-    """
+    """The material of constants."""
     *values, conductor = constants
     given: dict[str, Any] = {
         key: np.array(np.nan if value is None else value) for key, value in zip(UNITS, values, strict=True)
@@ -42,30 +36,14 @@ def constants_of(material: Material) -> Constants:
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """Material at depths over thickness: v = surface + (base - surface) depth^exponent.
+    """Material at depths over thickness: v = surface + (base - surface) depth^exponent."""
 
-    Attributes
-    ----------
-    composite
-        One of ``solver.names.MIXTURES``.
-    phases
-        Constants of phase one and phase two.
-    surface, base
-        Volume fractions at the surface and at the base, within 0 to 1.
-    exponent
-        A whole number from 1 on, or any from 4 on.
-
-    Raises
-    ------
-    StackError
-        An exponent that the surface's derivatives do not bear.
-    """
-
-    composite: str
-    phases: tuple[Constants, Constants]
+    composite: str  # One of ``solver.names.MIXTURES``
+    phases: tuple[Constants, Constants]  # Constants of phase one and phase two
+    # Volume fractions at the surface and at the base, within 0 to 1
     surface: float
     base: float
-    exponent: float
+    exponent: float  # A whole number from 1 on, or any from 4 on
 
     def __post_init__(self) -> None:
         if not (self.exponent >= SMOOTH or self.exponent in (1.0, 2.0, 3.0)):

@@ -71,15 +71,7 @@ def _responses(films: Films, field: int) -> dict[str, Array]:
 
 
 def driven(tangents: Array, j: int) -> tuple[Array, Array]:
-    """Depth per potential at a fixed load, and load per potential at a fixed depth; (...) each.
-
-    Parameters
-    ----------
-    tangents
-        d (depth, voltage, magnetic potential) / d (P, T, J), SI; (..., 3, 3).
-    j
-        1 of the voltage, 2 of the magnetic potential.
-    """
+    """Depth per potential at a fixed load, and load per potential at a fixed depth; (...) each."""
     t = np.moveaxis(tangents, (-2, -1), (0, 1))
     return t[0, j] / t[j, j], 1 / (t[j, 0] - t[j, j] * t[0, 0] / t[0, j])
 
@@ -102,19 +94,6 @@ def peaks(films: Films, asked: Set[str], tables: PeakTables | None = None) -> di
     """Quantities of ``solver.names.FILM_PEAKS`` that are asked for and the cases have; (case,) each.
 
     A film of several layers has those of its lowest interface and of its base.
-
-    Parameters
-    ----------
-    films : Films, the cases
-    asked : set of str, names of quantities
-    tables : iterable of places among the cases, table and contacts of these; None: those of their windows
-
-    Raises
-    ------
-    RangeError
-        A contact so wide that the film has no depth below 0.1 h.
-    StackError
-        A graded film, whose stresses are not tabulated.
     """
     regions = [region for region in _regions(films.kind) if asked & set(PEAKS_OF[region])]
     if not regions:
@@ -130,12 +109,6 @@ def curves(films: Films, regions: Sequence[str], tables: PeakTables | None = Non
     """Sizes of the contacts, and the curves of regions that the cases have, see ``solver.curves``; (case, ...) each.
 
     Raises as :func:`peaks`.
-
-    Parameters
-    ----------
-    films : Films, the cases
-    regions : sequence of str, of ``solver.curves.REGIONS``
-    tables : as of :func:`peaks`
     """
     films.require_one_length()
     parts = []
@@ -162,18 +135,7 @@ def _peak_tables(films: Films) -> PeakTables:
 
 
 def require_depth(kind: Kind, half_lengths: Array) -> None:
-    """Refuse contacts so wide that the film has no depth below 0.1 h.
-
-    Parameters
-    ----------
-    kind : Kind, that of the films
-    half_lengths : ndarray, over the top layer's thickness
-
-    Raises
-    ------
-    RangeError
-        With the widest.
-    """
+    """Refuse contacts so wide that the film has no depth below 0.1 h."""
     thickness = kind.stack().thickness
     if np.any(half_lengths > 0.99 / DEPTH * thickness):
         widest = np.max(half_lengths) / thickness

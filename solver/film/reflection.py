@@ -24,28 +24,15 @@ _DEGREE = 24  # of the Taylor polynomial of a layer's transfer at kH = 0.1, what
 
 @dataclass(frozen=True, eq=False)
 class LayerWaves:
-    """Waves of one layer at wavenumbers (k,).
+    """Waves of one layer at wavenumbers (k,)."""
 
-    Attributes
-    ----------
-    medium, thickness
-        The layer.
-    below
-        Y of the body below, before the interface's rules; (k, 4, 4).
-    reflection
-        Gamma; (k, 4, 4).
-    round_trip
-        F; (k, 4, 4).
-    difference
-        Y_top - Y0, with full relative accuracy; (k, 4, 4), symmetric.
-    """
-
+    # The layer
     medium: Medium
     thickness: float
-    below: Array
-    reflection: Array
-    round_trip: Array
-    difference: Array
+    below: Array  # Y of the body below, before the interface's rules; (k, 4, 4)
+    reflection: Array  # Gamma; (k, 4, 4)
+    round_trip: Array  # F; (k, 4, 4)
+    difference: Array  # Y_top - Y0, with full relative accuracy; (k, 4, 4), symmetric
 
     @property
     def amplitude(self) -> Array:
@@ -56,15 +43,7 @@ class LayerWaves:
 def waves(stack: Stack, k: Array) -> list[LayerWaves]:
     """Waves of every layer, the top one first; (k,).
 
-    Parameters
-    ----------
-    stack : Stack
-    k : ndarray, shape (k,), wavenumbers > 0 [1/m]
-
-    Raises
-    ------
-    StackError
-        A graded layer, which has no waves of its own.
+    k: (k,), wavenumbers > 0 [1/m].
     """
     if stack.top.graded:
         raise StackError("layers: fields outside the contact and below the surface need layers that are not graded")
@@ -74,10 +53,7 @@ def waves(stack: Stack, k: Array) -> list[LayerWaves]:
 def body_below(stack: Stack, k: Array) -> Array:
     """Y of what lies below the top layer, under the rules of its interface; (k, 4, 4).
 
-    Parameters
-    ----------
-    stack : Stack
-    k : ndarray, shape (k,), wavenumbers > 0 [1/m]
+    k: (k,), wavenumbers > 0 [1/m].
     """
     return held(_recursion(stack, k, 1)[0], stack.grounded[0])
 
@@ -149,10 +125,7 @@ def _quotient(displacement: Array, traction: Array) -> Array:
 def held(Y: Array, components: tuple[int, ...]) -> Array:
     """The body below an interface that holds components of u at zero: its Y for the others; (..., 4, 4).
 
-    Parameters
-    ----------
-    Y : ndarray, shape (..., 4, 4), of the body
-    components : tuple of int, of u = (x, y, phi, psi)
+    Y: (..., 4, 4), of the body.
     """
     for c in components:
         pivot = Y[..., c, c]

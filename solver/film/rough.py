@@ -26,13 +26,7 @@ SIGN, LOG, PLAIN = 0, 3, 6
 
 @dataclass(frozen=True, eq=False)
 class Rough:
-    """Integrals of the basis, projected and at the edges.
-
-    Parameters
-    ----------
-    basis
-        Basis of the tractions.
-    """
+    """Integrals of the basis, projected and at the edges."""
 
     basis: Basis
 
@@ -86,9 +80,7 @@ class Rough:
     def pressures(self, X: Array, to_trailing: Array, to_leading: Array) -> Array:
         """Integrals of w P_j; (type, point, pressures).
 
-        Parameters
-        ----------
-        X, to_trailing, to_leading : ndarray, shape (point,), points, and 1 - X and 1 + X of them
+        X, to_trailing, to_leading: (point,), points, and 1 - X and 1 + X of them.
         """
         A, B = self.basis.exponents
         count = self.basis.pressures + 2
@@ -122,9 +114,7 @@ class Rough:
     def charges(self, to_trailing: Array, to_leading: Array) -> Array:
         """Integrals of T_n / sqrt(1 - X^2); (type, point, M + 1).
 
-        Parameters
-        ----------
-        to_trailing, to_leading : ndarray, shape (point,), 1 - X and 1 + X of points
+        to_trailing, to_leading: (point,), 1 - X and 1 + X of points.
         """
         count = self.basis.terms + 3
         angle = 2 * np.arctan2(np.sqrt(to_trailing), np.sqrt(to_leading))[:, None]
@@ -148,19 +138,7 @@ class Rough:
 
 
 def weights(tails: Array, friction: float, carried: Array, half_lengths: Array) -> Array:
-    """Shares of the types in du/dx of (y, phi, psi, x); (half, 4, type).
-
-    Parameters
-    ----------
-    tails
-        Y1, Y2, Y3 in the units of the stack; (3, 4, 4).
-    friction
-        eta; only what carries sigma_yy carries sigma_xy = eta sigma_yy.
-    carried
-        (sigma_yy, D_y, B_y) of the source; (3,).
-    half_lengths
-        h [m]; (half,).
-    """
+    """Shares of the types in du/dx of (y, phi, psi, x); (half, 4, type)."""
     shear = friction * carried[0]
     odd = np.concatenate([tails[:, 1:, 1:] @ carried, tails[:, :1, 0] * shear], 1)
     even = np.concatenate([tails[:, 1:, 0] * shear, -(tails[:, 1:, 0] @ carried)[:, None]], 1)

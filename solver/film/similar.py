@@ -31,24 +31,7 @@ _APART = 1.05  # from the window of a contact, within which they say nothing
 
 @dataclass(frozen=True, eq=False)
 class Films:
-    """Contacts of cases of one kind, each on its own film.
-
-    Parameters
-    ----------
-    kind
-        What the cases share.
-    profile
-        The punch; parameters (case,) or ().
-    load, charges, datum, thickness
-        P [N/m] (case,), T [C/m] and J [Wb/m] (case, 2), L [m] and the top layer's thickness [m] (case,).
-    punch_datum
-        Reference length of the displacement of an elastic punch [m]; (case,); by default ``datum``.
-
-    Raises
-    ------
-    ContactError
-        No contact, more than one, one that would need tension or that is beyond the resolved range.
-    """
+    """Contacts of cases of one kind, each on its own film."""
 
     kind: Kind
     profile: Profile
@@ -114,13 +97,7 @@ class Films:
         return np.asarray(load >= contact.load[:, None] * contact.scale[1])
 
     def require_one_length(self) -> None:
-        """Refuse contacts of other lengths that carry the load: charges can make some, up to a decade shorter.
-
-        Raises
-        ------
-        LengthsError
-            Contacts of more than one length carry the load.
-        """
+        """Refuse contacts of other lengths that carry the load: charges can make some, up to a decade shorter."""
         charged = np.any(self.charges != 0, -1)
         if self.profile.width is not None or not np.any(charged):
             return

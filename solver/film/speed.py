@@ -25,18 +25,6 @@ def critical_speed(stack: Stack, conducts: tuple[bool, bool] = (True, True)) -> 
     A wave of wavenumber k runs freely at V where 1/lam(k; V) falls to zero, lam the compliance of the surface with what
     the punch conducts held at zero. In a film that depends on k; at large k it is the surface wave of the top material,
     at small k that of the base.
-
-    Parameters
-    ----------
-    stack
-        Layers and base with densities, at any speed.
-    conducts
-        Whether the punch conducts (electric, magnetic).
-
-    Raises
-    ------
-    MaterialError
-        A material without density.
     """
     whole = staircase(stack, _SUBLAYERS) if stack.top.graded else stack
     bodies = [layer.material for layer in whole.layers]

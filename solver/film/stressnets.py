@@ -32,32 +32,20 @@ _FEWEST, _MOST = 12, 128  # points of a panel
 
 @dataclass(frozen=True)
 class Net:
-    """Points over a region of films of one stack, for half-lengths from ``least`` to ``most`` [m].
+    """Points over a region of films of one stack, for half-lengths from ``least`` to ``most`` [m]."""
 
-    Attributes
-    ----------
-    half_share, thickness_share
-        Width of the panels beside the edges: these shares of h and of the thickness together.
-    farthest
-        Distance from the edges at which the far panels end [m].
-    rate, angle
-        Where fields are singular about an edge: the distance from a level line over its depth, and the angle.
-    top, bottom
-        Least and largest depth, as shares of (h, thickness of all layers).
-    thickness
-        H: thickness of all layers [m].
-    least, most
-        Half-lengths [m].
-    """
-
+    # Width of the panels beside the edges: these shares of h and of the thickness together
     half_share: float
     thickness_share: float
-    farthest: float
+    farthest: float  # Distance from the edges at which the far panels end [m]
+    # Where fields are singular about an edge: the distance from a level line over its depth, and the angle
     rate: float
     angle: float
+    # Least and largest depth, as shares of (h, thickness of all layers)
     top: tuple[float, float]
     bottom: tuple[float, float]
-    thickness: float
+    thickness: float  # H: thickness of all layers [m]
+    # Half-lengths [m]
     least: float
     most: float
 
@@ -96,10 +84,7 @@ class Net:
     def positions(self, half_lengths: Array, t: Array) -> Array:
         """X = (x - c)/h at coordinates along the surface; (case, point).
 
-        Parameters
-        ----------
-        half_lengths : ndarray, shape (case,), h [m]
-        t : ndarray, shape (point,) or (case, point), in -5 to 5
+        half_lengths: (case,), h [m]; t: (point,) or (case, point), in -5 to 5.
         """
         h = half_lengths[:, None]
         near = self.half_share * h + self.thickness_share * self.thickness
@@ -113,13 +98,7 @@ class Net:
         return np.array([self.depth_at(h, gauss_points(self.down)) for h in half_lengths.tolist()])
 
     def depth_at(self, h: float, t: Array) -> Array:
-        """-y/h at coordinates down; as t.
-
-        Parameters
-        ----------
-        h : float, half-length [m]
-        t : ndarray of any shape, in -1 to 1 down
-        """
+        """-y/h at coordinates down; as t."""
         low, high = (np.log(_at(share, h, self.thickness)) for share in (self.top, self.bottom))
         return np.asarray(np.exp((low + high) / 2 + (high - low) / 2 * t) / h)
 
@@ -158,17 +137,7 @@ class Nets:
 
 
 def of_whole(stack: Stack, half: float, bottom: float, farthest: float) -> Net:
-    """Points of one body, layers alike, below depth 0.1 h.
-
-    Parameters
-    ----------
-    stack
-        Of one material.
-    half
-        h [m].
-    bottom, farthest
-        Greatest depth, and distance from the edges, over h.
-    """
+    """Points of one body, layers alike, below depth 0.1 h."""
     ends = (DEPTH, 0.0), (bottom, 0.0)
     return Net(_BESIDE, 0.0, farthest * half, *singular(stack), *ends, stack.thickness, half, half)
 

@@ -28,15 +28,7 @@ _TABLES = 32  # kept: 2 MB each at most
 
 @dataclass(frozen=True, eq=False)
 class SurfaceTable:
-    """Fields at positions over the half-lengths of a table.
-
-    Parameters
-    ----------
-    table
-        Table of the contacts.
-    positions
-        X, finite and never exactly +-1; (position,).
-    """
+    """Fields at positions over the half-lengths of a table."""
 
     table: Table
     positions: Array
@@ -66,10 +58,7 @@ class SurfaceTable:
 def of_local(system: System, whole: Array) -> dict[str, Array]:
     """Fields of ``solver.fields.FIELDS`` from what :func:`local_fields` tells; (case, position) each, SI.
 
-    Parameters
-    ----------
-    system : System, of the contacts
-    whole : ndarray, shape (case, 6, position), sums over the unknowns, in the units of the stack
+    whole: (case, 6, position), sums over the unknowns, in the units of the stack.
     """
     half, scale = system.sliding.halfplane, system.kernel.stack.scale
     t = whole[:, _TRACTIONS] / scale[1:, None]
@@ -127,10 +116,7 @@ def _surface_window(kind: Kind, number: int, positions: tuple[float, ...]) -> Su
 def fields(films: Films, positions: Array) -> dict[str, Array]:
     """Fields of ``solver.fields.FIELDS``; (case, position) each.
 
-    Parameters
-    ----------
-    films : Films, the cases
-    positions : ndarray, shape (position,), X = (x - c)/h, finite and never exactly +-1
+    positions: (position,), X = (x - c)/h, finite and never exactly +-1.
     """
     count = films.load.size
     out = {name: np.empty((count, positions.size)) for name in FIELDS}

@@ -28,49 +28,30 @@ _NO_COUPLING = 1e-6  # of lam: a friction coupling kap below this is replaced by
 
 @dataclass(frozen=True, eq=False)
 class Coefficients:
-    """Sliding of the top material in the units of a stack, for one friction and conduction.
+    """Sliding of the top material in the units of a stack, for one friction and conduction."""
 
-    Attributes
-    ----------
-    friction
-        eta.
-    fields
-        Conducted fields among (0 electric, 1 magnetic).
-    delta
-        Friction angle over pi.
-    lam, kap
-        Compliance and friction coupling under the punch.
-    screening, friction_screening
-        r and d over both fields, 0 where not conducted; (2,).
-    inverse
-        M^-1 over the conducted fields; (fields, fields).
-    compliance, coupling, tangential
-        N (3, 3), k (3,) and (L^-1)_xx of the body.
-    punch
-        N_p and -k_p, which an elastic punch adds to N11 and k1 in the contact conditions.
-    """
-
-    friction: float
-    fields: tuple[int, ...]
-    delta: float
+    friction: float  # eta
+    fields: tuple[int, ...]  # Conducted fields among (0 electric, 1 magnetic)
+    delta: float  # Friction angle over pi
+    # Compliance and friction coupling under the punch
     lam: float
     kap: float
+    # r and d over both fields, 0 where not conducted; (2,)
     screening: Array
     friction_screening: Array
-    inverse: Array
+    inverse: Array  # M^-1 over the conducted fields; (fields, fields)
+    # N (3, 3), k (3,) and (L^-1)_xx of the body
     compliance: Array
     coupling: Array
     tangential: float
+    # N_p and -k_p, which an elastic punch adds to N11 and k1 in the contact conditions
     punch: tuple[float, float] = (0.0, 0.0)
 
     @classmethod
     def of(cls, sliding: Sliding, scale: Array) -> "Coefficients":
         """From a sliding without case axes.
 
-        Parameters
-        ----------
-        sliding : Sliding, of the top material
-        scale : ndarray, shape (4,), that of the stack
+        scale: (4,), that of the stack.
         """
         half, units = sliding.halfplane, scale[1:]
         both = units[:, None] * units
@@ -104,21 +85,7 @@ class Coefficients:
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """Contacts of one stack, friction, conduction and kind of edges at any half-length.
-
-    Parameters
-    ----------
-    kernel
-        Kernels of the stack.
-    sliding
-        The top material's, one friction and conduction.
-    smooth
-        Whether the trailing and the leading edge are smooth.
-    degree
-        Largest power of X in the slope.
-    accuracy
-        Factor on the number of terms.
-    """
+    """Contacts of one stack, friction, conduction and kind of edges at any half-length."""
 
     kernel: Kernel
     sliding: Sliding
@@ -170,19 +137,7 @@ class System:
         rough: tuple[Array, Array] | None = None,
         sources: Array | None = None,
     ) -> Array:
-        """Unknowns for every right side; (half, unknown, cause and source).
-
-        Parameters
-        ----------
-        basis
-            Basis of the tractions.
-        gradients
-            What the smooth kernels make of each unknown at the nodes: du/dx of (y, phi, psi); (half, 3, node, unknown).
-        rough
-            The same of the rough kernels, projected onto P^(-A,-B) and onto U; (half, 3, M, unknown) each.
-        sources
-            What the kernels make of charges beside the contact: du/dx at the nodes; (half, 3, node, source).
-        """
+        """Unknowns for every right side; (half, unknown, cause and source)."""
         matrix = self._matrix(basis, gradients, rough)
         right = np.zeros((matrix.shape[-1], self.causes))
         slopes = basis.nodes[:, None] ** np.array(self.powers)
@@ -229,10 +184,7 @@ class System:
     def split(self, basis: Basis, unknowns: Array) -> tuple[Array, Array]:
         """Terms s, (..., pressures), and c, (..., 2, M + 1), 0 where not conducted.
 
-        Parameters
-        ----------
-        basis : Basis, of the tractions
-        unknowns : ndarray, shape (..., unknown)
+        unknowns: (..., unknown).
         """
         charges = np.zeros((*unknowns.shape[:-1], 2, basis.terms + 1))
         for f, start in self.starts(basis).items():

@@ -42,13 +42,7 @@ class LengthsError(ContactError):
 
 
 def told(thickness: Array) -> str:
-    """Thicknesses in the words of a message: one that has lost its unit shows.
-
-    Examples
-    --------
-    >>> told(np.array([20.0, 200.0])), told(np.array(1e-6))
-    ('thickness 20 to 200 m; did you mean 20 to 200 um?', 'thickness 1e-06 m')
-    """
+    """Thicknesses in the words of a message: one that has lost its unit shows."""
     least, most = float(np.min(thickness)), float(np.max(thickness))
     size = f"{least:g}{'' if least == most else f' to {most:g}'}"
     return f"thickness {size} m" + (f"; did you mean {size} um?" if least >= _NO_FILM else "")
@@ -56,25 +50,7 @@ def told(thickness: Array) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Outputs over a range of half-lengths.
-
-    Parameters
-    ----------
-    system
-        The contact at given half-lengths.
-    lower, upper
-        Ends of the range [m].
-    nodes
-        Number of half-lengths.
-
-    Examples
-    --------
-    >>> import solver
-    >>> from solver.film.stack import Layer, Stack
-    >>> film = table(Stack((Layer(solver.find("BaTiO3"), 0.5e-3),)), friction=0.3)
-    >>> film.nodes
-    48
-    """
+    """Outputs over a range of half-lengths."""
 
     system: System
     lower: float
@@ -118,19 +94,7 @@ class Table:
         return self.interval.polynomials(log_half)
 
     def narrowed(self, half_length: float, ratio: float = 1.2, nodes: int = 10) -> "Table":
-        """A table of the same system about one half-length: as exact as the system itself.
-
-        Parameters
-        ----------
-        half_length : float, m
-        ratio : float, of either end of its range to that
-        nodes : int, number of half-lengths
-
-        Raises
-        ------
-        RangeError
-            A half-length beyond what the kernels hold.
-        """
+        """A table of the same system about one half-length: as exact as the system itself."""
         if half_length * ratio > self.system.kernel.reach / 2:
             raise RangeError(f"contact: half-length {half_length:g} m is beyond the resolved range")
         return replace(self, lower=half_length / ratio, upper=half_length * ratio, nodes=nodes)
@@ -139,10 +103,7 @@ class Table:
 def at(system: System, half_lengths: Array) -> Array:
     """Outputs, batched over half-lengths of like size; (half, output, cause).
 
-    Parameters
-    ----------
-    system : System, of the contacts
-    half_lengths : ndarray, shape (half,), m
+    half_lengths: (half,), m.
     """
     out: Array = np.empty((half_lengths.size, outputs.COUNT, system.causes))
     for basis, members in batches(system, half_lengths):
@@ -151,17 +112,7 @@ def at(system: System, half_lengths: Array) -> Array:
 
 
 def batches(system: System, half_lengths: Array, points: int = 2) -> list[tuple[Basis, NDArray[np.intp]]]:
-    """Half-lengths whose numbers of terms are alike, with a basis for the largest of each; a few groups.
-
-    Parameters
-    ----------
-    system
-        The contact.
-    half_lengths
-        h [m]; (half,).
-    points
-        Number of points at which fields are asked for, beside the nodes: memory is bounded.
-    """
+    """Half-lengths whose numbers of terms are alike, with a basis for the largest of each; a few groups."""
     order = np.argsort(half_lengths)
     terms = np.array([system.terms(h) for h in half_lengths[order]])
     groups, share = [], _ALIKE if system.kernel.graded is None else _GRADED_ALIKE
@@ -189,36 +140,7 @@ def table(
     accuracy: float = 1.0,
     punch: Punch = RIGID_PUNCH,
 ) -> Table:
-    """Table of a stack over half-lengths from ``least`` to ``most`` thicknesses of its top layer.
-
-    Parameters
-    ----------
-    stack
-        Layers and base.
-    friction
-        Coulomb coefficient >= 0.
-    conducts
-        Whether the punch conducts (electric, magnetic).
-    smooth
-        Whether the trailing and the leading edge of the contact are smooth.
-    degree
-        Largest power of x in the slope of the punch.
-    least, most
-        Range of hc/h1 [1].
-    nodes
-        Number of half-lengths; by default 15 a decade and 10 more.
-    accuracy
-        Factor on the number of terms of the tractions.
-    punch
-        Its elasticity.
-
-    Raises
-    ------
-    RangeError
-        A range that cannot be resolved.
-    StackError
-        A stack that cannot be resolved.
-    """
+    """Table of a stack over half-lengths from ``least`` to ``most`` thicknesses of its top layer."""
     if not LEAST <= least < most <= MOST:
         raise RangeError(f"contact: range {least:g} to {most:g} of hc/h1 is not within {LEAST:g} to {MOST:g}")
     top = stack.top.thickness

@@ -25,37 +25,21 @@ _MOST = 1 << 20  # entries of a block of exponentials: bounded memory
 
 @dataclass(frozen=True, eq=False)
 class Tractions:
-    """Tractions under some contacts of one system, several columns of each.
+    """Tractions under some contacts of one system, several columns of each."""
 
-    Attributes
-    ----------
-    system, basis
-        The contact and the basis of the tractions.
-    half_lengths
-        h [m]; (member,).
-    pressures
-        Terms of sigma_yy; (member, pressures, column).
-    charges
-        Terms of D_y and B_y; (member, 2, M + 1, column).
-    upper
-        The longest half-length that these may be of [m]; by default the longest of these.
-    """
-
+    # The contact and the basis of the tractions
     system: System
     basis: Basis
-    half_lengths: Array
-    pressures: Array
-    charges: Array
-    upper: float | None = None
+    half_lengths: Array  # h [m]; (member,)
+    pressures: Array  # Terms of sigma_yy; (member, pressures, column)
+    charges: Array  # Terms of D_y and B_y; (member, 2, M + 1, column)
+    upper: float | None = None  # The longest half-length that these may be of [m]; by default the longest of these
 
     @classmethod
     def by_cause(cls, system: System, half_lengths: Array) -> Self:
         """One column for each cause.
 
-        Parameters
-        ----------
-        system : System, of the contacts
-        half_lengths : ndarray, shape (member,), m
+        half_lengths: (member,), m.
         """
         basis = system.basis(float(np.max(half_lengths)))
         room = max(BATCH // (8 * 19 * basis.samples * (basis.terms + 2)), 1)
@@ -76,14 +60,7 @@ class Tractions:
         return selected(self, members, "half_lengths", "pressures", "charges")
 
     def wavenumbers(self, body: Stack, reach: float, width: float) -> tuple[Array, Array]:
-        """Nodes and weights in k of what decays like exp(-width k) in a body; (k,) each.
-
-        Parameters
-        ----------
-        body : Stack
-        reach : float, the largest distance [m]
-        width : float, m
-        """
+        """Nodes and weights in k of what decays like exp(-width k) in a body; (k,) each."""
         return wavenumbers(body, reach, width)
 
     def _vector(self, normal: ComplexArray, fields: Sequence[ComplexArray]) -> list[ComplexArray]:
@@ -121,20 +98,7 @@ class Tractions:
         return self.in_fourier_space(np.zeros(1))[:, 0]
 
     def on_plane(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
-        """Hilbert transforms H of (sigma_xy, sigma_yy, D_y, B_y) at points z above the contact, or on it.
-
-        Parameters
-        ----------
-        z
-            Points, (1, point) for all members or (member, point).
-        integrated
-            Their antiderivatives F instead, -(1/pi) int t log[(z - S)/i] dS.
-
-        Returns
-        -------
-        ndarray
-            (4, member, point, column).
-        """
+        """Hilbert transforms H of (sigma_xy, sigma_yy, D_y, B_y) at points z above the contact, or on it."""
         count, columns = self.half_lengths.size, self.pressures.shape[-1]
         out: ComplexArray = np.empty((4, count, z.shape[1], columns), np.complex128)
         antiderivatives = Antiderivatives(self.basis)
@@ -157,13 +121,7 @@ def _flat(terms: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class TractionTable:
-    """Tractions over the half-lengths of a table.
-
-    Parameters
-    ----------
-    table
-        Table of the contacts.
-    """
+    """Tractions over the half-lengths of a table."""
 
     table: Table
 

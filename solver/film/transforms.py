@@ -24,13 +24,7 @@ Recurrence = Callable[[Array, int], Iterator[ComplexArray]]
 
 @dataclass(frozen=True, eq=False)
 class Transforms:
-    """Transforms of one basis.
-
-    Parameters
-    ----------
-    basis
-        Basis of the tractions.
-    """
+    """Transforms of one basis."""
 
     basis: Basis
 
@@ -45,20 +39,14 @@ class Transforms:
     def pressed(self, q: Array, terms: Array) -> ComplexArray:
         """Of the pressure; (member, q, column).
 
-        Parameters
-        ----------
-        q : ndarray, shape (member, q), >= 0
-        terms : ndarray, shape (member, pressures, column)
+        q: (member, q), >= 0; terms: (member, pressures, column).
         """
         return self._whole(q, terms, self._fine.pressure_rule, self._jacobi)
 
     def charged(self, q: Array, terms: Array) -> ComplexArray:
         """Of a field's charges; (member, q, column).
 
-        Parameters
-        ----------
-        q : ndarray, shape (member, q), >= 0
-        terms : ndarray, shape (member, M + 1, column)
+        q: (member, q), >= 0; terms: (member, M + 1, column).
         """
         return self._whole(q, terms, self._fine.charge_rule, self._bessel)
 

@@ -29,14 +29,7 @@ def graded_strip(stack: Stack) -> float:
 
 
 def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
-    """Nodes and weights in k for what decays like exp(-width k); (k,) each.
-
-    Parameters
-    ----------
-    stack : Stack
-    reach : float, the largest distance [m]
-    width : float, m
-    """
+    """Nodes and weights in k for what decays like exp(-width k); (k,) each."""
     ends = panels(stack, width)
     return on_panels(ends, np.full(ends.size - 1, reach))
 
@@ -44,10 +37,7 @@ def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]
 def on_panels(ends: Array, reaches: Array) -> tuple[Array, Array]:
     """Nodes and weights in k on panels; (k,) each.
 
-    Parameters
-    ----------
-    ends : ndarray, shape (panel + 1,), of the panels [1/m]
-    reaches : ndarray, shape (panel,), the largest distance that each is for [m]
+    ends: (panel + 1,), of the panels [1/m]; reaches: (panel,), the largest distance that each is for [m].
     """
     nodes, weights = [], []
     for start, end, reach in zip(ends[:-1], ends[1:], reaches, strict=True):
@@ -61,12 +51,7 @@ def on_panels(ends: Array, reaches: Array) -> tuple[Array, Array]:
 
 
 def ended_at(stack: Stack, width: float, x: Array, long: float = _ENDED) -> float | None:
-    """Wavenumber at which Delta may end at distances that are all long; none where it decays before.
-
-    Parameters
-    ----------
-    stack, width, x, long : as of :func:`tapered`
-    """
+    """Wavenumber at which Delta may end at distances that are all long; none where it decays before."""
     least = float(np.min(x))
     if least <= long * stack.thickness:
         return None
@@ -75,17 +60,7 @@ def ended_at(stack: Stack, width: float, x: Array, long: float = _ENDED) -> floa
 
 
 def tapered(stack: Stack, width: float, x: Array, long: float = _ENDED) -> tuple[Array, Array, Array]:
-    """Nodes and weights in k at distances, and a smooth end of Delta that long ones do not see; (k,) each.
-
-    Parameters
-    ----------
-    stack, width
-        What decays like exp(-width k) of which films.
-    x
-        Distances [m].
-    long
-        Thicknesses from which distances are long.
-    """
+    """Nodes and weights in k at distances, and a smooth end of Delta that long ones do not see; (k,) each."""
     end = ended_at(stack, width, x, long)
     k, weights = wavenumbers(stack, float(np.max(x)), width if end is None else DECAYED / end)
     taper = np.ones_like(k) if end is None else erfc((k * float(np.min(x)) - _END) / _SLOPE) / 2
@@ -93,13 +68,7 @@ def tapered(stack: Stack, width: float, x: Array, long: float = _ENDED) -> tuple
 
 
 def panels(stack: Stack, width: float) -> Array:
-    """Ends of panels in k, which grow from the smallest structure: unlike layers shift it to k H << 1; (end,).
-
-    Parameters
-    ----------
-    stack : Stack
-    width : float, of what decays like exp(-width k) [m]
-    """
+    """Ends of panels in k, which grow from the smallest structure: unlike layers shift it to k H << 1; (end,)."""
     bodies = [np.diagonal(medium.compliance) for medium in (*stack.media, *filter(None, [stack.base_medium]))]
     size = np.abs(bodies)
     least = float(np.min(np.min(size, 0) / np.max(size, 0)))

@@ -33,32 +33,17 @@ _STACKS = 256
 
 @dataclass(frozen=True)
 class Coat:
-    """One layer, as what tables are told apart by.
+    """One layer, as what tables are told apart by."""
 
-    Attributes
-    ----------
-    of
-        Constants of a homogeneous layer, or the profile of a graded one.
-    thickness
-        Over that of the top layer.
-    electric, magnetic
-        What the interface below is to each field; None for the default.
-    """
-
-    of: Constants | Callable[[Array], Material]
-    thickness: float = 1.0
+    of: Constants | Callable[[Array], Material]  # Constants of a homogeneous layer, or the profile of a graded one
+    thickness: float = 1.0  # Over that of the top layer
+    # What the interface below is to each field; None for the default
     electric: str | None = None
     magnetic: str | None = None
 
     @classmethod
     def like(cls, layer: Layer, unit: float) -> Self:
-        """Of a layer.
-
-        Parameters
-        ----------
-        layer : Layer or Graded
-        unit : float, of the lengths [m]
-        """
+        """Of a layer."""
         of = layer.profile if isinstance(layer, Graded) else constants_of(layer.material)
         return cls(of, layer.thickness / unit, layer.electric, layer.magnetic)
 
@@ -71,39 +56,17 @@ class Coat:
 
 @dataclass(frozen=True)
 class Kind:
-    """What cases share that one set of tables answers.
+    """What cases share that one set of tables answers."""
 
-    Attributes
-    ----------
-    layers
-        From the top down.
-    base
-        Constants of the base; none: rigid.
-    friction
-        Coulomb coefficient.
-    conducts
-        Whether the punch conducts (electric, magnetic).
-    smooth
-        Whether the trailing and the leading edge of the contact are smooth.
-    degree
-        Largest power of x in the slope of the punch.
-    speed
-        Steady sliding speed [m/s].
-    punch
-        N_p and k_p of the punch [1/Pa], 0 of a rigid one.
-    electroded
-        Whether the surface is a grounded electrode without stiffness.
-    """
-
-    layers: tuple[Coat, ...]
-    base: Constants | None
-    friction: float
-    conducts: tuple[bool, bool]
-    smooth: tuple[bool, bool]
-    degree: int
-    speed: float = 0.0
-    punch: tuple[float, float] = (0.0, 0.0)
-    electroded: bool = False
+    layers: tuple[Coat, ...]  # From the top down
+    base: Constants | None  # Constants of the base; none: rigid
+    friction: float  # Coulomb coefficient
+    conducts: tuple[bool, bool]  # Whether the punch conducts (electric, magnetic)
+    smooth: tuple[bool, bool]  # Whether the trailing and the leading edge of the contact are smooth
+    degree: int  # Largest power of x in the slope of the punch
+    speed: float = 0.0  # Steady sliding speed [m/s]
+    punch: tuple[float, float] = (0.0, 0.0)  # N_p and k_p of the punch [1/Pa], 0 of a rigid one
+    electroded: bool = False  # Whether the surface is a grounded electrode without stiffness
 
     @property
     def elastic(self) -> Punch:
@@ -111,13 +74,7 @@ class Kind:
         return Punch(*(np.array(value) for value in self.punch))
 
     def stack(self) -> Stack:
-        """The film, its top layer of unit thickness, on its base.
-
-        Raises
-        ------
-        MaterialError
-            Inadmissible materials, an interface that the base does not have.
-        """
+        """The film, its top layer of unit thickness, on its base."""
         return _stack(self.layers, self.base, self.speed, self.electroded)
 
     @property
@@ -156,14 +113,7 @@ def critical(kind: Kind) -> float:
 
 @lru_cache(_TABLES)
 def window(kind: Kind, number: int, *, rough: bool = False) -> Table:
-    """Table of a film of unit thickness over one window of half-lengths, counted in half decades from 1.
-
-    Parameters
-    ----------
-    kind : Kind, that of the films
-    number : int, that of the window, in half decades from 1
-    rough : bool, whether it need only tell if its half-lengths carry a load
-    """
+    """Table of a film of unit thickness over one window of half-lengths, counted in half decades from 1."""
     ends = 10.0 ** (np.array([number, number + 1]) / _A_DECADE) * np.array([1 / _OVERLAP, _OVERLAP])
     least, most = np.clip(ends, LEAST, MOST)
     nodes, accuracy = (_ROUGH_NODES, _ROUGH_ACCURACY) if rough else (_NODES, _ACCURACY)
@@ -176,25 +126,13 @@ def window(kind: Kind, number: int, *, rough: bool = False) -> Table:
 
 @lru_cache(_TRACTION_TABLES)
 def traction_window(kind: Kind, number: int) -> TractionTable:
-    """Tractions over one window.
-
-    Parameters
-    ----------
-    kind : Kind, that of the films
-    number : int, that of the window, in half decades from 1
-    """
+    """Tractions over one window."""
     return TractionTable(window(kind, number))
 
 
 @lru_cache(_PEAK_TABLES)
 def peak_window(kind: Kind, number: int) -> PeakTable:
-    """Stresses over one window; of a film no wider than it has a depth below 0.1 h.
-
-    Parameters
-    ----------
-    kind : Kind, that of the films
-    number : int, that of the window, in half decades from 1
-    """
+    """Stresses over one window; of a film no wider than it has a depth below 0.1 h."""
     whole = window(kind, number)
     return PeakTable(replace(whole, upper=min(whole.upper, 0.99 / DEPTH * kind.stack().thickness)))
 
@@ -210,19 +148,7 @@ def searched(
 ) -> Indices:
     """The window of every contact, from a guess on; (case,).
 
-    Parameters
-    ----------
-    guess : ndarray, shape (case,), half-length or radius over the thickness
-    beside : callable, says of places of cases and a window whether the contacts are below (-1), above (1) or within (0)
-    thickness : ndarray, shape (case,), of the top layers [m]
-    size, load : str, what is sought and what is carried, in words
-
-    Raises
-    ------
-    RangeError
-        A contact that is not resolved.
-    LengthsError
-        No contact of one size carries the load.
+    guess: (case,), half-length or radius over the thickness; thickness: (case,), of the top layers [m].
     """
     numbers = number_of(guess)
     asked = np.arange(numbers.size)
@@ -243,14 +169,7 @@ def searched(
 
 
 def beyond(narrower: bool, thickness: Array, size: str) -> RangeError:
-    """What refuses contacts that are narrower, or else wider, than what is resolved.
-
-    Parameters
-    ----------
-    narrower : bool
-    thickness : ndarray, of the top layers [m]
-    size : str, ``half-length`` or ``radius``
-    """
+    """What refuses contacts that are narrower, or else wider, than what is resolved."""
     how = "narrower" if narrower else "wider"
     return RangeError(
         f"contact: {how} than the resolved range, {LEAST:g} to {MOST:g} of {size} over thickness ({told(thickness)})"

@@ -11,13 +11,7 @@ from solver.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class FrictionAngle:
-    """The angle and its companions, one number per case.
-
-    Parameters
-    ----------
-    tan
-        tan(theta) = eta kap / lam = -cot(pi alpha), finite; (...).
-    """
+    """The angle and its companions, one number per case."""
 
     tan: Array
 

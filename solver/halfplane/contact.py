@@ -24,17 +24,6 @@ _NEWTON_STEPS = 40
 class Contact:
     """Contact under one punch per case.
 
-    Parameters
-    ----------
-    sliding
-        Material, friction and conducted fields.
-    profile
-        The punch.
-    load
-        Normal load P > 0 [N/m]; (...).
-    charges
-        Electric charge T [C/m] and magnetic charge J [Wb/m]; (..., 2); 0 where the punch does not conduct.
-
     Notes
     -----
     On the contact, with ``s = slope_scale``, ``q = (D_y, B_y)`` and S, D of :mod:`solver.halfplane.shape`:
@@ -64,13 +53,7 @@ class Contact:
 
     @cached_property
     def pressing(self) -> Pressing:
-        """Extent of the contact and shape of the pressure.
-
-        Raises
-        ------
-        ContactError
-            No contact carries the load, or it would need tension.
-        """
+        """Extent of the contact and shape of the pressure."""
         return press(self.profile, self.angle, self.sliding.lam, self.load)
 
     @property

@@ -28,11 +28,7 @@ def body_curves(contact: Contact) -> dict[str, Array]:
 def named(stresses: Array, half_width: Array, depth: Array) -> dict[str, Array]:
     """Fields of the region by their names, SI.
 
-    Parameters
-    ----------
-    stresses : ndarray, shape (..., 4, point), Pa
-    half_width : ndarray, h [m]; (...)
-    depth : ndarray, shape (point,), over h
+    stresses: (..., 4, point), Pa; depth: (point,), over h.
     """
     curves = {f"body_{name}": stresses[..., k, :] for k, name in enumerate(_STRESSES)}
     return curves | {"body_depth": half_width[..., None] * depth}

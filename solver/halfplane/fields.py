@@ -58,15 +58,7 @@ class SurfaceFields:
 
 
 def surface_fields(contact: Contact, positions: Array) -> SurfaceFields:
-    """Fields of every case at every position.
-
-    Parameters
-    ----------
-    contact
-        The solved contact, case axes (...).
-    positions
-        X, shape (position,), finite, never exactly +-1.
-    """
+    """Fields of every case at every position."""
     half, sliding = contact.halfplane, contact.sliding
     inside, root, (S, S_root, HS, D_root, HD_root) = _shapes(contact, positions)
     within, beyond = inside.astype(np.float64), np.where(inside, 0.0, np.sign(positions))

@@ -33,18 +33,10 @@ LINEAR = (
 
 @dataclass(frozen=True, eq=False)
 class InteriorParts:
-    """Fields of unit pressure scale and of unit charge densities; each in its smallest shape.
+    """Fields of unit pressure scale and of unit charge densities; each in its smallest shape."""
 
-    Attributes
-    ----------
-    of_load
-        U; (..., field, point).
-    of_charges
-        W_0 (electric) and W_1 (magnetic); each (..., field, point).
-    """
-
-    of_load: Array
-    of_charges: tuple[Array, Array]
+    of_load: Array  # U; (..., field, point)
+    of_charges: tuple[Array, Array]  # W_0 (electric) and W_1 (magnetic); each (..., field, point)
 
     def whole(self, contact: Contact) -> Array:
         """The fields of the contact, SI; (..., field, point)."""
@@ -53,27 +45,14 @@ class InteriorParts:
 
 
 def interior_parts(contact: Contact, x: Array, y: Array, fields: tuple[str, ...]) -> InteriorParts:
-    """Parts of the named fields of ``LINEAR`` at points (x, y).
-
-    Parameters
-    ----------
-    contact
-        The solved contact, case axes (...).
-    x, y
-        (x - c)/h and y/h <= 0, each (..., point), case axes broadcasting; not an edge (+-1, 0).
-    fields
-        Names of ``LINEAR``; ``stress_zz`` needs c12.
-    """
+    """Parts of the named fields of ``LINEAR`` at points (x, y)."""
     return parts_of(contact, x, y, fields, lambda z: transforms(contact, z))
 
 
 def transforms(contact: Contact, z: ComplexArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
     """H[S], H[D] and -H[1/sqrt(1 - X^2)]; (..., point).
 
-    Parameters
-    ----------
-    contact : Contact
-    z : ndarray of complex, shape (..., point), on or above the real axis
+    z: (..., point), on or above the real axis.
     """
     root: ComplexArray = np.sqrt(z - 1) * np.sqrt(z + 1)
     HS, HD_root = contact.shape.transforms(z, root, contact.pressing.slope)
@@ -82,13 +61,7 @@ def transforms(contact: Contact, z: ComplexArray) -> tuple[ComplexArray, Complex
 
 
 def parts_of(contact: Contact, x: Array, y: Array, fields: tuple[str, ...], functions: Functions) -> InteriorParts:
-    """As :func:`interior_parts`, with other functions of z in place of :func:`transforms`.
-
-    Parameters
-    ----------
-    contact, x, y, fields : as of :func:`interior_parts`
-    functions : callable, gives the three functions of z
-    """
+    """As :func:`interior_parts`, with other functions of z in place of :func:`transforms`."""
     half, sliding = contact.halfplane, contact.sliding
     nodes, weights = spectrum(half)
     rows = field_rows(half)[..., [LINEAR.index(name) for name in fields], :]
@@ -131,13 +104,7 @@ def _real(coefficients: ComplexArray, values: ComplexArray) -> Array:
 
 
 def with_derived(names: Sequence[str], linear: Callable[[tuple[str, ...]], Mapping[str, Array]]) -> dict[str, Array]:
-    """Fields by name, of which some follow from the four stresses: ``von_mises`` and ``principal_tension``.
-
-    Parameters
-    ----------
-    names : sequence of str, of the fields
-    linear : callable, gives all others by name, and the stresses, of a tuple of their names
-    """
+    """Fields by name, of which some follow from the four stresses: ``von_mises`` and ``principal_tension``."""
     needed = [*(name for name in names if name not in _DERIVED), *(STRESSES if _DERIVED.keys() & set(names) else ())]
     given = linear(tuple(dict.fromkeys(needed)))
     stresses = [given.get(name) for name in STRESSES]
@@ -164,22 +131,12 @@ def field_rows(half: HalfPlane) -> Array:
 
 
 def von_mises(xx: Array, yy: Array, xy: Array, zz: Array) -> Array:
-    """Von Mises stress of plane strain [Pa].
-
-    Parameters
-    ----------
-    xx, yy, xy, zz : ndarray of any shape, stresses [Pa]
-    """
+    """Von Mises stress of plane strain [Pa]."""
     return np.asarray(np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy**2))
 
 
 def principal_tension(xx: Array, yy: Array, xy: Array, zz: Array) -> Array:
-    """Largest of the three principal stresses [Pa].
-
-    Parameters
-    ----------
-    xx, yy, xy, zz : ndarray of any shape, stresses [Pa]
-    """
+    """Largest of the three principal stresses [Pa]."""
     return np.asarray(np.maximum((xx + yy) / 2 + np.hypot((xx - yy) / 2, xy), zz))
 
 

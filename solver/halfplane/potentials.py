@@ -32,17 +32,7 @@ LINE_WEIGHTS: Array = np.asarray(_STEP * np.pi * np.cosh(_U) * LINE / (1 + np.ex
 
 
 def potentials(contact: Contact, x: Array, y: Array, datum: Array) -> Array:
-    """Electric [V] and magnetic [A] potential at points ((x - c)/h, y/h), y <= 0; (..., 2, point).
-
-    Parameters
-    ----------
-    contact
-        The solved contact, case axes (...).
-    x, y
-        Each (point,); not an edge (+-1, 0).
-    datum
-        Reference length L > 0 [m]; (...).
-    """
+    """Electric [V] and magnetic [A] potential at points ((x - c)/h, y/h), y <= 0; (..., 2, point)."""
     ratio = np.log(contact.half_width / datum)
     parts = parts_of(contact, x, y, tuple(POTENTIALS.values()), lambda z: _antiderivatives(contact, z, ratio))
     return -contact.half_width[..., None, None] * parts.whole(contact)

@@ -37,22 +37,7 @@ _AGAIN = (0.9, 0.9, 0.6, 1.3)
 
 
 def rounding(half: HalfPlane) -> float:
-    """Estimated relative rounding error of the compliance and the friction coupling: the largest of all cases.
-
-    Parameters
-    ----------
-    half
-        Any number of cases. Those at rest with well-conditioned tensors are not solved again and count as exact.
-
-    Examples
-    --------
-    >>> from dataclasses import replace
-    >>> from solver import find
-    >>> rounding(HalfPlane(find("BaTiO3")))
-    0.0
-    >>> rounding(HalfPlane(replace(find("BaTiO3"), c44=43.0))) > 1e-10
-    True
-    """
+    """Estimated relative rounding error of the compliance and the friction coupling: the largest of all cases."""
     unit = np.finfo(np.float64).eps
     with np.errstate(all="ignore"):
         if not np.any(half.speed > 0) and unit * np.max(half.condition) <= _SUSPECT:

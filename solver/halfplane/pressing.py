@@ -31,29 +31,19 @@ class ContactError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Pressing:
-    """A pressed punch. Rates are derivatives in log P at fixed charges.
+    """A pressed punch. Rates are derivatives in log P at fixed charges."""
 
-    Attributes
-    ----------
-    half_width, centre
-        h [m]; (...), and c / h; (...).
-    slope_scale
-        s [1]; (...).
-    slope, slope_rate
-        Coefficients of G, ascending powers of X, and of d(s G)/dlogP / s at fixed X, where h is fixed; (..., k).
-    shape, shape_rate
-        S and d(s S)/dlogP / s at fixed X.
-    width_rate, centre_rate
-        dlog h/dlog P; d(c/h)/dlog P.
-    """
-
+    # h [m]; (...), and c / h; (...)
     half_width: Array
     centre: Array
-    slope_scale: Array
+    slope_scale: Array  # s [1]; (...)
+    # Coefficients of G, ascending powers of X, and of d(s G)/dlogP / s at fixed X, where h is fixed; (..., k)
     slope: Array
     slope_rate: Array
+    # S and d(s S)/dlogP / s at fixed X
     shape: Shape
     shape_rate: Shape
+    # dlog h/dlog P; d(c/h)/dlog P
     width_rate: Array
     centre_rate: Array
 
@@ -72,20 +62,7 @@ class Pressing:
 
 
 def press(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -> Pressing:
-    """Contact of the profile under a load.
-
-    Parameters
-    ----------
-    profile : Profile
-    angle : FrictionAngle, theta; (...)
-    lam : ndarray, compliance of the surface [1/Pa]; (...)
-    load : ndarray, P [N/m]; (...)
-
-    Raises
-    ------
-    ContactError
-        No contact carries the load, or it would need tension.
-    """
+    """Contact of the profile under a load."""
     if profile.width is not None:
         pressing = _between_corners(profile, profile.width, angle, lam, load)
     elif profile.homogeneous:
@@ -225,13 +202,7 @@ class _Equations:
 
 
 def slopes(slope: Sequence[Array], half: Array, centre: Array) -> tuple[Array, Array, Array]:
-    """Coefficients of g'(h (X + c/h)) in powers of X, and of its derivatives in log h and c / h; (..., power).
-
-    Parameters
-    ----------
-    slope : sequence of ndarray, coefficients of g' in ascending powers of x, each (...)
-    half, centre : ndarray, h and c / h; (...)
-    """
+    """Coefficients of g'(h (X + c/h)) in powers of X, and of its derivatives in log h and c / h; (..., power)."""
     terms = [coefficient * half**k for k, coefficient in enumerate(slope)]
     in_width = [k * term for k, term in enumerate(terms)]
     size = len(terms)

@@ -11,33 +11,14 @@ from solver.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class Punch:
-    """An elastic punch over the case axes (...); by default a rigid one.
-
-    Parameters
-    ----------
-    compliance
-        N_p = 2 (1 - nu^2) / E [1/Pa], which adds to N11.
-    coupling
-        k_p = -(1 + nu) (1 - 2 nu) / E [1/Pa], its k1, which k1 loses.
-    """
+    """An elastic punch over the case axes (...); by default a rigid one."""
 
     compliance: Array = field(default_factory=lambda: np.zeros(()))
     coupling: Array = field(default_factory=lambda: np.zeros(()))
 
     @classmethod
     def isotropic(cls, young: ArrayLike, poisson: ArrayLike) -> Self:
-        """The punch of an isotropic material.
-
-        Parameters
-        ----------
-        young : array_like, Young's modulus [Pa]; (...); infinite: a rigid punch
-        poisson : array_like, Poisson's ratio; (...)
-
-        Examples
-        --------
-        >>> f"{float(Punch.isotropic(210e9, 0.3).compliance):.4g}"
-        '8.667e-12'
-        """
+        """The punch of an isotropic material."""
         E, nu = np.asarray(young, dtype=np.float64), np.asarray(poisson, dtype=np.float64)
         return cls(2 * (1 - nu**2) / E, -(1 + nu) * (1 - 2 * nu) / E)
 

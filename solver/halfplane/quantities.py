@@ -13,13 +13,6 @@ def quantities(contact: Contact, datum: Array, punch_datum: Array | None = None)
 
     A quantity that means nothing for some of the cases is left out for all: the response of a field that a punch does
     not conduct, and what is infinite at a corner (the pressure, edge intensities and edge stresses).
-
-    Parameters
-    ----------
-    contact
-        The solved contact.
-    datum, punch_datum
-        Reference lengths of the body and of an elastic punch [m], as :class:`Response` takes them.
     """
     response = Response(contact, datum, punch_datum)
     out = {
@@ -42,14 +35,7 @@ def quantities(contact: Contact, datum: Array, punch_datum: Array | None = None)
 def at_edges(
     smooth: tuple[bool, bool], stress: Callable[[float], Array] | None, intensity: Callable[[float], Array]
 ) -> dict[str, Array]:
-    """Stresses and edge intensities at the smooth edges of a contact, by name; (...) each.
-
-    Parameters
-    ----------
-    smooth : (bool, bool), whether the trailing and the leading edge are
-    stress : callable, gives sigma_xx [Pa] just outside the edge X = 1 or -1; None: it is not known
-    intensity : callable, gives the intensities of (D_y, B_y) there; (..., 2)
-    """
+    """Stresses and edge intensities at the smooth edges of a contact, by name; (...) each."""
     out = {}
     for end, stretch, edge, is_smooth in (
         ("trailing", "trailing_tension", 1.0, smooth[0]), ("leading", "leading_compression", -1.0, smooth[1]),

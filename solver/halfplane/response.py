@@ -24,15 +24,6 @@ class Response:
     """Response of the punch; scalars per case, shapes as small as each needs.
 
     What belongs to the potential of a field means nothing where the punch does not conduct that field.
-
-    Parameters
-    ----------
-    contact
-        The solved contact.
-    datum
-        Reference length L > 0 of the logarithmic potentials [m].
-    punch_datum
-        That of the displacement of an elastic punch [m]; by default ``datum``.
     """
 
     contact: Contact

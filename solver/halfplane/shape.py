@@ -33,17 +33,7 @@ DIGAMMA_SERIES = np.array([float(polygamma(n, 1.5)) / factorial(n) for n in rang
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """S, D and what follows from them, dimensionless; linear in ``factor``.
-
-    Parameters
-    ----------
-    angle
-        Friction angle theta of each case; (...).
-    smooth
-        Whether the trailing and the leading edge are smooth; the same in every case.
-    factor
-        Coefficients of the polynomial Q, ascending powers of X; (..., degree + 1).
-    """
+    """S, D and what follows from them, dimensionless; linear in ``factor``."""
 
     angle: FrictionAngle
     smooth: tuple[bool, bool]
@@ -55,11 +45,7 @@ class Shape:
 
         Between two smooth edges there is one only where :func:`imbalance` is 0.
 
-        Parameters
-        ----------
-        angle : FrictionAngle; (...)
-        smooth : (bool, bool), whether the trailing and the leading edge are
-        slope : ndarray, shape (..., degree + 1), coefficients of G
+        slope: (..., degree + 1), coefficients of G.
         """
         power = sum(smooth) - 1  # A + B
         series = _edge_series(angle.delta, smooth, slope.shape[-1] + 1)
@@ -186,17 +172,7 @@ class Shape:
         return (trailing if self.smooth[0] else leading) / root
 
     def transforms(self, z: Points, root: Points, slope: Array) -> tuple[Points, Points]:
-        """H[S] and sqrt(z^2 - 1) H[D] off the contact: ``H[f](z) = (1/pi) int f(s)/(s - z) ds``.
-
-        Parameters
-        ----------
-        z
-            Points (..., point), real with |z| > 1, or complex with Im z >= 0.
-        root
-            sqrt(z^2 - 1), near z at infinity.
-        slope
-            The polynomial G of the shape; (..., degree + 1).
-        """
+        """H[S] and sqrt(z^2 - 1) H[D] off the contact: ``H[f](z) = (1/pi) int f(s)/(s - z) ds``."""
         delta, rho = self.angle.delta[..., None], self.angle.delta_over_tan[..., None]
         head, tail = self._laurent
         u = 1 / (z + root)
@@ -219,10 +195,7 @@ class Shape:
 def imbalance(angle: FrictionAngle, slope: Array) -> Array:
     """What must vanish for a contact with two smooth edges: the 1/z term of G/X(z); (...).
 
-    Parameters
-    ----------
-    angle : FrictionAngle; (...)
-    slope : ndarray, shape (..., degree + 1), coefficients of G
+    slope: (..., degree + 1), coefficients of G.
     """
     return _coefficient(slope, _edge_series(angle.delta, (True, True), slope.shape[-1]), 0)
 

@@ -13,20 +13,7 @@ from solver.halfplane.surface import HalfPlane
 
 @dataclass(frozen=True, eq=False)
 class Sliding:
-    """Elimination of the conducted fields from (2.2).
-
-    Parameters
-    ----------
-    halfplane
-        Surface response of the material.
-    friction
-        Coulomb coefficient eta >= 0 [1]; (...).
-    conducts
-        Whether the punch conducts (electric, magnetic); (..., 2). A field that it does not conduct drops out of (2.2):
-        M, n and kq are taken over the conducted ones, and r and d are 0 for the others.
-    punch
-        Its elasticity, which the contact conditions know and the fields of the body do not.
-    """
+    """Elimination of the conducted fields from (2.2)."""
 
     halfplane: HalfPlane
     friction: Array

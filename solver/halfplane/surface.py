@@ -17,14 +17,6 @@ _STALLED = 1e-8  # steps that no longer shrink below this are rounding, which gr
 class HalfPlane:
     """What the surface of a material answers to tractions; every array carries the material's case axes first.
 
-    Parameters
-    ----------
-    material
-        An admissible material.
-    speed
-        Steady speed V >= 0 of the tractions along x [m/s], below the limiting speed; (...). The fields are
-        quasi-static, so that V enters as Q - rho V^2 diag(1, 1, 0, 0) (theory section 4). Any but 0 needs rho.
-
     Notes
     -----
     Generalised displacement (u_x, u_y, phi, psi), traction (sigma_xy, sigma_yy, D_y, B_y), SI units:

@@ -323,21 +323,7 @@ class Material:
 
 
 def combined(change: Callable[..., Array], materials: Iterable[Material], name: str) -> Material:
-    """The material whose every constant is made of those of some materials; no limits and alternatives.
-
-    Parameters
-    ----------
-    change : callable, from one constant of each material to that of the result
-    materials : iterable of Material
-    name : str, of the result
-
-    Examples
-    --------
-    >>> import solver
-    >>> steel, copper = solver.find("steel"), solver.find("copper")
-    >>> combined(lambda one, two: np.where([True, False], one, two), (steel, copper), "either").conductor
-    array([ True,  True])
-    """
+    """The material whose every constant is made of those of some materials; no limits and alternatives."""
     several = tuple(materials)
     made: dict[str, Any] = {c: change(*(getattr(material, c) for material in several)) for c in (*UNITS, "conductor")}
     return Material(**made, name=name)

@@ -12,14 +12,7 @@ _MOST_ALTERNATIVES = 20
 
 @dataclass(frozen=True)
 class Limit:
-    """What a material bears: a value in the unit of ``solver.names.LIMITS``, the lowest where sources differ.
-
-    Examples
-    --------
-    >>> from solver import find
-    >>> find("PZT-5H").limits["coercive_field"].value
-    800000.0
-    """
+    """What a material bears: a value in the unit of ``solver.names.LIMITS``, the lowest where sources differ."""
 
     value: float
     source: str
@@ -34,13 +27,7 @@ class Alternative:
 
 
 def read_limits(entries: object) -> dict[str, Limit]:
-    """Limits from plain values, ``{name: {"value": 30e6, "source": "..."}}``.
-
-    Raises
-    ------
-    ValueError
-        Naming the entry, its value and what is allowed.
-    """
+    """Limits from plain values, ``{name: {"value": 30e6, "source": "..."}}``."""
     limits = {}
     for name, entry in _mapping("limits", entries, LIMITS).items():
         fields = _mapping(f"limits: {name}", entry, ("value", "source"))
@@ -52,18 +39,7 @@ def read_limits(entries: object) -> dict[str, Limit]:
 
 
 def read_alternatives(entries: object, units: Mapping[str, str]) -> tuple[Alternative, ...]:
-    """Alternatives from plain values, ``[{"eps33": 11e-9, "source": "..."}]``.
-
-    Parameters
-    ----------
-    entries : list of dict
-    units : mapping of str to str, of every constant
-
-    Raises
-    ------
-    ValueError
-        Naming the entry, its value and what is allowed.
-    """
+    """Alternatives from plain values, ``[{"eps33": 11e-9, "source": "..."}]``."""
     if not isinstance(entries, list | tuple):
         raise ValueError(f"alternatives: {shown(entries)} is not a list of constants with their source")
     if len(entries) > _MOST_ALTERNATIVES:

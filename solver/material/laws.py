@@ -19,22 +19,7 @@ _LAWS: dict[str, Callable[[Phases, float | Array], Material]] = {
 
 
 def made(composite: str, phases: Phases, fraction: float | Array) -> Material:
-    """The composite of a name.
-
-    Parameters
-    ----------
-    composite
-        A name in ``solver.names.COMPOSITES``.
-    phases
-        Phase one and phase two; what is not in ``solver.names.MIXTURES`` needs none.
-    fraction
-        The factor that the law takes, ``COMPOSITES[composite]`` [1]; (...).
-
-    Raises
-    ------
-    MaterialError
-        A composite that has no law, and what the law itself refuses.
-    """
+    """The composite of a name."""
     if composite not in _LAWS:
         raise MaterialError(f"composite: {composite!r} is not one of {', '.join(COMPOSITES)}")
     return _LAWS[composite](phases, fraction)

@@ -17,52 +17,23 @@ RIGID_PUNCH = "rigid"
 
 @dataclass(frozen=True)
 class PunchMaterial:
-    """An isotropic material of punches.
+    """An isotropic material of punches."""
 
-    Attributes
-    ----------
-    modulus
-        Young's modulus [Pa].
-    poisson
-        Poisson's ratio [1].
-    conducts
-        Whether it holds one potential as it comes.
-    source
-        Where the numbers come from, and how far they spread.
-    """
-
-    modulus: float
-    poisson: float
-    conducts: bool
-    source: str
+    modulus: float  # Young's modulus [Pa]
+    poisson: float  # Poisson's ratio [1]
+    conducts: bool  # Whether it holds one potential as it comes
+    source: str  # Where the numbers come from, and how far they spread
 
 
 @cache
 def punches() -> Mapping[str, PunchMaterial]:
-    """Every built-in material of punches by name; numbers and sources stand in ``solver/material/punches.toml``.
-
-    Examples
-    --------
-    >>> punches()["steel"].modulus, "skin" in punches()
-    (210000000000.0, True)
-    """
+    """Every built-in material of punches by name; numbers and sources stand in ``solver/material/punches.toml``."""
     table = tomllib.loads(files("solver.material").joinpath("punches.toml").read_text(encoding="utf-8"))
     return MappingProxyType({name: PunchMaterial(**entry) for name, entry in table.items()})
 
 
 def find_punch(name: str) -> PunchMaterial:
-    """The punch material of this name.
-
-    Raises
-    ------
-    MaterialError
-        Naming the nearest known name.
-
-    Examples
-    --------
-    >>> find_punch("brass").poisson
-    0.34
-    """
+    """The punch material of this name."""
     known = punches()
     if name not in known:
         near = get_close_matches(name, known, 1, 0.5)

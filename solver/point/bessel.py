@@ -16,11 +16,7 @@ _MOST = 400_000  # values of all orders held at once
 def even_orders(z: Array, count: int, odd: int = 0) -> Array:
     """j_2n(z), or j_(2n+1)(z) with ``odd`` = 1, of n = 0 .. count - 1 at z > 0; (count, ...).
 
-    Parameters
-    ----------
-    z : ndarray, shape (...), > 0
-    count : int, number of orders
-    odd : int, 1 for odd orders
+    z: (...), > 0.
     """
     flat = z.ravel()
     found: Array = np.empty((count, flat.size))
@@ -32,17 +28,7 @@ def even_orders(z: Array, count: int, odd: int = 0) -> Array:
 
 
 def bessel_orders(k: Array, x: Array, count: int) -> Array:
-    """J_n(kx), n = 0 .. count - 1 of 3 or 4, to rounding of their largest values; (count, k, x).
-
-    Parameters
-    ----------
-    k
-        Positive; (k,).
-    x
-        Of either sign; (x,).
-    count
-        Number of orders.
-    """
+    """J_n(kx), n = 0 .. count - 1 of 3 or 4, to rounding of their largest values; (count, k, x)."""
     away, which = np.unique(np.abs(x), return_inverse=True)
     z = k[:, None] * away
     small, apart = z < _SMALL, np.maximum(z, _SMALL)

@@ -25,24 +25,12 @@ _SEVERAL = "contact: contacts of several radii carry the force (charges too larg
 
 @dataclass(frozen=True, eq=False)
 class Loading:
-    """What presses, in the units of a body.
+    """What presses, in the units of a body."""
 
-    Attributes
-    ----------
-    coefficient
-        C of the profile C r^e; (case,).
-    force
-        P; (case,).
-    given
-        Charges (T, J), or potentials (V, Psi) where held; (case, 2).
-    held
-        Which potentials are held.
-    """
-
-    coefficient: Array
-    force: Array
-    given: Array
-    held: tuple[bool, bool] = (False, False)
+    coefficient: Array  # C of the profile C r^e; (case,)
+    force: Array  # P; (case,)
+    given: Array  # Charges (T, J), or potentials (V, Psi) where held; (case, 2)
+    held: tuple[bool, bool] = (False, False)  # Which potentials are held
 
     def part(self, places: Indices) -> "Loading":
         """Some of the cases."""
@@ -51,11 +39,7 @@ class Loading:
     def state(self, stiffness: Stiffness, shape: Shape, radius: Array) -> State:
         """Contacts of these radii under the charges and potentials, whatever their force; of a disc with it.
 
-        Parameters
-        ----------
-        stiffness : Stiffness, what the body answers at these radii
-        shape : Shape, the punch
-        radius : ndarray, shape (case,), a
+        radius: (case,), a.
         """
         displacement = 1.0 if shape.flat else self.coefficient * radius**shape.exponent
         load = displacement * radius
@@ -69,18 +53,10 @@ def _column(values: Array | float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class HalfSpace:
-    """A half-space, whose pressure knows nothing of charges.
+    """A half-space, whose pressure knows nothing of charges."""
 
-    Attributes
-    ----------
-    compliance
-        N of the contact in the units of the half-space; (case, 3, 3).
-    shape
-        The punch.
-    """
-
-    compliance: Array
-    shape: Shape
+    compliance: Array  # N of the contact in the units of the half-space; (case, 3, 3)
+    shape: Shape  # The punch
 
     def stiffness(self, radius: Array) -> Stiffness:
         """Whatever the radius."""
@@ -95,18 +71,10 @@ class HalfSpace:
 
 @dataclass(frozen=True, eq=False)
 class Film:
-    """Films of one kind.
+    """Films of one kind."""
 
-    Attributes
-    ----------
-    kind
-        The film, its top layer of unit thickness, and the punch.
-    thickness
-        Of the top layers [m]; (case,).
-    """
-
-    kind: PointKind
-    thickness: Array
+    kind: PointKind  # The film, its top layer of unit thickness, and the punch
+    thickness: Array  # Of the top layers [m]; (case,)
 
     @property
     def shape(self) -> Shape:
@@ -118,13 +86,7 @@ class Film:
         return Film(self.kind, self.thickness[places])
 
     def windows(self, radius: Array) -> Iterator[tuple[Indices, Window, Array]]:
-        """Cases by the window that holds their radius [m], and log (a/h) of these.
-
-        Raises
-        ------
-        RangeError
-            A radius that is not resolved.
-        """
+        """Cases by the window that holds their radius [m], and log (a/h) of these."""
         ratio = radius / self.thickness
         if not (np.all(ratio >= LEAST * (1 - _SLACK)) and np.all(ratio <= MOST * (1 + _SLACK))):
             raise beyond(bool(np.any(ratio < LEAST)), self.thickness, "radius")
@@ -136,10 +98,7 @@ class Film:
     def gathered(self, radius: Array, output: Callable[[Window, Array, Indices], Array]) -> Array:
         """An output of the windows at log (a/h) of their cases, zeros where that of another is longer; (case, ...).
 
-        Parameters
-        ----------
-        radius : ndarray, shape (case,), a [m]
-        output : callable, gives values of a window at log (a/h) and places of its cases, (case, ...)
+        radius: (case,), a [m].
         """
         parts = [(places, output(of, log_ratio, places)) for places, of, log_ratio in self.windows(radius)]
         longest = np.max([values.shape[1:] for _, values in parts], axis=0)
@@ -154,15 +113,7 @@ class Film:
         return self.kind.stiffness(read)
 
     def radius(self, loading: Loading) -> Array:
-        """By Newton's iteration on log a between rungs of a window that bracket the force.
-
-        Raises
-        ------
-        RangeError
-            A radius that is not resolved.
-        LengthsError
-            A force that no radius carries, or more than one.
-        """
+        """By Newton's iteration on log a between rungs of a window that bracket the force."""
         radii = np.empty(loading.force.size)
 
         def beside(places: Indices, number: int) -> Indices:
@@ -197,21 +148,11 @@ class Film:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """Cases whose radius is sought in one window.
+    """Cases whose radius is sought in one window."""
 
-    Attributes
-    ----------
-    window
-        The window.
-    thickness
-        [m]; (case,).
-    loading
-        What presses.
-    """
-
-    window: Window
-    thickness: Array
-    loading: Loading
+    window: Window  # The window
+    thickness: Array  # [m]; (case,)
+    loading: Loading  # What presses
 
     def part(self, places: Indices) -> Self:
         """Some of the cases."""
@@ -225,13 +166,7 @@ class Search:
 
     @cached_property
     def beside(self) -> Indices:
-        """-1 or 1 where the radius is below or above the window, 0 where it is within; (case,).
-
-        Raises
-        ------
-        LengthsError
-            Contacts of several radii carry the force.
-        """
+        """-1 or 1 where the radius is below or above the window, 0 where it is within; (case,)."""
         enough = self._enough
         changes = np.count_nonzero(enough[:, 1:] != enough[:, :-1], axis=-1)
         if np.any((changes > 1) | (enough[:, 0] & ~enough[:, -1])):

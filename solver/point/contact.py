@@ -18,21 +18,7 @@ from solver.point.profile import Shape
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Contacts of given radii under charges or held potentials.
-
-    Parameters
-    ----------
-    stiffness
-        What the contacts answer.
-    shape
-        The punch.
-    given
-        Charges -(T, J) over C a^(e+1), or potentials over C a^e where held, of both fields; (..., 2).
-    held
-        Which potentials are held; (2,).
-    force
-        -P over C a^(e+1); (...). A disc's only: other punches have the force that their radius asks for.
-    """
+    """Contacts of given radii under charges or held potentials."""
 
     stiffness: Stiffness
     shape: Shape

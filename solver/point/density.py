@@ -19,21 +19,7 @@ _HALF = 40  # nodes of the integral that a kink leaves beside the logarithm
 
 @dataclass(frozen=True, eq=False)
 class Density:
-    """Densities of (sigma_yy, D_y, B_y) without friction, lengths over a; columns of cases or causes.
-
-    Parameters
-    ----------
-    shape
-        The punch.
-    strengths
-        At the edge; (column, 3).
-    form
-        Sizes of the half-space's bounded part; (column, 3).
-    series
-        Coefficients that the layers add; (column, 3, n).
-    pieces
-        On which they stand where the top is graded; None: of Legendre functions.
-    """
+    """Densities of (sigma_yy, D_y, B_y) without friction, lengths over a; columns of cases or causes."""
 
     shape: Shape
     strengths: Array
@@ -132,10 +118,7 @@ class Density:
 def turned_form_rates(exponent: float, b: Array) -> Array:
     """d/db of b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds; (b,).
 
-    Parameters
-    ----------
-    exponent : float, of the profile
-    b : ndarray, shape (b,), 0 < b < 1
+    b: (b,), 0 < b < 1.
     """
     steep = np.arctanh(np.minimum(b, 1 - 1e-16))
     return np.asarray(exponent * (b ** (exponent - 2) * _stretched(exponent, b) - b ** (exponent - 1) * steep))
@@ -157,10 +140,7 @@ def second_kind_rates(b: Array, count: int) -> Array:
 
     As P_n' artanh + D_n' - E_n / (1 + b), where Q_n = P_n artanh + D_n and P_n = 1 - (1 - b) E_n.
 
-    Parameters
-    ----------
-    b : ndarray, shape (b,), 0 <= b < 1
-    count : int, number of functions
+    b: (b,), 0 <= b < 1.
     """
     degree = max(2 * count - 2, 1)
     P, D, E = (np.zeros((degree + 1, b.size)) for _ in range(3))

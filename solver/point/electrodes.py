@@ -41,20 +41,7 @@ _TINY = 1e-12  # side of a rectangle over the other, from which on it is none
 
 
 def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict[str, Array]:
-    """Those of ``ELECTRODE_QUANTITIES`` and ``DISC_QUANTITIES`` of ``solver.names`` that are asked for, SI; (case,).
-
-    Parameters
-    ----------
-    contact : Contact, the contacts
-    film : Film, their body
-    reading : Reading, the patches that are read
-
-    Raises
-    ------
-    StackError
-        An electrode that is not there, a patch that reaches farther than is resolved; discs that float below a punch
-        that conducts on a bare surface.
-    """
+    """Those of ``ELECTRODE_QUANTITIES`` and ``DISC_QUANTITIES`` of ``solver.names`` that are asked for, SI; (case,)."""
     reading.refused(conducts=film.kind.conducts[0])
     reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, window, _ in film.windows(contact.radius):

@@ -34,13 +34,7 @@ _KEPT = 64
 
 @dataclass(frozen=True, eq=False)
 class Discs(Patches):
-    """(2 n + 1)^2 discs in a square: n float on each side of the one that is read, along x and across it.
-
-    Raises
-    ------
-    StackError
-        An electrode on top or a metal; discs that are too close, too many, too small or too large to be resolved.
-    """
+    """(2 n + 1)^2 discs in a square: n float on each side of the one that is read, along x and across it."""
 
     def __post_init__(self) -> None:
         if self.floating > _MOST:
@@ -143,17 +137,7 @@ class Discs(Patches):
         return np.asarray(found + found.T) / 2
 
     def wave(self, k: Array, distance: Array, *, slope: bool) -> Array:
-        """What reads charges q0(k) that are even about a point, or its derivative by the distance; (case, k).
-
-        Parameters
-        ----------
-        k
-            Wavenumbers.
-        distance
-            Along x, from that point to the middle of the disc that is read; (case,).
-        slope
-            Whether the derivative is asked for.
-        """
+        """What reads charges q0(k) that are even about a point, or its derivative by the distance; (case, k)."""
         degree, m, sine = self.terms
         sizes = (self.charges @ self.voltages).reshape(len(self.places), -1)
         j, out = _bessel(k * self.size / 2, self._degree), np.zeros((distance.size, k.size))
@@ -173,15 +157,7 @@ class Discs(Patches):
 
 @lru_cache(_KEPT)
 def discs(stack: Stack, number: int, size: float, pitch: float, floating: int) -> Discs:
-    """Kept: what they are found from does not depend on the contact.
-
-    Parameters
-    ----------
-    stack : Stack, layers and base
-    number : int, of the electrode
-    size, pitch : float, diameter and distance of the discs over the unit of the stack
-    floating : int, how many float
-    """
+    """Kept: what they are found from does not depend on the contact."""
     return Discs(stack, number, size, pitch, floating)
 
 

@@ -21,11 +21,7 @@ from solver.point.profile import Shape
 def halfspace_terms(compliance: Array, shape: Shape, count: int) -> Array:
     """a c of the half-space of N (3, 3), of u0 in each channel and of g = (r/a)^exponent; (3, n, 4).
 
-    Parameters
-    ----------
-    compliance : ndarray, shape (3, 3), N of the contact
-    shape : Shape, the punch
-    count : int, number of functions
+    compliance: (3, 3), N of the contact.
     """
     inverse = np.linalg.inv(compliance)
     found = np.zeros((3, count, 4))
@@ -37,18 +33,7 @@ def halfspace_terms(compliance: Array, shape: Shape, count: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Added:
-    """What layers and base add to the coefficients of the half-space.
-
-    Parameters
-    ----------
-    compliance
-        N of the contact over (y, phi, psi): that of the top and of the punch; (3, 3). A field that the punch does not
-        conduct has no entries but its own on the diagonal.
-    interactions
-        K; (radius, 3, 3, n, n), with the same entries.
-    shape
-        The punch.
-    """
+    """What layers and base add to the coefficients of the half-space."""
 
     compliance: Array
     interactions: Array
@@ -76,10 +61,7 @@ class Added:
     def between(self, series: Array, low: Array, high: Array) -> Callable[[Array], Array]:
         """A traction less its strength over x at x within limits (case,), of coefficients (case, n).
 
-        Parameters
-        ----------
-        series : ndarray, shape (case, n), coefficients
-        low, high : ndarray, shape (case,), limits of x
+        series: (case, n), coefficients; low, high: (case,), limits of x.
         """
         return lambda x: np.asarray(np.sum(series * self.forms(x), -1))
 

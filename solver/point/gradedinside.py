@@ -21,13 +21,7 @@ _SUBLAYERS = 24  # and half of them: of second order in their thickness
 
 @dataclass(frozen=True, eq=False)
 class GradedInside:
-    """A film with fields inside, its top layer graded.
-
-    Parameters
-    ----------
-    stack
-        Layers and base.
-    """
+    """A film with fields inside, its top layer graded."""
 
     stack: Stack
 
@@ -42,11 +36,7 @@ class GradedInside:
     def fields(self, tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
         """As :meth:`Inside.fields`.
 
-        Parameters
-        ----------
-        tractions : Tractions, of all columns
-        X, Y : ndarray, shape (x,) and (y,), x/a and y/a <= 0
-        names : tuple of str, of the fields
+        X, Y: (x,) and (y,), x/a and y/a <= 0.
         """
         found = np.empty((tractions.ratio.size, len(names), Y.size, X.size))
         for ratio in np.unique(tractions.ratio):

@@ -30,10 +30,7 @@ _EDGE = np.ones(1)
 def odd_shares(of: Pieces, b: Array) -> Array:
     """Shares of odd coefficients, the edge's behind those of the nodes, in what they are at b; (b, n).
 
-    Parameters
-    ----------
-    of : Pieces, odd
-    b : ndarray, shape (b,), 0 to 1
+    b: (b,), 0 to 1.
     """
     edge = b == 1
     found = np.zeros((b.size, of.count + 1))
@@ -44,25 +41,14 @@ def odd_shares(of: Pieces, b: Array) -> Array:
 
 @lru_cache
 def odd_rates(of: Pieces, x: tuple[float, ...]) -> Array:
-    """Shares of odd coefficients in (1/r) int_0^x psi'(sqrt(r^2 + w^2)) dw, r^2 = 1 - x^2; (x, n).
-
-    Parameters
-    ----------
-    of : Pieces, odd
-    x : tuple of float, sqrt(1 - r^2/a^2) of places
-    """
+    """Shares of odd coefficients in (1/r) int_0^x psi'(sqrt(r^2 + w^2)) dw, r^2 = 1 - x^2; (x, n)."""
     at = np.array(x)
     return np.asarray(of.bounded(at, power=1) / np.sqrt((1 - at) * (1 + at))[:, None])
 
 
 @lru_cache
 def hilbert(*, kinked: bool) -> Array:
-    """(1/pi) PV int_-1^1 phi(s) / (b - s) ds at the nodes and the edge, of phi at the nodes, 0 at the edge; (n + 1, n).
-
-    Parameters
-    ----------
-    kinked : bool, whether the profile of the punch is no polynomial of r^2
-    """
+    """Matrix (n + 1, n) of (1/pi) PV int_-1^1 phi(s) / (b - s) ds: phi at the nodes to b at nodes and edge."""
     of = pieces(kinked=kinked)
     found, b = of.integrated(1 / of.points.distances[:, None])[..., 0], of.nodes
     there = np.arange(of.count)
@@ -82,38 +68,19 @@ def _closed(shape: Shape) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class GradedLayers:
-    """What layers and base add to the half-space of the top, over distances.
+    """What layers and base add to the half-space of the top, over distances."""
 
-    Attributes
-    ----------
-    stack
-        The film, its top layer graded and of unit thickness.
-    conducts
-        Of the electric and the magnetic field; (2,).
-    shape
-        The punch.
-    reach
-        The largest distance that is asked for.
-    """
-
-    stack: Stack
-    conducts: BoolArray
-    shape: Shape
-    reach: float
+    stack: Stack  # The film, its top layer graded and of unit thickness
+    conducts: BoolArray  # Of the electric and the magnetic field; (2,)
+    shape: Shape  # The punch
+    reach: float  # The largest distance that is asked for
 
     @property
     def _kinked(self) -> bool:
         return self.shape.exponent % 2 != 0
 
     def solved(self, response: Response, causes: Density, radius: float) -> Array:
-        """c/a and coefficients of psi without the half-space's, per eta; (cause, 1 + 3 n).
-
-        Parameters
-        ----------
-        response : Response, of the half-space of the top
-        causes : Density, without friction
-        radius : float, a in the unit of the stack's lengths
-        """
+        """c/a and coefficients of psi without the half-space's, per eta; (cause, 1 + 3 n)."""
         even, odd = (pieces(kinked=self._kinked, odd=parity) for parity in (False, True))
         count, points = even.count, odd.points
         away, sign = radius * np.abs(points.distances), np.sign(points.distances)[:, None]

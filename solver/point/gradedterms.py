@@ -29,35 +29,20 @@ _KEPT = 256  # sets of places
 
 @cache
 def pieces(*, kinked: bool, odd: bool = False) -> Pieces:
-    """Made once: what kernels are integrated by is the same of every film.
-
-    Parameters
-    ----------
-    kinked : bool, whether the profile of the punch is no polynomial of r^2
-    odd : bool, whether densities are odd
-    """
+    """Made once: what kernels are integrated by is the same of every film."""
     return Pieces(kinked, odd)
 
 
 def pieces_below(stack: Stack, shape: Shape, *, odd: bool = False) -> Pieces | None:
-    """On which densities of a film stand where its top is graded; None: they are of Legendre functions.
-
-    Parameters
-    ----------
-    stack : Stack, the film
-    shape : Shape, the punch
-    odd : bool, whether densities are odd
-    """
+    """On which densities of a film stand where its top is graded; None: they are of Legendre functions."""
     return pieces(kinked=shape.exponent % 2 != 0, odd=odd) if stack.top.graded else None
 
 
 def coupled(pairs: Array, conducts: BoolArray) -> Array:
     """Of the pairs (place, ..., 6), without what couples fields that the punch does not conduct; (3, place, 3, ...).
 
-    Parameters
-    ----------
-    pairs : ndarray, shape (place, ..., 6), of ``solver.point.surfacekernel.PAIRS``
-    conducts : ndarray of bool, shape (2,), of the electric and the magnetic field
+    pairs: (place, ..., 6), of ``solver.point.surfacekernel.PAIRS``; conducts: (2,), of the electric and the magnetic
+    field.
     """
     whole = np.empty((*pairs.shape[:-1], 3, 3))
     for pair, (i, j) in enumerate(PAIRS):
@@ -72,21 +57,7 @@ def _forms(of: Pieces, x: tuple[float, ...]) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class GradedTerms:
-    """Densities at nodes of pieces, and at the edge behind them.
-
-    Parameters
-    ----------
-    stack
-        The film, its top layer of unit thickness.
-    conducts
-        Of the electric and the magnetic field; (2,).
-    compliance
-        N of the contact over (y, phi, psi); (3, 3). A field that the punch does not conduct has no entries but its own.
-    shape
-        The punch.
-    radii
-        a; (radius,).
-    """
+    """Densities at nodes of pieces, and at the edge behind them."""
 
     stack: Stack
     conducts: BoolArray
@@ -115,10 +86,7 @@ class GradedTerms:
     def between(self, series: Array, low: Array, high: Array) -> Callable[[Array], Array]:
         """A traction less its strength over x at x within limits (case,), of coefficients (case, n).
 
-        Parameters
-        ----------
-        series : ndarray, shape (case, n), coefficients
-        low, high : ndarray, shape (case,), limits of x
+        series: (case, n), coefficients; low, high: (case,), limits of x.
         """
         x = np.stack([mapped_points(_BETWEEN, *pair) for pair in zip(low.tolist(), high.tolist(), strict=True)])
         values = np.stack([self.forms(own) @ row for own, row in zip(x, series, strict=True)], 1)

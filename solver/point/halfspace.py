@@ -15,37 +15,18 @@ from solver.point.profile import Shape
 
 @dataclass(frozen=True, eq=False)
 class Stiffness:
-    """What contacts of given radii answer, in the units of their bodies.
+    """What contacts of given radii answer, in the units of their bodies."""
 
-    Attributes
-    ----------
-    compliance
-        N of the contact over (y, phi, psi): that of the top and of the punch; (..., 3, 3). A field that the punch does
-        not conduct has no entries but its own on the diagonal, here and in all others.
-    loads
-        int t over a; (..., 3, 4).
-    edges
-        Strengths times a; (..., 3, 4).
-    edge_rates
-        Their derivatives in log a; (..., 3, 4).
-    """
-
+    # N of the contact over (y, phi, psi): that of the top and of the punch; (..., 3, 3). A field that the punch does
+    # not conduct has no entries but its own on the diagonal, here and in all others.
     compliance: Array
-    loads: Array
-    edges: Array
-    edge_rates: Array
+    loads: Array  # int t over a; (..., 3, 4)
+    edges: Array  # Strengths times a; (..., 3, 4)
+    edge_rates: Array  # Their derivatives in log a; (..., 3, 4)
 
 
 def conducted(compliance: Array, conducts: BoolArray) -> Array:
-    """N without what couples fields that the punch does not conduct; (..., 3, 3).
-
-    Parameters
-    ----------
-    compliance
-        (..., 3, 3).
-    conducts
-        Of the electric and the magnetic field; (..., 2).
-    """
+    """N without what couples fields that the punch does not conduct; (..., 3, 3)."""
     there = np.concatenate([np.ones_like(conducts[..., :1]), conducts], -1)
     both = (there[..., :, None] & there[..., None, :]) | np.eye(3, dtype=bool)
     return np.asarray(np.where(both, compliance, 0.0))
@@ -54,10 +35,7 @@ def conducted(compliance: Array, conducts: BoolArray) -> Array:
 def halfspace(compliance: Array, shape: Shape) -> Stiffness:
     """Contacts on a half-space of N (..., 3, 3), whatever their radius.
 
-    Parameters
-    ----------
-    compliance : ndarray, shape (..., 3, 3), N of the contact
-    shape : Shape, the punch
+    compliance: (..., 3, 3), N of the contact.
     """
     inverse = np.linalg.inv(compliance)
     loads = 4 * np.concatenate([inverse, shape.mean * inverse[..., :1]], -1)

@@ -30,39 +30,18 @@ def _gauss() -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Nodes:
-    """Nodes of panels on 0 to 1, or beyond.
+    """Nodes of panels on 0 to 1, or beyond."""
 
-    Attributes
-    ----------
-    b, weights
-        (node,).
-    beside
-        b - r, which b does not tell near the sharp place; (node,).
-    """
-
+    # (node,)
     b: Array
     weights: Array
-    beside: Array
+    beside: Array  # b - r, which b does not tell near the sharp place; (node,)
 
 
 def nodes(
     radius: float = np.inf, near: float = 1.0, *, parts: int = 4, kinked: bool = False, beyond: Sequence[float] = ()
 ) -> Nodes:
-    """Nodes for a field point, or for waves.
-
-    Parameters
-    ----------
-    radius
-        r >= 0 of a field point.
-    near
-        Its depth: the length of the shortest panels beside b = r.
-    parts
-        Number of panels at least: the phase of a wave over 8.
-    kinked
-        Whether the density is kinked at 0 or steep at 1.
-    beyond
-        Ends of panels beyond 1, of a density that goes on beside the contact.
-    """
+    """Nodes for a field point, or for waves."""
     last = beyond[-1] if beyond else 1.0
     places = [np.asarray(np.linspace(0.0, 1.0, parts + 1), dtype=np.float64)]
     if kinked:
@@ -90,23 +69,7 @@ def parts(phases: Array) -> int:
 def waves(
     rates: ComplexArray, depth: Array, radius: float, at: Nodes, orders: int, *, potentials: bool = False
 ) -> tuple[ComplexArray, ComplexArray]:
-    """int exp(-k m z) J_n(kr) k cos(kb) dk and the same of sin(kb), n = 0 .. orders - 1; (n, rate, depth, b) each.
-
-    Parameters
-    ----------
-    rates
-        m, of positive real part; (rate,).
-    depth
-        z >= ``LEAST``; (depth,).
-    radius
-        r >= 0.
-    at
-        Nodes of r.
-    orders
-        Number of Bessel functions.
-    potentials
-        Whether the k of the middle is left out.
-    """
+    """int exp(-k m z) J_n(kr) k cos(kb) dk and the same of sin(kb), n = 0 .. orders - 1; (n, rate, depth, b) each."""
     fall = (rates[:, None] * depth)[..., None]
     far = radius + at.b
     before = _powers(fall - 1j * at.b, (fall - 1j * at.beside) * (fall - 1j * far), radius, orders, potentials)

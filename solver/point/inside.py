@@ -34,17 +34,7 @@ _FARTHEST = 2000.0  # distance over the thickness of the top layer: bounded time
 
 @dataclass(frozen=True, eq=False)
 class Inside:
-    """A body with fields inside.
-
-    Parameters
-    ----------
-    stack
-        Layers and base; a half-space is a layer on itself, see :func:`whole`.
-    plain
-        Whether it is a half-space.
-    graded
-        The layer that the upper layers are the steps of; None: they are themselves.
-    """
+    """A body with fields inside."""
 
     stack: Stack
     plain: bool = False
@@ -59,20 +49,6 @@ class Inside:
         """Fields of ``solver.halfplane.interior.LINEAR``, SI, NaN in a rigid base; (column, field, y, x).
 
         Potentials, too, over the unit of the body's lengths.
-
-        Parameters
-        ----------
-        tractions
-            Of all columns.
-        X, Y
-            x/a and y/a <= 0; for all columns.
-        names
-            Of the fields; stresses in the surface need c12 everywhere.
-
-        Raises
-        ------
-        StackError
-            Points farther from the contact than is resolved, the magnetic potential over an insulated base.
         """
         if "magnetic_potential" in names and sideways(self.stack):
             raise StackError(
@@ -103,11 +79,7 @@ class Inside:
     def of_layers(self, tractions: Tractions, X: Array, names: tuple[str, ...]) -> Array:
         """What the layers add to fields on the surface at x/a; (column, field, x).
 
-        Parameters
-        ----------
-        tractions : Tractions, of all columns
-        X : ndarray, shape (x,), x/a
-        names : tuple of str, of the fields
+        X: (x,), x/a.
         """
         out = np.zeros((tractions.ratio.size, len(names), 1, X.size))
         points = X, np.zeros(1), np.zeros(1, dtype=np.intp), np.ones(1, dtype=bool)

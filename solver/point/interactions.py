@@ -21,24 +21,7 @@ _LEAST, _STEPS = 44.0, 6  # exponent of what is below rounding, and steps of the
 
 
 def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
-    """K of a stack at radii [m] in the units of the stack; (radius, 3, 3, count, count).
-
-    Parameters
-    ----------
-    stack
-        Homogeneous layers on a base.
-    radii
-        a [m]; (radius,).
-    count
-        Number of functions.
-    odd
-        1 for the functions of odd orders, those of a force along the surface.
-
-    Raises
-    ------
-    StackError
-        A graded layer.
-    """
+    """K of a stack at radii [m] in the units of the stack; (radius, 3, 3, count, count)."""
     if stack.top.graded:
         raise StackError("layers: interactions of Legendre functions need layers that are not graded")
     found: Array = np.zeros((radii.size, 3, 3, count, count))
@@ -61,12 +44,7 @@ def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
 
 
 def _decayed(ratio: float) -> float:
-    """Exponent s at the largest wavenumber, where e^-s / (s ratio)^2 is below rounding: j_2m j_2n falls like k^-2.
-
-    Parameters
-    ----------
-    ratio : float, the radius over the width in which Delta decays
-    """
+    """Exponent s at the largest wavenumber, where e^-s / (s ratio)^2 is below rounding: j_2m j_2n falls like k^-2."""
     exponent = DECAYED
     for _ in range(_STEPS):
         exponent = min(DECAYED, max(_LEAST - 2 * np.log(max(exponent * ratio, 1.0)), 1.0))

@@ -17,24 +17,12 @@ _ENDLESS = 1e9  # half the length of a strip over a
 
 @dataclass(frozen=True, eq=False)
 class Covered:
-    """Patches of one shape, their lengths over the radius of the contact; (case,) each.
+    """Patches of one shape, their lengths over the radius of the contact; (case,) each."""
 
-    Attributes
-    ----------
-    shape
-        Place in ``solver.names.CHOICES["patch"]``.
-    distance
-        Of the patch's middle from that of the contact.
-    size
-        Diameter of a disc or ring, width of a strip or rectangle.
-    other
-        Inner diameter of a ring, length of a rectangle.
-    """
-
-    shape: int
-    distance: Array
-    size: Array
-    other: Array
+    shape: int  # Place in ``solver.names.CHOICES["patch"]``
+    distance: Array  # Of the patch's middle from that of the contact
+    size: Array  # Diameter of a disc or ring, width of a strip or rectangle
+    other: Array  # Inner diameter of a ring, length of a rectangle
 
     def rule(self, *, slope: bool) -> tuple[Array, Array]:
         """Radii r within the contact, and weights of an integral over the covered part; (case, node) each.

@@ -31,33 +31,15 @@ _TOGETHER = 64  # cases at a time: bounded memory
 
 @dataclass(frozen=True, eq=False)
 class _Searched:
-    """Stresses of cases of one radius on a net.
+    """Stresses of cases of one radius on a net."""
 
-    Attributes
-    ----------
-    net
-        Of lengths over ``ratio`` times the contact's radius.
-    ratio
-        Contact radius in the net's unit.
-    stresses
-        (case, field, depth, x).
-    """
-
-    net: Net
-    ratio: float
-    stresses: Array
+    net: Net  # Of lengths over ``ratio`` times the contact's radius
+    ratio: float  # Contact radius in the net's unit
+    stresses: Array  # (case, field, depth, x)
 
     @classmethod
     def on(cls, inside: Inside | GradedInside, net: Net, tractions: Tractions, names: tuple[str, ...]) -> "_Searched":
-        """Of tractions of one radius.
-
-        Parameters
-        ----------
-        inside : Inside or GradedInside, the body
-        net : Net, where
-        tractions : Tractions, of one radius
-        names : tuple of str, of the stresses
-        """
+        """Of tractions of one radius."""
         ratio = float(tractions.ratio[0])
         sizes = np.array([ratio])
         X, Y = net.positions(sizes, net.line)[0], -net.depths(sizes)[0]
@@ -77,34 +59,14 @@ class _Searched:
 
 
 def peaks(pressed: Pressed, inside: Inside | GradedInside, asked: Set[str]) -> dict[str, Array]:
-    """Quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and the cases have; (case,) each.
-
-    Parameters
-    ----------
-    pressed
-        Cases of one body.
-    inside
-        The body, all of it with c12.
-    asked
-        Their names.
-
-    Raises
-    ------
-    RangeError
-        A contact so wide that the film has no depth below 0.1 a.
-    """
+    """Quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and the cases have; (case,) each."""
     return peaks_of(inside, Rubbed(pressed.charged).tractions, pressed.charged.radius, asked)
 
 
 def peaks_of(inside: Inside | GradedInside, tractions: Tractions, radius: Array, asked: Set[str]) -> dict[str, Array]:
     """The same of tractions; (column,) each.
 
-    Parameters
-    ----------
-    inside : Inside or GradedInside
-    tractions : Tractions, of the columns
-    radius : ndarray, shape (column,), of the contacts [m]
-    asked : set of str, names of the quantities
+    radius: (column,), of the contacts [m].
     """
     found: dict[str, Array] = {}
     for places in _by_radius(tractions.ratio):

@@ -34,19 +34,7 @@ def _gauss(count: int) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Piece:
-    """b = start + stretch u^power of 0 <= u <= 1, and polynomials of u.
-
-    Parameters
-    ----------
-    start, stretch, power
-        Of the map.
-    count
-        Number of nodes.
-    even
-        Whether the piece reaches to its mirror image and its polynomials are even.
-    odd
-        Whether those are odd instead.
-    """
+    """b = start + stretch u^power of 0 <= u <= 1, and polynomials of u."""
 
     start: float
     stretch: float
@@ -122,22 +110,13 @@ def _crowded(at: float, low: float, steps: int) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Where a kernel of b - b' is asked for, of all places b.
+    """Where a kernel of b - b' is asked for, of all places b."""
 
-    Attributes
-    ----------
-    places
-        Numbers of the places; (point,).
-    distances, sources
-        b - b', to its own digits, and b'; (point,) each.
-    weights
-        Of int db'; (point,).
-    """
-
-    places: Indices
+    places: Indices  # Numbers of the places; (point,)
+    # b - b', to its own digits, and b'; (point,) each
     distances: Array
     sources: Array
-    weights: Array
+    weights: Array  # Of int db'; (point,)
 
     @classmethod
     def joined(cls, parts: Sequence["Points"]) -> "Points":
@@ -150,15 +129,7 @@ class Points:
 
 @dataclass(frozen=True)
 class Pieces:
-    """The pieces of a contact.
-
-    Parameters
-    ----------
-    kinked
-        Whether the profile of the punch is no polynomial of r^2.
-    odd
-        Whether densities are odd in b, in place of even.
-    """
+    """The pieces of a contact."""
 
     kinked: bool = False
     odd: bool = False
@@ -227,23 +198,11 @@ class Pieces:
         return self._rule[0]
 
     def integrated(self, kernels: Array) -> Array:
-        """int_-1^1 kernel(b - b') phi(b') db' of densities of this parity, from kernels at points; (node + 1, node, c).
-
-        Parameters
-        ----------
-        kernels
-            (point, c).
-        """
+        """Matrix of int_-1^1 kernel(b - b') phi(b') db' for densities of this parity; (node + 1, node, c)."""
         return np.asarray(self._rule[1] @ kernels).reshape(self.count + 1, self.count, -1)
 
     def summed(self, kernels: Array) -> Array:
-        """int_-1^1 of what is known at the points: a kernel times a density; (node + 1, c).
-
-        Parameters
-        ----------
-        kernels
-            (point, c).
-        """
+        """int_-1^1 of what is known at the points: a kernel times a density; (node + 1, c)."""
         points = self.points
         found = np.zeros((self.count + 1, kernels.shape[1]))
         np.add.at(found, points.places, points.weights[:, None] * kernels)
@@ -255,10 +214,7 @@ class Pieces:
         r^2 = 1 - x^2. Where the pieces meet their polynomials differ by what is neglected: that step belongs to the
         derivative. The centre of a kinked profile, where rounding would grow, is taken at r = 1e-6.
 
-        Parameters
-        ----------
-        x : ndarray, shape (x,), sqrt(1 - r^2/a^2)
-        power : int, of b
+        x: (x,), sqrt(1 - r^2/a^2).
         """
         return np.array([self._bounded_at(top, power) for top in x.tolist()])
 

@@ -15,46 +15,16 @@ from solver.point.table import Window
 
 @dataclass(frozen=True, eq=False)
 class Friction:
-    """What slides along x, and what the surfaces do of it.
+    """What slides along x, and what the surfaces do of it."""
 
-    Attributes
-    ----------
-    coefficient
-        eta; (case,).
-    coupling
-        k of the half-space of the top less that of the punch, units of the body; (case, 3).
-    punch
-        k_p of the punch [1/Pa], 0 of a rigid one; the same on one film.
-    """
-
-    coefficient: Array
-    coupling: Array
-    punch: float = 0.0
+    coefficient: Array  # eta; (case,)
+    coupling: Array  # k of the half-space of the top less that of the punch, units of the body; (case, 3)
+    punch: float = 0.0  # k_p of the punch [1/Pa], 0 of a rigid one; the same on one film
 
 
 @dataclass(frozen=True, eq=False)
 class Pressed:
-    """Punches of revolution, pressed by forces.
-
-    Parameters
-    ----------
-    body
-        What they press on.
-    scale
-        Units of the body: u = scale u', t = t' / scale; (case, 4) or (4,).
-    coefficient
-        C of the profile C r^e [m^(1-e)]; (case,). A disc's radius [m].
-    force
-        P [N]; (case,).
-    charges
-        T [C] and J [Wb]; (case, 2).
-    conducts
-        Whether the punch conducts (electric, magnetic); (case, 2) or (2,).
-    reading
-        The electrode that is read; None: none.
-    friction
-        None where it is not asked for.
-    """
+    """Punches of revolution, pressed by forces."""
 
     body: HalfSpace | Film
     scale: Array
@@ -73,15 +43,7 @@ class Pressed:
     def contact(self, charges: Array | None = None, held: tuple[bool, bool] = (False, False)) -> "Contact":
         """The contacts under charges, or potentials where held; without any by default.
 
-        Parameters
-        ----------
-        charges : ndarray, shape (case, 2), T [C] and J [Wb], or V and Psi where held; None: zero
-        held : tuple of bool, whether (V, Psi) are held
-
-        Raises
-        ------
-        ContactError
-            No contact, several, or one beyond the resolved range.
+        charges: (case, 2), T [C] and J [Wb], or V and Psi where held; None: zero.
         """
         flat = self.body.shape.flat
         given = np.zeros((self.force.size, 2)) if charges is None else charges
@@ -114,17 +76,7 @@ class Pressed:
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Contacts of known radii.
-
-    Parameters
-    ----------
-    pressed
-        The cases.
-    radius
-        a [m]; (case,).
-    state
-        Displacements, potentials, loads, tangents over their scales.
-    """
+    """Contacts of known radii."""
 
     pressed: Pressed
     radius: Array

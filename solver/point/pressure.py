@@ -31,17 +31,7 @@ def finite(shape: Shape) -> bool:
 
 
 def halfspace_form(shape: Shape, x: Array, r: Array | None = None) -> Array:
-    """rise e F of the half-space; any shape, infinite at r = 0 where ``finite`` says so.
-
-    Parameters
-    ----------
-    shape
-        The punch.
-    x
-        sqrt(1 - r^2/a^2).
-    r
-        r/a, which x does not tell near the centre; from x unless given.
-    """
+    """rise e F of the half-space; any shape, infinite at r = 0 where ``finite`` says so."""
     r = np.sqrt((1 - x) * (1 + x)) if r is None else r
     return np.asarray(shape.rise * shape.exponent * _form(shape.exponent, x, r))
 
@@ -73,10 +63,7 @@ def halfspace_peak(shape: Shape) -> float:
 def added_forms(x: Array, count: int) -> Array:
     """(P_2n(x) - P_2n(0)) / (abs(P_2n(0)) x) at x > 0; (..., n).
 
-    Parameters
-    ----------
-    x : ndarray, shape (...), sqrt(1 - r^2/a^2) > 0
-    count : int, number of functions
+    x: (...), sqrt(1 - r^2/a^2) > 0.
     """
     values = np.polynomial.legendre.legvander(x, 2 * count - 2)[..., ::2]
     middle = np.polynomial.legendre.legvander(np.zeros(1), 2 * count - 2)[0, ::2]
@@ -88,10 +75,7 @@ def added_means(x: Array, count: int) -> Array:
 
     As int_x^1 P_m(v) dv = (1 - x^2) P_m'(x) / (m (m + 1)).
 
-    Parameters
-    ----------
-    x : ndarray, shape (...), sqrt(1 - r^2/a^2)
-    count : int, number of functions
+    x: (...), sqrt(1 - r^2/a^2).
     """
     m = 2 * np.arange(count)
     whole = np.eye(2 * count - 1)[::2] / np.maximum(m * (m + 1), 1)[:, None]
@@ -104,10 +88,7 @@ def added_means(x: Array, count: int) -> Array:
 def climbed(values: Callable[[Array], Array], low: Array, high: Array) -> Array:
     """The largest of values that rise and then fall between low and high, by the golden section; (case,).
 
-    Parameters
-    ----------
-    values : callable, of places (case,), to be largest
-    low, high : ndarray, shape (case,), limits
+    low, high: (case,), limits.
     """
     inner, outer = high - _RATIO * (high - low), low + _RATIO * (high - low)
     at_inner, at_outer = values(inner), values(outer)

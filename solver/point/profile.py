@@ -16,15 +16,9 @@ DISC = 0.0
 
 @dataclass(frozen=True)
 class Shape:
-    """What a power of r is to contacts of every radius.
+    """What a power of r is to contacts of every radius."""
 
-    Attributes
-    ----------
-    exponent
-        Of r; 0 for a disc, whose radius is given.
-    """
-
-    exponent: float
+    exponent: float  # Of r; 0 for a disc, whose radius is given
 
     @property
     def flat(self) -> bool:

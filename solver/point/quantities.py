@@ -29,13 +29,7 @@ RESPONSES = (
 
 
 def quantities(pressed: Pressed) -> dict[str, Array]:
-    """Quantities of ``solver.names`` that every case has, SI; (case,) each.
-
-    Raises
-    ------
-    ContactError
-        No contact, several, or one beyond the resolved range.
-    """
+    """Quantities of ``solver.names`` that every case has, SI; (case,) each."""
     contact = pressed.charged
     tangent = contact.tangent
     out = {"contact_radius": contact.radius}
@@ -54,20 +48,7 @@ def quantities(pressed: Pressed) -> dict[str, Array]:
 
 
 def sliding_quantities(pressed: Pressed, rim: Rim | None) -> dict[str, Array]:
-    """What friction adds to them, those of ``solver.names.POINT_SLIDING``, SI; (case,) each.
-
-    Parameters
-    ----------
-    pressed
-        Cases with friction.
-    rim
-        The surface beside their contacts; None without c12, and on a film that is graded.
-
-    Raises
-    ------
-    ContactError
-        As :func:`quantities`.
-    """
+    """What friction adds to them, those of ``solver.names.POINT_SLIDING``, SI; (case,) each."""
     contact = pressed.charged
     if pressed.body.shape.flat:  # it stays where it is, and its edge has a logarithm
         return {}

@@ -14,21 +14,11 @@ _EDGE = np.ones(1)
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """What a half-space answers to friction, without layers, per eta.
+    """What a half-space answers to friction, without layers, per eta."""
 
-    Attributes
-    ----------
-    compliance
-        N of the contact; (..., 3, 3).
-    coupling
-        k of the contact; (..., 3).
-    shape
-        The punch.
-    """
-
-    compliance: Array
-    coupling: Array
-    shape: Shape
+    compliance: Array  # N of the contact; (..., 3, 3)
+    coupling: Array  # k of the contact; (..., 3)
+    shape: Shape  # The punch
 
     def part(self, cases: Indices) -> "Response":
         """Some of the cases."""
@@ -52,11 +42,7 @@ class Response:
     def closed(self, turned: Array, b: Array, shift: Array) -> Array:
         """psi of H[phi_sigma] (..., b) and shifts (...); (..., 3, b).
 
-        Parameters
-        ----------
-        turned : ndarray, shape (..., b), H[phi_sigma]
-        b : ndarray, shape (b,)
-        shift : ndarray, shape (...), c over a times the densities' unit
+        turned: (..., b), H[phi_sigma]; b: (b,); shift: (...), c over a times the densities' unit.
         """
         along, moved = self.answers
         return np.asarray(
@@ -67,11 +53,8 @@ class Response:
     def settled(self, turned: Array, series: Array, edges: Array) -> Array:
         """c/a and coefficients of what layers add to psi, where the pressure is smooth at the edge; (cause, 1 + 3 n).
 
-        Parameters
-        ----------
-        turned : ndarray, shape (cause,), H[phi_sigma] at the edge, of what is closed
-        series : ndarray, shape (3, n, cause + 1), coefficients per cause, and of a unit shift
-        edges : ndarray, shape (cause + 1,), what layers add to sigma_yy at the edge
+        turned: (cause,), H[phi_sigma] at the edge, of what is closed; series: (3, n, cause + 1), coefficients per
+        cause, and of a unit shift; edges: (cause + 1,), what layers add to sigma_yy at the edge.
         """
         shift = np.zeros_like(turned)
         if not self.shape.flat:  # else it stays where it is
@@ -82,19 +65,7 @@ class Response:
 
 
 def contact_coupling(coupling: Array, scale: Array, punch: Array | float, conducts: BoolArray) -> Array:
-    """k of the contact from that of the body, in its units; (..., 3).
-
-    Parameters
-    ----------
-    coupling
-        Of the body; (..., 3).
-    scale
-        Units of the body; (..., 4).
-    punch
-        k_p [1/Pa]; (...).
-    conducts
-        Of the electric and the magnetic field; (..., 2).
-    """
+    """k of the contact from that of the body, in its units; (..., 3)."""
     own = coupling - np.asarray(punch / (scale[..., 0] * scale[..., 1]))[..., None] * np.eye(3)[0]
     return np.where(np.concatenate([np.ones_like(conducts[..., :1]), conducts], -1), own, 0.0)
 
@@ -102,10 +73,7 @@ def contact_coupling(coupling: Array, scale: Array, punch: Array | float, conduc
 def legendre(b: Array, count: int) -> Array:
     """P_n(2 b - 1); (b, n).
 
-    Parameters
-    ----------
-    b : ndarray, shape (b,), 0 to 1
-    count : int, number of polynomials
+    b: (b,), 0 to 1.
     """
     return np.asarray(np.polynomial.legendre.legvander(2 * b - 1, count - 1))
 
@@ -113,10 +81,7 @@ def legendre(b: Array, count: int) -> Array:
 def legendre_rates(b: Array, count: int) -> Array:
     """d P_n(2 b - 1) / db; (b, n).
 
-    Parameters
-    ----------
-    b : ndarray, shape (b,), 0 to 1
-    count : int, number of polynomials
+    b: (b,), 0 to 1.
     """
     derived = np.polynomial.legendre.legder(np.eye(count), axis=0) if count > 1 else np.zeros((1, count))
     return np.asarray(2 * np.polynomial.legendre.legvander(2 * b - 1, len(derived) - 1) @ derived)

@@ -14,24 +14,14 @@ _ANGLES = 60  # nodes of the integrals around the edge
 
 @dataclass(frozen=True, eq=False)
 class Rim:
-    """What the surface of the top answers beside the contact, SI; (case,) each, or of one body.
+    """What the surface of the top answers beside the contact, SI; (case,) each, or of one body."""
 
-    Attributes
-    ----------
-    coupling
-        k of the body; (..., 3).
-    stiffness, shear
-        C11 = c11 - h T3^-1 h, and c11 - c12 [Pa].
-    share
-        h T3^-1; (..., 3).
-    tangential, transverse
-        (L^-1)_xx, and 1 / sqrt(c44 c66) [1/Pa].
-    """
-
-    coupling: Array
+    coupling: Array  # k of the body; (..., 3)
+    # C11 = c11 - h T3^-1 h, and c11 - c12 [Pa]
     stiffness: Array
     shear: Array
-    share: Array
+    share: Array  # h T3^-1; (..., 3)
+    # (L^-1)_xx, and 1 / sqrt(c44 c66) [1/Pa]
     tangential: Array
     transverse: Array
 
@@ -53,10 +43,8 @@ class Rim:
     def tension(self, moments: Array, rubbed: tuple[Array, Array]) -> Array:
         """sigma_xx at the trailing edge of a half-space whose tractions lie below the contact [Pa]; (...).
 
-        Parameters
-        ----------
-        moments : ndarray, shape (..., 3), int_0^1 (t s + t_1 s^2) ds of (sigma_yy, D_y, B_y) below the contact, SI
-        rubbed : (ndarray, ndarray), shape (...) each, eta times I_1 and I_3 of :func:`edge_sums`, SI
+        moments: (..., 3), int_0^1 (t s + t_1 s^2) ds of (sigma_yy, D_y, B_y) below the contact, SI; rubbed:
+        (ndarray, ndarray), shape (...) each, eta times I_1 and I_3 of :func:`edge_sums`, SI.
         """
         first, third = rubbed
         along, across = self.tangential, self.transverse * self.shear / 4
@@ -67,9 +55,7 @@ class Rim:
     def charged(self, beside: Array) -> Array:
         """What charges that the surface carries just outside the edge add to it [Pa]; (...).
 
-        Parameters
-        ----------
-        beside : ndarray, shape (..., 3), (0, D_y, B_y), SI
+        beside: (..., 3), (0, D_y, B_y), SI.
         """
         return np.asarray(np.einsum("...i,...i->...", self.share - self.stiffness[..., None] * self.coupling, beside))
 

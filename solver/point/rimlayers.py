@@ -27,22 +27,7 @@ _KEPT = 32
 
 
 def added_tension(stack: Stack, rim: Rim, ratio: float, b: Array, plain: Array, turned: Array) -> float:
-    """What they add [Pa].
-
-    Parameters
-    ----------
-    stack
-        Layers and base, all with c12.
-    rim
-        The half-space of the top.
-    ratio
-        Contact radius over the unit of the stack's lengths.
-    b
-        Nodes, beyond 1, too, where charges lie beside the contact; (b,).
-    plain, turned
-        Weights times phi of (sigma_yy, D_y, B_y), and times eta phi_sigma and psi of the three, in the units of the
-        stack; (3, b) and (4, b).
-    """
+    """What they add [Pa]."""
     last = _FAR * max(1.0, stack.thickness / ratio)
     k, added, sheared = _waves(stack, int(np.ceil(np.log2(ratio * (2 + last)))))
     q, near = k * ratio, b < last

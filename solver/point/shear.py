@@ -16,14 +16,9 @@ from solver.material.constants import Material
 
 @dataclass(frozen=True)
 class Sheared:
-    """What a material is to these waves.
+    """What a material is to these waves."""
 
-    Attributes
-    ----------
-    along, across
-        c66 and c44 [Pa].
-    """
-
+    # c66 and c44 [Pa]
     along: float
     across: float
 
@@ -45,10 +40,7 @@ class Sheared:
     def wave(self, exponent: Array, *, upward: bool = False) -> Array:
         """(k u, tau) of a wave of k u = 1 at its start, at g k times the distance from it; (2, ...).
 
-        Parameters
-        ----------
-        exponent : ndarray, shape (...), g k times the distance from the start
-        upward : bool, whether it rises
+        exponent: (...), g k times the distance from the start.
         """
         size = np.exp(-exponent)
         return np.stack([size, (-size if upward else size) / self.compliance])
@@ -56,15 +48,7 @@ class Sheared:
 
 @dataclass(frozen=True, eq=False)
 class ShearWaves:
-    """These waves of a stack, of tau = 1 at the surface.
-
-    Parameters
-    ----------
-    stack
-        Layers on a base, all with c12.
-    k
-        Wavenumbers over the unit of the stack's lengths; (k,).
-    """
+    """These waves of a stack, of tau = 1 at the surface."""
 
     stack: Stack
     k: Array
@@ -94,11 +78,7 @@ class ShearWaves:
 
         ``reflected``: without what the layer's own half-space would carry.
 
-        Parameters
-        ----------
-        number : int, of the layer; that of the base is the number of layers
-        depth : ndarray, shape (depth,), below the surface, in the unit of the stack's lengths
-        reflected : bool, see above
+        depth: (depth,), below the surface, in the unit of the stack's lengths.
         """
         k, top, start = self.k, np.ones(self.k.size), 0.0
         for place, (body, layer) in enumerate(zip(self._bodies, self.stack.layers, strict=True)):

@@ -36,13 +36,7 @@ _EDGE = np.ones(1)
 
 @dataclass(frozen=True, eq=False)
 class Rubbed:
-    """Contacts with their densities, without friction and of its first order.
-
-    Parameters
-    ----------
-    contact
-        The contacts.
-    """
+    """Contacts with their densities, without friction and of its first order."""
 
     contact: Contact
 
@@ -119,10 +113,7 @@ class Rubbed:
     def sines(self, b: Array, columns: Indices | None = None) -> Array:
         """psi, units of the body; (case, 3, b).
 
-        Parameters
-        ----------
-        b : ndarray, shape (b,), 0 to 1
-        columns : ndarray of int, some of the cases; None: all
+        b: (b,), 0 to 1.
         """
         some = np.arange(self.ratio.size) if columns is None else columns
         (shift, series), unit = self._added, self._unit

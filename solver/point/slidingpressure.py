@@ -39,15 +39,9 @@ _KEPT = 128
 
 @dataclass(frozen=True, eq=False)
 class Ray:
-    """Panels from the centre to the edge.
+    """Panels from the centre to the edge."""
 
-    Attributes
-    ----------
-    ends
-        Angles between panels, rising; (panel + 1,).
-    """
-
-    ends: Array
+    ends: Array  # Angles between panels, rising; (panel + 1,)
 
     @classmethod
     def of(cls, shape: Shape) -> "Ray":
@@ -88,9 +82,7 @@ class Ray:
     def top(self, middle: Array, turned: Array) -> Array:
         """Largest of p0 + p1 cos(angle); (case,).
 
-        Parameters
-        ----------
-        middle, turned : ndarray, shape (case, place), p0 and p1 at the places of the ray
+        middle, turned: (case, place), p0 and p1 at the places of the ray.
         """
         both = np.concatenate([(middle - turned)[:, ::-1], middle + turned], 1)
         return highest(both[:, None, None], self.counts, ITSELF, _CLOSE).value
@@ -121,13 +113,8 @@ def _added(shape: Shape, even: int, count: int) -> tuple[Array, Array]:
 def turned_pressures(response: Response, density: Density, shift: Array, series: Array, channel: int = 0) -> Array:
     """p1 per eta at the places of the ray, or of another channel what answers to it; (column, place).
 
-    Parameters
-    ----------
-    response : Response, of the half-space of the top
-    density : Density, at rest
-    shift : ndarray, shape (column,), c over a times the densities' unit
-    series : ndarray, shape (column, n), coefficients of P_n(2 b - 1) that are added to psi of the channel
-    channel : int, of (sigma_yy, D_y, B_y)
+    shift: (column,), c over a times the densities' unit; series: (column, n), coefficients of P_n(2 b - 1) that are
+    added to psi of the channel.
     """
     along, unit = response.answers
     moved, form = _own(density.shape)
@@ -153,13 +140,7 @@ def _of_halfspace(shape: Shape) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class TurnedWindow:
-    """Pressures that friction adds over half a decade of radii.
-
-    Parameters
-    ----------
-    window
-        What layers make of friction.
-    """
+    """Pressures that friction adds over half a decade of radii."""
 
     window: SlidingWindow
 
@@ -175,10 +156,7 @@ class TurnedWindow:
     def read(self, log_radius: Array, causes: Array) -> Array:
         """p1 per eta of causes (V, Psi, g); (case, place).
 
-        Parameters
-        ----------
-        log_radius : ndarray, shape (case,), log (a/h)
-        causes : ndarray, shape (case, 3), V, Psi and g
+        log_radius: (case,), log (a/h); causes: (case, 3), V, Psi and g.
         """
         read = np.tensordot(self.window.window.polynomials(log_radius), self._series, 1)
         return np.asarray(np.einsum("cdp,cd->cp", read, causes))
@@ -193,11 +171,6 @@ def largest_pressure(contact: Contact, friction: Friction) -> Array:
     """Largest pressure of curved punches that slide [Pa], p0 + p1 cos(angle) over the contact; (case,).
 
     At the sharp apex of exponents below 2 it is that at rest.
-
-    Parameters
-    ----------
-    contact : Contact, at rest
-    friction : Friction, what slides
     """
     at_rest = contact.peak_pressure
     found = np.array(at_rest)

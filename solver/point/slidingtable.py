@@ -31,15 +31,7 @@ _EDGE = np.ones(1)
 
 @dataclass(frozen=True, eq=False)
 class SlidingWindow:
-    """What layers make of friction over half a decade of radii.
-
-    Parameters
-    ----------
-    window
-        Of the contacts without friction.
-    punch
-        Coupling k_p of the punch [1/Pa].
-    """
+    """What layers make of friction over half a decade of radii."""
 
     window: Window
     punch: float
@@ -124,19 +116,12 @@ class SlidingWindow:
 
 @dataclass(frozen=True, eq=False)
 class _Slid:
-    """psi of causes from what is solved of them, per eta.
+    """psi of causes from what is solved of them, per eta."""
 
-    Attributes
-    ----------
-    response, causes
-        What is closed.
-    solved
-        c/a and Legendre coefficients; (cause, 1 + 3 n).
-    """
-
+    # What is closed
     response: Response
     causes: Density
-    solved: Array
+    solved: Array  # c/a and Legendre coefficients; (cause, 1 + 3 n)
 
     def __call__(self, b: Array, columns: Indices) -> Array:
         """psi; (column, 3, b)."""
@@ -148,42 +133,24 @@ class _Slid:
 def turns(of: Pieces | None, b: Array, count: int) -> Array:
     """What the coefficients of what layers add to psi stand for at b; (b, n).
 
-    Parameters
-    ----------
-    of : Pieces or None, odd ones on which they stand; None: of Legendre polynomials
-    b : ndarray, shape (b,), 0 to 1
-    count : int, number of coefficients
+    b: (b,), 0 to 1.
     """
     return legendre(b, count) if of is None else odd_shares(of, b)
 
 
 @dataclass(frozen=True, eq=False)
 class Layers:
-    """What layers and base add to the half-space of the top, at wavenumbers.
+    """What layers and base add to the half-space of the top, at wavenumbers."""
 
-    Attributes
-    ----------
-    k, weights
-        (k,).
-    normal, along
-        Delta over (y, phi, psi), and of these to the traction along x; (k, 3, 3) and (k, 3).
-    """
-
+    # (k,)
     k: Array
     weights: Array
+    # Delta over (y, phi, psi), and of these to the traction along x; (k, 3, 3) and (k, 3)
     normal: Array
     along: Array
 
     def solved(self, response: Response, causes: Density, radius: float, count: int) -> Array:
-        """c/a and Legendre coefficients of psi without the half-space's, per eta; (cause, 1 + 3 count).
-
-        Parameters
-        ----------
-        response : Response, of the half-space of the top
-        causes : Density, without friction
-        radius : float, a in the unit of the stack's lengths
-        count : int, number of nodes
-        """
+        """c/a and Legendre coefficients of psi without the half-space's, per eta; (cause, 1 + 3 count)."""
         phases = self.k * radius
         x, w = np.polynomial.legendre.leggauss(count)
         b, weights = (1 + x) / 2, w / 2
@@ -211,12 +178,5 @@ class Layers:
 
 @lru_cache(_KEPT)
 def sliding_window(kind: PointKind, number: int, punch: float) -> SlidingWindow:
-    """Made once.
-
-    Parameters
-    ----------
-    kind : PointKind, film and punch
-    number : int, of the window
-    punch : float, k_p of the punch [1/Pa]
-    """
+    """Made once."""
     return SlidingWindow(window(kind, number), punch)

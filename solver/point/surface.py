@@ -23,15 +23,7 @@ from solver.point.table import Window
 
 @dataclass(frozen=True, eq=False)
 class Along:
-    """Fields of contacts along a line through the middle.
-
-    Parameters
-    ----------
-    contact
-        The contacts.
-    positions
-        r/a, of either sign, never +-1; (position,).
-    """
+    """Fields of contacts along a line through the middle."""
 
     contact: Contact
     positions: Array
@@ -103,22 +95,7 @@ class Along:
 
 
 def surface_fields(pressed: Pressed, positions: Array, rim: Rim | None = None) -> dict[str, Array]:
-    """Fields of ``solver.fields.POINT_FIELDS`` that every case has, SI; (case, position) each.
-
-    Parameters
-    ----------
-    pressed
-        The cases.
-    positions
-        r/a, of either sign, never +-1; (position,).
-    rim
-        The surface of the top; None: no stresses.
-
-    Raises
-    ------
-    ContactError
-        As the quantities; the middle of a contact whose pressure is infinite there.
-    """
+    """Fields of ``solver.fields.POINT_FIELDS`` that every case has, SI; (case, position) each."""
     shape = pressed.body.shape
     if not (shape.flat or finite(shape)) and np.any(positions == 0):
         raise ContactError(f"positions: the pressure of r^{shape.exponent:g} is infinite at 0; leave 0 out")
@@ -135,29 +112,16 @@ def surface_fields(pressed: Pressed, positions: Array, rim: Rim | None = None) -
 
 @dataclass(frozen=True, eq=False)
 class BelowPunch:
-    """Tractions of some cases below the punch, at places of each case's own, as :class:`Along` has them.
+    """Tractions of some cases below the punch, at places of each case's own, as :class:`Along` has them."""
 
-    Attributes
-    ----------
-    contact
-        The contacts.
-    cases
-        Which of them.
-    series
-        Coefficients that the layers add; (case, 3, n).
-    """
-
-    contact: Contact
-    cases: Indices
-    series: Array
+    contact: Contact  # The contacts
+    cases: Indices  # Which of them
+    series: Array  # Coefficients that the layers add; (case, 3, n)
 
     def at(self, some: Indices, r: Array) -> Array:
         """(sigma_yy, D_y, B_y) over C a^(e-1) of some of the cases at r/a <= 1 (case, place); (case, 3, place).
 
-        Parameters
-        ----------
-        some : ndarray of int, places among the cases
-        r : ndarray, shape (case, place), r/a <= 1
+        r: (case, place), r/a <= 1.
         """
         shape, state, cases = self.contact.pressed.body.shape, self.contact.state, self.cases[some]
         x = np.sqrt(np.maximum((1 - r) * (1 + r), 1e-32))

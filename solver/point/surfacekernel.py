@@ -37,24 +37,12 @@ _TAILS = 4
 
 @dataclass(frozen=True, eq=False)
 class SurfaceKernel:
-    """Lambda or Lambda_x over the distance.
+    """Lambda or Lambda_x over the distance."""
 
-    Attributes
-    ----------
-    table
-        Either, under a graded layer without what is closed of it, of its pairs; (distance, pair).
-    width
-        b of rho_j, see :func:`solver.film.grading.local_tails`.
-    tails
-        Y_j of the pairs under a graded layer; (4, pair).
-    odd
-        Whether it is Lambda_x.
-    """
-
-    table: Piecewise
-    width: float
-    tails: Array | None = None
-    odd: bool = False
+    table: Piecewise  # Either, under a graded layer without what is closed of it, of its pairs; (distance, pair)
+    width: float  # b of rho_j, see :func:`solver.film.grading.local_tails`
+    tails: Array | None = None  # Y_j of the pairs under a graded layer; (4, pair)
+    odd: bool = False  # Whether it is Lambda_x
 
     def at(self, x: Array) -> Array:
         """Lambda or Lambda_x at distances x >= 0; (..., pair)."""
@@ -75,36 +63,13 @@ class SurfaceKernel:
 
 @lru_cache(32)
 def normal_kernel(stack: Stack, reach: float | None = None) -> SurfaceKernel:
-    """Lambda of a stack.
-
-    Parameters
-    ----------
-    stack
-        Layers and base.
-    reach
-        How far a graded layer's is asked for [m]; others' is known everywhere.
-
-    Raises
-    ------
-    StackError
-        A profile that is not smooth.
-    """
+    """Lambda of a stack."""
     return _tabled(stack, reach, odd=False)
 
 
 @lru_cache(32)
 def shear_kernel(stack: Stack, reach: float | None = None) -> SurfaceKernel:
-    """Lambda_x of (y, phi, psi) at distances x >= 0, odd in them.
-
-    Parameters
-    ----------
-    stack, reach : as of :func:`normal_kernel`
-
-    Raises
-    ------
-    StackError
-        A profile that is not smooth.
-    """
+    """Lambda_x of (y, phi, psi) at distances x >= 0, odd in them."""
     return _tabled(stack, reach, odd=True)
 
 

@@ -21,20 +21,7 @@ _KEPT = 16  # of a hundred places 0.1 MB each
 
 
 def added_stresses(contact: Contact, positions: Array) -> Array:
-    """What the layers add to sigma_rr and sigma_tt at r/a, SI; (case, 2, position).
-
-    Parameters
-    ----------
-    contact
-        Contacts on films whose materials have c12, none of them graded.
-    positions
-        r/a; (position,).
-
-    Raises
-    ------
-    StackError
-        Positions farther from the contact than is resolved.
-    """
+    """What the layers add to sigma_rr and sigma_tt at r/a, SI; (case, 2, position)."""
     body = contact.pressed.body
     if not isinstance(body, Film):
         return np.zeros((contact.radius.size, 2, 1))

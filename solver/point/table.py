@@ -37,24 +37,12 @@ _SMOOTH_WIDE = 7.0  # the same beyond a/h = 10: loads to 1e-12, edge strengths t
 
 @dataclass(frozen=True)
 class PointKind:
-    """What cases share that one set of tables answers.
+    """What cases share that one set of tables answers."""
 
-    Attributes
-    ----------
-    film
-        Layers and base, the top layer of unit thickness.
-    conducts
-        Whether the punch conducts (electric, magnetic).
-    shape
-        The profile of the punch.
-    punch
-        N_p of an elastic punch [1/Pa], 0 of a rigid one.
-    """
-
-    film: Kind
-    conducts: tuple[bool, bool]
-    shape: Shape
-    punch: float = 0.0
+    film: Kind  # Layers and base, the top layer of unit thickness
+    conducts: tuple[bool, bool]  # Whether the punch conducts (electric, magnetic)
+    shape: Shape  # The profile of the punch
+    punch: float = 0.0  # N_p of an elastic punch [1/Pa], 0 of a rigid one
 
     @property
     def scale(self) -> Array:
@@ -84,15 +72,7 @@ def _contact_compliance(compliance: Array, kind: PointKind) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """Contacts on one film of unit thickness, over half a decade of radii and a little more.
-
-    Parameters
-    ----------
-    kind
-        The film and the punch.
-    number
-        Of the window, counted in half decades from 1.
-    """
+    """Contacts on one film of unit thickness, over half a decade of radii and a little more."""
 
     kind: PointKind
     number: int
@@ -130,10 +110,7 @@ class Window:
     def density(self, number: int, causes: Array) -> Density:
         """Of causes over C a^e at a node, one column each.
 
-        Parameters
-        ----------
-        number : int, of the node
-        causes : ndarray, shape (column, 4), u0 and g
+        causes: (column, 4), u0 and g.
         """
         kind = self.kind
         form = causes[:, 3:] * (-2 / np.pi * np.linalg.inv(kind.compliance)[:, 0])
@@ -168,10 +145,7 @@ class Window:
     def forces(self, log_radius: Array, held: tuple[bool, bool]) -> tuple[Array, Array]:
         """P over C a^(e+1) and d log P / d log a of contacts without charges, or with potentials held at zero.
 
-        Parameters
-        ----------
-        log_radius : ndarray, shape (case,), log (a/h)
-        held : tuple of bool, whether (V, Psi) are held at zero
+        log_radius: (case,), log (a/h).
         """
         series, rates = self._forces[held]
         polynomials = self.polynomials(log_radius)
@@ -191,10 +165,7 @@ class Window:
     def pressures(self, log_radius: Array, causes: Array) -> Array:
         """What the layers add to the pressure at ``SAMPLES``; (case, sample).
 
-        Parameters
-        ----------
-        log_radius : ndarray, shape (case,), log (a/h)
-        causes : ndarray, shape (case, 4), u0 and g
+        log_radius: (case,), log (a/h); causes: (case, 4), u0 and g.
         """
         read = (self.polynomials(log_radius) @ self._series[:, 24:]).reshape(-1, SAMPLES.size, 4)
         return np.asarray(np.einsum("csd,cd->cs", read, causes))
@@ -202,10 +173,7 @@ class Window:
     def tractions(self, log_radius: Array, causes: Array) -> Array:
         """Coefficients that the layers add to the tractions, times a; (case, 3, n).
 
-        Parameters
-        ----------
-        log_radius : ndarray, shape (case,), log (a/h)
-        causes : ndarray, shape (case, 4), u0 and g
+        log_radius: (case,), log (a/h); causes: (case, 4), u0 and g.
         """
         read = np.tensordot(self.polynomials(log_radius), coefficients(self.added), 1)
         return np.asarray(np.einsum("cind,cd->cin", read, causes))
@@ -216,13 +184,7 @@ class Window:
 
 
 def interval(number: int, count: int | None = None) -> Interval:
-    """Range of log a of a window, with so many Chebyshev points.
-
-    Parameters
-    ----------
-    number : int, of the window
-    count : int, number of points; None: as many as what is analytic within pi/2 of the real axis takes
-    """
+    """Range of log a of a window, with so many Chebyshev points."""
     step, beyond = np.log(10) / _A_DECADE, np.log(_OVERLAP)
     low, high = np.clip([number * step - beyond, (number + 1) * step + beyond], np.log(LEAST), np.log(MOST)).tolist()
     if count is None:
@@ -232,13 +194,7 @@ def interval(number: int, count: int | None = None) -> Interval:
 
 @lru_cache(_KEPT)
 def window(kind: PointKind, number: int) -> Window:
-    """The window of a kind, made once.
-
-    Parameters
-    ----------
-    kind : PointKind, film and punch
-    number : int, of the window
-    """
+    """The window of a kind, made once."""
     return Window(kind, number)
 
 

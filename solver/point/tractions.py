@@ -18,19 +18,7 @@ Sines = Callable[[Array, Indices], Array]
 
 @dataclass(frozen=True, eq=False)
 class Tractions:
-    """Tractions of point contacts in the units of a body; columns of cases or causes.
-
-    Parameters
-    ----------
-    ratio
-        Contact radius over the unit of the body's lengths; (column,).
-    density
-        Of the part without friction.
-    friction
-        eta, along x; (column,).
-    sines
-        Of the part that friction adds in cos(angle), eta times it; None without friction.
-    """
+    """Tractions of point contacts in the units of a body; columns of cases or causes."""
 
     ratio: Array
     density: Density
@@ -53,10 +41,7 @@ class Tractions:
 
         Returns (column, 4, b) each, of some columns; none of the second without friction.
 
-        Parameters
-        ----------
-        b : ndarray, shape (b,), 0 to 1
-        columns : ndarray of int, some of the columns
+        b: (b,), 0 to 1.
         """
         own = self.density.part(columns).at(b)
         plain = np.concatenate([np.zeros_like(own[:, :1]), own], 1)
@@ -65,24 +50,11 @@ class Tractions:
         return plain, np.concatenate([-self.friction[columns, None, None] * own[:, :1], self.sines(b, columns)], 1)
 
     def nodes(self, radius: float, near: float) -> hankel.Nodes:
-        """Nodes in b for a field point.
-
-        Parameters
-        ----------
-        radius, near : float, its r/a, and its depth over a
-        """
+        """Nodes in b for a field point."""
         return hankel.nodes(radius, near, kinked=self.kinked)
 
     def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """Tractions at the surface as waves of phases k a, of 1 and of cos(angle); (k, 4, column) each.
-
-        Parameters
-        ----------
-        phases
-            k a; (k,).
-        columns
-            Those of one radius.
-        """
+        """Tractions at the surface as waves of phases k a, of 1 and of cos(angle); (k, 4, column) each."""
         at = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
         first, second = self.vectors(at.b, columns)
         cosines = np.cos(phases[:, None] * at.b) * at.weights
@@ -95,13 +67,5 @@ class Tractions:
         return top, np.concatenate([along, down], 1)
 
     def wavenumbers(self, stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
-        """Wavenumbers and weights of integrals over k of a stack.
-
-        Parameters
-        ----------
-        stack
-            Layers and base.
-        reach, width
-            What phases are longest over, and what waves decay over, in the unit of the body's lengths.
-        """
+        """Wavenumbers and weights of integrals over k of a stack."""
         return wavenumbers(stack, reach, width)

@@ -20,23 +20,12 @@ from solver.point.wavefields import ORDERS, parted, shear_rows
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """Waves of some wavenumbers, with their shares of the integrals.
+    """Waves of some wavenumbers, with their shares of the integrals."""
 
-    Attributes
-    ----------
-    stack
-        Layers and base.
-    tractions
-        Of all columns.
-    columns
-        Those of one radius.
-    k, shares
-        Over the unit of the body's lengths; (k,).
-    """
-
-    stack: Stack
-    tractions: Tractions
-    columns: Indices
+    stack: Stack  # Layers and base
+    tractions: Tractions  # Of all columns
+    columns: Indices  # Those of one radius
+    # Over the unit of the body's lengths; (k,)
     k: Array
     shares: Array
 
@@ -50,13 +39,8 @@ class Block:
     ) -> Array:
         """Fields at depths within one body, the base the last; (column, field, depth, x).
 
-        Parameters
-        ----------
-        x, depth : ndarray, shape (x,) and (depth,), in the unit of the body's lengths
-        number : int, of the layer; that of the base is the number of layers
-        names : tuple of str, of the fields
-        taken : sequence of ndarray, shape (depth, n, field, 8), what fields take of waves: at rest, and of cos(angle)
-        reflected : bool, without what the layer's own half-space would carry
+        x, depth: (x,) and (depth,), in the unit of the body's lengths; taken: sequence of ndarray, shape (depth, n,
+        field, 8), what fields take of waves: at rest, and of cos(angle).
         """
         stack = self.stack
         out = np.zeros((len(self.columns), len(names), depth.size, x.size))

@@ -33,17 +33,6 @@ def rows_of(medium: Medium, scale: Array, names: tuple[str, ...], *, sliding: bo
     """What fields of ``LINEAR`` take of the real form [k u; t], units of the body; (order, field, 8), SI.
 
     Potentials are times k.
-
-    Parameters
-    ----------
-    medium
-        The material there.
-    scale
-        Units of the body; (4,).
-    names
-        Of the fields.
-    sliding
-        Of the part that goes with cos(angle).
     """
     half = medium.halfplane
     units = np.concatenate([scale, 1 / scale]) / np.concatenate([half.scale, 1 / half.scale])
@@ -77,13 +66,7 @@ def rows_of(medium: Medium, scale: Array, names: tuple[str, ...], *, sliding: bo
 
 
 def shear_rows(body: Sheared, names: tuple[str, ...]) -> Array:
-    """What they take of (k u, tau) of the shear waves of tau = 1 per traction along x; (order, field, 2), SI.
-
-    Parameters
-    ----------
-    body : Sheared, the material there
-    names : tuple of str, of the fields
-    """
+    """What they take of (k u, tau) of the shear waves of tau = 1 per traction along x; (order, field, 2), SI."""
     out = np.zeros((ORDERS, len(names), 2))
     of_stretch = {"stress_xx": -body.along / 2, "stress_zz": body.along / 2, "strain_xx": -0.25}
     of_shear = {"stress_xy": 0.5, "strain_xy": 0.25 / body.across}

@@ -26,29 +26,7 @@ _MOST = 0.3  # of log a in a step
 
 @dataclass(frozen=True, eq=False)
 class AirPoint:
-    """A punch with air beside it, in the units of the body; lengths over that of the body.
-
-    Parameters
-    ----------
-    operators
-        What the body answers, at every radius.
-    coefficient
-        C of the profile C r^e.
-    force
-        P.
-    given
-        Charges (T, J), or potentials (V, Psi) where held, of the conducted fields; (field,).
-    held
-        Which potentials are held; (field,).
-    media
-        eps0 and mu0 times those of what fills the gap; (field,).
-    end
-        Radius of the punch, at which its gap ends.
-    start
-        Radius of the contact without air.
-    near
-        Unknowns of a contact next to this one, to begin with; none: those of the contact without air.
-    """
+    """A punch with air beside it, in the units of the body; lengths over that of the body."""
 
     operators: RingsByRadius
     coefficient: float
@@ -82,13 +60,7 @@ class AirPoint:
 
     @cached_property
     def state(self) -> "PointState":
-        """The solution.
-
-        Raises
-        ------
-        GapError
-            The punch would touch the surface beside the contact, or no solution is found.
-        """
+        """The solution."""
         found = self._solution
         if found is None:
             raise GapError("surroundings: no contact with air beside it is found for this force and these charges")

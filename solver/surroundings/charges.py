@@ -30,17 +30,7 @@ _BLOCK = 1 << 20  # points times nodes at a time: bounded memory
 
 @dataclass(frozen=True, eq=False)
 class Charges:
-    """D_y and B_y beside a contact.
-
-    Parameters
-    ----------
-    grid
-        Panels of a side.
-    unknowns
-        Of the densities at their nodes, right and left; (side, 2, n); 0 of a field that is not conducted.
-    intervals
-        Into how many the infinite panel is cut.
-    """
+    """D_y and B_y beside a contact."""
 
     grid: Grid
     unknowns: Array
@@ -112,10 +102,7 @@ class Charges:
     def transforms(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
         """H of all of them at points z above the surface or on it, or F; (2, point).
 
-        Parameters
-        ----------
-        z : ndarray, shape (point,), complex, X + iY
-        integrated : bool, F in place of H
+        z: (point,), complex, X + iY.
         """
         out: ComplexArray = np.empty((2, z.size), np.complex128)
         step = max(_BLOCK // self._u.size, 1)

@@ -25,11 +25,6 @@ class ContactRule:
         """As many as layers that vary over 1/reach of the radius ask for: for even functions of s, or for powers.
 
         Those for even functions serve products of odd ones, too.
-
-        Parameters
-        ----------
-        reach : float, contact radius over the distance that layers vary over
-        even : bool, functions of s that are even in place of powers
         """
         count = _FIRST + int(_MORE * (np.sqrt(reach) + reach))
         x, w = np.polynomial.legendre.leggauss(2 * count)

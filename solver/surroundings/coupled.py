@@ -26,25 +26,13 @@ _EXTENT = 2  # unknowns before the charges: log h, c/h
 
 @dataclass(frozen=True, eq=False)
 class AirContact(Problem):
-    """One that is solved.
-
-    Parameters
-    ----------
-    idle
-        The solution of the same contact with its charges given, where it is known: a start.
-    """
+    """One that is solved."""
 
     idle: State | None = None
 
     @cached_property
     def state(self) -> State:
-        """The solution.
-
-        Raises
-        ------
-        GapError
-            The punch would touch the surface beside the contact, or no solution is found.
-        """
+        """The solution."""
         found = self._from_idle
         if not (found and found.open):
             found = self._sought(self._start)

@@ -27,31 +27,13 @@ _Pieces = tuple[NDArray[np.intp], NDArray[np.intp], Array, Array]
 
 @dataclass(frozen=True, eq=False)
 class Densities:
-    """Densities of the right side under one stack.
-
-    Parameters
-    ----------
-    grid
-        Their panels.
-    kernel
-        Kernels as far as charges lie.
-    """
+    """Densities of the right side under one stack."""
 
     grid: Grid
     kernel: Kernel
 
     def integrals(self, h: float, X: Array, mix: Array) -> Array:
-        """Integrals of sums of channels (19, c) against the densities, at targets; (target, c, n).
-
-        Parameters
-        ----------
-        h
-            Half-length [m].
-        X
-            Targets; (target,).
-        mix
-            From the channels of the kernels to what is asked for; (19, c).
-        """
+        """Integrals of sums of channels (19, c) against the densities, at targets; (target, c, n)."""
         grid, strip = self.grid, self.kernel.smoothness / h
         first = grid.close_panels if enough(strip, CLOSE - 1) < grid.close_panels * RULE else 0
         rough = grid.rough_at(X, strip)
@@ -92,17 +74,6 @@ class Densities:
         """Pieces of the finite panels and of the infinite one, on which neither a density nor a kernel has a break.
 
         Target, panel, start and end in u of each, those of a target's panel side by side.
-
-        Parameters
-        ----------
-        h
-            Half-length [m].
-        X
-            Targets; (target,).
-        edges
-            Ends of the kernels' panels [m].
-        rough
-            Which intervals are asked for; (target, interval).
         """
         grid = self.grid
         ends = np.array(grid.ends)
@@ -122,29 +93,14 @@ class Densities:
 
 
 def enough(strip: float, length: float) -> int:
-    """Number of Chebyshev points on an interval between which what is analytic within a strip about it has all digits.
-
-    Parameters
-    ----------
-    strip, length
-        Half the width of the strip and the length of the interval.
-
-    Examples
-    --------
-    >>> enough(1.0, 2.0), enough(0.1, 2.0)
-    (36, 302)
-    """
+    """Number of Chebyshev points that resolve a function analytic within a strip about the interval."""
     return 2 + int(_DIGITS / np.arcsinh(2 * strip / length))
 
 
 def far(wide: Kernel, x: Array, mix: Array) -> Array:
     """Sums of channels at distances x [m], by the logarithm beyond the reach.
 
-    Parameters
-    ----------
-    wide : Kernel, as far as its reach
-    x : ndarray, shape (...), m
-    mix : ndarray, shape (19, c), from channels to sums
+    x: (...), m; mix: (19, c), from channels to sums.
     """
     values = wide.at(np.clip(x, -wide.reach, wide.reach), mix)
     beyond = np.abs(x) > wide.reach
@@ -164,14 +120,6 @@ def sampled(
 
     Sums of :func:`mixing` at points about the contact, (point, 7 field, n), and displacements alone at the nodes beyond
     on the right and on the left, (2 node, 3 field, n).
-
-    Parameters
-    ----------
-    wide : Kernel, as far as charges lie
-    grid : Grid, panels of a side
-    fields : tuple of int, 0 electric and 1 magnetic
-    h : float, half-length, m
-    points : tuple of float, X about the contact
     """
     densities = Densities(grid, wide)
     mix = np.stack([mixing(0.0, np.eye(3)[1 + f]) for f in fields], 1)

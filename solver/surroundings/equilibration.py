@@ -16,16 +16,10 @@ class Factored:
 
     Charges a thousand half-lengths away move the contact by a thousand times their density, and the gap's law next to
     the edge is divided by a gap of 1e-9: as it stands, the rounding of the ones is 1e-4 of the others.
-
-    Attributes
-    ----------
-    factors
-        Of :func:`scipy.linalg.lu_factor`.
-    rows, columns
-        What those are multiplied by; (n,) each.
     """
 
-    factors: tuple[Array, NDArray[np.int32]]
+    factors: tuple[Array, NDArray[np.int32]]  # Of :func:`scipy.linalg.lu_factor`
+    # What those are multiplied by; (n,) each
     rows: Array
     columns: Array
 
@@ -45,18 +39,5 @@ class Factored:
 
 
 def solved(matrix: Array, right: Array) -> Array:
-    """The solution of one system (:class:`Factored`).
-
-    Parameters
-    ----------
-    matrix
-        (n, n).
-    right
-        (n,) or (n, m).
-
-    Examples
-    --------
-    >>> solved(np.array([[1e-9, 1e9], [1.0, 1.0]]), np.array([2.0, 3.0])).round(6).tolist()
-    [3.0, 0.0]
-    """
+    """The solution of one system (:class:`Factored`)."""
     return Factored.of(matrix).solve(right)

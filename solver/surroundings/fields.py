@@ -35,15 +35,7 @@ _CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width
 
 
 def fields(films: Films, permittivity: Array, positions: Array) -> dict[str, Array]:
-    """Surface fields of ``solver.fields.FIELDS`` at positions X, finite and never exactly +-1; (case, position) each.
-
-    Parameters
-    ----------
-    films, permittivity
-        As of :func:`solver.surroundings.quantities.quantities`.
-    positions
-        X; (position,).
-    """
+    """Surface fields of `solver.fields.FIELDS` at X != +-1, finite; (case, position) each."""
     out = {name: np.empty((films.load.size, positions.size)) for name in FIELDS}
     for place, state in states(films, permittivity):
         found = surface_fields(state, positions)
@@ -53,19 +45,7 @@ def fields(films: Films, permittivity: Array, positions: Array) -> dict[str, Arr
 
 
 def inside(films: Films, permittivity: Array, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-    """Fields of ``LINEAR`` and potentials at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x).
-
-    Parameters
-    ----------
-    films, permittivity : as of :func:`fields`
-    x, y : ndarray, shapes (x,) and (y,), in half-lengths; y <= 0
-    names : tuple of str, of the fields
-
-    Raises
-    ------
-    StackError
-        As of films without air.
-    """
+    """Fields of ``LINEAR`` and potentials at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x)."""
     out = np.empty((films.load.size, len(names), y.size, x.size))
     intervals = FAR if set(POTENTIALS) & set(names) else NEAR
     for place, state in states(films, permittivity):
@@ -79,35 +59,17 @@ def inside(films: Films, permittivity: Array, x: Array, y: Array, names: tuple[s
 
 
 def peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, Array]:
-    """Quantities of ``solver.names.FILM_PEAKS`` that are asked for and the cases have, as without air; (case,) each.
-
-    Parameters
-    ----------
-    films, permittivity : as of :func:`fields`
-    asked : set of str, names of quantities
-    """
+    """Quantities of ``solver.names.FILM_PEAKS`` that are asked for and the cases have, as without air; (case,) each."""
     return film.peaks(films, asked, _tables(films, permittivity))
 
 
 def curves(films: Films, permittivity: Array, regions: Sequence[str]) -> dict[str, Array]:
-    """Sizes of the contacts, and the curves of regions that the cases have, as without air; (case, ...) each.
-
-    Parameters
-    ----------
-    films, permittivity : as of :func:`fields`
-    regions : sequence of str, of ``solver.curves.REGIONS``
-    """
+    """Sizes of the contacts, and the curves of regions that the cases have, as without air; (case, ...) each."""
     return film.curves(films, regions, _tables(films, permittivity))
 
 
 def body_peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, Array]:
-    """Quantities of ``solver.names.PEAKS`` that are asked for, of half-planes as films of themselves; (case,) each.
-
-    Parameters
-    ----------
-    films, permittivity : as of :func:`fields`
-    asked : set of str, names of quantities
-    """
+    """Quantities of ``solver.names.PEAKS`` that are asked for, of half-planes as films of themselves; (case,) each."""
     out = {name: np.empty(films.load.size) for name in PEAKS if name in asked}
     for place, state in states(films, permittivity) if out else ():
         h = np.array([state.half])
@@ -125,12 +87,7 @@ def body_peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, 
 
 
 def body_curves(films: Films, permittivity: Array) -> dict[str, Array]:
-    """Sizes of the contacts and the curves of the region ``body`` of half-planes as films; (case, ...) each.
-
-    Parameters
-    ----------
-    films, permittivity : as of :func:`fields`
-    """
+    """Sizes of the contacts and the curves of the region ``body`` of half-planes as films; (case, ...) each."""
     X, depth = region_lines()
     found: dict[str, list[Array]] = {}
     for place, state in states(films, permittivity):
@@ -178,13 +135,7 @@ class Extent(FilmContact):
 
 @dataclass(frozen=True, eq=False)
 class AirPeaks(PeakTable):
-    """Stresses below one contact, on the nets of its very half-length.
-
-    Parameters
-    ----------
-    tractions
-        Those on the whole surface.
-    """
+    """Stresses below one contact, on the nets of its very half-length."""
 
     tractions: AirTractions
 
@@ -196,10 +147,6 @@ class AirPeaks(PeakTable):
     def read(self, contact: FilmContact, series: Array, some: slice = slice(None)) -> Array:
         """The stresses of the one case.
 
-        Parameters
-        ----------
-        contact : FilmContact, the case
-        series : ndarray, shape (1, stress, depth, x), Pa
-        some : slice, of no meaning to one case
+        series: (1, stress, depth, x), Pa.
         """
         return series

@@ -39,28 +39,14 @@ _RATIO = 0.12  # of pieces towards a singular point
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Panels of one side.
-
-    Parameters
-    ----------
-    ends
-        Ends of the finite panels in theta, from 0; (panel + 1,).
-    logarithms
-        Powers of u whose products with log u are among the terms of the last panel.
-    """
+    """Panels of one side."""
 
     ends: tuple[float, ...]
     logarithms: tuple[int, ...] = LEVEL
 
     @classmethod
     def up_to(cls, distance: float, logarithms: tuple[int, ...] = LEVEL) -> "Grid":
-        """Panels whose last finite one ends at X = distance or beyond; one for all that are not much apart.
-
-        Parameters
-        ----------
-        distance : float, X
-        logarithms : tuple of int, see :class:`Grid`
-        """
+        """Panels whose last finite one ends at X = distance or beyond; one for all that are not much apart."""
         last = np.arccosh(max(distance, 2.0))
         count = max(int(np.ceil((last - _BEYOND[-1]) / _WIDTH)), 0)
         return _grid(count, logarithms)
@@ -130,10 +116,7 @@ class Grid:
     def interpolations(self, panels: Indices, u: Array) -> Array:
         """From values at the nodes of panels (piece,) to those at points u (piece, point); (piece, point, node).
 
-        Parameters
-        ----------
-        panels : ndarray of int, shape (piece,)
-        u : ndarray, shape (piece, point)
+        panels: (piece,); u: (piece, point).
         """
         low, high = self.limits[panels].T[..., None]
         distance = ((2 * u - low - high) / (high - low))[..., None] - self._local
@@ -146,10 +129,7 @@ class Grid:
     def interpolations_at(self, panels: Indices, theta: Array) -> Array:
         """The same at theta.
 
-        Parameters
-        ----------
-        panels : ndarray of int, shape (piece,)
-        theta : ndarray, shape (piece, point)
+        panels: (piece,); theta: (piece, point).
         """
         infinite = (panels == self.panels - 1)[:, None]
         return self.interpolations(panels, np.where(infinite, np.exp(-theta), theta))
@@ -166,10 +146,7 @@ class Grid:
 
         (piece, point) and (piece, point, node).
 
-        Parameters
-        ----------
-        panels : ndarray of int, shape (piece,)
-        u, weights : ndarray, shape (piece, point)
+        panels: (piece,); u, weights: (piece, point).
         """
         infinite = (panels == self.panels - 1)[:, None]
         charge = weights * np.where(infinite, (1 - u**2) / 2, np.sinh(u))
@@ -213,10 +190,7 @@ class Grid:
     def rough_at(self, X: Array, strip: float) -> BoolArray:
         """Where a rule is not good for what has singularities at X +- i strip; (point, interval).
 
-        Parameters
-        ----------
-        X : ndarray, shape (point,)
-        strip : float, half the width of the strip in which a kernel is analytic, in half-lengths
+        X: (point,).
         """
         theta = np.arccosh(X + 1j * strip)[:, None]
         infinite = self.rules.panel == self.panels - 1
@@ -320,15 +294,7 @@ class Grid:
         return _NODES * int(np.searchsorted(self.ends[1:], _NEAR))
 
     def from_edge(self, differences: Array, slopes: Array) -> Array:
-        """Displacements less those at the edge: next to it by integration, since a difference would have no digits.
-
-        Parameters
-        ----------
-        differences
-            Of the displacements from those at the edge, along X; (..., n, c).
-        slopes
-            Derivatives away from the edge in |X|, at the first ``near`` nodes; (..., near, c).
-        """
+        """Displacements less those at the edge: next to it by integration, since a difference would have no digits."""
         near = slopes.shape[-2]
         rising = self.cumulative[:near, :near] * np.sinh(self.theta[:near])
         return np.concatenate([rising @ slopes, differences[..., near:, :]], -2)

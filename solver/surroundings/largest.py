@@ -20,13 +20,7 @@ def peak_pressure(state: State) -> float:
 
 
 def peak_density(state: State, field: int) -> float:
-    """Largest abs(D_y) [C/m2] or abs(B_y) [T] on the contact and beside it.
-
-    Parameters
-    ----------
-    state : State, the solution
-    field : int, 0 electric and 1 magnetic
-    """
+    """Largest abs(D_y) [C/m2] or abs(B_y) [T] on the contact and beside it."""
     place = state.of.fields.index(field)
     start = FIRST + state.of.nodes * (1 + len(state.of.fields)) + place * ANGLES.size
     within = state.outputs[start : start + ANGLES.size]
@@ -36,13 +30,7 @@ def peak_density(state: State, field: int) -> float:
 
 
 def gap_field(state: State, field: int) -> float:
-    """Largest field in the gap [V/m, A/m].
-
-    Parameters
-    ----------
-    state : State, the solution
-    field : int, 0 electric and 1 magnetic
-    """
+    """Largest field in the gap [V/m, A/m]."""
     density = _beside(state, state.of.fields.index(field)) / float(state.of.contact.scale[2 + field])
     return density / float(state.of.permittivity[field])
 

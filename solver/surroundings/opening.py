@@ -12,18 +12,6 @@ def reopened(densities: Array, gap: Array) -> Array:
 
     A density that draws the gap shut solves the gap's law too, with a potential of the other sign: Newton's iteration
     may come to it, and from here comes to the contact whose gap is open.
-
-    Parameters
-    ----------
-    densities
-        At the nodes of one side from the edge on; (field, n).
-    gap
-        There; (n,).
-
-    Examples
-    --------
-    >>> reopened(np.array([[9.0, 8.0, 2.0, 1.0]]), np.array([-1.0, -2.0, 1.0, 3.0]))
-    array([[2., 2., 2., 1.]])
     """
     closed = np.flatnonzero(gap <= 0)
     first = min(int(closed[-1]) + 1, gap.size - 1) if closed.size else 0

@@ -40,17 +40,7 @@ _FROM = [outputs.LOAD, outputs.BALANCE, *range(*outputs.DISPLACEMENT.indices(99)
 
 @dataclass(frozen=True, eq=False)
 class Operators:
-    """Operators of one system at any half-length.
-
-    Parameters
-    ----------
-    system
-        Contacts of one stack, friction, conduction and punch, between smooth edges.
-    grid
-        Panels beside the contact.
-    even
-        Whether both sides are mirror images: without friction, the left side is then the right one.
-    """
+    """Operators of one system at any half-length."""
 
     system: System
     grid: Grid

@@ -36,20 +36,7 @@ class _Found:
 
 
 def fields(pressed: Pressed, permittivity: Array, end: Array, positions: Array) -> dict[str, Array]:
-    """Tractions of ``solver.fields.POINT_FIELDS`` on the surface and beside the contact, SI; (case, position) each.
-
-    Parameters
-    ----------
-    pressed, permittivity, end
-        As of :func:`solver.surroundings.pointquantities.quantities`.
-    positions
-        r/a, of either sign, never +-1; (position,).
-
-    Raises
-    ------
-    ContactError
-        As the quantities; the middle of a contact whose pressure is infinite there.
-    """
+    """Tractions of ``solver.fields.POINT_FIELDS`` on the surface and beside the contact, SI; (case, position) each."""
     if not finite(pressed.body.shape) and np.any(positions == 0):
         raise ContactError(
             f"positions: the pressure of r^{pressed.body.shape.exponent:g} is infinite at 0; leave 0 out"
@@ -62,24 +49,7 @@ def fields(pressed: Pressed, permittivity: Array, end: Array, positions: Array) 
 def inside(
     pressed: Pressed, permittivity: Array, end: Array, body: Inside, x: Array, y: Array, names: tuple[str, ...]
 ) -> Array:
-    """Fields of ``solver.halfplane.interior.LINEAR`` and potentials, SI, NaN in a rigid base; (case, field, y, x).
-
-    Parameters
-    ----------
-    pressed, permittivity, end
-        As of :func:`fields`.
-    body
-        What the cases lie on.
-    x, y
-        x/a and y/a <= 0 in the plane of symmetry.
-    names
-        Of the fields.
-
-    Raises
-    ------
-    StackError
-        As without air.
-    """
+    """Fields of ``solver.halfplane.interior.LINEAR`` and potentials, SI, NaN in a rigid base; (case, field, y, x)."""
     out = np.empty((pressed.force.size, len(names), y.size, x.size))
     potentials = [number for number, name in enumerate(names) if name in POTENTIALS]
     for place, of in _cases(pressed, permittivity, end):
@@ -89,20 +59,7 @@ def inside(
 
 
 def peaks(pressed: Pressed, permittivity: Array, end: Array, body: Inside, asked: Set[str]) -> dict[str, Array]:
-    """Quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and the cases have; (case,) each.
-
-    Parameters
-    ----------
-    pressed, permittivity, end, body
-        As of :func:`inside`.
-    asked
-        Their names.
-
-    Raises
-    ------
-    RangeError
-        As without air.
-    """
+    """Quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and the cases have; (case,) each."""
     found = [peaks_of(body, of.tractions, np.array([of.radius]), asked) for _, of in _cases(pressed, permittivity, end)]
     return {name: np.concatenate([case[name] for case in found]) for name in found[0]}
 

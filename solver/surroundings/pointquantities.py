@@ -40,24 +40,6 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | Non
     """Quantities of ``solver.names``, those of a point without air and those that only a gap has; (case,) each.
 
     Edge intensities are absent: those of fields that the air carries do not exist. With friction to the first order.
-
-    Parameters
-    ----------
-    pressed
-        Cases of one body under punches of one shape.
-    permittivity
-        Relative permittivity of what fills the gap; (case,).
-    end
-        Radius of the punch [m], at which its gap ends; (case,).
-    rim
-        The surface beside the contacts, where they slide; None without c12.
-
-    Raises
-    ------
-    ContactError
-        As without air; a punch that touches the surface beside the contact.
-    SurroundingsError
-        A punch or a body that the theory of air does not cover.
     """
     ratio = pressed.charged.radius / pressed.length
     # those of like radius share tables
@@ -70,12 +52,7 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | Non
 
 
 def solved(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple["Case", PointState, RingOperators]]:
-    """Every case with its solution and the operators that it was found with; arguments and refusals as above.
-
-    Parameters
-    ----------
-    pressed, permittivity, end : as of :func:`quantities`
-    """
+    """Every case with its solution and the operators that it was found with; arguments and refusals as above."""
     for case, contacts in _cases(pressed, permittivity, end):
         state = case.charged(contacts)
         yield case, state, case.operators(state.radius).exact
@@ -113,12 +90,7 @@ class Case:
         return self.state(start.pressed.charges[self.place], False, float(start.radius[self.place]))
 
     def slid(self, state: PointState) -> SlidingPoint | None:
-        """What friction makes of a solution; None where nothing is said of friction.
-
-        Parameters
-        ----------
-        state : PointState, the solution
-        """
+        """What friction makes of a solution; None where nothing is said of friction."""
         friction = self._pressed.friction
         if friction is None:
             return None
@@ -129,12 +101,7 @@ class Case:
     def state(self, charges: Array, held: bool, start: float, near: PointState | None = None) -> PointState:
         """With charges [C, Wb], or with all potentials at zero, from a radius [m] or from another state on.
 
-        Parameters
-        ----------
-        charges : ndarray, shape (2,), C and Wb
-        held : bool, all potentials are zero in place of the charges
-        start : float, contact radius to begin with, m
-        near : PointState, a contact next to this one; None: none is known
+        charges: (2,), C and Wb.
         """
         given = np.zeros(len(self.fields)) if held else charges[list(self.fields)] / self.own
         at, begin = (start / self.length, None) if near is None else (near.radius, near.unknowns)
@@ -151,13 +118,7 @@ class Case:
         return state
 
     def operators(self, ratio: float, *, wide: bool = False) -> RingsByRadius:
-        """What the body answers about a radius, and more widely.
-
-        Parameters
-        ----------
-        ratio : float, contact radius over the unit of the body's lengths
-        wide : bool, for radii of half a decade
-        """
+        """What the body answers about a radius, and more widely."""
         if self._windows is not None:
             return self._windows.wide(ratio) if wide else self._windows.narrow(ratio)
         assert isinstance(self.body, HalfSpace)

@@ -28,13 +28,7 @@ from solver.surroundings.tractions import from_smaller
 
 @dataclass(frozen=True, eq=False)
 class AirPointTractions(Tractions):
-    """Those of one contact, one column.
-
-    Parameters
-    ----------
-    beside
-        Of the two fields beside the contact: the sum of both sides is (2/pi) S at rest, their difference friction's.
-    """
+    """Those of one contact, one column."""
 
     beside: Charges = field(kw_only=True)
 
@@ -43,13 +37,7 @@ class AirPointTractions(Tractions):
         return self
 
     def nodes(self, radius: float, near: float) -> hankel.Nodes:
-        """As without air, and beside the contact as far as charges lie.
-
-        Parameters
-        ----------
-        radius : float, r/a
-        near : float, depth over a
-        """
+        """As without air, and beside the contact as far as charges lie."""
         return hankel.nodes(radius, near, kinked=self.kinked, beyond=self._ends)
 
     @cached_property
@@ -59,10 +47,7 @@ class AirPointTractions(Tractions):
     def vectors(self, b: Array, columns: Indices) -> tuple[Array, Array | None]:
         """As without air, and at b > 1; (1, 4, b) each.
 
-        Parameters
-        ----------
-        b : ndarray, shape (b,), over a
-        columns : ndarray of int, the one
+        b: (b,), over a.
         """
         within = b <= 1
         right, left = self.beside.at(b[~within]), self.beside.at(-b[~within])
@@ -73,10 +58,7 @@ class AirPointTractions(Tractions):
     def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:
         """As without air, with the spectra of the rings; (k, 4, 1) each.
 
-        Parameters
-        ----------
-        phases : ndarray, shape (k,), k a
-        columns : ndarray of int, the one
+        phases: (k,), k a.
         """
         at = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
         first, second = super().vectors(at.b, columns)
@@ -92,13 +74,7 @@ class AirPointTractions(Tractions):
         return plain[..., None], turned[..., None]
 
     def wavenumbers(self, stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
-        """As without air; charges far away count for long waves alone.
-
-        Parameters
-        ----------
-        stack : Stack, layers and base
-        reach, width : float, what phases are longest over and what waves decay over, in the unit of the body's lengths
-        """
+        """As without air; charges far away count for long waves alone."""
         ratio = float(self.ratio[0])
         ends = from_smaller(panels(stack, width), ratio * self._ends[-1])
         spectrum = self._spectrum(float(ends[-1]) * ratio)
@@ -127,15 +103,7 @@ def _continued(part: Array, within: BoolArray, beside: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SolvedPoint:
-    """What lies on the surface of a contact with air beside it, found anew at its very radius; units of the body.
-
-    Parameters
-    ----------
-    state
-        The solution.
-    operators
-        Those that it was found with, at any radius.
-    """
+    """What lies on the surface of a contact with air beside it, found anew at its very radius; units of the body."""
 
     state: PointState
     operators: RingOperators
@@ -173,10 +141,7 @@ class SolvedPoint:
     def tractions(self, ratio: float, turned: Array | None = None) -> AirPointTractions:
         """On the whole surface, at rest but for charges beside the contact.
 
-        Parameters
-        ----------
-        ratio : float, contact radius over the unit of the body's lengths
-        turned : ndarray, shape (field, n), densities of cos(angle) over C a^(e-1) and their size; None: none
+        turned: (field, n), densities of cos(angle) over C a^(e-1) and their size; None: none.
         """
         grid, density = self._rings.grid, self.density.times(np.full(3, self.unit))
         S = self.state.over_size @ self._rings.gathered.T
@@ -200,10 +165,7 @@ class SolvedPoint:
     def bounded(self, r: Array, drawn: Array) -> Array:
         """Below the contact over C a^(e-1), without what is singular at the edge; (3, place).
 
-        Parameters
-        ----------
-        r : ndarray, shape (place,), r/a, 0 to 1
-        drawn : ndarray, shape (place, n), what rings draw there
+        r: (place,), r/a, 0 to 1; drawn: (place, n), what rings draw there.
         """
         x = np.sqrt((1 - r) * (1 + r))
         found = self._series @ added_forms(x, self._series.shape[1]).T

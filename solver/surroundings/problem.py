@@ -12,19 +12,7 @@ from solver.surroundings.table import AirTable
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A contact under one punch, air beside it; units of the stack but where SI is said.
-
-    Parameters
-    ----------
-    table
-        Table of air about the half-length.
-    contact
-        The same punch, load and charges without air: one case.
-    permittivity
-        Relative permittivity and permeability of what fills the gap times the vacuum's, SI; (2,).
-    held
-        Whether the potential of each field is held at zero in place of the given charge.
-    """
+    """A contact under one punch, air beside it; units of the stack but where SI is said."""
 
     table: AirTable
     contact: FilmContact

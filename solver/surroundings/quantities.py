@@ -33,20 +33,6 @@ def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
     """Quantities by the names of ``solver.names``, as without air, with those that only a gap has; (case,) each.
 
     Edge intensities are absent: those of fields that the air carries do not exist, those of others are 0.
-
-    Parameters
-    ----------
-    films
-        Cases of one kind of film under a punch that conducts.
-    permittivity
-        Relative permittivity of what fills the gap; (case,).
-
-    Raises
-    ------
-    ContactError
-        As without air; a punch that touches the surface beside the contact.
-    SurroundingsError
-        A punch or a film that the theory of air does not cover.
     """
     uncharged, out = films, dict[str, Array]()
     if np.any(films.charges):
@@ -59,12 +45,7 @@ def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
 
 
 def states(films: Films, permittivity: Array) -> Iterator[tuple[int, State]]:
-    """Every case with its solution; arguments and refusals of :func:`quantities`.
-
-    Parameters
-    ----------
-    films, permittivity : as of :func:`quantities`
-    """
+    """Every case with its solution; arguments and refusals of :func:`quantities`."""
     for place, contact in _in_air(films, permittivity):
         yield place, contact.state
 

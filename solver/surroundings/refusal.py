@@ -43,10 +43,7 @@ def lacking(kind: Kind) -> str | None:
 def lacking_at_point(body: HalfSpace | Film, conducts: BoolArray) -> str | None:
     """The same of point contacts; conducts (case, 2).
 
-    Parameters
-    ----------
-    body : HalfSpace or Film, with the punch's shape
-    conducts : ndarray of bool, shape (case, 2), electric and magnetic
+    conducts: (case, 2), electric and magnetic.
     """
     shape: Shape = body.shape
     if not np.all(np.any(conducts, -1)):
@@ -61,36 +58,13 @@ def lacking_at_point(body: HalfSpace | Film, conducts: BoolArray) -> str | None:
 
 
 def require(why: str | None) -> None:
-    """Refuse a contact that cannot have air beside it, by what `lacking` and `lacking_at_point` say.
-
-    Raises
-    ------
-    SurroundingsError
-        Saying why.
-    """
+    """Refuse a contact that cannot have air beside it, by what `lacking` and `lacking_at_point` say."""
     if why is not None:
         raise SurroundingsError(f"surroundings: 'air' is not allowed: {why}")
 
 
 def require_open(gap: Array, alone: Array, places: Array, coordinate: str, held: str = "") -> None:
-    """Refuse a gap that closes.
-
-    Parameters
-    ----------
-    gap, alone
-        Gap, and that of the profile alone; (place,).
-    places
-        Where; (place,).
-    coordinate
-        What they are.
-    held
-        Potentials that are held at zero.
-
-    Raises
-    ------
-    GapError
-        With the place.
-    """
+    """Refuse a gap that closes."""
     if not np.all(gap > 0):
         raise GapError(
             f"surroundings: the punch touches the surface beside the contact, at {coordinate} = "

@@ -26,39 +26,17 @@ _RATIO, _RULE = 0.35, 12  # of its pieces, and their nodes
 
 @dataclass(frozen=True, eq=False)
 class HarmonicOutputs:
-    """Outputs of every column at one radius.
+    """Outputs of every column at one radius."""
 
-    Attributes
-    ----------
-    edges
-        S of the channels just within the edge; (channel, column).
-    raised
-        u_y less the shifted profile, and the potentials, beside the contact; (channel, n, column).
-    smooth
-        S below the contact but for what is closed, at the nodes of ``below``; (channel, node, column).
-    below
-        Gauss's nodes.
-    """
-
-    edges: Array
-    raised: Array
-    smooth: Array
-    below: ContactRule
+    edges: Array  # S of the channels just within the edge; (channel, column)
+    raised: Array  # u_y less the shifted profile, and the potentials, beside the contact; (channel, n, column)
+    smooth: Array  # S below the contact but for what is closed, at the nodes of ``below``; (channel, node, column)
+    below: ContactRule  # Gauss's nodes
 
 
 @dataclass(frozen=True, eq=False)
 class RingHarmonic:
-    """Contacts that slide, of one shape and conduction on one stack, or on a half-space.
-
-    Parameters
-    ----------
-    operators
-        Those of the rings of order 1.
-    response
-        What the half-space of the top answers to friction.
-    sheared
-        What layers add to that; None on a half-space.
-    """
+    """Contacts that slide, of one shape and conduction on one stack, or on a half-space."""
 
     operators: RingOperators
     response: Response
@@ -86,13 +64,7 @@ class RingHarmonic:
         return slice(CAUSES + place * self._rows.nodes, CAUSES + (place + 1) * self._rows.nodes)
 
     def at(self, radius: float, pressed: Density) -> HarmonicOutputs:
-        """Outputs for a contact at rest.
-
-        Parameters
-        ----------
-        radius : float, a in the unit of the layers' lengths
-        pressed : Density, of the contact at rest, one column
-        """
+        """Outputs for a contact at rest."""
         below = ContactRule.of(radius / self.operators.width)
         count, rows, rings = below.nodes.size, self._rows, self.operators.rings
         smooth, added = self._layered(radius, below, pressed)
@@ -124,10 +96,7 @@ class RingHarmonic:
     def closed(self, s: Array, pressed: Density) -> Array:
         """S of a half-space below the contact, of shift and friction; (channel, s, 2).
 
-        Parameters
-        ----------
-        s : ndarray, shape (s,), 0 to 1
-        pressed : Density, of the contact at rest
+        s: (s,), 0 to 1.
         """
         along, moved = self.response.answers
         own = [moved[:, None] * s ** (self.response.shape.exponent - 1), -along[:, None] * pressed.turned(s)[0, 0]]

@@ -30,18 +30,10 @@ X_WITHIN = np.append(gauss(np.array(_ENDS), WITHIN)[0], 1.0)
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Where outputs lie among the rows, channels (y, conducted fields), and causes and densities among the columns.
+    """Where outputs lie among the rows, channels (y, conducted fields), and causes and densities among the columns."""
 
-    Attributes
-    ----------
-    fields
-        Conducted fields, 0 electric and 1 magnetic.
-    nodes
-        Number of nodes beside the contact.
-    """
-
-    fields: tuple[int, ...]
-    nodes: int
+    fields: tuple[int, ...]  # Conducted fields, 0 electric and 1 magnetic
+    nodes: int  # Number of nodes beside the contact
 
     @cached_property
     def channels(self) -> list[int]:
@@ -96,23 +88,7 @@ class Rows:
 
 @dataclass(frozen=True, eq=False)
 class RingOperators:
-    """Contacts of one shape and conduction on one stack, or on a half-space.
-
-    Parameters
-    ----------
-    rings
-        Panels beside the contact.
-    fields
-        Conducted fields.
-    compliance
-        N of the contact, that of an elastic punch with it; (3, 3).
-    shape
-        The punch.
-    layers
-        What layers add; None on a half-space.
-    width
-        Distance over which they vary, in the units of the radii.
-    """
+    """Contacts of one shape and conduction on one stack, or on a half-space."""
 
     rings: Rings
     fields: tuple[int, ...]
@@ -195,10 +171,8 @@ class RingOperators:
     def chi_beside(self, added: Array, edges: Array) -> Array:
         """Chi at the nodes beside the contact less that at the edge; (channel, n, column), densities the last columns.
 
-        Parameters
-        ----------
-        added : ndarray, shape (channel, 1 + n, column), what layers add to chi at the edge and at the nodes
-        edges : ndarray, shape (channel, column), S just within the edge
+        added: (channel, 1 + n, column), what layers add to chi at the edge and at the nodes; edges: (channel,
+        column), S just within the edge.
         """
         nodes, fields = self.rows.nodes, len(self.fields)
         S = np.repeat(-edges[:, None], nodes, axis=1)
@@ -210,10 +184,8 @@ class RingOperators:
     def settled(self, own: Array, added: Array) -> tuple[Array, Array]:
         """S that makes up for what layers add at the nodes below the contact, and what they then add in all.
 
-        Parameters
-        ----------
-        own : ndarray, shape (channel, channel, target, node), from S at the nodes to targets, these nodes first
-        added : ndarray, shape (channel, target, column), at the targets without that S
+        own: (channel, channel, target, node), from S at the nodes to targets, these nodes first; added: (channel,
+        target, column), at the targets without that S.
         """
         size, count = len(own), own.shape[-1]
         matrix = np.einsum("ij,mn->imjn", self.channel_compliance, np.eye(count)) + np.moveaxis(own[:, :, :count], 1, 2)
@@ -259,11 +231,7 @@ class RingOperators:
     def within(self, radius: float, targets: Array, below: ContactRule) -> Array:
         """From S below the contact to what layers add at targets; (channel, channel, target, node).
 
-        Parameters
-        ----------
-        radius : float, a in the unit of the layers' lengths
-        targets : ndarray, shape (target,), s
-        below : ContactRule, the nodes
+        targets: (target,), s.
         """
         apart = np.stack([np.abs(targets[:, None] - below.nodes), targets[:, None] + below.nodes])
         near, far = self._added.at(radius * apart)
@@ -273,10 +241,6 @@ class RingOperators:
         """The same from densities over their size beside the contact, of every field; (channel, target, node) each.
 
         One rule a panel serves where kernels are smooth over it, and everywhere those of the opposite place.
-
-        Parameters
-        ----------
-        radius, targets : as of :meth:`within`
         """
         grid, (s, share) = self.rings.grid, self.rings.rule
         breaks = self._breaks(radius, targets)
@@ -322,10 +286,7 @@ class RingOperators:
 def summed(kernels: Array, S: Array) -> Array:
     """Kernels of S; (channel, target, column).
 
-    Parameters
-    ----------
-    kernels : ndarray, shape (channel, channel, target, node)
-    S : ndarray, shape (channel, node, column)
+    kernels: (channel, channel, target, node); S: (channel, node, column).
     """
     return np.asarray(np.tensordot(kernels, S, ((1, 3), (0, 1))))
 

@@ -29,15 +29,7 @@ _RULE = 9  # nodes between two breaks of a rule
 
 @dataclass(frozen=True, eq=False)
 class Rings:
-    """Transforms of densities at the nodes of a grid; they are the same for every body and radius.
-
-    Parameters
-    ----------
-    grid
-        Panels beside the contact.
-    order
-        0 of what is the same all around, 1 of what goes with cos(angle).
-    """
+    """Transforms of densities at the nodes of a grid; they are the same for every body and radius."""
 
     grid: Grid
     order: int = 0
@@ -63,15 +55,7 @@ class Rings:
         return self.ruled(np.arange(self.grid.panels), self.ends[:-1], self.ends[1:])
 
     def ruled(self, panel: Indices, start: Array, stop: Array) -> tuple[Array, Array]:
-        """Nodes s on pieces of panels, and weights of int S ds from S over ``size``; (piece, point) and (..., node).
-
-        Parameters
-        ----------
-        panel
-            (piece,).
-        start, stop
-            Ends in theta; (piece,).
-        """
+        """Nodes s on pieces of panels, and weights of int S ds from S over ``size``; (piece, point) and (..., node)."""
         x, w = gauss(np.array([0.0, 1.0]), _RULE)
         theta = start[:, None] + (stop - start)[:, None] * x
         s = np.cosh(theta)
@@ -176,12 +160,7 @@ class Rings:
 
 @lru_cache(2)
 def rings(order: int = 0) -> Rings:
-    """Rings as far as the gaps of punches are long, the same for every contact.
-
-    Parameters
-    ----------
-    order : int, of the harmonic
-    """
+    """Rings as far as the gaps of punches are long, the same for every contact."""
     return Rings(Grid.up_to(_FARTHEST), order)
 
 

@@ -14,17 +14,7 @@ NODES, FEW = 18, 8  # radii of half a decade and of a twentieth: 1e-12 between t
 
 @dataclass(frozen=True, eq=False)
 class RingTable:
-    """Operators on layers between two radii, by Chebyshev's polynomials in log a.
-
-    Parameters
-    ----------
-    exact
-        Operators, which are solved at any radius.
-    interval
-        Range of log a, and its radii.
-    source
-        A wider table that is read at these radii; None: operators are solved there.
-    """
+    """Operators on layers between two radii, by Chebyshev's polynomials in log a."""
 
     exact: RingOperators
     interval: Interval
@@ -78,13 +68,7 @@ class RingTable:
 
 @dataclass(frozen=True, eq=False)
 class RingsOnHalfSpace:
-    """Operators on a half-space, the same at every radius.
-
-    Parameters
-    ----------
-    exact
-        Them.
-    """
+    """Operators on a half-space, the same at every radius."""
 
     exact: RingOperators
 

@@ -54,27 +54,16 @@ def _number(ratio: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class RingWindows:
-    """Tables of one kind of film.
+    """Tables of one kind of film."""
 
-    Attributes
-    ----------
-    kind
-        The film and the punch.
-    many
-        Half decades of which many radii are asked for.
-    """
-
-    kind: PointKind
-    many: frozenset[int]
+    kind: PointKind  # The film and the punch
+    many: frozenset[int]  # Half decades of which many radii are asked for
 
     @classmethod
     def of(cls, kind: PointKind, ratios: Array) -> Self:
         """For radii over the thickness that a call is about.
 
-        Parameters
-        ----------
-        kind : PointKind, the film and the punch
-        ratios : ndarray, shape (...), contact radii over the thickness
+        ratios: (...), contact radii over the thickness.
         """
         asked: dict[int, set[int]] = {}
         for ratio in np.unique(ratios).tolist():

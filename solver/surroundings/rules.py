@@ -22,9 +22,7 @@ _ELLIPSE = 4.0  # rho^-16 is left, beside densities of degree 6: 2e-10
 def spans(start: Array, stop: Array) -> tuple[Array, Array]:
     """Nodes and weights on each interval; (interval, node) each.
 
-    Parameters
-    ----------
-    start, stop : ndarray, shape (interval,), ends of the intervals
+    start, stop: (interval,), ends of the intervals.
     """
     length = (stop - start)[:, None]
     return start[:, None] + length * _SHARE, length * _WEIGHTS
@@ -33,10 +31,7 @@ def spans(start: Array, stop: Array) -> tuple[Array, Array]:
 def gauss(ends: Array, count: int) -> tuple[Array, Array]:
     """Gauss's rule on each interval between ends: nodes and weights.
 
-    Parameters
-    ----------
-    ends : ndarray, shape (interval + 1,)
-    count : int, nodes of an interval
+    ends: (interval + 1,).
     """
     x, w = _legendre(count)
     half = np.diff(ends) / 2
@@ -50,25 +45,14 @@ def _legendre(count: int) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Rules:
-    """Rules on intervals of u.
+    """Rules on intervals of u."""
 
-    Attributes
-    ----------
-    panel
-        Panel of the densities; (interval,).
-    start, stop
-        Ends in u; (interval,).
-    theta
-        Nodes; (interval, node).
-    shape
-        Weights times what a panel's unknowns are at the nodes; (interval, node, unknown of the panel).
-    """
-
-    panel: NDArray[np.intp]
+    panel: NDArray[np.intp]  # Panel of the densities; (interval,)
+    # Ends in u; (interval,)
     start: Array
     stop: Array
-    theta: Array
-    shape: Array
+    theta: Array  # Nodes; (interval, node)
+    shape: Array  # Weights times what a panel's unknowns are at the nodes; (interval, node, unknown of the panel)
 
     def rough(self, singular: NDArray[np.complex128]) -> BoolArray:
         """Where singularities at u = ``singular`` (..., interval) lie too close to an interval."""

@@ -35,19 +35,7 @@ _ENDS, _RULE = np.append(0.0, 0.4 ** np.arange(9, -1, -1.0)), 12  # of pieces in
 
 @dataclass(frozen=True, eq=False)
 class SlidingPoint:
-    """The first order of one contact, in the units of the body.
-
-    Parameters
-    ----------
-    on
-        What lies on its surface at rest.
-    friction
-        eta.
-    coupling
-        k of the half-space of the top less that of the punch; (3,).
-    sheared
-        What layers add to it; None on a half-space.
-    """
+    """The first order of one contact, in the units of the body."""
 
     on: SolvedPoint
     friction: float
@@ -164,20 +152,13 @@ class SlidingPoint:
     def sines(self, b: Array) -> Array:
         """psi over C a^(e-1) below the contact; (3, b).
 
-        Parameters
-        ----------
-        b : ndarray, shape (b,), 0 to 1
+        b: (b,), 0 to 1.
         """
         closed = self.response.closed(self.friction * self.pressed.turned(b)[0, 0], b, np.array(self.shift))
         return np.asarray(closed + self.series @ legendre(b, self.series.shape[1]).T)
 
     def tractions(self, ratio: float) -> AirPointTractions:
-        """On the whole surface.
-
-        Parameters
-        ----------
-        ratio : float, contact radius over the unit of the body's lengths
-        """
+        """On the whole surface."""
         if not self._slides:
             return self.on.tractions(ratio)
 
@@ -192,10 +173,6 @@ class SlidingPoint:
         """A traction along the ray of :mod:`solver.point.slidingpressure`: at rest, and of cos(angle); (2, place).
 
         Without what is singular at the edge.
-
-        Parameters
-        ----------
-        field : int or None, D_y (0), B_y (1) or the pressure (None)
         """
         shape, channel = self._operators.shape, 0 if field is None else 1 + field
         ray, shift, pressed = ray_of(shape), np.array([self.shift]), self.pressed.times(np.full(3, self.friction))

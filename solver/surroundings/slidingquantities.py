@@ -21,12 +21,6 @@ def largest_within(slid: SlidingPoint | None, field: int | None, at_rest: float)
     """Largest abs(D_y) (0), abs(B_y) (1) or pressure (None) below the contact, over C a^(e-1).
 
     What is singular at the edge is left out, as at rest; at the apex of exponents below 2 it is that at rest.
-
-    Parameters
-    ----------
-    slid : SlidingPoint, what friction makes of the contact; None: it does not slide
-    field : int or None, which
-    at_rest : float, the same without friction
     """
     if slid is None or slid.friction == 0:
         return at_rest
@@ -39,13 +33,6 @@ def largest_beside(state: PointState, slid: SlidingPoint | None, place: int, *, 
     """Largest density beside the contact, over C a^(e-1), or that which the gap's field would have at a plate.
 
     On the finite panels, along the sliding direction.
-
-    Parameters
-    ----------
-    state : PointState, at rest
-    slid : SlidingPoint, what friction makes of it; None: it does not slide
-    place : int, of the field among those conducted
-    gap : bool, the gap's field in place of the density
     """
     at_rest = state.densities[place] / (state.thinned if gap else 1.0)
     turned = np.zeros_like(at_rest) if slid is None else slid.beside[gap][place]
@@ -56,12 +43,7 @@ def largest_beside(state: PointState, slid: SlidingPoint | None, place: int, *, 
 def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units: Array) -> float:
     """sigma_xx just outside the trailing edge, where the surface carries charges [Pa].
 
-    Parameters
-    ----------
-    slid : SlidingPoint, the contact
-    rim : Rim, the surface beside it
-    body : HalfSpace or Film, what it lies on
-    units : ndarray, shape (3,), of the body
+    units: (3,), of the body.
     """
     unit = slid.on.unit / units
     first, third = (float(part[0] * slid.friction * unit[0]) for part in edge_sums(slid.pressed))
@@ -74,12 +56,7 @@ def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units
 
 
 def warn_of_charges(reach: float) -> None:
-    """Warn by :class:`FirstOrderWarning` where the gap's field goes beyond what a surface carries.
-
-    Parameters
-    ----------
-    reach : float, as of :class:`SlidingPoint`
-    """
+    """Warn by :class:`FirstOrderWarning` where the gap's field goes beyond what a surface carries."""
     if reach > _MOST_REACH:
         warnings.warn(
             f"friction: to its first order the field in the gap beside the edge is {reach:.2g} times that at which the "

@@ -24,22 +24,13 @@ _BAND = 6.0  # of wavenumbers that share nodes
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """Charges between two distances from the edge, with smooth ends.
+    """Charges between two distances from the edge, with smooth ends."""
 
-    Attributes
-    ----------
-    charges
-        All of them.
-    start, stop
-        Logarithms of the distances.
-    most
-        Largest wavenumber times the half-length that it has.
-    """
-
-    charges: Charges
+    charges: Charges  # All of them
+    # Logarithms of the distances
     start: float
     stop: float
-    most: float
+    most: float  # Largest wavenumber times the half-length that it has
 
     @cached_property
     def _inner(self) -> Array:
@@ -78,10 +69,7 @@ class Window:
     def add(self, out: ComplexArray, q: Array) -> None:
         """Add its spectrum (2, wavenumber) at q.
 
-        Parameters
-        ----------
-        out : ndarray, shape (2, wavenumber), complex, what is added to
-        q : ndarray, shape (wavenumber,), wavenumbers times the half-length
+        out: (2, wavenumber), complex, what is added to; q: (wavenumber,), wavenumbers times the half-length.
         """
         for least, most, X, (right, left) in self._bands:
             here = np.flatnonzero((q > least) & (q <= most))
@@ -92,15 +80,7 @@ class Window:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Spectrum up to a wavenumber.
-
-    Parameters
-    ----------
-    charges
-        Charges beside a contact.
-    most
-        Largest wavenumber times the half-length that is asked for.
-    """
+    """Spectrum up to a wavenumber."""
 
     charges: Charges
     most: float

@@ -20,17 +20,7 @@ _EXTENT = 2  # unknowns before the charges: log h, c/h
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Residual, tangents and outputs of ``Problem`` at unknowns (log h, c/h, T, J, densities).
-
-    Parameters
-    ----------
-    of
-        The contact.
-    unknowns
-        log h, c/h, T, J and the densities over ``Grid.size``.
-    known
-        Operators about some half-length, which are read anew where that is not next to this one.
-    """
+    """Residual, tangents and outputs of ``Problem`` at unknowns (log h, c/h, T, J, densities)."""
 
     of: Problem
     unknowns: Array
@@ -285,13 +275,7 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Chord:
-    """LU factors of the equations at one state, charges given, which serve states next to it.
-
-    Parameters
-    ----------
-    system
-        The equations.
-    """
+    """LU factors of the equations at one state, charges given, which serve states next to it."""
 
     system: Factored
 

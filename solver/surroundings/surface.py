@@ -11,10 +11,7 @@ from solver.surroundings.tractions import Solved
 def surface_fields(state: State, positions: Array) -> dict[str, Array]:
     """Fields of one case at positions X = (x - c)/h, finite and never exactly +-1; (1, position) each.
 
-    Parameters
-    ----------
-    state : State, the solution
-    positions : ndarray, shape (position,), X
+    positions: (position,), X.
     """
     solved, X = Solved(state, positions), positions
     system, beyond = solved.system, np.abs(positions) > 1

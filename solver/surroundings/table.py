@@ -23,15 +23,7 @@ _MARGIN, _MARGIN_OF_BASE = 10.0, 3.0
 
 @dataclass(frozen=True, eq=False)
 class AirTable:
-    """Operators at the half-lengths of a table, read between them by Chebyshev's polynomials in log h.
-
-    Parameters
-    ----------
-    table
-        Table of the contacts without air; its half-lengths are those of this one.
-    farthest
-        X as far as which charges are not yet those of the open gap.
-    """
+    """Operators at the half-lengths of a table, read between them by Chebyshev's polynomials in log h."""
 
     table: Table
     farthest: float = 0.0
@@ -66,10 +58,7 @@ class AirTable:
     def outputs(self, log_half: float, columns: Array) -> Array:
         """All rows at log h, of the sum of causes and densities times ``columns``; (row,).
 
-        Parameters
-        ----------
-        log_half : float, log h in thicknesses of the top layer
-        columns : ndarray, shape (column,), sizes of causes and densities
+        columns: (column,), sizes of causes and densities.
         """
         weights, found = self._weights(log_half, 1)[0], np.empty(self.operators.rows)
         for part, rows in zip(self._parts, (self._solving, ~self._solving), strict=True):
@@ -82,14 +71,7 @@ class AirTable:
 
 
 def grid_of(system: System, shortest: float, longest: float, farthest: float = 0.0) -> Grid:
-    """Panels beside contacts of half-lengths between two, as far as the thickness of the film matters.
-
-    Parameters
-    ----------
-    system : System, contacts of one stack
-    shortest, longest : float, half-lengths, m
-    farthest : float, X as far as which charges are not yet those of the open gap
-    """
+    """Panels beside contacts of half-lengths between two, as far as the thickness of the film matters."""
     stack = system.kernel.stack
     distance = max(30.0, 40 * stack.thickness / shortest, min(300.0, 2e3 * system.kernel.width / longest), farthest)
     growing = bool(np.any(np.diagonal(low(stack))[2:]))
@@ -102,13 +84,6 @@ def farthest(contact: FilmContact, permittivity: Array) -> float:
     Over a film they are from where the gap lets pass less than the film, D = eps0 V/(g + eps0 thickness/eps): the last
     panel, whose terms are powers of 1/X, begins at ten times that distance, which makes 1e-6 of the charges. Over a
     base whose potential grows it is where the gap is x eps0/eps, and the panel has the logarithms of that.
-
-    Parameters
-    ----------
-    contact
-        A case without air.
-    permittivity
-        Permittivity and permeability of what fills the gap, SI; (2,).
     """
     system, scale = contact.table.system, contact.scale
     stack, powers = system.kernel.stack, [(i, abs(float(c))) for i, c in enumerate(contact.loading.slope[0]) if i and c]
@@ -125,15 +100,7 @@ def farthest(contact: FilmContact, permittivity: Array) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """Rows that the equations need, by Taylor's series about one half-length.
-
-    Parameters
-    ----------
-    centre
-        log h.
-    terms
-        Coefficients of powers of the change in log h; (_TERMS, row, column).
-    """
+    """Rows that the equations need, by Taylor's series about one half-length."""
 
     centre: float
     terms: Array
@@ -143,13 +110,7 @@ class Near:
         return abs(log_half - self.centre) <= _NEXT
 
     def matrix(self, log_half: float, rows: slice = slice(None)) -> Array:
-        """Some rows, or all; (row, column).
-
-        Parameters
-        ----------
-        log_half : float, log h in thicknesses of the top layer
-        rows : slice, of the rows
-        """
+        """Some rows, or all; (row, column)."""
         terms = self._terms(log_half)
         powers = (log_half - self.centre) ** np.arange(len(terms))
         part = terms[:, rows]
@@ -158,10 +119,7 @@ class Near:
     def products(self, log_half: float, columns: Array) -> tuple[Array, Array]:
         """Rows times columns, and their derivatives in log h; (row,) each.
 
-        Parameters
-        ----------
-        log_half : float, log h in thicknesses of the top layer
-        columns : ndarray, shape (column,), sizes of causes and densities
+        columns: (column,), sizes of causes and densities.
         """
         series, change = self._terms(log_half) @ columns, log_half - self.centre
         k = np.arange(len(series))

@@ -25,15 +25,7 @@ _GROWTH, _FIRST = 2.5, 100.0  # of panels in k towards 0, and the largest phase 
 
 @dataclass(frozen=True, eq=False)
 class AirTractions(Tractions):
-    """Those of one contact, one column; ``charges`` without what the charges beside it draw into it.
-
-    Parameters
-    ----------
-    beside
-        Charges beside the contact.
-    widest
-        Least reach of wavenumbers [m]: one set of them serves all fields that are nearer.
-    """
+    """Those of one contact, one column; ``charges`` without what the charges beside it draw into it."""
 
     beside: Charges = field(kw_only=True)
     widest: float = 0.0
@@ -65,14 +57,7 @@ class AirTractions(Tractions):
         return self
 
     def wavenumbers(self, body: Stack, reach: float, width: float) -> tuple[Array, Array]:
-        """As of a contact; charges far away count for long waves alone.
-
-        Parameters
-        ----------
-        body : Stack, layers and base
-        reach : float, largest distance of a phase, m
-        width : float, of no meaning: panels serve all fields
-        """
+        """As of a contact; charges far away count for long waves alone."""
         reach = max(reach, self.widest)
         here = reach - self.longest
         far = [here + self._half * self._spectrum.reach(start * self._half) for start in self._ends[:-1]]
@@ -94,10 +79,7 @@ class AirTractions(Tractions):
     def on_plane(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
         """Hilbert transforms at points z (1, point) above the surface, as of a contact; (4, 1, point, 1).
 
-        Parameters
-        ----------
-        z : ndarray, shape (1, point), complex, X + iY
-        integrated : bool, F in place of H
+        z: (1, point), complex, X + iY.
         """
         found = super().on_plane(z, integrated=integrated)
         found[2:, 0, :, 0] += self.beside.transforms(z[0], integrated=integrated)
@@ -105,15 +87,7 @@ class AirTractions(Tractions):
 
 
 def from_smaller(ends: Array, farthest: float) -> Array:
-    """Ends of panels in k with smaller ones before, across the first of which the farthest charges are in phase.
-
-    Parameters
-    ----------
-    ends
-        From 0; (end,).
-    farthest
-        Distance of the charges, over the length of the wavenumbers.
-    """
+    """Ends of panels in k with smaller ones before, across the first of which the farthest charges are in phase."""
     turns = np.log(ends[1] * farthest / _FIRST) / np.log(_GROWTH)
     below = ends[1] * _GROWTH ** -np.arange(1.0, max(turns, 0) + 2)
     return np.concatenate([[0.0], below[::-1], ends[1:]])
@@ -121,17 +95,7 @@ def from_smaller(ends: Array, farthest: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """Tractions of a contact with air beside it, found anew at its very half-length.
-
-    Parameters
-    ----------
-    state
-        The solution.
-    points
-        X at which the surface is looked at, beside the contact's own nodes; (point,).
-    intervals
-        See :class:`Charges`.
-    """
+    """Tractions of a contact with air beside it, found anew at its very half-length."""
 
     state: State
     points: Array

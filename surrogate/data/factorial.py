@@ -17,49 +17,19 @@ LEVEL_TOLERANCE = 1e-10
 
 @dataclass(frozen=True)
 class Factorial:
-    """Outputs over the full product of the factors' levels.
+    """Outputs over the full product of the factors' levels."""
 
-    Attributes
-    ----------
-    inputs : tuple of Input
-        One per factor, in the order of the arrays' axes.
-    levels : tuple of ndarray
-        Ascending levels of every factor, physical units.
-    outputs : dict of str to ndarray
-        Read-only views of shape (n_1, ..., n_d), broadcast along the factors that an output does not depend on.
-    attrs : dict of str to dict
-        `units` and `long_name` of every output.
-    """
-
-    inputs: tuple[Input, ...]
-    levels: tuple[Array, ...]
+    inputs: tuple[Input, ...]  # One per factor, in the order of the arrays' axes
+    levels: tuple[Array, ...]  # Ascending levels of every factor, physical units
+    # Read-only views of shape (n_1, ..., n_d), broadcast along the factors that an output does not depend on
     outputs: dict[str, Array]
-    attrs: dict[str, dict[str, str]]
+    attrs: dict[str, dict[str, str]]  # `units` and `long_name` of every output
 
 
 def complete_factorial(
     dataset: xr.Dataset, inputs: Sequence[Input] | None, outputs: Sequence[str] | None, chebyshev: bool
 ) -> Factorial:
-    """Check that a data set is a complete factorial and take it apart.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        Dimensions are the factors, each with its levels as coordinate; a variable may lack factors.
-    inputs : sequence of Input, optional
-        The factors and their box. By default the factors are the outputs' dimensions; the box is the range of
-        the levels or, with `chebyshev`, the range whose Chebyshev-Gauss points the levels are.
-    outputs : sequence of str, optional
-        The variables to take, by default all.
-    chebyshev : bool
-        Demand Chebyshev-Gauss levels.
-
-    Raises
-    ------
-    ValueError
-        Named in one line: NaN, missing or duplicate levels, a dimension that is no input, an input that is no
-        dimension, levels outside their range or off the Chebyshev-Gauss points.
-    """
+    """Check that a data set is a complete factorial and take it apart."""
     names = output_names(dataset, outputs, exclude=())
     factors = [input_.name for input_ in inputs] if inputs is not None else _factors(dataset, names)
     for name in names:
@@ -83,19 +53,7 @@ def complete_factorial(
 
 
 def output_names(dataset: xr.Dataset, outputs: Sequence[str] | None, exclude: Sequence[str]) -> list[str]:
-    """Return the names of the outputs to model.
-
-    Parameters
-    ----------
-    dataset : Dataset
-    outputs : sequence of str, those asked for; None: every variable
-    exclude : sequence of str, variables that are not outputs unless they are asked for
-
-    Raises
-    ------
-    ValueError
-        There is none, one is not in the data set, or not numbers.
-    """
+    """Return the names of the outputs to model."""
     names = [str(name) for name in dataset.data_vars if name not in exclude] if outputs is None else list(outputs)
     if not names:
         raise ValueError("the data set has no variable to model")
@@ -154,14 +112,7 @@ def _inferred(dataset: xr.Dataset, factor: str, levels: Array, chebyshev: bool) 
 
 
 def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Sequence[Input] | None) -> bool:
-    """Whether the levels of all factors are Chebyshev-Gauss levels.
-
-    Parameters
-    ----------
-    dataset : Dataset, with the levels as coordinates
-    factors : sequence of str
-    inputs : sequence of Input, whose ranges the levels are of; None: of any range
-    """
+    """Whether the levels of all factors are Chebyshev-Gauss levels."""
     try:
         levels = [_levels(dataset, factor) for factor in factors]
         if inputs is None:
@@ -175,11 +126,7 @@ def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Seque
 def check_levels(inputs: Sequence[Input], levels: Sequence[Array], chebyshev: bool) -> None:
     """Raise ValueError, naming input and level, unless ascending levels suit their inputs.
 
-    Parameters
-    ----------
-    inputs : sequence of Input
-    levels : sequence of ndarray, shape (n,), of every input in its units
-    chebyshev : bool, whether they must be Chebyshev-Gauss levels
+    levels: sequence of ndarray, shape (n,), of every input in its units.
     """
     for own, values in zip(inputs, levels, strict=True):
         _check_levels(own, values, chebyshev)

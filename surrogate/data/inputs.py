@@ -157,10 +157,7 @@ def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear
 def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
     """Map physical points to scaled coordinates, as `Input.to_unit`: (d, n), one contiguous row an input.
 
-    Parameters
-    ----------
-    inputs : sequence of Input, d of them
-    X : ndarray, shape (n, d), points in physical units
+    X: (n, d), points in physical units.
     """
     low, width, logs, logits = _scales(tuple(inputs))
     t = np.subtract(X.T, low, order="C")
@@ -177,10 +174,7 @@ def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
 def physical_points(inputs: Sequence[Input], t: Array) -> Array:
     """Map scaled coordinates to physical points, (n, d): the inverse of `unit_coordinates`.
 
-    Parameters
-    ----------
-    inputs : sequence of Input, d of them
-    t : ndarray, shape (d, n), scaled coordinates
+    t: (d, n), scaled coordinates.
     """
     return np.stack([own.from_unit(row) for own, row in zip(inputs, t, strict=True)], axis=1)
 
@@ -200,20 +194,7 @@ def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, Indices, Indices]:
 
 
 def stored_inputs(stored: xr.Dataset, prefix: str = "") -> tuple[Input, ...]:
-    """Return the inputs of a model in a file.
-
-    Parameters
-    ----------
-    stored : Dataset
-        The file.
-    prefix : str
-        Of the names of a model that is a member of another.
-
-    Raises
-    ------
-    ValueError
-        No input, a name twice, or one that is no `Input`.
-    """
+    """Return the inputs of a model in a file."""
     columns = [stored[f"{prefix}{name}"].values.tolist() for name in COLUMNS]
     if len(set(columns[0])) != len(columns[0]) or not columns[0]:
         raise ValueError("input names must be unique")

@@ -12,13 +12,7 @@ Attrs = Mapping[str, Mapping[str, str]]
 
 
 class Labels:
-    """Maker of a model's data sets.
-
-    Parameters
-    ----------
-    attrs : mapping
-        `units` and `long_name` of every output of the model; another one has other labels.
-    """
+    """Maker of a model's data sets."""
 
     def __init__(self, attrs: Attrs) -> None:
         self.attrs = attrs
@@ -27,19 +21,7 @@ class Labels:
     def dataset(
         self, kind: Hashable, named: Points, values: Mapping[str, NDArray[Any]], attrs: Callable[[], Attrs]
     ) -> xr.Dataset:
-        """Label one value per point of every name.
-
-        Parameters
-        ----------
-        kind : hashable
-            What the answer is; the same kind has the same names and attributes.
-        named : Points
-            The points.
-        values : mapping
-            By name, (n,) each.
-        attrs : callable
-            Gives the attributes of every name, where they are needed.
-        """
+        """Label one value per point of every name."""
         if named.dims:
             return self._made(named, values, attrs())
         numbers = {name: array.reshape(()) for name, array in values.items()}

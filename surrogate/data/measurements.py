@@ -12,30 +12,14 @@ MOST_ROWS = 1000
 
 @dataclass(frozen=True)
 class Measurements:
-    """Measured values in a flat list, a row of which may hold several outputs or none.
+    """Measured values in a flat list, a row of which may hold several outputs or none."""
 
-    Attributes
-    ----------
-    points : ndarray, shape (rows, d)
-        Inputs of every row, in their units.
-    row, output : ndarray of int, shape (n,)
-        Row and number of the output of every value; no row has an output twice.
-    value : ndarray, shape (n,)
-        What was measured, in the output's unit.
-    error : ndarray, shape (n,)
-        Standard deviation of its error; NaN where nobody knows it.
-
-    Raises
-    ------
-    ValueError
-        Values that are not finite, errors that are not positive, an output twice in a row.
-    """
-
-    points: Array
+    points: Array  # shape (rows, d); Inputs of every row, in their units
+    # shape (n,); Row and number of the output of every value; no row has an output twice
     row: Indices
     output: Indices
-    value: Array
-    error: Array
+    value: Array  # shape (n,); What was measured, in the output's unit
+    error: Array  # shape (n,); Standard deviation of its error; NaN where nobody knows it
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.points).all() or not np.isfinite(self.value).all():

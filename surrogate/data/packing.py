@@ -16,17 +16,10 @@ _LOW = 7  # bits of a byte that hold digits; the highest says that another byte 
 
 @dataclass(frozen=True, eq=False)
 class Rounded:
-    """An array to be stored as whole numbers, each times one number for its row and one for its column.
+    """An array to be stored as whole numbers, each times one number for its row and one for its column."""
 
-    Attributes
-    ----------
-    values : ndarray, shape (r, modes, s)
-        The array.
-    rows, columns : ndarray, shape (r,) and (s,)
-        What the whole numbers are multiplied by.
-    """
-
-    values: Array
+    values: Array  # shape (r, modes, s); The array
+    # shape (r,) and (s,); What the whole numbers are multiplied by
     rows: Array
     columns: Array
 
@@ -37,12 +30,7 @@ def rounded(cores: Sequence[Array], features: Sequence[Array]) -> list[Rounded]:
     An entry from row i to column j reaches the outputs times what comes in at i and what goes out at j. Their
     root-mean-squares over the box give the entry a step that changes every output alike.
 
-    Parameters
-    ----------
-    cores : sequence of ndarray, shape (r, modes, s)
-        In their order along the train.
-    features : sequence of ndarray, shape (modes, n)
-        What the modes of every core multiply, at points of the box.
+    cores: sequence of ndarray, shape (r, modes, s); features: sequence of ndarray, shape (modes, n).
     """
     coming, going = _coming(cores, features), _going(cores, features)
     parts = zip(cores, coming[:-1], going[1:], strict=True)

@@ -42,23 +42,12 @@ class OutOfBoxError(ValueError):
 
 @dataclass(frozen=True)
 class Points:
-    """Query points as an array, with what is needed to label the answers.
+    """Query points as an array, with what is needed to label the answers."""
 
-    Attributes
-    ----------
-    X : ndarray, shape (n, d)
-        Points in physical units, columns in the order of the model's inputs.
-    dims : tuple of str
-        Dimensions of the broadcast of all inputs.
-    shape : tuple of int
-        Its shape; the product is n.
-    coords : mapping
-        Every input with its units over the dimensions that it was given on, and labels that these brought along.
-    """
-
-    X: Array
-    dims: tuple[Hashable, ...]
-    shape: tuple[int, ...]
+    X: Array  # shape (n, d); Points in physical units, columns in the order of the model's inputs
+    dims: tuple[Hashable, ...]  # Dimensions of the broadcast of all inputs
+    shape: tuple[int, ...]  # Its shape; the product is n
+    # Every input with its units over the dimensions that it was given on, and labels that these brought along
     coords: Mapping[Hashable, xr.Variable]
 
     def dataset(self, values: Mapping[str, tuple[NDArray[Any], Mapping[str, str]]]) -> xr.Dataset:
@@ -72,42 +61,17 @@ class Points:
     def labelled(self, values: NDArray[Any], attrs: Mapping[str, str]) -> xr.DataArray:
         """Label one value a point.
 
-        Parameters
-        ----------
-        values : ndarray, shape (n,)
-        attrs : mapping of str to str, of the array
+        values: (n,).
         """
         return xr.DataArray(values.reshape(self.shape), coords=self.coords, dims=self.dims, attrs=dict(attrs))
 
     def flat(self, array: xr.DataArray, like: xr.DataArray) -> Array:
-        """Broadcast an array to the points: (n,).
-
-        Parameters
-        ----------
-        array : DataArray, over some of the points' dimensions
-        like : DataArray, one of the answers at the points
-        """
+        """Broadcast an array to the points: (n,)."""
         return np.asarray(array.broadcast_like(like).transpose(*like.dims).values, dtype=np.float64).ravel()
 
 
 def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
-    """Broadcast named inputs against each other.
-
-    Parameters
-    ----------
-    points : mapping, Dataset, DataFrame or array
-        One entry per input: a scalar, a DataArray of any dimensions, or a plain sequence, which becomes a dimension
-        named after its input, so that sequences span the full factorial, as for `solver.solve`. A DataFrame has a
-        column an input, in any order; an array is (n, d), columns in the order of the inputs: points along `point`.
-    inputs : sequence of Input
-        What the model needs.
-
-    Raises
-    ------
-    ValueError
-        A missing or unknown name, arrays of another shape, dimensions or coordinates that do not fit, dimensions
-        that cross to more than 1e7 points, values that are not finite numbers.
-    """
+    """Broadcast named inputs against each other."""
     names = [input_.name for input_ in inputs]
     if not isinstance(points, (Mapping, xr.Dataset)):
         points = _by_name(points, names)
@@ -151,10 +115,7 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
 def outside(X: Array, inputs: Sequence[Input]) -> Flags:
     """Return which entries lie outside the box, shape (n, d); NaN counts as outside.
 
-    Parameters
-    ----------
-    X : ndarray, shape (n, d), points in physical units
-    inputs : sequence of Input
+    X: (n, d), points in physical units.
     """
     low, high = _margins(tuple(inputs))
     return np.asarray(~((low <= X) & (high >= X)))
@@ -163,10 +124,7 @@ def outside(X: Array, inputs: Sequence[Input]) -> Flags:
 def require_inside(X: Array, inputs: Sequence[Input]) -> None:
     """Raise OutOfBoxError, naming input, value and allowed range, unless all points lie in the box.
 
-    Parameters
-    ----------
-    X : ndarray, shape (n, d), points in physical units
-    inputs : sequence of Input
+    X: (n, d), points in physical units.
     """
     wrong = outside(X, inputs)
     if wrong.any():

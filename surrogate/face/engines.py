@@ -20,18 +20,7 @@ ENGINES = {
 
 
 def engine(name: str, known: Sequence[str]) -> "type[GaussianProcess]":
-    """Return the class of a kind.
-
-    Parameters
-    ----------
-    name : str, the kind's
-    known : sequence of str, names that are allowed here
-
-    Raises
-    ------
-    ValueError
-        The name is not among the known ones.
-    """
+    """Return the class of a kind."""
     if name not in known:
         raise ValueError(f"unknown engine {name!r}; known are {', '.join(known)}")
     module, kind = ENGINES[name]

@@ -180,15 +180,7 @@ def load(path: str | PathLike[str]) -> GaussianProcess:
 
 
 def restored(stored: xr.Dataset, engines: tuple[str, ...]) -> GaussianProcess:
-    """Return the model that `nested` gave; ValueError names what is inconsistent, KeyError what is not there.
-
-    Parameters
-    ----------
-    stored : Dataset
-        A model and its members.
-    engines : tuple of str
-        Kinds that it may be.
-    """
+    """Return the model that `nested` gave; ValueError names what is inconsistent, KeyError what is not there."""
     name = str(stored.attrs["engine"])
     kind, inputs, outputs = engine(name, engines), stored_inputs(stored), _outputs(stored)
     members = {own: restored(_member(own, stored), members_of(name)) for own in kind.MEMBERS}

@@ -139,9 +139,6 @@ class Physical(Core):
 def in_blocks(t: Array, asked: Callable[[Array], Array]) -> Array:
     """Return what many points give, (p, n), asked for in blocks.
 
-    Parameters
-    ----------
-    t : ndarray, shape (d, n), scaled coordinates
-    asked : callable, (d, B) -> (p, B)
+    t: (d, n), scaled coordinates.
     """
     return np.concatenate([asked(t[:, block]) for block in blocks(t.shape[1], BLOCK)], axis=1)

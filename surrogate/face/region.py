@@ -22,35 +22,17 @@ class OutOfRegionError(OutOfBoxError):
 
 @dataclass(frozen=True)
 class Region:
-    """Where sum_m coefficients[m] prod_k T_{degrees[m, k]}(t_k) >= least, at scaled inputs t.
+    """Where sum_m coefficients[m] prod_k T_{degrees[m, k]}(t_k) >= least, at scaled inputs t."""
 
-    Attributes
-    ----------
-    degrees : ndarray of int, shape (m, d)
-    coefficients : ndarray, shape (m,)
-    least : float
-        The edge with its margin.
-    passing : float
-        At most this share of the cases that are refused lies inside all the same, in the mean over held-out cases.
-    refused : float
-        Share of the evenly spread held-out cases that are refused.
-    lost : float
-        Share of those that are not, but lie outside, within the margin.
-    places : ndarray, shape (k, d)
-        Scaled inputs of some cases that are refused.
-    which : ndarray of int, shape (k,)
-        The reason of each.
-    reasons : tuple of str
-    """
-
-    degrees: Indices
-    coefficients: Array
-    least: float
+    degrees: Indices  # shape (m, d)
+    coefficients: Array  # shape (m,)
+    least: float  # The edge with its margin
+    # At most this share of the cases that are refused lies inside all the same, in the mean over held-out cases
     passing: float
-    refused: float
-    lost: float
-    places: Array
-    which: Indices
+    refused: float  # Share of the evenly spread held-out cases that are refused
+    lost: float  # Share of those that are not, but lie outside, within the margin
+    places: Array  # shape (k, d); Scaled inputs of some cases that are refused
+    which: Indices  # shape (k,); The reason of each
     reasons: tuple[str, ...]
 
     def inside(self, t: Array) -> Flags:
@@ -76,10 +58,7 @@ class Region:
     def require(self, X: Array, inputs: Sequence[Input]) -> None:
         """Raise OutOfRegionError, with the first point's inputs and the reason, unless all points lie in the region.
 
-        Parameters
-        ----------
-        X : ndarray, shape (n, d), points in physical units
-        inputs : sequence of Input
+        X: (n, d), points in physical units.
         """
         t = unit_coordinates(inputs, X)
         wrong = ~self.inside(t)
@@ -106,18 +85,7 @@ class Region:
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: int) -> Self | None:
-        """Return the region in a file, None where it has none.
-
-        Parameters
-        ----------
-        stored : Dataset, the file
-        inputs : int, number of inputs
-
-        Raises
-        ------
-        ValueError
-            What is inconsistent, by its name.
-        """
+        """Return the region in a file, None where it has none."""
         if "region_degree" not in stored:
             return None
         degrees, coefficients = stored["region_degree"].values, stored["region_coefficient"].values

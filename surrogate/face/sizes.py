@@ -13,13 +13,7 @@ _ALL_LEVELS = 2 * MOST_OF_A_FACTOR  # of all factors together
 
 
 def check_sizes(stored: xr.Dataset) -> None:
-    """Raise ValueError, with a dimension and its length, where one is longer than is read.
-
-    Parameters
-    ----------
-    stored : Dataset
-        A model with its members, as `surrogate.face.persistence.nested` gives it.
-    """
+    """Raise ValueError, with a dimension and its length, where one is longer than is read."""
     for kind, most in MOST.items():
         for name, length in _lengths(stored, kind).items():
             if length > most:

@@ -45,21 +45,11 @@ SMALLEST_SCALE, SMALLEST = 1e-3, 1e-9
 
 @dataclass(frozen=True)
 class Correction:
-    """What is added to the mean: sum_f T_{n_f}(t_f) sum_a coefficients[f, a] prod_j T_{indices[a, j]}(t_j).
+    """What is added to the mean: sum_f T_{n_f}(t_f) sum_a coefficients[f, a] prod_j T_{indices[a, j]}(t_j)."""
 
-    Attributes
-    ----------
-    levels : tuple of int
-        Number of levels n_f of every factor.
-    indices : ndarray of int, shape (m, d)
-        Degrees of the amplitudes' terms.
-    coefficients : ndarray, shape (d, m, p)
-        In units of the outputs.
-    """
-
-    levels: tuple[int, ...]
-    indices: Indices
-    coefficients: Array
+    levels: tuple[int, ...]  # Number of levels n_f of every factor
+    indices: Indices  # shape (m, d); Degrees of the amplitudes' terms
+    coefficients: Array  # shape (d, m, p); In units of the outputs
 
     def values(self, t: Array) -> Array:
         """Return what is added at scaled coordinates t, (d, B): (p, B)."""
@@ -84,11 +74,6 @@ class Correction:
 
         Low degrees are gone: along the factor the error's own terms begin at T_n T_{a+1}, those of others at T_{a+1},
         with the correction's highest degree a; a polynomial's slope grows with its degree.
-
-        Parameters
-        ----------
-        factor : int, number of the factor
-        slope : Features, its features of derivatives at the query's points
         """
         n, above = self.levels[factor], 1 + int(self.indices[:, factor].max())
         return replace(slope, prior=slope.prior * above**2, residual=slope.residual * ((n + above) / n) ** 2)
@@ -112,19 +97,7 @@ class Correction:
 
     @classmethod
     def restore(cls, stored: xr.Dataset, levels: tuple[int, ...], outputs: int) -> Self | None:
-        """Return the correction in a file, None where it has none.
-
-        Parameters
-        ----------
-        stored : Dataset, the file
-        levels : tuple of int, number of levels of every factor
-        outputs : int, number of outputs
-
-        Raises
-        ------
-        ValueError
-            What is inconsistent, by its name.
-        """
+        """Return the correction in a file, None where it has none."""
         if "correction_degree" not in stored:
             return None
         indices, coefficients = stored["correction_degree"].values, stored["correction_coefficient"].values
@@ -155,20 +128,7 @@ class Correction:
 def degrees(rho: Sequence[float], cases: int, known_at: Sequence[int] | None = None) -> Indices | None:
     """Choose the terms of the amplitudes: every index with sum_j a_j cost_j up to what the number of cases allows.
 
-    Parameters
-    ----------
-    rho : sequence of float
-        Decay of every factor's kernel.
-    cases : int
-        Held-out cases.
-    known_at : sequence of int, optional
-        Places that the cases have along every factor, fewer where they share it; by default all differ. Terms then
-        have no more different parts along the shared factors than these places allow.
-
-    Returns
-    -------
-    ndarray of int, shape (m, d), or None
-        In the order of their cost; None where there are too few cases.
+    result: (m, d), or None.
     """
     cost = np.minimum(-0.5 * np.log(rho), DEAREST)
     most = min(cases // CASES_A_TERM, MOST_TERMS) // len(cost)
@@ -205,25 +165,7 @@ def correct(
     Ordinary least squares, and for outputs whose errors they spread about, weighted ones. An output whose errors do not
     become smaller keeps its mean.
 
-    Parameters
-    ----------
-    errors : ndarray, shape (p, n)
-        True minus predicted.
-    t : ndarray, shape (d, n)
-        Scaled coordinates of the cases.
-    levels : tuple of int
-        Number of levels of every factor.
-    rho : sequence of float
-        Decay of every factor's kernel.
-    groups : ndarray of int, shape (n,)
-        Number of the group of every case; the cases of one share some coordinates.
-
-    Returns
-    -------
-    correction : Correction or None
-        None where there are too few cases for one.
-    left : ndarray, shape (p, n)
-        What a correction from all other groups leaves of the error of each case.
+    errors: (p, n); t: (d, n); groups: (n,); result: correction : Correction or None.
     """
     indices = degrees(rho, errors.shape[1], places(t, groups).tolist())
     if indices is None:

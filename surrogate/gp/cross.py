@@ -29,25 +29,15 @@ LEFT, FINER = 0.1, 0.5
 
 @dataclass(frozen=True)
 class Crossed:
-    """What a cross approximation has found.
+    """What a cross approximation has found."""
 
-    Attributes
-    ----------
-    cores : tuple of ndarray
-        Core k has shape (r_k, n_k, r_{k+1}), the last one (r_d, n_d, b, p). Values are less `offset`, over `scale`.
-    offset, scale : ndarray, shape (p,)
-        Mean and range of the first fresh entries.
-    error : ndarray, shape (p,)
-        Largest error on the last fresh entries over `scale`.
-    entries : int
-        Entries that were asked for, fresh ones included.
-    """
-
+    # Core k has shape (r_k, n_k, r_{k+1}), the last one (r_d, n_d, b, p). Values are less `offset`, over `scale`.
     cores: tuple[Array, ...]
+    # shape (p,); Mean and range of the first fresh entries
     offset: Array
     scale: Array
-    error: Array
-    entries: int
+    error: Array  # shape (p,); Largest error on the last fresh entries over `scale`
+    entries: int  # Entries that were asked for, fresh ones included
 
     def at(self, indices: Indices) -> Array:
         """Return values less offset over scale, (n, b, p), at indices (n, d)."""
@@ -56,37 +46,12 @@ class Crossed:
 
 @dataclass(frozen=True)
 class Cross:
-    """A cross approximation of a tensor with blocks as entries.
+    """A cross approximation of a tensor with blocks as entries."""
 
-    Attributes
-    ----------
-    sizes : tuple of int
-        Indices n_k of every mode.
-    tolerance : float
-        Largest error of any value over its output's range that fresh entries may show.
-    most : int
-        No sweep begins once so many entries have been asked for.
-    seed : int
-        Of fresh entries and first indices.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> x, y, z = np.ogrid[0:1:6j, 0:1:5j, 0:1:4j]
-    >>> tensor = np.exp(x * y + z)[..., None, None]
-    >>> found = run(Cross((6, 5, 4), 1e-6).steps(), {})
-    >>> known = {}
-    >>> while not isinstance(found, Crossed):
-    ...     known |= {tuple(index): tensor[tuple(index)] for index in found.tolist()}
-    ...     found = run(Cross((6, 5, 4), 1e-6).steps(), known)
-    >>> bool(found.error.max() <= 1e-6)
-    True
-    """
-
-    sizes: tuple[int, ...]
-    tolerance: float
-    most: int = 10_000
-    seed: int = 0
+    sizes: tuple[int, ...]  # Indices n_k of every mode
+    tolerance: float  # Largest error of any value over its output's range that fresh entries may show
+    most: int = 10_000  # No sweep begins once so many entries have been asked for
+    seed: int = 0  # Of fresh entries and first indices
 
     def steps(self) -> Steps:
         """Return the steps, each a batch of indices without repetition; same seed and blocks, same steps."""
@@ -144,17 +109,7 @@ def run(steps: Steps, known: Mapping[tuple[int, ...], Array]) -> Indices | Cross
     An approximation has no state but the blocks that it was given: it is gone through again from its first step, which
     costs little beside the blocks, and so an interrupted one goes on as if nothing had happened.
 
-    Parameters
-    ----------
-    steps : generator
-        As `Cross.steps` makes them.
-    known : mapping
-        Blocks, (b, p), by index.
-
-    Returns
-    -------
-    ndarray of int, shape (n, d), or Crossed
-        The indices of the first step that are not known, or what was found.
+    result: (n, d), or Crossed.
     """
     wanted = next(steps)
     while True:
@@ -171,21 +126,7 @@ def run(steps: Steps, known: Mapping[tuple[int, ...], Array]) -> Indices | Cross
 def interpolation(matrix: Array, left: float, first: Sequence[int] = ()) -> tuple[Indices, Array]:
     """Choose rows of a matrix from which all others follow.
 
-    Parameters
-    ----------
-    matrix : ndarray, shape (m, n)
-        The rows.
-    left : float
-        Root-mean-square of what may be left of any row.
-    first : sequence of int
-        Rows that are taken before any others.
-
-    Returns
-    -------
-    rows : ndarray of int, shape (r,)
-        The chosen ones, `first` in front.
-    weights : ndarray, shape (m, r)
-        ``weights @ matrix[rows]`` is the matrix; a chosen row is itself.
+    matrix: (m, n); result: (r,).
     """
     rows, rest = list(first), matrix
     if rows:

@@ -25,15 +25,7 @@ CHOICES = ("chebyshev", "rbf", "matern52")
 
 
 class Exact(Posterior):
-    """One regressor an output.
-
-    Parameters
-    ----------
-    kernels : sequence of str
-        Correlation function of every output: matern52, matern32 or rbf with a length scale an input, or chebyshev.
-    regressors : sequence of GaussianProcessRegressor
-        Fitted, one an output.
-    """
+    """One regressor an output."""
 
     parts = 1
 
@@ -81,25 +73,7 @@ def regressor(
     weights: Array | None = None,
     noisy: bool = False,
 ) -> GaussianProcessRegressor:
-    """Return the regressor of one output.
-
-    Parameters
-    ----------
-    kernel : str
-        Correlation function.
-    t, values : ndarray
-        Scaled coordinates (n, d) and the output (n,).
-    theta : ndarray, optional
-        Logarithms of the kernel's parameters; without, the most likely ones.
-    nugget : float
-        Added to the diagonal.
-    restarts, random_state : int
-        Of the search for the most likely ones.
-    weights : ndarray, optional
-        How many cases each counts as: its noise is so many times smaller, as a variance.
-    noisy : bool
-        Whether cases have noise, whose variance is the last parameter.
-    """
+    """Return the regressor of one output."""
     whole = ConstantKernel(1.0, VARIANCES) * _correlation(kernel, t.shape[1])
     if noisy:
         whole = whole + Noise(1e-4, NOISE, weights)
@@ -124,12 +98,8 @@ def chosen(
 ) -> tuple[str, GaussianProcessRegressor]:
     """The kernel under which an output with noise is most likely, each parameter at the price of half ln n (BIC).
 
-    Parameters
-    ----------
-    t : ndarray, shape (n, d), scaled coordinates of the cases
-    values : ndarray, shape (n,), the output
-    nugget, restarts, random_state : float, int, int, as of `ScatterGP`
-    weights : ndarray, shape (n,), what each case counts; None: all alike
+    t: (n, d), scaled coordinates of the cases; values: (n,), the output; weights: (n,), what each case counts; None:
+    all alike.
     """
     if np.ptp(values) == 0:
         return "rbf", regressor("rbf", t, values, np.log([1.0] * (t.shape[1] + 1) + [NOISE[0]]), nugget, noisy=True)
@@ -147,14 +117,7 @@ def chosen(
 
 
 def parameters(kernel: str, inputs: int, noisy: bool) -> int:
-    """Number of parameters of a regressor's kernel.
-
-    Parameters
-    ----------
-    kernel : str, its name
-    inputs : int, number of inputs
-    noisy : bool, whether a noise is among the parameters
-    """
+    """Number of parameters of a regressor's kernel."""
     return 1 + inputs * (2 if kernel == "chebyshev" else 1) + noisy
 
 

@@ -22,48 +22,23 @@ NEGLIGIBLE = 1e-17
 
 @dataclass(frozen=True)
 class Features:
-    """What the process needs of one factor at B query points.
+    """What the process needs of one factor at B query points."""
 
-    Attributes
-    ----------
-    mean : ndarray, shape (modes, B)
-        Functions that the coefficients of the mean multiply.
-    prior : ndarray, shape (B,)
-        K(x, x), without constant and amplitude.
-    residual : ndarray, shape (B,)
-        Part of K(x, x) that the levels leave unknown, >= 0: K(x, x) - K(x, X) K(X, X)^-1 K(X, x).
-    """
-
-    mean: Array
-    prior: Array
+    mean: Array  # shape (modes, B); Functions that the coefficients of the mean multiply
+    prior: Array  # shape (B,); K(x, x), without constant and amplitude
+    # shape (B,); Part of K(x, x) that the levels leave unknown, >= 0: K(x, x) - K(x, X) K(X, X)^-1 K(X, x)
     residual: Array
 
 
 class Factor(ABC):
-    """Kernel of one factor on given levels, in the scaled coordinate.
+    """Kernel of one factor on given levels, in the scaled coordinate."""
 
-    Attributes
-    ----------
-    t : ndarray, shape (n,)
-        Levels in the scaled coordinate.
-    parameter : float
-        The kernel's one hyper-parameter.
-    affine : bool
-        Whether the kernel's functions are affine, so that the levels leave nothing unknown.
-    constant : float
-        Constant part of the kernel beside the scaled part.
-    basis : ndarray, shape (n, n)
-        Orthonormal columns, from smooth to rough.
-    weights : ndarray, shape (n,)
-        Scale between coefficients in `basis` and those that multiply `Features.mean`.
-    """
-
-    constant: ClassVar[float]
-    t: Array
-    parameter: float
-    affine: bool = False
-    basis: Array
-    weights: Array
+    constant: ClassVar[float]  # Constant part of the kernel beside the scaled part
+    t: Array  # shape (n,); Levels in the scaled coordinate
+    parameter: float  # The kernel's one hyper-parameter
+    affine: bool = False  # Whether the kernel's functions are affine, so that the levels leave nothing unknown
+    basis: Array  # shape (n, n); Orthonormal columns, from smooth to rough
+    weights: Array  # shape (n,); Scale between coefficients in `basis` and those that multiply `Features.mean`
 
     @abstractmethod
     def inverse(self) -> tuple[Array, Array]:
@@ -73,10 +48,7 @@ class Factor(ABC):
     def features(self, t: Array, modes: int) -> Features:
         """Return the features at points.
 
-        Parameters
-        ----------
-        t : ndarray, shape (B,), scaled coordinates
-        modes : int, number of the mean's features that are wanted, the smoothest ones
+        t: (B,), scaled coordinates.
         """
 
     @abstractmethod
@@ -86,10 +58,7 @@ class Factor(ABC):
         These are the derivatives of the mean's functions, and d^2/dx dy at x = y = t of the kernel K(x, y) and of its
         unknown part: the variances of the derivative.
 
-        Parameters
-        ----------
-        t : ndarray, shape (B,), scaled coordinates
-        modes : int, number of the mean's functions that are wanted, the smoothest ones
+        t: (B,), scaled coordinates.
         """
 
 
@@ -106,25 +75,10 @@ class ChebyshevFactor(Factor):
     taken as affine: its kernel ends at T_1 and nothing is left unknown.
     Source: aliasing, Trefethen, Approximation Theory and Approximation Practice (2013), chapter 4; the rest follows.
 
-    Parameters
-    ----------
-    levels : int
-        Number of levels n >= 2.
-    rho : float
-        Decay of the kernel's coefficients, 0 < rho < 1.
-
-    Attributes
-    ----------
-    levels : int
-        Number of levels n.
-    decay : ndarray, shape (2n,) or, affine, (2,)
-        Coefficients of the kernel without its constant.
-    eigenvalues : ndarray, shape (n,)
-        Of every mode of the basis, over the square of its weight those of the kernel on the levels.
-    damping : ndarray, shape (n,)
-        Share of every mode that its alias takes.
-    unknown : ndarray, shape (n,)
-        Coefficients of T_j(x)^2 in what the levels leave unknown over T_n(x)^2; that of j = 0 is rho^n.
+    levels: Number of levels n. decay: shape (2n,) or, affine, (2,); Coefficients of the kernel without its constant.
+    eigenvalues: shape (n,); Of every mode of the basis, over the square of its weight those of the kernel on the
+    levels. damping: shape (n,); Share of every mode that its alias takes. unknown: shape (n,); Coefficients of
+    T_j(x)^2 in what the levels leave unknown over T_n(x)^2; that of j = 0 is rho^n.
     """
 
     constant = 1.0
@@ -211,16 +165,7 @@ class StationaryFactor(Factor):
 
     Formulas: C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning (2006), section 4.2.
 
-    Parameters
-    ----------
-    kind : {"rbf", "matern32", "matern52"}
-        Correlation function.
-    t : ndarray, shape (n,)
-        Levels in the scaled coordinate.
-    length_scale : float
-        In the scaled coordinate, where the box has width 2.
-    nugget : float
-        Added to the diagonal of K on the levels.
+    t: (n,).
     """
 
     constant = 0.0
@@ -262,13 +207,7 @@ class StationaryFactor(Factor):
 
 
 def radial(kind: str, r: Array) -> tuple[Array, Array]:
-    """Return a stationary correlation k at distances over the length scale, and -k'(r)/r, which is finite at zero.
-
-    Parameters
-    ----------
-    kind : {"rbf", "matern32", "matern52"}
-    r : ndarray of any shape, >= 0
-    """
+    """Return a stationary correlation k at distances over the length scale, and -k'(r)/r, which is finite at zero."""
     if kind == "rbf":
         k = np.exp(-0.5 * r * r)
         return k, k

@@ -35,30 +35,18 @@ ROUNDING = 1e-14
 
 @dataclass(frozen=True)
 class FiniteRank(Posterior):
-    """The posterior of all outputs.
+    """The posterior of all outputs."""
 
-    Attributes
-    ----------
-    indices : ndarray of int, shape (r, d)
-        Degrees of the features.
-    coefficients : ndarray, shape (r, p)
-        Posterior means of the weights of the standardised outputs.
-    directions : ndarray, shape (r, r)
-        Combinations of features, columns, whose weights are independent before and after the cases.
-    signal, noise : ndarray, shape (p,)
-        Variances s^2 and sigma^2 of the standardised outputs.
-    spectrum : ndarray, shape (r,)
-        What the cases know of every direction: its variance is s^2 sigma^2 / (s^2 spectrum + sigma^2).
-    offset, scale : ndarray, shape (p,)
-        What takes standardised outputs to the outputs.
-    """
-
-    indices: Indices
-    coefficients: Array
+    indices: Indices  # shape (r, d); Degrees of the features
+    coefficients: Array  # shape (r, p); Posterior means of the weights of the standardised outputs
+    # shape (r, r); Combinations of features, columns, whose weights are independent before and after the cases
     directions: Array
+    # shape (r,); What the cases know of every direction: its variance is s^2 sigma^2 / (s^2 spectrum + sigma^2)
     spectrum: Array
+    # shape (p,); Variances s^2 and sigma^2 of the standardised outputs
     signal: Array
     noise: Array
+    # shape (p,); What takes standardised outputs to the outputs
     offset: Array
     scale: Array
 
@@ -68,18 +56,7 @@ class FiniteRank(Posterior):
     def fit(cls, t: Array, values: Array, rank: int, seed: int, weights: Array | None = None) -> "FiniteRank":
         """Condition on cases.
 
-        Parameters
-        ----------
-        t : ndarray, shape (d, n)
-            Scaled coordinates.
-        values : ndarray, shape (n, p)
-            Outputs.
-        rank : int
-            Number of features.
-        seed : int
-            Of the choice of the cases from which the kernel's decay is learnt.
-        weights : ndarray, shape (n,), optional
-            What the variance of a case's noise is divided by.
+        t: (d, n); values: (n, p); weights: (n,), optional.
         """
         root_weight = np.ones(t.shape[1]) if weights is None else np.sqrt(weights)
         offset, scale = values.mean(axis=0), values.std(axis=0)
@@ -146,18 +123,7 @@ class FiniteRank(Posterior):
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: int, outputs: int) -> "FiniteRank":
-        """Return the posterior in a file.
-
-        Parameters
-        ----------
-        stored : Dataset, the file
-        inputs, outputs : int, their numbers
-
-        Raises
-        ------
-        ValueError
-            What is inconsistent, by its name.
-        """
+        """Return the posterior in a file."""
         indices = stored["feature_degree"].values
         arrays = [
             stored[name].values
@@ -190,11 +156,6 @@ def largest(decay: Decay, count: int) -> tuple[Indices, Array]:
     """Return the indices of the largest products of a kernel's coefficients, (count, d), and these, both descending.
 
     One input after the other: what is among the first of all has its first parts among the first of theirs.
-
-    Parameters
-    ----------
-    decay : Decay, the kernel's coefficients by degree of every input
-    count : int, number of products
     """
     indices, weights = np.zeros((1, 0), dtype=np.intp), np.ones(1)
     for coefficients in decay.coefficients(DEGREES):
@@ -240,40 +201,23 @@ def _left(t: Array, y: Array, indices: Indices, coefficients: Array, root_weight
 
 @dataclass(frozen=True)
 class Rest:
-    """What first weights of independent directions leave of the outputs.
+    """What first weights of independent directions leave of the outputs."""
 
-    Attributes
-    ----------
-    first : ndarray, shape (r, p)
-        These weights, whose prior variance is s^2.
-    known : ndarray, shape (r, p)
-        Products of what is left with the directions.
-    energy : ndarray, shape (p,)
-        Sum of its squares.
-    """
-
-    first: Array
-    known: Array
-    energy: Array
+    first: Array  # shape (r, p); These weights, whose prior variance is s^2
+    known: Array  # shape (r, p); Products of what is left with the directions
+    energy: Array  # shape (p,); Sum of its squares
 
     def weights(self, spectrum: Array, ratio: Array) -> Array:
         """Return the posterior means of the weights, (r, p).
 
-        Parameters
-        ----------
-        spectrum : ndarray, shape (r,), what the cases know of every direction
-        ratio : ndarray, shape (p,), noise over signal
+        spectrum: (r,), what the cases know of every direction; ratio: (p,), noise over signal.
         """
         return np.asarray((self.known + spectrum[:, None] * self.first) / (spectrum[:, None] + ratio))
 
     def variances(self, spectrum: Array, output: int, cases: int) -> tuple[float, float]:
         """Return the most likely s^2 and sigma^2 of one output: s^2 at its best for every ratio of the two.
 
-        Parameters
-        ----------
-        spectrum : ndarray, shape (r,), what the cases know of every direction
-        output : int, number of the output
-        cases : int, number of cases
+        spectrum: (r,), what the cases know of every direction.
         """
         first, known, energy = self.first[:, output], self.known[:, output], float(self.energy[output])
 

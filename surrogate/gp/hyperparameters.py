@@ -22,19 +22,7 @@ COARSE = 25
 def level_errors(factor: Factor, grams: Array) -> tuple[Array, Array]:
     """Return leave-one-level-out errors and their variances.
 
-    Parameters
-    ----------
-    factor : Factor
-        Kernel of the factor at unit amplitude.
-    grams : ndarray, shape (p, n, n)
-        For every output, C C^T of the coefficients in the factor's basis, divided by the number of cases a level.
-
-    Returns
-    -------
-    errors : ndarray, shape (p, n)
-        Mean square error over the cases of a level.
-    variances : ndarray, shape (n,)
-        Predictive variance, at unit variance of the process.
+    grams: (p, n, n); result: (p, n).
     """
     inverse, diagonal = factor.inverse()
     squares = np.einsum("pij,ij->pi", inverse @ grams, inverse)
@@ -50,11 +38,7 @@ def most_predictive(make: Callable[[float], Factor], grams: Array, bounds: tuple
     decay follows the size of the errors: the mean hardly depends on it. The variance of a stationary kernel is profiled
     out for every output.
 
-    Parameters
-    ----------
-    make : callable, gives the factor of a parameter
-    grams : ndarray, shape (p, n, n), C C^T of every output along the factor
-    bounds : (float, float), of the parameter, which is searched for on a log scale
+    grams: (p, n, n), C C^T of every output along the factor.
     """
 
     def cost(logarithm: float) -> float:
@@ -69,14 +53,7 @@ def most_predictive(make: Callable[[float], Factor], grams: Array, bounds: tuple
 
 
 def least(cost: Callable[[float], float], bounds: tuple[float, float], steps: int) -> float:
-    """Return the positive number of least cost: the best of some steps, then a search between its neighbours.
-
-    Parameters
-    ----------
-    cost : callable, of the number's logarithm
-    bounds : (float, float), of the number
-    steps : int, how many are tried first, evenly spread on a log scale
-    """
+    """Return the positive number of least cost: the best of some steps, then a search between its neighbours."""
     grid = np.linspace(float(np.log(bounds[0])), float(np.log(bounds[1])), steps)
     best = int(np.argmin([cost(logarithm) for logarithm in grid]))
     around = (grid[max(best - 1, 0)], grid[min(best + 1, steps - 1)])
@@ -101,10 +78,7 @@ def amplitudes(factors: Sequence[Factor], grams: Sequence[Array]) -> tuple[Array
     amplitude of a factor makes its leave-one-level-out errors as large as predicted. Without a constant in the kernel
     the amplitudes are 1 and the variance makes the errors of the worst factor as large as predicted.
 
-    Parameters
-    ----------
-    factors : sequence of Factor, d of them
-    grams : sequence of ndarray, shape (p, n, n), C C^T of every output along each factor
+    grams: sequence of ndarray, shape (p, n, n), C C^T of every output along each factor.
     """
     outputs = len(grams[0])
     ratios, sizes = np.empty((len(factors), outputs)), np.empty(len(factors))

@@ -32,37 +32,12 @@ _LIGHTEST = -300.0
 
 
 def fit(make: Callable[[], GridGP], data: xr.Dataset, missing: Flags) -> GridGP:
-    """Fit a grid's process to a factorial that lacks some cases.
-
-    Parameters
-    ----------
-    make
-        Gives the process, not fitted.
-    data
-        The factorial, all outputs over all dimensions in the same order, anything where cases are missing.
-    missing : ndarray of bool
-        Which are missing, of the shape of the factorial.
-    """
+    """Fit a grid's process to a factorial that lacks some cases."""
     return filled(make, data, dict.fromkeys(map(str, data.data_vars), missing))[1]
 
 
 def filled(make: Callable[[], GridGP], data: xr.Dataset, missing: dict[str, Flags]) -> tuple[xr.Dataset, GridGP]:
-    """Fill a factorial that lacks some cases of some outputs, and fit a grid's process to it.
-
-    Parameters
-    ----------
-    make
-        Gives the process, not fitted.
-    data
-        The factorial, all outputs over all dimensions in the same order, anything where cases are missing.
-    missing : dict of str to ndarray of bool
-        By output, which are missing, of the shape of the factorial.
-
-    Raises
-    ------
-    ValueError
-        More places are missing than can be filled in together.
-    """
+    """Fill a factorial that lacks some cases of some outputs, and fit a grid's process to it."""
     data = data.map(lambda array: array.copy(data=_nearest(array.values, missing[str(array.name)])))
     alike: dict[bytes, list[str]] = {}
     for name, flags in missing.items():
@@ -97,23 +72,7 @@ def _nearest(values: Array, missing: Flags) -> Array:
 def expected(factors: Sequence[Factor], values: Array, missing: Flags) -> Array:
     """What the process expects in the missing places, given the values in all others.
 
-    Parameters
-    ----------
-    factors : sequence of Factor
-        The process's, whose mean is zero.
-    values : ndarray, shape (n_1, ..., n_d, p)
-        Of some outputs; anything in the missing places.
-    missing : ndarray of bool, shape (n_1, ..., n_d)
-
-    Returns
-    -------
-    ndarray, shape (m, p)
-        In the places' order.
-
-    Raises
-    ------
-    ValueError
-        More than `MOST` places, without the factors on which none depends.
+    values: (n_1, ..., n_d, p); missing: (n_1, ..., n_d); result: (m, p).
     """
     own = [k for k in range(missing.ndim) if (missing != np.take(missing, [0], axis=k)).any()]
     rest = [k for k in range(missing.ndim) if k not in own]

@@ -12,9 +12,7 @@ from surrogate.gp.poisson import FIRST, RHO, Decay, kernel, squares
 class Poisson(Kernel):  # type: ignore[misc]  # untyped
     """The product over inputs of 1 + first sum_{m>0} rho^(m-1) T_m T_m, with slopes as in `poisson.most_likely`.
 
-    Parameters
-    ----------
-    first, rho : ndarray, shape (d,)
+    first, rho: (d,).
     """
 
     def __init__(self, first: Array, rho: Array) -> None:
@@ -50,11 +48,7 @@ class Poisson(Kernel):  # type: ignore[misc]  # untyped
 class Noise(WhiteKernel):  # type: ignore[misc]  # untyped
     """Noise of the cases that a process is fitted to: smaller where a case weighs more; of others, as of weight 1.
 
-    Parameters
-    ----------
-    noise_level, noise_level_bounds
-        As scikit-learn has them.
-    weights : ndarray, shape (n,), optional
+    weights: (n,), optional.
     """
 
     def __init__(

@@ -35,10 +35,7 @@ class Decay:
 def kernel(decay: Decay, t: Array, at: Array) -> Array:
     """Return the kernel, (n, m).
 
-    Parameters
-    ----------
-    decay : Decay, its coefficients
-    t, at : ndarray, shape (d, n), (d, m), scaled coordinates
+    t, at: (d, n), (d, m), scaled coordinates.
     """
     product = np.ones((t.shape[1], at.shape[1]))
     for first, rho, x, y in zip(decay.first, decay.rho, t, at, strict=True):
@@ -49,10 +46,7 @@ def kernel(decay: Decay, t: Array, at: Array) -> Array:
 def squares(decay: Decay, t: Array) -> Array:
     """Return the kernel of points with themselves, (n,).
 
-    Parameters
-    ----------
-    decay : Decay, its coefficients
-    t : ndarray, shape (d, n), scaled coordinates
+    t: (d, n), scaled coordinates.
     """
     product = np.ones(t.shape[1])
     for first, rho, x in zip(decay.first, decay.rho, np.clip(t, -1, 1), strict=True):
@@ -64,20 +58,7 @@ def squares(decay: Decay, t: Array) -> Array:
 def most_likely(t: Array, y: Array, weights: Array | None = None) -> tuple[Decay, float]:
     """Return the kernel under which outputs are most likely, and the share of noise.
 
-    Parameters
-    ----------
-    t : ndarray, shape (d, n)
-        Scaled coordinates of the cases; the cost grows with the cube of n.
-    y : ndarray, shape (n, p)
-        Standardised outputs; each has a variance of its own, which is profiled out.
-    weights : ndarray, shape (n,), optional
-        What the variance of a case's noise is divided by.
-
-    Returns
-    -------
-    decay : Decay
-    noise : float
-        Variance of the noise over that of the process, one for all outputs.
+    t: (d, n); y: (n, p); weights: (n,), optional.
     """
     d, share = len(t), np.ones(t.shape[1]) if weights is None else 1 / weights
     start = np.log(np.concatenate([np.full(d, 0.3), np.full(d, 0.3), [1e-3]]))
@@ -130,10 +111,7 @@ def _cost(logs: Array, t: Array, y: Array, share: Array | float = 1.0) -> tuple[
 def sums(x: Array, y: Array, rho: float) -> tuple[Array, Array]:
     """sum_{m>0} rho^(m-1) T_m(x) T_m(y), (n, m), and its slope by rho.
 
-    Parameters
-    ----------
-    x, y : ndarray, shape (n,), (m,), scaled coordinates
-    rho : float, the kernel's decay, in [0, 1)
+    x, y: (n,), (m,), scaled coordinates.
     """
     inside = np.clip(x, -1, 1), np.clip(y, -1, 1)
     a, b = (np.arccos(cosine) for cosine in inside)
@@ -151,10 +129,7 @@ def sums(x: Array, y: Array, rho: float) -> tuple[Array, Array]:
 def sum_slopes(x: Array, y: Array, rho: float) -> Array:
     """Slopes by x of the sums of `sums`, (n, m), by the quotient of polynomials that these are; zero beyond [-1, 1].
 
-    Parameters
-    ----------
-    x, y : ndarray, shape (n,), (m,), scaled coordinates
-    rho : float, the kernel's decay, in [0, 1)
+    x, y: (n,), (m,), scaled coordinates.
     """
     inside = np.clip(x, -1, 1)[:, None], np.clip(y, -1, 1)[None]
     below, above, _, by_below, by_above = _quotient(*inside, rho)
@@ -165,10 +140,7 @@ def sum_slopes(x: Array, y: Array, rho: float) -> Array:
 def sum_curvature(x: Array, rho: float) -> Array:
     """Slopes by x and by y of the sums of `sums` at y = x, (n,).
 
-    Parameters
-    ----------
-    x : ndarray, shape (n,), scaled coordinates
-    rho : float, the kernel's decay, in [0, 1)
+    x: (n,), scaled coordinates.
     """
     inside = np.clip(x, -1, 1)
     below, above, squared, by_below, by_above = _quotient(inside, inside, rho)

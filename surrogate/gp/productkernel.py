@@ -12,16 +12,7 @@ from surrogate.gp.factors import ChebyshevFactor, Factor, Features, StationaryFa
 def factor_of(kernel: str, t: Array, parameter: float, nugget: float) -> Factor:
     """Return the kernel of one factor.
 
-    Parameters
-    ----------
-    kernel : str
-        "chebyshev", or one of the stationary kernels.
-    t : ndarray, shape (n,)
-        Scaled levels.
-    parameter : float
-        rho, or the length scale; ValueError for one out of its range.
-    nugget : float
-        Added to the unit diagonal of a stationary kernel.
+    t: (n,).
     """
     if kernel == "chebyshev":
         if not 0 < parameter < 1:
@@ -45,18 +36,7 @@ def unit_variance(
     q_1 .. q_{f-1} r_f k_{f+1} .. k_d: no cancellation, never negative. It is linear in what every factor brings, so
     that with the slopes of one factor in place of its features it is the variance of the derivative.
 
-    Parameters
-    ----------
-    factors : sequence of Factor
-        Kernels, one an input; d of them.
-    amplitudes : ndarray, shape (d, p)
-        Of every factor and output, beside its constant.
-    features : sequence of Features
-        Of the factors at the points.
-    weights : ndarray, shape (d, p)
-        Of the parts of the variance.
-    slope : (int, Features), optional
-        A factor, and its features' derivatives.
+    amplitudes: (d, p); weights: (d, p).
     """
     shape = (amplitudes.shape[1], len(features[0].prior))
     unknown, known = np.zeros(shape), np.ones(shape)
@@ -75,16 +55,9 @@ def unit_variance(
 def standardised(values: Array, bases: Sequence[Array], grams: Sequence[Array]) -> tuple[Array, float, float]:
     """Standardise one output and take its coefficients in the factors' bases.
 
-    Parameters
-    ----------
-    values : ndarray, shape (n_1, ..., n_d), the output
-    bases : sequence of ndarray, shape (n_f, n_f), orthonormal columns of every factor
-    grams : sequence of ndarray, shape (n_f, n_f), into which the coefficients' products along every factor are written
-
-    Returns
-    -------
-    coefficients : ndarray, shape (n_1, ..., n_d)
-    offset, scale : float, the output's units
+    values: (n_1, ..., n_d), the output; bases: sequence of ndarray, shape (n_f, n_f), orthonormal columns of every
+    factor; grams: sequence of ndarray, shape (n_f, n_f), into which the coefficients' products along every factor
+    are written; result: (n_1, ..., n_d).
     """
     offset = float(values.mean())
     rest: Any = values - offset
@@ -101,11 +74,8 @@ def standardised(values: Array, bases: Sequence[Array], grams: Sequence[Array]) 
 def significant(coefficients: Array, grams: Sequence[Array], allowed: float) -> Array:
     """Drop the highest modes of every factor, as long as their sum of squares stays small.
 
-    Parameters
-    ----------
-    coefficients : ndarray, shape (n_1, ..., n_d), of one output
-    grams : sequence of ndarray, shape (n_f, n_f), their products along every factor
-    allowed : float, sum of squares that may be dropped per factor
+    coefficients: (n_1, ..., n_d), of one output; grams: sequence of ndarray, shape (n_f, n_f), their products along
+    every factor.
     """
     sizes = []
     for gram in grams:

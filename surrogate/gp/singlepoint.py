@@ -26,46 +26,25 @@ _EDGE = np.array([0, *[1] * (SLABS - 2), 2])
 
 @dataclass(frozen=True)
 class Process:
-    """What a Chebyshev grid process is made of; the parts are told apart by identity.
+    """What a Chebyshev grid process is made of; the parts are told apart by identity."""
 
-    Attributes
-    ----------
-    inputs, factors : tuple
-        One a factor.
-    order : tuple of int
-        Factors in the order of the train.
-    train : TensorTrain
-        Coefficients of the standardised means.
-    offset, scale : ndarray, shape (p,)
-        What takes them to the outputs.
-    amplitude : ndarray, shape (d, p)
-        Of every factor's kernel.
-    size : ndarray, shape (p,)
-        Variance of the process in units of the outputs.
-    correction, calibration
-        What held-out cases say; None where there were none.
-    """
-
+    # One a factor
     inputs: tuple[Input, ...]
     factors: tuple[ChebyshevFactor, ...]
-    order: tuple[int, ...]
-    train: TensorTrain
+    order: tuple[int, ...]  # Factors in the order of the train
+    train: TensorTrain  # Coefficients of the standardised means
+    # shape (p,); What takes them to the outputs
     offset: Array
     scale: Array
-    amplitude: Array
-    size: Array
+    amplitude: Array  # shape (d, p); Of every factor's kernel
+    size: Array  # shape (p,); Variance of the process in units of the outputs
+    # What held-out cases say; None where there were none
     correction: Correction | None
     calibration: Calibration | None
 
 
 class SinglePoint:
-    """Means and standard deviations of all outputs at one point.
-
-    Parameters
-    ----------
-    process : Process
-        A fitted process.
-    """
+    """Means and standard deviations of all outputs at one point."""
 
     def __init__(self, process: Process) -> None:
         self._inputs = [mapping(input_) for input_ in process.inputs]
@@ -208,15 +187,7 @@ class _SingleStretch:
 
 
 class SingleGuard:
-    """As `Guard.at` at one point.
-
-    Parameters
-    ----------
-    guard : Guard
-        Over the inputs.
-    inputs : sequence of Input
-        The inputs.
-    """
+    """As `Guard.at` at one point."""
 
     def __init__(self, guard: Guard, inputs: Sequence[Input]) -> None:
         d, outputs = len(inputs), guard.slabs.shape[-1]

@@ -14,15 +14,9 @@ from approximation.arrays import Array
 
 @dataclass(frozen=True)
 class TensorTrain:
-    """A tensor over d factors and p outputs as d cores.
+    """A tensor over d factors and p outputs as d cores."""
 
-    Attributes
-    ----------
-    cores : tuple of ndarray
-        Core k has shape (r_k, modes_k, r_{k+1}), with r_0 = 1 and r_d = p.
-    """
-
-    cores: tuple[Array, ...]
+    cores: tuple[Array, ...]  # Core k has shape (r_k, modes_k, r_{k+1}), with r_0 = 1 and r_d = p
 
     @property
     def modes(self) -> tuple[int, ...]:
@@ -30,13 +24,7 @@ class TensorTrain:
         return tuple(core.shape[1] for core in self.cores)
 
     def check(self, sizes: Sequence[int], outputs: int) -> None:
-        """Raise ValueError unless the cores chain up to the given sizes.
-
-        Parameters
-        ----------
-        sizes : sequence of int, most modes of every core
-        outputs : int, number of outputs
-        """
+        """Raise ValueError unless the cores chain up to the given sizes."""
         rank = 1
         for k, (core, size) in enumerate(zip(self.cores, sizes, strict=True)):
             if core.ndim != 3 or core.shape[0] != rank or not 1 <= core.shape[1] <= size:
@@ -55,9 +43,7 @@ class TensorTrain:
     def gradient(self, features: Sequence[Array], slopes: Sequence[Array]) -> Array:
         """Contract with the features of all factors but one, and the slopes of that one: (d, p, B).
 
-        Parameters
-        ----------
-        features, slopes : sequence of ndarray, shape (modes, B), of every core, and their derivatives
+        features, slopes: sequence of ndarray, shape (modes, B), of every core, and their derivatives.
         """
         states: list[Array | None] = [None]
         for core, feature in zip(self.cores, features, strict=True):
@@ -92,11 +78,6 @@ class TensorTrain:
         """Return the train of some outputs, with ranks cut down.
 
         Oseledets (2011), algorithm 2: orthogonal from the last core to the first, then cut from the first to the last.
-
-        Parameters
-        ----------
-        outputs : sequence of int, their numbers
-        error : float, the most that the cut may err in Frobenius norm
         """
         cores = [*self.cores[:-1], self.cores[-1][..., list(outputs)]]
         for k in range(len(cores) - 1, 0, -1):
@@ -117,10 +98,7 @@ class TensorTrain:
 def compress(tensor: Array, error: float) -> TensorTrain:
     """Compress a tensor to a stated error.
 
-    Parameters
-    ----------
-    tensor : ndarray, shape (modes_1, ..., modes_d, p)
-    error : float, the most that the train may err in Frobenius norm; 0 keeps every direction that is not exactly zero
+    tensor: (modes_1, ..., modes_d, p).
     """
     *modes, outputs = tensor.shape
     allowed = error**2 / max(len(modes) - 1, 1)

@@ -39,52 +39,30 @@ _OUTER_DIMS = {
 
 @dataclass(frozen=True)
 class Calibration:
-    """What turns a raw variance into a calibrated standard deviation and distribution.
+    """What turns a raw variance into a calibrated standard deviation and distribution."""
 
-    Attributes
-    ----------
-    weights : ndarray, shape (k, p)
-        Weight of every part of the variance, for every output.
-    floor : ndarray, shape (p,)
-        Variance added everywhere, squared units of the output.
-    trend : ndarray, shape (m, p)
-        Coefficients of the logarithm of the local scale.
-    trend_degree : ndarray of int, shape (m, d)
-        Degrees of the Chebyshev polynomials of the scaled inputs whose product each of its terms is; the first ones are
-        zero.
-    trend_range : ndarray, shape (2, p)
-        Least and largest of that logarithm at the cases: a polynomial does not go beyond them where cases are few.
-    guard : Guard
-        Further scales in slabs and corners of the box.
-    distribution : Tabulated
-        Distribution of (truth - mean) / std.
-    outer : Guard, optional
-        Further scales over the inputs of a model that stands on this one. That model applies them: `std` and `stretch`
-        do not know its inputs.
-    copula : Copula, optional
-        How errors of outputs and points go together; None in files of before.
-    patches : Patches, optional
-        Boxes about cases that were asked for, with scales beside all others; None where there were none.
-    """
-
-    weights: Array
-    floor: Array
-    trend: Array
+    weights: Array  # shape (k, p); Weight of every part of the variance, for every output
+    floor: Array  # shape (p,); Variance added everywhere, squared units of the output
+    trend: Array  # shape (m, p); Coefficients of the logarithm of the local scale
+    # shape (m, d); Degrees of the Chebyshev polynomials of the scaled inputs whose product each of its terms is; the
+    # first ones are zero
     trend_degree: Indices
+    # shape (2, p); Least and largest of that logarithm at the cases: a polynomial does not go beyond them where cases
+    # are few
     trend_range: Array
-    guard: Guard
-    distribution: Tabulated
+    guard: Guard  # Further scales in slabs and corners of the box
+    distribution: Tabulated  # Distribution of (truth - mean) / std
+    # Further scales over the inputs of a model that stands on this one. That model applies them: `std` and `stretch`
+    # do not know its inputs.
     outer: Guard | None = None
-    copula: Copula | None = None
+    copula: Copula | None = None  # How errors of outputs and points go together; None in files of before
+    # Boxes about cases that were asked for, with scales beside all others; None where there were none
     patches: Patches | None = None
 
     def std(self, variance: Array, t: Array) -> Array:
         """Return calibrated standard deviations, (p, B).
 
-        Parameters
-        ----------
-        variance : ndarray, shape (p, B), weighted, squared units of the outputs
-        t : ndarray, shape (d, B), scaled coordinates
+        variance: (p, B), weighted, squared units of the outputs; t: (d, B), scaled coordinates.
         """
         return np.asarray(np.sqrt(variance + self.floor[:, None]) * self.stretch(t))
 
@@ -136,18 +114,7 @@ class Calibration:
 
     @classmethod
     def restore(cls, stored: xr.Dataset, parts: int, inputs: int, outputs: int) -> Self | None:
-        """Return the calibration in a file, None where it has none.
-
-        Parameters
-        ----------
-        stored : Dataset, the file
-        parts, inputs, outputs : int, numbers of the variance's parts, of inputs and of outputs
-
-        Raises
-        ------
-        ValueError
-            What is inconsistent, by its name.
-        """
+        """Return the calibration in a file, None where it has none."""
         if "calibration_weights" not in stored:
             return None
         cases, pairs = int(stored["calibration_cases"]), inputs * (inputs - 1) // 2

@@ -56,23 +56,8 @@ def calibrate(
 ) -> Calibration:
     """Calibrate on held-out cases.
 
-    Parameters
-    ----------
-    errors : ndarray, shape (p, n)
-        True minus predicted.
-    parts : sequence of ndarray, shape (p, n)
-        Parts of the variance.
-    t : ndarray, shape (d, n)
-        Scaled coordinates of the cases.
-    groups : ndarray of int, shape (n,)
-        As `sharing` has them; no group is in two folds of the cross-fitting.
-    even : ndarray of bool, shape (n,), optional
-        Cases that are spread evenly over the box, by default all: the quantiles are those of these alone.
-    outer : ndarray, shape (e, n), optional
-        Scaled coordinates of the inputs by which a model that stands on this one is asked: there is a guard over these
-        too, one of all their corners together among it.
-    asked : ndarray of bool, shape (n,), optional
-        Cases that were asked for near one another: they tell of the places where they are, and of no other.
+    errors: (p, n); parts: sequence of ndarray, shape (p, n); t: (d, n); groups: (n,); even: (n,), optional; outer:
+    (e, n), optional; asked: (n,), optional.
     """
     patches = None if asked is None else Patches.about(t[:, asked], groups[asked], len(errors))
     if asked is not None and patches is not None and len(patches.low):

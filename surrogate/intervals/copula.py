@@ -34,27 +34,18 @@ _ROUNDING = 1e-9  # added to the correlation's diagonal before it is decomposed
 
 @dataclass(frozen=True)
 class Copula:
-    """Joint ranks of held-out errors, and the lengths over which errors stay alike.
+    """Joint ranks of held-out errors, and the lengths over which errors stay alike."""
 
-    Attributes
-    ----------
-    ranks : ndarray of int, shape (m, p)
-        Of every row, the rank of its score among those of each output, from 0: every column is a permutation.
-    lengths : ndarray, shape (d,)
-        Of the correlation over points, in the angle arccos(t) of every scaled input [rad].
-    """
-
+    # shape (m, p); Of every row, the rank of its score among those of each output, from 0: every column is a
+    # permutation
     ranks: Indices
-    lengths: Array
+    lengths: Array  # shape (d,); Of the correlation over points, in the angle arccos(t) of every scaled input [rad]
 
     @classmethod
     def of(cls, scores: Array, t: Array) -> Self:
         """Return that of held-out cases.
 
-        Parameters
-        ----------
-        scores : ndarray, shape (p, n); NaN: of what has no error
-        t : ndarray, shape (d, n), scaled coordinates
+        scores: (p, n); NaN: of what has no error; t: (d, n), scaled coordinates.
         """
         kept = _evenly(scores.shape[1], MOST_ROWS)
         ranks = _ranks(scores[:, kept])
@@ -66,27 +57,14 @@ class Copula:
     def near(self, t: Array, other: Array) -> Array:
         """Return the correlation over points of one error, (n, k).
 
-        Parameters
-        ----------
-        t, other : ndarray, shape (d, n), (d, k), scaled coordinates
+        t, other: (d, n), (d, k), scaled coordinates.
         """
         return np.asarray(np.exp(-0.5 * _squares(_angles(t), _angles(other), self.lengths)))
 
     def drawn(self, t: Array, draws: int, random: np.random.Generator) -> Array:
         """Draw probabilities, uniform for every output and point, that go together.
 
-        Parameters
-        ----------
-        t : ndarray, shape (d, n)
-            Scaled coordinates of the points, at most `MOST_POINTS`.
-        draws : int
-            How many.
-        random : Generator
-            What is drawn with.
-
-        Returns
-        -------
-        ndarray, shape (p, draws, n)
+        t: (d, n); result: (p, draws, n).
         """
         n, (m, p) = t.shape[1], self.ranks.shape
         row = random.integers(m, size=(draws, n))
@@ -111,18 +89,7 @@ class Copula:
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: int, outputs: int) -> Self | None:
-        """Return what is in a file, None where it has none.
-
-        Parameters
-        ----------
-        stored : Dataset, the file
-        inputs, outputs : int, their numbers
-
-        Raises
-        ------
-        ValueError
-            What is inconsistent, by its name.
-        """
+        """Return what is in a file, None where it has none."""
         if "calibration_rank" not in stored:
             return None
         ranks, lengths = stored["calibration_rank"].values, stored["calibration_length"].values

@@ -83,18 +83,10 @@ class Normal(Distribution):
 
 @dataclass(frozen=True)
 class Tabulated(Distribution):
-    """Quantiles of held-out cases, linear between the probabilities `PROBABILITIES`.
+    """Quantiles of held-out cases, linear between the probabilities `PROBABILITIES`."""
 
-    Attributes
-    ----------
-    quantiles : ndarray, shape (len(PROBABILITIES), p)
-        Ascending.
-    cases : int
-        Held-out cases that they were taken from.
-    """
-
-    quantiles: Array
-    cases: int
+    quantiles: Array  # shape (len(PROBABILITIES), p); Ascending
+    cases: int  # Held-out cases that they were taken from
 
     @classmethod
     def of(cls, scores: Array) -> Self:

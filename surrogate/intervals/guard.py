@@ -22,21 +22,14 @@ SLAB_LEVEL, CORNER_LEVEL = NOMINAL, 0.98
 
 @dataclass(frozen=True)
 class Guard:
-    """Logarithms of further scales, >= 0; the largest of all cells that hold a point counts.
+    """Logarithms of further scales, >= 0; the largest of all cells that hold a point counts."""
 
-    Attributes
-    ----------
-    slabs : ndarray, shape (d, SLABS, p)
-        In every slab of equal width of every scaled input.
-    corners : ndarray, shape (d (d - 1) / 2, 3, 3, p)
-        Where both of two inputs are in their outermost slabs, pairs in the order of `itertools.combinations`. Index 0
-        is the lower one, 2 the upper one, and 1 anything between, where the guard is zero.
-    pooled : ndarray, shape (p,), optional
-        In any of these corners, from the cases of all together: of each alone few tell.
-    """
-
-    slabs: Array
+    slabs: Array  # shape (d, SLABS, p); In every slab of equal width of every scaled input
+    # shape (d (d - 1) / 2, 3, 3, p); Where both of two inputs are in their outermost slabs, pairs in the order of
+    # `itertools.combinations`. Index 0 is the lower one, 2 the upper one, and 1 anything between, where the guard is
+    # zero.
     corners: Array
+    # shape (p,), optional; In any of these corners, from the cases of all together: of each alone few tell
     pooled: Array | None = None
 
     def at(self, t: Array) -> Array:
@@ -63,13 +56,7 @@ class Guard:
 
 
 def unguarded(inputs: int, outputs: int, pooled: bool = False) -> Guard:
-    """Return the guard that adds nothing, as arrays to fill.
-
-    Parameters
-    ----------
-    inputs, outputs : int, their numbers
-    pooled : bool, whether it has one of all corners together
-    """
+    """Return the guard that adds nothing, as arrays to fill."""
     pairs = inputs * (inputs - 1) // 2
     together = np.zeros(outputs) if pooled else None
     return Guard(np.zeros((inputs, SLABS, outputs)), np.zeros((pairs, 3, 3, outputs)), together)
@@ -78,22 +65,7 @@ def unguarded(inputs: int, outputs: int, pooled: bool = False) -> Guard:
 def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, groups: Indices, even: Flags) -> None:
     """Set the guard of one output so that the scores of every cell hold.
 
-    Parameters
-    ----------
-    guard : Guard
-        Its column of the output is overwritten.
-    output : int
-        Number of the output.
-    scores : ndarray, shape (n,)
-        Logarithms of absolute errors over their scale.
-    level : float
-        Score that the scale alone allows for.
-    t : ndarray, shape (d, n)
-        Scaled coordinates of the cases.
-    groups : ndarray of int, shape (n,)
-        Number of the group of every case; those of one share some coordinates, and tell as much of a cell as one.
-    even : ndarray of bool, shape (n,)
-        Cases that are spread evenly: a slab holds of these too, of which others may be the many.
+    scores: (n,); t: (d, n); groups: (n,); even: (n,).
     """
 
     def needed(cell: Indices, fewest: int, share: float) -> float:

@@ -29,29 +29,19 @@ MOST, BOUNDS = 64, (-8.0, 8.0)
 
 @dataclass(frozen=True)
 class Patches:
-    """Logarithms of further scales within boxes; the largest of all boxes that hold a point counts.
+    """Logarithms of further scales within boxes; the largest of all boxes that hold a point counts."""
 
-    Attributes
-    ----------
-    low, high : ndarray, shape (k, d)
-        Ends of the boxes, in scaled inputs.
-    scale : ndarray, shape (k, p)
-        What is added in each to the logarithm of a standard deviation.
-    """
-
+    # shape (k, d); Ends of the boxes, in scaled inputs
     low: Array
     high: Array
-    scale: Array
+    scale: Array  # shape (k, p); What is added in each to the logarithm of a standard deviation
 
     @classmethod
     def about(cls, t: Array, groups: Indices, outputs: int) -> Self:
         """Return the patches about cases, of scale one.
 
-        Parameters
-        ----------
-        t : ndarray, shape (d, n), scaled coordinates of the cases
-        groups : ndarray of int, shape (n,), number of the group of every case; a patch needs `CORNER_PLACES` of them
-        outputs : int, their number
+        t: (d, n), scaled coordinates of the cases; groups: (n,), number of the group of every case; a patch needs
+        `CORNER_PLACES` of them.
         """
         patches: list[tuple[int, Array]] = []
         for members in _clusters(t):
@@ -82,11 +72,8 @@ class Patches:
     def fitted(self, beyond: Array, t: Array, groups: Indices) -> Self:
         """Return the patches with the scales that cases ask for.
 
-        Parameters
-        ----------
-        beyond : ndarray, shape (p, n), by what the 95 % interval must be multiplied so that it ends at the case
-        t : ndarray, shape (d, n), scaled coordinates of the cases
-        groups : ndarray of int, shape (n,), number of the group of every case
+        beyond: (p, n), by what the 95 % interval must be multiplied so that it ends at the case; t: (d, n), scaled
+        coordinates of the cases; groups: (n,), number of the group of every case.
         """
         scale = np.zeros_like(self.scale)
         for own, inside in zip(scale, self.within(t), strict=True):
@@ -108,18 +95,7 @@ class Patches:
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: int, outputs: int) -> Self | None:
-        """Return what is in a file, None where it has none.
-
-        Parameters
-        ----------
-        stored : Dataset, the file
-        inputs, outputs : int, their numbers
-
-        Raises
-        ------
-        ValueError
-            The patches do not fit the model.
-        """
+        """Return what is in a file, None where it has none."""
         if "calibration_patch_low" not in stored:
             return None
         low, high, scale = (stored[f"calibration_{name}"].values for name in PATCH_DIMS)

@@ -19,20 +19,7 @@ def quantile_regression(A: Array, y: Array, level: float, start: Array | None = 
     Minimises the check function of R. Koenker and G. Bassett, Econometrica 46 (1978) 33, convolved with a Gaussian (M.
     Fernandes, E. Guerre and E. Horta, J. Bus. Econ. Stat. 39 (2021) 338), whose width shrinks as the fit improves.
 
-    Parameters
-    ----------
-    A : ndarray, shape (n, k)
-        Regressors; the first column is the constant.
-    y : ndarray, shape (n,)
-        Values.
-    level : float
-        Share below, 0 < level < 1.
-    start : ndarray, shape (k,), optional
-        Coefficients of a fit to much the same values, which saves the wide smoothing.
-
-    Returns
-    -------
-    ndarray, shape (k,)
+    A: (n, k); y: (n,); start: (k,), optional; result: (k,).
     """
     A = np.ascontiguousarray(A)  # cases are picked out of it
     if start is None:

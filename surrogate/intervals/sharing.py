@@ -16,10 +16,7 @@ def sharing(t: Array) -> Indices:
 def places(t: Array, groups: Indices) -> Indices:
     """Return how many places the cases have along every input, (d,): the groups, where these share it, or the cases.
 
-    Parameters
-    ----------
-    t : ndarray, shape (d, n), scaled coordinates of the cases
-    groups : ndarray of int, shape (n,), the group of every case
+    t: (d, n), scaled coordinates of the cases; groups: (n,), the group of every case.
     """
     count, cases = len(np.unique(groups)), t.shape[1]
     return np.array([count if len(np.unique(row)) <= count else cases for row in t])

@@ -16,22 +16,7 @@ _BLOCK = 512  # points whose correlations with all others are held at a time
 def ends(distribution: Distribution, copula: Copula | None, level: float, sizes: Array, t: Array) -> Array:
     """Return the ends of the central interval of a sum of errors.
 
-    Parameters
-    ----------
-    distribution : Distribution
-        Of errors in standard deviations.
-    copula : Copula or None
-        How they go together; without it the ends of all errors are added up, which is the most that they can come to.
-    level : float
-        Of the interval.
-    sizes : ndarray, shape (p, n)
-        Standard deviation of every output's error at every point, times its weight in the sum, with its sign.
-    t : ndarray, shape (e, n)
-        Scaled coordinates of the points as the calibration knows them.
-
-    Returns
-    -------
-    ndarray, shape (2,)
+    sizes: (p, n); t: (e, n); result: (2,).
     """
     told = sizes.any(axis=0)
     sizes, t = sizes[:, told], t[:, told]

@@ -17,14 +17,7 @@ def additive(highest: Sequence[int]) -> Indices:
 
 
 def pairwise(inputs: int, pair: tuple[int, int], total: int, least: int = 2) -> Indices:
-    """Return the degrees of T_a T_b of two inputs, a, b >= 1, least <= a + b <= total: (m, inputs).
-
-    Parameters
-    ----------
-    inputs : int, number of inputs
-    pair : (int, int), the two
-    total, least : int, ends of a + b
-    """
+    """Return the degrees of T_a T_b of two inputs, a, b >= 1, least <= a + b <= total: (m, inputs)."""
     both = [(a, b) for a in range(1, total) for b in range(1, total) if least <= a + b <= total]
     degrees = np.zeros((len(both), inputs), dtype=np.intp)
     degrees[:, pair] = np.reshape(both, (-1, 2))

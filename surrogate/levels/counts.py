@@ -33,51 +33,27 @@ class UnreachableError(ValueError):
 
 @dataclass(frozen=True)
 class LevelChoice:
-    """Level counts and the evidence for them.
+    """Level counts and the evidence for them."""
 
-    Attributes
-    ----------
-    counts : dict of str to int
-        Levels of every input, in order; an affine input has 2.
-    cases : int
-        Their product.
-    tolerance : float
-        What was asked for, over the range of every output.
-    error : dict of str to float
-        Predicted error over range of every output at these counts; NaN for a kinked one, for which nothing is claimed.
-    affine : tuple of str
-        Inputs in which every output is affine.
-    extrapolated : tuple of str
-        Inputs with more levels than the pilot had, so that a rate was trusted; a larger pilot there would be evidence.
-    kinked : dict of str to tuple of str
-        Outputs whose coefficients do not decay geometrically, and the inputs along which.
-    decay : Dataset
-        `coefficient` over (`output`, `input`, `mode`): largest Chebyshev coefficient along an input over all pilot
-        lines, over the output's range (NaN beyond the pilot's levels); `rate` over (`output`, `input`): fitted factor
-        from one coefficient to the next; `interpolation_error` over (`output`, `input`): the part of the predicted
-        error.
-    """
-
-    counts: dict[str, int]
-    cases: int
-    tolerance: float
+    counts: dict[str, int]  # Levels of every input, in order; an affine input has 2
+    cases: int  # Their product
+    tolerance: float  # What was asked for, over the range of every output
+    # Predicted error over range of every output at these counts; NaN for a kinked one, for which nothing is claimed
     error: dict[str, float]
-    affine: tuple[str, ...]
+    affine: tuple[str, ...]  # Inputs in which every output is affine
+    # Inputs with more levels than the pilot had, so that a rate was trusted; a larger pilot there would be evidence
     extrapolated: tuple[str, ...]
+    # Outputs whose coefficients do not decay geometrically, and the inputs along which
     kinked: dict[str, tuple[str, ...]]
+    # `coefficient` over (`output`, `input`, `mode`): largest Chebyshev coefficient along an input over all pilot
+    # lines, over the output's range (NaN beyond the pilot's levels); `rate` over (`output`, `input`): fitted factor
+    # from one coefficient to the next; `interpolation_error` over (`output`, `input`): the part of the predicted
+    # error
     decay: xr.Dataset
 
 
 def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | None = None) -> Decays:
-    """Judge the decay of every output along every input.
-
-    Parameters
-    ----------
-    data : Dataset, a complete factorial on Chebyshev-Gauss levels. An input needs 3 levels to be found affine and at
-        least 8 to be told from a kink; 9 or more for all others is a good pilot. `pilot.explore` makes its own
-    inputs : sequence of Input, its factors
-    outputs : sequence of str, the variables to judge; None: all
-    """
+    """Judge the decay of every output along every input."""
     factorial = complete_factorial(data, inputs, outputs, chebyshev=True)
     names = [input_.name for input_ in factorial.inputs]
     return {
@@ -94,23 +70,7 @@ def _kinks(judged: Decays) -> dict[str, tuple[str, ...]]:
 def choose(
     found: Decays, tolerance: float, budget: int, given: Mapping[str, int] = MappingProxyType({})
 ) -> LevelChoice:
-    """Choose the smallest factorial that is predicted to reach a tolerance.
-
-    Parameters
-    ----------
-    found : dict, as `decays` gives it for the outputs that must reach the tolerance
-    tolerance : float, largest error over the range of every output, > 0
-    budget : int, most cases
-    given : mapping, level counts that are not for choice, by input name
-
-    Raises
-    ------
-    UnreachableError
-        The tolerance needs more cases than the budget, or is below the noise of the pilot, or given counts are too few;
-        the message says which counts would reach it, or what the budget reaches.
-    ValueError
-        A bad tolerance or budget, or no output that decays.
-    """
+    """Choose the smallest factorial that is predicted to reach a tolerance."""
     if not tolerance > 0 or budget < 1:
         raise ValueError(f"tolerance {tolerance} and budget {budget} must be positive")
     kinked = _kinks(found)
@@ -139,13 +99,7 @@ def choose(
 
 
 def evidence(found: Decays, counts: Mapping[str, int]) -> xr.Dataset:
-    """Return decays as a data set: `LevelChoice.decay`, with `kinked` over (`output`, `input`), 1 at a kink.
-
-    Parameters
-    ----------
-    found : dict, as `decays` gives it
-    counts : mapping of str to int, the levels of every input
-    """
+    """Return decays as a data set: `LevelChoice.decay`, with `kinked` over (`output`, `input`), 1 at a kink."""
     names = list(next(iter(found.values())))
     table = [[along[name] for name in names] for along in found.values()]
     modes = max(len(decay.coefficients) for row in table for decay in row)

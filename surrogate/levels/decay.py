@@ -25,27 +25,15 @@ FLOOR = 5.0
 
 @dataclass(frozen=True)
 class Decay:
-    """Coefficients along one factor and what they say.
+    """Coefficients along one factor and what they say."""
 
-    Attributes
-    ----------
-    coefficients : ndarray, shape (n,)
-        Largest coefficient of every degree over all lines along the factor, over the output's range.
-    envelope : ndarray, shape (n,)
-        The same freed of aliases, each raised to the largest coefficient of its degree or beyond.
-    noise : float
-        Level below which coefficients carry no information.
-    rate : float
-        Factor from one coefficient to the next beyond the pilot, 0 where they ended within it.
-    algebraic : bool
-        The coefficients fall like a power of the degree: no tolerance is claimed.
-    """
-
+    # shape (n,); Largest coefficient of every degree over all lines along the factor, over the output's range
     coefficients: Array
+    # shape (n,); The same freed of aliases, each raised to the largest coefficient of its degree or beyond
     envelope: Array
-    noise: float
-    rate: float
-    algebraic: bool
+    noise: float  # Level below which coefficients carry no information
+    rate: float  # Factor from one coefficient to the next beyond the pilot, 0 where they ended within it
+    algebraic: bool  # The coefficients fall like a power of the degree: no tolerance is claimed
 
     @property
     def affine(self) -> bool:

@@ -12,20 +12,7 @@ from surrogate.levels.decay import decay_of
 
 
 def decays(model: CrossGP, X: xr.Dataset) -> Decays:
-    """Judge the decay of every output along every input, from all lines of whole levels among the cases.
-
-    Parameters
-    ----------
-    model : CrossGP
-        That asked for them; it need not be fitted.
-    X : Dataset
-        The cases, as for `CrossGP.fit`. A sweep asks for whole lines along every crossed input.
-
-    Raises
-    ------
-    ValueError
-        As `CrossGP.fit`.
-    """
+    """Judge the decay of every output along every input, from all lines of whole levels among the cases."""
     known = model.blocks(X)
     indices, blocks = np.array(list(known), dtype=np.intp), np.stack(list(known.values()))
     spread = np.ptp(blocks, axis=(0, 1))

@@ -22,21 +22,11 @@ Solve = Callable[[dict[str, Array]], xr.Dataset]
 
 @dataclass(frozen=True)
 class Pilot:
-    """What the pilots showed.
+    """What the pilots showed."""
 
-    Attributes
-    ----------
-    choice : LevelChoice
-        The level counts and the evidence for them.
-    levels : dict of str to int
-        Levels of the finest pilot along every input.
-    cases : int
-        Cases of all pilots together.
-    """
-
-    choice: LevelChoice
-    levels: dict[str, int]
-    cases: int
+    choice: LevelChoice  # The level counts and the evidence for them
+    levels: dict[str, int]  # Levels of the finest pilot along every input
+    cases: int  # Cases of all pilots together
 
 
 def explore(
@@ -52,18 +42,6 @@ def explore(
     A pilot has many levels of one input and few of the others, so that the largest coefficient over its lines is that
     over the box, nearly. It is refined while the chosen count exceeds its levels or an output looks kinked along it, as
     long as all pilots together stay within the budget.
-
-    Parameters
-    ----------
-    solve : callable
-        Takes levels by input name and gives the factorial of all outputs.
-    inputs, tolerance, budget, outputs, given
-        As for `counts.choose`.
-
-    Raises
-    ------
-    UnreachableError, ValueError
-        As `counts.choose`.
     """
     judged: dict[str, dict[str, Decay]] = {}
     fineness = dict.fromkeys((input_.name for input_ in inputs), 0)

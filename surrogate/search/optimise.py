@@ -22,18 +22,7 @@ _VANISHING = 1e-100  # share of the largest slope below which one is none
 
 @dataclass(frozen=True)
 class Problem:
-    """Maximise ``min_s f_s(x)`` subject to ``g_r(x) <= 0`` for every r, over ``-1 <= x <= 1``.
-
-    Parameters
-    ----------
-    dimension
-        Number d of design variables.
-    value
-        Maps points (n, d) to the objective in every scenario, (n, s), and the excesses, (n, m), scaled so that one unit
-        matters; a limit that must hold in several scenarios is several excesses.
-    slope
-        Maps one point (d,) to the derivatives of both by x, (s, d) and (m, d).
-    """
+    """Maximise ``min_s f_s(x)`` subject to ``g_r(x) <= 0`` for every r, over ``-1 <= x <= 1``."""
 
     dimension: int
     value: Callable[[Array], tuple[Array, Array]]
@@ -42,24 +31,12 @@ class Problem:
 
 @dataclass(frozen=True)
 class Optimum:
-    """What was found.
+    """What was found."""
 
-    Attributes
-    ----------
-    x
-        The best point (d,); where nothing is feasible, the point of the least largest excess.
-    objective
-        ``min_s f_s`` there.
-    excess
-        ``g_r`` there; (m,).
-    feasible
-        Whether every excess is zero or less.
-    """
-
-    x: Array
-    objective: float
-    excess: Array
-    feasible: bool
+    x: Array  # The best point (d,); where nothing is feasible, the point of the least largest excess
+    objective: float  # ``min_s f_s`` there
+    excess: Array  # ``g_r`` there; (m,)
+    feasible: bool  # Whether every excess is zero or less
 
 
 def maximise(problem: Problem, *, scan: int = 4096) -> Optimum:
@@ -67,11 +44,6 @@ def maximise(problem: Problem, *, scan: int = 4096) -> Optimum:
 
     The worst case makes objective and limits kink; the epigraph form (one constraint a scenario) is smooth. Where the
     objective leaves a choice, as when a variable does not move it, the point of the largest margins is taken.
-
-    Parameters
-    ----------
-    problem : Problem
-    scan : int, number of scanned points, a power of two
     """
     X = 2 * sobol_points(scan, problem.dimension) - 1
     objective, excess = problem.value(X)
@@ -87,17 +59,7 @@ def maximise(problem: Problem, *, scan: int = 4096) -> Optimum:
 
 
 def improve(problem: Problem, x: Array, scale: float) -> Optimum:
-    """Climb from one point only.
-
-    Parameters
-    ----------
-    problem
-        What to maximise.
-    x
-        Where to start; (d,).
-    scale
-        Size of the objective's variation.
-    """
+    """Climb from one point only."""
     local = _Local(problem, scale)
     best = _best(problem, [x, local.climb(x)])
     if 0 < _violation(best) < _NEARLY:
@@ -110,20 +72,7 @@ def improve(problem: Problem, x: Array, scale: float) -> Optimum:
 
 
 def retreat(problem: Problem, x: Array) -> Array:
-    """Step back into the limits: Newton steps along the gradients of what exceeds them, each the shortest in the box.
-
-    Parameters
-    ----------
-    problem
-        Whose limits.
-    x
-        A point that exceeds them by little; (d,).
-
-    Returns
-    -------
-    numpy.ndarray
-        The point (d,) after the last step; where the rows leave no way back, it still exceeds them.
-    """
+    """Step back into the limits by shortest Newton steps along the gradients of violated limits."""
     exceeding: Flags = np.zeros(0, dtype=bool)
     for _ in range(_STEPS):
         rows = problem.value(x[None])[1][0]

@@ -19,45 +19,17 @@ _ON = 1e-9  # excess that counts as none
 
 @dataclass(frozen=True)
 class Front:
-    """Non-dominated designs, sorted by the first objective.
+    """Non-dominated designs, sorted by the first objective."""
 
-    Attributes
-    ----------
-    x
-        Designs (m, d).
-    values
-        Their objectives (m, k), larger is better.
-    reference, weights
-        Least value of every objective over the front and its range, (k,): what a compromise is measured by.
-    """
-
-    x: Array
-    values: Array
+    x: Array  # Designs (m, d)
+    values: Array  # Their objectives (m, k), larger is better
+    # Least value of every objective over the front and its range, (k,): what a compromise is measured by
     reference: Array
     weights: Array
 
 
 def front(problem: Problem, objectives: int, *, points: int = 33, fill: int = 8, scan: int = 4096) -> Front | None:
-    """Trace the front of a problem whose objective rows are those of several objectives, one after the other.
-
-    Parameters
-    ----------
-    problem
-        What to maximise; its objective has ``objectives`` groups of rows of equal length.
-    objectives
-        Number k of objectives.
-    points
-        Number of references.
-    fill
-        Designs between neighbours, as a multiple of the number of references.
-    scan
-        Number of scanned points, a power of two.
-
-    Returns
-    -------
-    Front or None
-        None where no feasible design was found.
-    """
+    """Trace the front of a problem whose objective rows are those of several objectives, one after the other."""
     X = 2 * sobol_points(scan, problem.dimension) - 1
     anchors = np.array([maximise(_only(problem, k, objectives), scan=min(scan, 1024)).x for k in range(objectives)])
     X = np.concatenate([_feasible(problem, X), _feasible(problem, anchors)])
@@ -86,11 +58,7 @@ def front(problem: Problem, objectives: int, *, points: int = 33, fill: int = 8,
 def scalarised(problem: Problem, objectives: int, reference: Array, weights: Array) -> Problem:
     """All objectives at once: the least of ``(f_k - reference_k) / weights_k`` is maximised.
 
-    Parameters
-    ----------
-    problem : Problem, with one row or several an objective
-    objectives : int, number of objectives
-    reference, weights : ndarray, shape (objectives,), in the objectives' units, weights > 0
+    reference, weights: (objectives,), in the objectives' units, weights > 0.
     """
 
     def value(X: Array) -> tuple[Array, Array]:

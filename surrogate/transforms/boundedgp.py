@@ -192,19 +192,7 @@ class BoundedGP(Transformed):
 
 
 def linked(name: str, y: Array, low: float, high: float) -> Array:
-    """Return what is learnt of an output.
-
-    Parameters
-    ----------
-    name : str, the output's
-    y : ndarray of any shape, its values
-    low, high : float, its bounds in the same units
-
-    Raises
-    ------
-    ValueError
-        A value, with the output's name, is not between the bounds.
-    """
+    """Return what is learnt of an output."""
     bad = ~((low < y) & (y < high))
     if bad.any():
         raise ValueError(f"output {name!r} is {y[bad].flat[0]:g}, which is not between {low:g} and {high:g}")

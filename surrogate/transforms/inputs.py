@@ -34,15 +34,7 @@ class Group:
 
 
 class Axes:
-    """The axes as functions of points in the inputs.
-
-    Parameters
-    ----------
-    inputs : sequence of Input
-        The d inputs of the points.
-    groups : sequence of Group
-        The axes.
-    """
+    """The axes as functions of points in the inputs."""
 
     def __init__(self, inputs: Sequence[Input], groups: Sequence[Group]) -> None:
         self.powers = np.stack([row_of(group.powers, inputs) for group in groups])
@@ -72,13 +64,7 @@ class Axes:
 
 
 def row_of(powers: Powers, inputs: Sequence[Input]) -> Array:
-    """Return the power of every input, (d,).
-
-    Parameters
-    ----------
-    powers : mapping of str to float, by input; those that it does not name are zero
-    inputs : sequence of Input, d of them
-    """
+    """Return the power of every input, (d,)."""
     return np.array([powers.get(own.name, 0.0) for own in inputs])
 
 
@@ -88,20 +74,7 @@ def middle(factor: Input) -> float:
 
 
 def span(inputs: Sequence[Input], powers: Powers) -> tuple[float, float]:
-    """Return the least and the largest value of a product of powers over a box.
-
-    Parameters
-    ----------
-    inputs : sequence of Input
-        The box.
-    powers : mapping of str to float
-        Power of every input in the product.
-
-    Examples
-    --------
-    >>> span([Input("charge", -2.0, 1.0), Input("load", 4.0, 8.0)], {"charge": 1, "load": -1})
-    (-0.5, 0.25)
-    """
+    """Return the least and the largest value of a product of powers over a box."""
     low = high = 1.0
     for own in inputs:
         power = powers.get(own.name, 0.0)

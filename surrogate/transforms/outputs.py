@@ -38,18 +38,7 @@ class Scaling:
 class Scales:
     """The scales of p outputs as functions of points in the inputs.
 
-    Parameters
-    ----------
-    inputs : sequence of Input
-        The d inputs of the points.
-    names : sequence of str
-        The outputs in order; one may occur again.
-    scalings : mapping of str to Scaling
-        How they follow.
-    added : mapping of str to float
-        Powers of the inputs in the product whose logarithm is added.
-    references : ndarray, shape (d,)
-        Inputs at which every product is one.
+    references: (d,).
     """
 
     def __init__(
@@ -91,15 +80,7 @@ class Scales:
     def transform(self, values: Array, X: Array) -> Array:
         """Return what is to be learnt of outputs, (p, n).
 
-        Parameters
-        ----------
-        values : ndarray, shape (p, n), the outputs in their units
-        X : ndarray, shape (n, d), points in physical units
-
-        Raises
-        ------
-        ValueError
-            An output whose logarithm is learnt changes its sign; its name is told.
+        values: (p, n), the outputs in their units; X: (n, d), points in physical units.
         """
         learnt = values / self.values(X)
         for k, sign in self._logarithms:
@@ -114,10 +95,7 @@ class Scales:
     def untransform(self, learnt: Array, X: Array) -> Array:
         """Return the outputs of what is learnt, (p, n): the inverse of `transform`.
 
-        Parameters
-        ----------
-        learnt : ndarray, shape (p, n)
-        X : ndarray, shape (n, d), points in physical units
+        learnt: (p, n); X: (n, d), points in physical units.
         """
         outputs = learnt + self.additions(X)
         for k, sign in self._logarithms:
@@ -127,24 +105,14 @@ class Scales:
     def sizes(self, X: Array, mean: Array) -> Array:
         """Return what errors of learnt outputs are multiplied by, (p, n): their scale, or the output of a logarithm.
 
-        Parameters
-        ----------
-        X : ndarray, shape (n, d)
-            Points.
-        mean : ndarray, shape (p, n)
-            Outputs there.
+        X: (n, d); mean: (p, n).
         """
         return np.asarray(np.where(self.signs[:, None] == 0, self.values(X), np.abs(mean)))
 
     def at(self, point: Sequence[float], mean: Array, std: Array | None) -> tuple[Array, Array | None]:
         """Return the outputs and their deviations at one point, from those that are learnt.
 
-        Parameters
-        ----------
-        point : sequence of float, length d
-            The point.
-        mean, std : ndarray, shape (p,)
-            What is learnt there; without deviations None.
+        mean, std: (p,).
         """
         *scales, added = (self._rows @ np.array([log(point[k] / reference) for k, reference in self._used])).tolist()
         scale = np.exp(scales)[self._which]

@@ -28,22 +28,6 @@ def chebyshev_interpolation(
     """Interpolate a factorial on Chebyshev-Gauss levels by the tensor-product polynomial through all its cases.
 
     Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013), chapters 3 and 4.
-
-    Parameters
-    ----------
-    training : Dataset
-        Complete factorial, as for `GridGP.fit`.
-    inputs : sequence of Input, optional
-        Box and scales, as for `GridGP`.
-    points : mapping or Dataset
-        Named points, as for `GridGP.predict`; they are not checked against the box.
-    outputs : sequence of str, optional
-        Outputs, by default every variable.
-
-    Returns
-    -------
-    Dataset
-        Every output over the points' dimensions.
     """
     data = complete_factorial(training, inputs, outputs, chebyshev=True)
     named = named_points(points, data.inputs)
@@ -59,15 +43,7 @@ def chebyshev_interpolation(
 def baseline(
     model: GaussianProcess, training: xr.Dataset, points: Mapping[str, Any] | xr.Dataset, outputs: Sequence[str]
 ) -> xr.Dataset:
-    """Interpolate what a grid or grouped model was trained on: over its own inputs, or its axes and scaled outputs.
-
-    Parameters
-    ----------
-    model : GaussianProcess, a grid one or one over groups
-    training : Dataset, what it was trained on
-    points : mapping or Dataset, as of `GaussianProcess.predict`
-    outputs : sequence of str, the outputs to interpolate
-    """
+    """Interpolate what a grid or grouped model was trained on: over its own inputs, or its axes and scaled outputs."""
     grouping, named = groups_of(model), named_points(points, model.inputs_)
     if grouping is None:
         return chebyshev_interpolation(training, list(model.inputs_), points, outputs)
@@ -84,10 +60,7 @@ def baseline(
 def contracted(tensor: Array, rows: Sequence[Array]) -> Array:
     """Return a tensor contracted with a row for every point and factor, (B, p).
 
-    Parameters
-    ----------
-    tensor : ndarray, shape (n_1, ..., n_d, p)
-    rows : sequence of ndarray, shape (B, n_f), of every factor
+    tensor: (n_1, ..., n_d, p); rows: sequence of ndarray, shape (B, n_f), of every factor.
     """
     answer = np.empty((len(rows[0]), tensor.shape[-1]))
     size = max(1, ELEMENTS // int(np.prod(tensor.shape[1:])))

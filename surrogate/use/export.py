@@ -13,16 +13,6 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
 
     Arrays are ``{"shape": [...], "data": base64 of little-endian float64}``, so that no digit is lost; cores are as
     :func:`surrogate.data.packing.encoded` has them, which changes a mean by some 1e-10 of a standard deviation.
-
-    Parameters
-    ----------
-    model : GaussianProcess
-        A fitted model.
-
-    Returns
-    -------
-    dict or None
-        None for a model that only Python evaluates, such as one of other kernels than "chebyshev".
     """
     plain = model.plain()
     if plain is None:

@@ -27,20 +27,7 @@ _TOLD = 200
 def learn(t: Array, refused: Flags, even: Flags, groups: Indices, which: Indices, reasons: Sequence[str]) -> Region:
     """Learn where cases are answered.
 
-    Parameters
-    ----------
-    t : ndarray, shape (d, n)
-        Scaled inputs of all cases that are known.
-    refused : ndarray of bool, shape (n,)
-        Whether each is refused; at least one is, and one is not.
-    even : ndarray of bool, shape (n,)
-        Those that are spread evenly over the box: the promise rests on them.
-    groups : ndarray of int, shape (n,)
-        Group of every case; the cases of one are left out together.
-    which : ndarray of int, shape (k,)
-        Number of the reason of every refused case, in their order.
-    reasons : sequence of str
-        Their texts.
+    t: (d, n); refused: (n,); even: (n,); groups: (n,); which: (k,).
     """
     random = np.random.default_rng(0)
     whole = t

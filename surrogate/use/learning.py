@@ -39,48 +39,25 @@ class NotSettledError(ValueError):
 
 @dataclass(frozen=True)
 class Chain:
-    """What one chain has drawn, round by round.
+    """What one chain has drawn, round by round."""
 
-    Attributes
-    ----------
-    states : tuple of dict
-        State of every measured output, by its number.
-    own : ndarray, shape (rounds,)
-        Share of their prior by which single constants are off.
-    odds : dict
-        Log-odds for a discrepancy of every measured output against none, given all else of a round: (rounds,).
-    single : ndarray, shape (rounds,)
-        Probability that single constants are off at all, given all else of a round.
-    """
-
-    states: tuple[dict[int, State], ...]
-    own: Array
+    states: tuple[dict[int, State], ...]  # State of every measured output, by its number
+    own: Array  # shape (rounds,); Share of their prior by which single constants are off
+    # Log-odds for a discrepancy of every measured output against none, given all else of a round: (rounds,)
     odds: dict[int, Array]
-    single: Array
+    single: Array  # shape (rounds,); Probability that single constants are off at all, given all else of a round
 
 
 @dataclass(frozen=True)
 class Learnt:
-    """What measured rows say.
+    """What measured rows say."""
 
-    Attributes
-    ----------
-    about : ndarray, shape (k,)
-        Scaled constants about which the model was linearised last.
-    draws : tuple of Draw
-        Equally probable.
-    chain : Chain
-        All that is unknown beside constants and discrepancies.
-    wild : ndarray, shape (n,)
-        Probability that a value is an outlier.
-    left_out : tuple of ndarray, shape (n,) each
-        Every measured value as predicted from all other rows, and the standard deviation of their difference.
-    """
-
-    about: Array
-    draws: tuple[Draw, ...]
-    chain: Chain
-    wild: Array
+    about: Array  # shape (k,); Scaled constants about which the model was linearised last
+    draws: tuple[Draw, ...]  # Equally probable
+    chain: Chain  # All that is unknown beside constants and discrepancies
+    wild: Array  # shape (n,); Probability that a value is an outlier
+    # tuple of ndarray, shape (n,) each; Every measured value as predicted from all other rows, and the standard
+    # deviation of their difference
     left_out: tuple[Array, Array]
 
     @property
@@ -132,36 +109,7 @@ def learn(
 ) -> Learnt:
     """Estimate constants and discrepancies from measured rows.
 
-    Parameters
-    ----------
-    forward
-        The model.
-    rows
-        What was measured.
-    inputs
-        Inputs of the model, which scale the points.
-    constants
-        How many there are.
-    spread : ndarray, shape (n,)
-        Standard deviation of the model's own error at every value.
-    own : ndarray of bool, shape (k,), optional
-        Constants that may be off each for itself, by an unknown share of their prior deviation; by default none.
-
-    Raises
-    ------
-    NotSettledError
-        An estimate that moves without end.
-
-    Examples
-    --------
-    The slope of a line, which is 2 a priori, give or take 1:
-
-    >>> x = np.linspace(0, 1, 20)
-    >>> index = np.arange(20)
-    >>> rows = Measurements(x[:, None], index, 0 * index, 2.5 * x + 0.01 * np.cos(40 * x), np.full(20, 0.01))
-    >>> found = learn(lambda z: ((2 + z) * x, x[:, None]), rows, (Input("x", 0, 1),), 1, np.zeros(20))
-    >>> bool(abs(found.mean[0] - 0.5) < 2 * found.contraction[0] < 0.5)
-    True
+    spread: (n,); own: (k,), optional.
     """
     single = np.zeros(constants, np.bool_) if own is None else own
     model = _Linearised(forward, rows, inputs, spread)

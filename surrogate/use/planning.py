@@ -21,10 +21,6 @@ def spread(factors: int, count: int) -> Array:
     """Return scaled places within a box, (count, factors): the first half towards its ends, the others even.
 
     What tells most often stands at an end; places of chance are among the others.
-
-    Parameters
-    ----------
-    factors, count : int, numbers of factors and of places
     """
     t = 2 * sobol_points(1 << (count - 1).bit_length(), factors)[:count] - 1
     t[: count // 2] = np.clip(1.5 * t[: count // 2], -1, 1)
@@ -34,20 +30,7 @@ def spread(factors: int, count: int) -> Array:
 def joint(draw: Draw, points: Array, output: Indices, slopes: Array) -> Array:
     """Return the posterior covariance of constants and of what readings would show but for their errors.
 
-    Parameters
-    ----------
-    draw
-        The posterior.
-    points : ndarray, shape (m, d)
-        Scaled inputs of the readings.
-    output : ndarray of int, shape (m,)
-        Their outputs.
-    slopes : ndarray, shape (m, k)
-        Derivatives of the readings by the constants.
-
-    Returns
-    -------
-    ndarray, shape (k + m, k + m)
+    points: (m, d); output: (m,); slopes: (m, k); result: (k + m, k + m).
     """
     shown, m = slopes.copy(), len(points)
     own = np.zeros((m, m))
@@ -65,25 +48,7 @@ def joint(draw: Draw, points: Array, output: Indices, slopes: Array) -> Array:
 def chosen(joints: Sequence[Array], noise: Array, wanted: Indices, count: int) -> list[int]:
     """Return the readings that shrink the volume of a posterior of constants and answers most, each once at most.
 
-    Parameters
-    ----------
-    joints : sequence of ndarray, shape (k + m, k + m) each
-        Of `joint`, at several draws: logarithms of volumes are averaged.
-    noise : ndarray, shape (m,)
-        Variances of the errors of readings; infinite: an answer, which is not chosen.
-    wanted
-        Rows of the joints that are to be known better: constants or answers.
-    count
-        How many readings, at most m.
-
-    Examples
-    --------
-    Of three readings of one constant the two that depend on it most:
-
-    >>> slopes = np.array([[0.1], [2.0], [-1.0]])
-    >>> both = np.block([[np.ones((1, 1)), slopes.T], [slopes, slopes @ slopes.T]])
-    >>> sorted(chosen([both], np.ones(3), np.array([0]), 2))
-    [1, 2]
+    joints: sequence of ndarray, shape (k + m, k + m) each; noise: (m,).
     """
     plan: list[int] = []
     now = list(joints)
@@ -103,12 +68,8 @@ def chosen(joints: Sequence[Array], noise: Array, wanted: Indices, count: int) -
 def widths(joints: Sequence[Array], noise: Array, plan: Sequence[int], wanted: Indices) -> Array:
     """Return the posterior deviations of what is wanted after some readings; draws do not differ in their mean.
 
-    Parameters
-    ----------
-    joints : sequence of ndarray, shape (k + m, k + m), as `joint` gives them, one a draw
-    noise : ndarray, shape (m,), variances of the readings' errors, infinite for what nobody can read
-    plan : sequence of int, numbers of the readings
-    wanted : ndarray of int, rows of the covariances that are wanted
+    joints: sequence of ndarray, shape (k + m, k + m), as `joint` gives them, one a draw; noise: (m,), variances of
+    the readings' errors, infinite for what nobody can read.
     """
     variances = [np.diag(_after(covariance, noise, plan))[wanted] for covariance in joints]
     return np.asarray(np.sqrt(np.mean(variances, axis=0)))

@@ -35,67 +35,38 @@ _STEPS = {"amplitude": 0.7, "length": 0.8, "scale": 0.25, "loose": 0.5}  # of th
 
 @dataclass(frozen=True)
 class State:
-    """One draw of all that is unknown of an output, but for the constants.
+    """One draw of all that is unknown of an output, but for the constants."""
 
-    Attributes
-    ----------
-    amplitude : float
-        Logarithm of the discrepancy's amplitude over the size of the output.
-    lengths : ndarray, shape (d,)
-        Logarithms of its lengths.
-    scale : float
-        Logarithm of true over stated errors.
-    loose : float
-        Logarithm of the errors that nobody states, over the size of the output.
-    wild : ndarray of int, shape (n,)
-        Number of each value's place in `WILD`.
-    """
-
-    amplitude: float
-    lengths: Array
-    scale: float
-    loose: float
-    wild: Indices
+    amplitude: float  # Logarithm of the discrepancy's amplitude over the size of the output
+    lengths: Array  # shape (d,); Logarithms of its lengths
+    scale: float  # Logarithm of true over stated errors
+    loose: float  # Logarithm of the errors that nobody states, over the size of the output
+    wild: Indices  # shape (n,); Number of each value's place in `WILD`
 
 
 @dataclass(frozen=True)
 class Residuals:
-    """Measured values of one output, linear in the constants.
+    """Measured values of one output, linear in the constants."""
 
-    Attributes
-    ----------
-    points : ndarray, shape (n, d)
-        Scaled inputs.
-    residual, slopes : ndarray, shape (n,), (n, k)
-        Measured less model with the constants at zero, and derivatives of the model by the constants.
-    spread, stated : ndarray, shape (n,)
-        Variances of the model's own errors, and of those of measurement as they are stated; zero where they are not.
-    unknown : ndarray of bool, shape (n,)
-        Values whose error of measurement nobody states: they share one.
-    size : float
-        Size of the output, by which amplitude and unknown errors are scaled.
-    """
-
-    points: Array
+    points: Array  # shape (n, d); Scaled inputs
+    # shape (n,), (n, k); Measured less model with the constants at zero, and derivatives of the model by the
+    # constants
     residual: Array
     slopes: Array
+    # shape (n,); Variances of the model's own errors, and of those of measurement as they are stated; zero where they
+    # are not
     spread: Array
     stated: Array
-    unknown: Flags
-    size: float
+    unknown: Flags  # shape (n,); Values whose error of measurement nobody states: they share one
+    size: float  # Size of the output, by which amplitude and unknown errors are scaled
 
     @classmethod
     def of(cls, points: Array, residual: Array, slopes: Array, error: Array, spread: Array, mean: Array) -> "Residuals":
         """Return those of values at points.
 
-        Parameters
-        ----------
-        points : ndarray, shape (n, d), scaled inputs
-        residual : ndarray, shape (n,), measured less model with the constants at zero
-        slopes : ndarray, shape (n, k), derivatives of the model by the constants
-        error : ndarray, shape (n,), stated standard deviations of measurement; NaN: unknown
-        spread : ndarray, shape (n,), standard deviations of the model's own errors
-        mean : ndarray, shape (n,), the model's means
+        points: (n, d), scaled inputs; residual: (n,), measured less model with the constants at zero; slopes: (n,
+        k), derivatives of the model by the constants; error: (n,), stated standard deviations of measurement; NaN:
+        unknown; spread: (n,), standard deviations of the model's own errors; mean: (n,), the model's means.
         """
         size = float(np.sqrt(np.mean(mean**2))) or float(np.abs(residual).max()) or 1.0
         return cls(points, residual, slopes, spread**2, np.nan_to_num(error) ** 2, np.isnan(error), size)
@@ -126,17 +97,7 @@ class Residuals:
         return np.asarray(self.spread + self._plain(state))
 
     def swept(self, state: State, mean: Array, covariance: Array, random: np.random.Generator) -> tuple[State, float]:
-        """Return a state after one round over all that is unknown, and log-odds for a discrepancy given all else of it.
-
-        Parameters
-        ----------
-        state
-            Where the chain is.
-        mean, covariance
-            What all other outputs say of the constants: (k,), (k, k).
-        random
-            Where numbers are drawn from.
-        """
+        """Return a state after one Gibbs round over all unknowns, and log-odds of each discrepancy."""
         away, shared = self.residual - self.slopes @ mean, self.slopes @ covariance @ self.slopes.T
         noisy = shared + np.diag(self._noise(state))
         state, odds = self._with_amplitude(state, away, noisy, random)
@@ -159,12 +120,7 @@ class Residuals:
     def completed(self, state: State, some: Indices, mean: Array, random: np.random.Generator) -> State:
         """Return a state that was drawn from some of the values with outliers drawn for the others too.
 
-        Parameters
-        ----------
-        state : State, drawn from `some`
-        some : ndarray of int, numbers of the values that it was drawn from
-        mean : ndarray, shape (k,), the constants
-        random : Generator, of the draws
+        mean: (k,), the constants.
         """
         wild = np.zeros(len(self.residual), np.intp)
         wild[some] = state.wild

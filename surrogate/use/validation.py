@@ -50,35 +50,7 @@ _MEANINGS = {
 
 
 def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | None) -> xr.Dataset:
-    """Compare a model with held-out truth.
-
-    Parameters
-    ----------
-    model : GaussianProcess
-        A fitted model.
-    cases : Dataset
-        Held-out cases, inputs and true outputs: variables over one or more dimensions.
-    training : Dataset or None
-        What the model was trained on, for the baseline; None only where tensor Chebyshev interpolation does not apply
-        (levels that are not Chebyshev-Gauss, scattered cases).
-
-    Returns
-    -------
-    Dataset
-        Over `output`: `range` (of the truth), `max_error` and `rmse` (over that range), `r2`, `coverage` (of the
-        95 % interval), `crps` (over range), `worst_decile_coverage`, `worst_corner_coverage` (both of two inputs in an
-        outer tenth of their range; NaN without 20 cases in any corner), `pit_distance` (largest distance of the
-        distribution of `pit` from uniform), and with training `baseline_max_error` and `baseline_rmse`. Over (`output`,
-        `level`): `level_coverage`. Over (`output`, `input`, `decile`): `decile_coverage` of the 95 % interval, deciles
-        of the cases by the value of the input. Over (`output`, `case`): `pit`, the predictive distribution's value at
-        the truth, and `error` (signed, over range). An output with no range is measured against 1. For a calibrated
-        model `raw_max_error`, `raw_coverage` and so on are those of the same model without its calibration.
-
-    Raises
-    ------
-    ValueError
-        Missing variables, NaN, or a case outside the box.
-    """
+    """Compare a model with held-out truth."""
     points, truth = model.cases(cases)
     predicted = model.predict(points)
     names = list(model.outputs_)
@@ -134,10 +106,7 @@ def crps(true: Array, mean: Array, std: Array, distribution: Distribution | None
 
     A standard deviation of zero gives the absolute error.
 
-    Parameters
-    ----------
-    true, mean, std : ndarray, shape (p, n), in the outputs' units
-    distribution : Distribution, of (true - mean) / std; None: a normal one
+    true, mean, std: (p, n), in the outputs' units.
     """
     z = _standard(true, mean, std)
     finite = np.where(np.isfinite(z), z, 0.0)
@@ -148,10 +117,7 @@ def crps(true: Array, mean: Array, std: Array, distribution: Distribution | None
 def pit(true: Array, mean: Array, std: Array, distribution: Distribution | None = None) -> Array:
     """Return the probability integral transform of predictions, (p, n); uniform where they are right.
 
-    Parameters
-    ----------
-    true, mean, std : ndarray, shape (p, n), in the outputs' units
-    distribution : Distribution, of (true - mean) / std; None: a normal one
+    true, mean, std: (p, n), in the outputs' units.
     """
     return (distribution or Normal()).cdf(_standard(true, mean, std))
 
@@ -171,10 +137,7 @@ def _standard(true: Array, mean: Array, std: Array) -> Array:
 def worst_corner(t: Array, inside: Flags) -> Array:
     """Least coverage where both of two inputs are in an outer tenth of their range: (p,).
 
-    Parameters
-    ----------
-    t : ndarray, shape (d, n), scaled coordinates of the cases
-    inside : ndarray of bool, shape (p, n), whether the interval holds the truth
+    t: (d, n), scaled coordinates of the cases; inside: (p, n), whether the interval holds the truth.
     """
     worst = np.full(len(inside), np.nan)
     for a, b in combinations(np.concatenate([t, -t]), 2):
@@ -188,20 +151,6 @@ def ideal(model: Mapping[str, Input], cases: Mapping[str, xr.DataArray], outputs
     """Return what intervals would show on some cases that hold every case with the same probability.
 
     The least of many parts falls short by chance alone: this is by how much, in the mean of some draws.
-
-    Parameters
-    ----------
-    model : mapping of str to Input
-        The box, as `GaussianProcess.box`.
-    cases : mapping of str to DataArray
-        The value of every input, over `case`.
-    outputs : int
-        Number of outputs; the least and the largest share among them are told.
-
-    Returns
-    -------
-    dict
-        `low` and `high`, a share for each of `LEVELS`; `worst_decile_coverage` and `worst_corner_coverage`.
     """
     X = np.stack([np.asarray(cases[name].values, dtype=np.float64) for name in model], axis=1)
     t, random = unit_coordinates(tuple(model.values()), X), np.random.default_rng(0)

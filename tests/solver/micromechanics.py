@@ -87,13 +87,7 @@ def _cylinder_polarisation(L: matrix) -> matrix:
 
 
 def _constants(L: matrix) -> dict[str, mpf]:
-    """Constants of a transversely isotropic L.
-
-    Raises
-    ------
-    ArithmeticError
-        L is not transversely isotropic or not symmetric.
-    """
+    """Constants of a transversely isotropic L."""
     c = {"c11": L[0, 0], "c12": L[0, 6], "c13": L[0, 12], "c33": L[12, 12], "c44": L[2, 10]}
     for J, kind in ((3, "e"), (4, "f")):
         c |= {f"{kind}31": L[10 + J, 0], f"{kind}33": L[10 + J, 12], f"{kind}15": L[J, 10]}

@@ -12,21 +12,11 @@ _STEPS = np.linspace(-3.1, 3.1, 241)
 
 @dataclass(frozen=True, eq=False)
 class Rule:
-    """X = cos(angle), and a rule in the angle that takes any exponent at the edges.
+    """X = cos(angle), and a rule in the angle that takes any exponent at the edges."""
 
-    Attributes
-    ----------
-    X : ndarray
-        Nodes, never on an edge.
-    root : ndarray
-        sqrt(1 - X^2), exact next to the edges too.
-    weight : ndarray
-        The integral of f over -1 < X < 1 is the sum of weight * (f * root).
-    """
-
-    X: Array
-    root: Array
-    weight: Array
+    X: Array  # Nodes, never on an edge
+    root: Array  # sqrt(1 - X^2), exact next to the edges too
+    weight: Array  # The integral of f over -1 < X < 1 is the sum of weight * (f * root)
 
 
 def rule() -> Rule:

@@ -38,21 +38,7 @@ def printed(line: str) -> str:
 
 
 class Running:
-    """A command that runs, of which `poll`, `wait` and `kill` are those of `subprocess.Popen`.
-
-    Parameters
-    ----------
-    command : sequence of str
-        The program's name, ``meecontact``, ``snakemake`` or ``python``, and its words.
-    folder : Path
-        Its current folder.
-    packages : Path
-        Where it finds the project's packages.
-    streams : sequence of path
-        Files of its standard input, output and error; the latter two are written on.
-    bound : bool
-        Whether permissions bind it, if this user is root too.
-    """
+    """A command that runs, of which `poll`, `wait` and `kill` are those of `subprocess.Popen`."""
 
     def __init__(
         self,

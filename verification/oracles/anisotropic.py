@@ -10,19 +10,7 @@ _UNITS = np.diag([1e-5, 1e-5, 1e-5, 1e5])  # of displacements and potential, so 
 
 
 def compliance(stiffness: ArrayLike, piezo: ArrayLike, permittivity: ArrayLike, axes: ArrayLike) -> Array:
-    """N of (u_y, phi) by (sigma_yy, D_y) of a half-plane; (2, 2).
-
-    Parameters
-    ----------
-    stiffness
-        c in the crystal's axes, Voigt [Pa]; (6, 6).
-    piezo
-        e [C/m2]; (3, 6).
-    permittivity
-        eps [F/m]; (3, 3).
-    axes
-        Rows: along the surface, up, out of the plane; (3, 3).
-    """
+    """N of (u_y, phi) by (sigma_yy, D_y) of a half-plane; (2, 2)."""
     c, e, turn = np.zeros((3, 3, 3, 3)), np.zeros((3, 3, 3)), np.asarray(axes, dtype=np.float64)
     own, coupling = np.asarray(stiffness), np.asarray(piezo)
     for row, (i, j) in enumerate(_VOIGT):
@@ -47,13 +35,6 @@ def around(stiffness: ArrayLike, piezo: ArrayLike, permittivity: ArrayLike, coun
     """N over azimuths of a surface across the crystal's Z, equally spaced over half a turn; (count, 2, 2).
 
     A point contact of revolution answers, to first order in what the azimuth changes, with the mean.
-
-    Parameters
-    ----------
-    stiffness, piezo, permittivity
-        As `compliance` takes them.
-    count
-        Number of azimuths.
     """
     angles = np.pi * np.arange(count) / count
     planes = [[[np.cos(A), np.sin(A), 0], [0, 0, 1], [np.sin(A), -np.cos(A), 0]] for A in angles]

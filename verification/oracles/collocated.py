@@ -7,14 +7,7 @@ from verification.oracles.surface_response import Array, SurfaceResponse
 
 
 def quantities(found: collocation.Contact, surface: SurfaceResponse, datum: float) -> dict[str, float]:
-    """Ends, response, edge values.
-
-    Parameters
-    ----------
-    found : Contact, solved
-    surface : SurfaceResponse, of the half-plane
-    datum : float, m, at which the potentials are zero
-    """
+    """Ends, response, edge values."""
     depth, voltage, magnetic_potential = found.punch_response(datum)
     alpha, h, near = found.problem.weights()[0][0], found.half_width, np.array([1e-24])
     trailing, leading = (found._tractions(*sides)[:, 0] for sides in ((near, 2 - near), (2 - near, near)))
@@ -42,11 +35,7 @@ def quantities(found: collocation.Contact, surface: SurfaceResponse, datum: floa
 def fields(found: collocation.Contact, surface: SurfaceResponse, X: Array) -> dict[str, Array]:
     """The surface fields.
 
-    Parameters
-    ----------
-    found : Contact, solved
-    surface : SurfaceResponse, of the half-plane
-    X : ndarray, shape (n,), places over the contact's half-width, |X| < 1
+    X: (n,), places over the contact's half-width, |X| < 1.
     """
     t, transform = (
         np.vstack([found.problem.friction * rows[0], rows]) for rows in (found.tractions(X), found.transforms(X))

@@ -36,31 +36,18 @@ _PREFERENCE = 0.5  # from one order to the next: without it the two families can
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A punch on a half-plane, SI units.
+    """A punch on a half-plane, SI units."""
 
-    Attributes
-    ----------
-    N : ndarray, shape (3, 3)
-    k : ndarray, shape (3,)
-        Theory (2.2), over (y, phi, psi).
-    profile : Profile
-    friction, load, charge, magnetic_charge : float
-        eta, P, T, J. The charge of a field that is not conducted is not used.
-    conducted : tuple of int
-        Which of 1 (electric) and 2 (magnetic) the punch conducts.
-    terms : int
-        Terms of each Chebyshev series, at least 3.
-    """
-
-    N: Array
-    k: Array
+    N: Array  # shape (3, 3)
+    k: Array  # shape (3,); Theory (2.2), over (y, phi, psi)
     profile: Profile
+    # eta, P, T, J. The charge of a field that is not conducted is not used.
     friction: float
     load: float
     charge: float = 0.0
     magnetic_charge: float = 0.0
-    conducted: tuple[int, ...] = (1, 2)
-    terms: int = 8
+    conducted: tuple[int, ...] = (1, 2)  # Which of 1 (electric) and 2 (magnetic) the punch conducts
+    terms: int = 8  # Terms of each Chebyshev series, at least 3
 
     @property
     def unknown(self) -> list[int]:
@@ -83,27 +70,16 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Solution of a problem between two ends.
-
-    Attributes
-    ----------
-    problem : Problem
-    trailing, leading : float
-        a and b [m].
-    coefficients : ndarray, shape (3, 2, terms)
-        Chebyshev coefficients of (F, G, G) and of (nothing, K, K), SI units.
-    tilt : float
-        Rotation of the punch that the ends ask for [1]: zero unless both edges are smooth and the ends are wrong.
-    residual : float
-        Largest misfit of the equations at the collocation points, over the largest right-hand side.
-    """
+    """Solution of a problem between two ends."""
 
     problem: Problem
+    # a and b [m]
     trailing: float
     leading: float
-    coefficients: Array
+    coefficients: Array  # shape (3, 2, terms); Chebyshev coefficients of (F, G, G) and of (nothing, K, K), SI units
+    # Rotation of the punch that the ends ask for [1]: zero unless both edges are smooth and the ends are wrong
     tilt: float
-    residual: float
+    residual: float  # Largest misfit of the equations at the collocation points, over the largest right-hand side
 
     @property
     def half_width(self) -> float:
@@ -154,13 +130,7 @@ class Contact:
 
 
 def solve(problem: Problem) -> Contact:
-    """Solve (2.2) with its contact ends.
-
-    Raises
-    ------
-    ArithmeticError
-        The ends were not found.
-    """
+    """Solve (2.2) with its contact ends."""
     right, left = problem.profile.sharp_trailing, problem.profile.sharp_leading
     if right is not None and left is not None:
         return _between(problem, right, -left)

@@ -18,20 +18,12 @@ _LEAST_KAP = mpf("1e-40")
 
 @dataclass(frozen=True, eq=False)
 class Sliding:
-    """Half-plane, friction, radius and conducted fields: what the load does not change.
-
-    Attributes
-    ----------
-    half : HalfPlane
-    friction, radius : mpf
-    conducted : tuple of int
-        Which of (y, phi, psi) beside y the punch holds: any of 1 and 2.
-    """
+    """Half-plane, friction, radius and conducted fields: what the load does not change."""
 
     half: HalfPlane
     friction: mpf
     radius: mpf
-    conducted: tuple[int, ...]
+    conducted: tuple[int, ...]  # Which of (y, phi, psi) beside y the punch holds: any of 1 and 2
 
     @cached_property
     def reduction(self) -> tuple[matrix, matrix, mpf, mpf]:
@@ -67,13 +59,7 @@ def _roots(u: mpf, v: mpf) -> list[mpf]:
 
 @lru_cache(maxsize=64)
 def functions(alpha: mpf | None, level: int) -> list[list[mpf]]:
-    """The function of alpha, or without one those with a root, times the weights at the nodes of a level.
-
-    Parameters
-    ----------
-    alpha : mpf, the pressure's exponent; None: of those with a root
-    level : int, of the quadrature
-    """
+    """The function of alpha, or without one those with a root, times the weights at the nodes of a level."""
     rows = [[w * f for f in (_roots(u, v) if alpha is None else _shape(alpha, u, v))] for u, v, w in nodes(level)]
     return [list(column) for column in zip(*rows, strict=True)]
 
@@ -110,16 +96,10 @@ def _cauchy(alpha: mpf | None, X: mpf) -> list[mpf]:
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """A loaded contact.
-
-    Attributes
-    ----------
-    sliding : Sliding
-    load, charge, magnetic_charge : mpf
-        P, T, J.
-    """
+    """A loaded contact."""
 
     sliding: Sliding
+    # P, T, J
     load: mpf
     charge: mpf
     magnetic_charge: mpf
@@ -152,23 +132,13 @@ class Contact:
         return rows
 
     def tractions(self, u: mpf, v: mpf) -> list[mpf]:
-        """(sigma_xy, sigma_yy, D_y, B_y) in the contact.
-
-        Parameters
-        ----------
-        u, v : mpf, the point: (a - x)/l and (x + b)/l = 1 - u
-        """
+        """(sigma_xy, sigma_yy, D_y, B_y) in the contact."""
         values = _shape(self.sliding.alpha, u, v) + _roots(u, v)
         normal, *charges = (fdot(row, values) for row in self.coefficients)
         return [self.sliding.friction * normal, normal, *charges]
 
     def transforms_inside(self, u: mpf, v: mpf) -> list[mpf]:
-        """H of the tractions in the contact, theory section 4.
-
-        Parameters
-        ----------
-        u, v : mpf, the point: (a - x)/l and (x + b)/l = 1 - u
-        """
+        """H of the tractions in the contact, theory section 4."""
         s, width = self.sliding, self.width
         normal = self.tractions(u, v)[1]
         h_normal = cot(pi * s.alpha) * normal + width * (v - s.alpha) / (s.reduction[2] * s.radius)

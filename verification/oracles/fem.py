@@ -57,10 +57,7 @@ def constitutive_matrix(material: Mapping[str, float]) -> Array:
 def elliptic_mesh(theta: Array, xi: Array) -> MeshTri:
     """Triangles between x + iy = cosh(xi - i theta).
 
-    Parameters
-    ----------
-    theta : ndarray, shape (n,), from 0 to pi
-    xi : ndarray, shape (m,), from 0
+    theta: (n,), from 0 to pi; xi: (m,), from 0.
     """
     wide, deep = np.meshgrid(theta, xi, indexing="ij")
     x, y = np.cosh(deep) * np.cos(wide), -np.sinh(deep) * np.sin(wide)
@@ -85,20 +82,11 @@ def contact_mesh(cells: int) -> MeshTri:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A meshed half-plane.
+    """A meshed half-plane."""
 
-    Attributes
-    ----------
-    material : mapping
-        Constants as for ``surface_response``.
-    mesh : MeshTri
-    order : int
-        Of the polynomials of an element: 1, 2 or 4.
-    """
-
-    material: Mapping[str, float]
+    material: Mapping[str, float]  # Constants as for ``surface_response``
     mesh: MeshTri
-    order: int = 4
+    order: int = 4  # Of the polynomials of an element: 1, 2 or 4
 
     @cached_property
     def basis(self) -> Basis:
@@ -142,11 +130,7 @@ class Body:
     def fluxes(self, u: Array, points: Array, length: float) -> dict[str, Array]:
         """``FIELDS`` at points within the body; SI units.
 
-        Parameters
-        ----------
-        u : ndarray, shape (4, nodes), displacements and potentials
-        points : ndarray, shape (2, n), X and Y over `length`
-        length : float, m, the unit of the mesh
+        u: (4, nodes), displacements and potentials; points: (2, n), X and Y over `length`.
         """
         cells = self.mesh.element_finder(mapping=self.basis.mapping)(*points)
         local = self.basis.mapping.invF(points[:, :, None], tind=cells)
@@ -170,13 +154,7 @@ def surface_load(body: Body, regular: Array, half_width: float) -> Array:
     A traction times sqrt(1 - X^2) is smooth over the angle: its moments over an edge are found there, and with them its
     projection on the polynomials of an element, which does the same work on the elements as the traction itself.
 
-    Parameters
-    ----------
-    body : Body
-    regular : ndarray, shape (4, edges, 16)
-        (sigma_xy, sigma_yy, D_y, B_y) sqrt(1 - X^2) at the angles of :func:`surface_angles`.
-    half_width : float
-        h [m].
+    regular: (4, edges, 16).
     """
     ends = _ends(body.mesh)
     facets = FacetBasis(body.mesh, body.basis.elem, facets=body.mesh.boundaries["contact"], intorder=2 * body.order)

@@ -22,46 +22,23 @@ _UNITS = np.array([1e5, 1e-5, 1e-3])  # N/m, C/m, Wb/m: make energies of loads c
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """A contact found.
+    """A contact found."""
 
-    Attributes
-    ----------
-    x, pressure : ndarray, shape (n,)
-        Nodes that touch [m] and the pressure there [Pa].
-    half_width : float
-        Where the pressure vanishes [m].
-    depth, voltage, magnetic_potential : float
-        Relative to the surface at the distance ``datum`` on both sides [m, V, A].
-    datum : float
-        [m].
-    """
-
+    # shape (n,); Nodes that touch [m] and the pressure there [Pa]
     x: Array
     pressure: Array
-    half_width: float
+    half_width: float  # Where the pressure vanishes [m]
+    # Relative to the surface at the distance ``datum`` on both sides [m, V, A]
     depth: float
     voltage: float
     magnetic_potential: float
-    datum: float
+    datum: float  # [m]
 
 
 def solve(material: Mapping[str, float], radius: float, totals: Array, cells: int, start: float) -> Found:
     """Contact of a cylinder.
 
-    Parameters
-    ----------
-    material : mapping, constants in SI units
-    radius : float, m
-    totals : ndarray, shape (3,), P, T, J [N/m, C/m, Wb/m]
-    cells : int
-        Elements of the surface below the punch.
-    start : float
-        Half the width of surface that they cover at first [m]; more than the contact takes.
-
-    Raises
-    ------
-    ArithmeticError
-        The set of touching nodes does not settle.
+    totals: (3,), P, T, J [N/m, C/m, Wb/m].
     """
     coarse = _solve(material, radius, totals, cells // 2, start)
     return _solve(material, radius, totals, cells, _MARGIN * coarse.half_width)

@@ -55,26 +55,13 @@ class Punch:
 
 @dataclass(frozen=True, eq=False)
 class FilmContact:
-    """The contact of a given half-length.
+    """The contact of a given half-length."""
 
-    Attributes
-    ----------
-    layers : sequence of Layer
-        From the top down.
-    base : mapping or None
-        Constants of the half-plane below them; None: rigid.
-    punch : Punch
-    half_length : float
-        (a + b)/2 [m].
-    order : int
-        Of the polynomials of an element.
-    """
-
-    layers: Sequence[Layer]
-    base: Mapping[str, float] | None
+    layers: Sequence[Layer]  # From the top down
+    base: Mapping[str, float] | None  # Constants of the half-plane below them; None: rigid
     punch: Punch
-    half_length: float
-    order: int = 10
+    half_length: float  # (a + b)/2 [m]
+    order: int = 10  # Of the polynomials of an element
 
     @cached_property
     def body(self) -> Body:
@@ -125,10 +112,7 @@ class FilmContact:
     def weighed(self, forces: Array, totals: Array) -> Array:
         """Weights that leave no singular pressure.
 
-        Parameters
-        ----------
-        forces : ndarray, shape (nodes of the contact, states), nodal
-        totals : ndarray, shape (4, states)
+        forces: (nodes of the contact, states), nodal; totals: (4, states).
         """
         conducted = self.punch.conducted
         charges = {ELECTRIC: self.punch.charge, MAGNETIC: self.punch.magnetic_charge}
@@ -223,11 +207,7 @@ class FilmContact:
     def fields(self, X: ArrayLike, depth: float, layer: int = 0) -> dict[str, Array]:
         """``FIELDS`` at a depth; SI units.
 
-        Parameters
-        ----------
-        X : array_like, shape (n,), places over the half-length
-        depth : float, m
-        layer : int, number from the top, the base's the last
+        X: _like, shape (n,), places over the half-length.
         """
         points = np.column_stack([X, np.full(np.size(X), -depth / self.half_length)])
         return dict(zip(FIELDS, self.body.fluxes(self.inside, points, layer) / self.half_length, strict=True))
@@ -247,19 +227,7 @@ def contact(body: Body) -> Index:
 
 
 def clamped(body: Body, layers: Sequence[Layer], length: float, *, rigid: bool) -> NDArray[np.bool_]:
-    """Which of the four unknowns of the nodes are zero: far away, on the base, at grounded interfaces; (nodes, 4).
-
-    Parameters
-    ----------
-    body
-        Layers and base, meshed in units of a length [m].
-    layers
-        From the top down.
-    length
-        That length.
-    rigid
-        Whether the base is.
-    """
+    """Which of the four unknowns of the nodes are zero: far away, on the base, at grounded interfaces; (nodes, 4)."""
     x, y = body.places.T
     held = np.zeros((len(x), 4), dtype=bool)
     held[np.isclose(np.abs(x), x.max())] = True

@@ -27,19 +27,11 @@ _CLOSE = 1e-7  # change of the punch's place and potentials from one step to the
 
 @dataclass(frozen=True, eq=False)
 class GapContact(FilmContact):
-    """The contact of a given half-length.
-
-    Attributes
-    ----------
-    permittivity : float
-        Of the medium in the gap over vacuum's; 0: D_y = 0 and B_y = 0 beside the contact.
-    elastic : mapping or None
-        Constants of the punch's material; None: rigid.
-    """
+    """The contact of a given half-length."""
 
     order: int = 8
-    permittivity: float = 1.0
-    elastic: Mapping[str, float] | None = None
+    permittivity: float = 1.0  # Of the medium in the gap over vacuum's; 0: D_y = 0 and B_y = 0 beside the contact
+    elastic: Mapping[str, float] | None = None  # Constants of the punch's material; None: rigid
 
     # -- the two bodies ------------------------------------------------------------------------------------------------
     @cached_property

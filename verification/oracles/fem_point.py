@@ -96,35 +96,16 @@ def _tests(r: Array, order: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class PointContact:
-    """The contact of a given radius under a rigid sphere, cone or power of r.
+    """The contact of a given radius under a rigid sphere, cone or power of r."""
 
-    Attributes
-    ----------
-    layers : sequence of fem_film.Layer
-        From the top down; constants with c12.
-    base : mapping or None
-        Constants of the half-space below them; None: rigid.
-    sphere : float
-        Radius of the punch [m], at which its gap ends; of a sphere that of its face, too.
-    radius : float
-        Of the contact [m].
-    charge : float
-        T [C].
-    permittivity : float
-        Of the medium in the gap over vacuum's; 0: D_y = 0 beside the contact.
-    order : int
-        Of the polynomials of an element.
-    power : (float, float), optional
-        Exponent e and coefficient C [m^(1-e)] of the profile C r^e; None: the sphere's, 2 and 1/(2 sphere).
-    """
-
-    layers: Sequence[Layer]
-    base: Mapping[str, float] | None
-    sphere: float
-    radius: float
-    charge: float = 0.0
-    permittivity: float = 1.0
-    order: int = 8
+    layers: Sequence[Layer]  # From the top down; constants with c12
+    base: Mapping[str, float] | None  # Constants of the half-space below them; None: rigid
+    sphere: float  # Radius of the punch [m], at which its gap ends; of a sphere that of its face, too
+    radius: float  # Of the contact [m]
+    charge: float = 0.0  # T [C]
+    permittivity: float = 1.0  # Of the medium in the gap over vacuum's; 0: D_y = 0 beside the contact
+    order: int = 8  # Of the polynomials of an element
+    # Exponent e and coefficient C [m^(1-e)] of the profile C r^e; None: the sphere's, 2 and 1/(2 sphere)
     power: tuple[float, float] | None = None
 
     @property

@@ -17,13 +17,7 @@ _WIDE = 300.0  # the same on a rigid base, in thicknesses: more than layers far 
 
 
 def layered_mesh(thicknesses: Sequence[float], rigid: bool) -> Quadrilaterals:
-    """Mesh of layers from the top down, and of a half-plane below them unless the base is rigid.
-
-    Parameters
-    ----------
-    thicknesses : sequence of float, from the top down, over the contact's half-length
-    rigid : bool, whether the base is
-    """
+    """Mesh of layers from the top down, and of a half-plane below them unless the base is rigid."""
     far = _WIDE * (1 + sum(thicknesses)) if rigid else FAR
     size = _SIZE * min(1.0, thicknesses[0])
     near = np.array([-1, -_NARROW, 0, _NARROW, 1]) * size
@@ -36,15 +30,7 @@ def layered_mesh(thicknesses: Sequence[float], rigid: bool) -> Quadrilaterals:
 
 
 def depths(thicknesses: Sequence[float], rigid: bool, size: float, growth: float) -> tuple[Array, Index]:
-    """Lines y of a mesh from the surface down, and the number of the layer between each two.
-
-    Parameters
-    ----------
-    thicknesses : sequence of float, from the top down
-    rigid : bool, whether the base is
-    size : float, of the uppermost elements
-    growth : float, of those of a base
-    """
+    """Lines y of a mesh from the surface down, and the number of the layer between each two."""
     lines, depth = [np.array([0.0, size])], 0.0
     for thickness in thicknesses:
         depth += thickness
@@ -56,13 +42,7 @@ def depths(thicknesses: Sequence[float], rigid: bool, size: float, growth: float
 
 
 def growing(start: float, end: float, growth: float) -> Array:
-    """Places beyond start up to end, each at most ``growth`` times as far as the one before.
-
-    Parameters
-    ----------
-    start, end : float, > 0, in one unit
-    growth : float, > 1
-    """
+    """Places beyond start up to end, each at most ``growth`` times as far as the one before."""
     count = int(np.ceil(np.log(end / start) / np.log(growth) - 1e-9))
     return np.append(start * (end / start) ** (np.arange(1, count) / count), end)
 
@@ -70,11 +50,7 @@ def growing(start: float, end: float, growth: float) -> Array:
 def assemble(x: Array, y: Array, layer: Index, edges: list[int]) -> Quadrilaterals:
     """Rectangles between x and y, but rings about the columns ``edges`` in place of the four beside each.
 
-    Parameters
-    ----------
-    x, y : ndarray, shape (n,), (m,), the lines of the mesh
-    layer : ndarray of int, shape (m - 1,), number of the layer between two lines of y
-    edges : list of int, columns of x at which the contact ends
+    x, y: (n,), (m,), the lines of the mesh; layer: (m - 1,), number of the layer between two lines of y.
     """
     at = np.arange(len(x) * len(y)).reshape(len(x), len(y))
     vertices, origin, corners, of = [], [], [], []

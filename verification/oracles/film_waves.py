@@ -26,14 +26,7 @@ def half_space(material: Mapping[str, float]) -> tuple[Array, Array]:
 def film(
     material: Mapping[str, float], thickness: float, farthest: float, base: Mapping[str, float] | None = None
 ) -> tuple[Array, Array, Array]:
-    """Wavenumbers, weights, and what a film adds to N and k there; (q,), (q,), (q, 2, 3).
-
-    Parameters
-    ----------
-    material : mapping, constants in SI units
-    thickness, farthest : float, of the film, and the distance of the longest phase, in one unit
-    base : mapping, of the half-space that the film is bonded to, phi zero between them; None: rigid, all grounded
-    """
+    """Wavenumbers, weights, and what a film adds to N and k there; (q,), (q,), (q, 2, 3)."""
     q, weights = pieces(0.0, _DEEP / thickness, farthest)
     half, scale = surface_response(material), UNITS[:, None] * UNITS / STIFFNESS
     Q, R, T = (part * scale for part in (half.Q, half.R, half.T))
@@ -59,13 +52,7 @@ def _grounded(material: Mapping[str, float]) -> Array:
 
 
 def pieces(low: float, high: float, rate: float) -> tuple[Array, Array]:
-    """Nodes and weights between two ends, for what turns at a rate.
-
-    Parameters
-    ----------
-    low, high : float, the ends
-    rate : float, change of phase over that of place
-    """
+    """Nodes and weights between two ends, for what turns at a rate."""
     x, w = np.polynomial.legendre.leggauss(_FINE)
     ends = np.linspace(low, high, 2 + int((high - low) * rate / _PHASE))
     half = np.diff(ends)[:, None] / 2

@@ -19,26 +19,17 @@ VACUUM = {ELECTRIC: 8.8541878128e-12, MAGNETIC: 4e-7 * np.pi}
 
 @dataclass(frozen=True, eq=False)
 class Dry:
-    """What the bodies answer without air, and to charges on the surface beside the contact.
+    """What the bodies answer without air, and to charges on the surface beside the contact."""
 
-    Attributes
-    ----------
-    given : ndarray, shape (unknowns, states)
-        u of the states without air.
-    airy, touched, raised : ndarray of int
-        Unknowns: potentials beside the contact, all four of the contact, u_y beside it.
-    given_there, given_loads : ndarray
-        Potentials beside the contact and loads of the contact in the states.
-    flexibility, lift, pressed : ndarray
-        What unit charges on ``airy`` make there, of ``raised`` and of the loads on ``touched``.
-    """
-
-    given: Array
+    given: Array  # shape (unknowns, states); u of the states without air
+    # Unknowns: potentials beside the contact, all four of the contact, u_y beside it
     airy: Index
     touched: Index
     raised: Index
+    # Potentials beside the contact and loads of the contact in the states
     given_there: Array
     given_loads: Array
+    # What unit charges on ``airy`` make there, of ``raised`` and of the loads on ``touched``
     flexibility: Array
     lift: Array
     pressed: Array
@@ -50,13 +41,7 @@ class Dry:
     ) -> "Dry":  # fmt: skip
         """From the assembled bodies, their joints, what is free, and the given u of the states.
 
-        Parameters
-        ----------
-        stiffness : csr_array, of the assembled bodies
-        rows, columns : csr_array, their joints: what sums equations, and what spreads unknowns
-        free : ndarray of bool, unknowns that are free
-        u : ndarray, shape (unknowns, states), given where it is not free, filled in
-        airy, touched, raised : ndarray of int, as of the class
+        u: (unknowns, states), given where it is not free, filled in.
         """
         matrix = (rows @ stiffness @ columns)[free]
         factors = factorised(matrix[:, free])
@@ -76,15 +61,7 @@ class Dry:
         return cls(given, airy, touched, raised, given[airy], contact @ given, flexibility, lift, pressed)
 
     def charged(self, air: "csr_array[np.float64]", pushed: Array) -> tuple[Array, Array]:
-        """Scaled u, right on the surface only, and nodal loads where air is a spring on potentials; (unknown, state).
-
-        Parameters
-        ----------
-        air
-            Charges per potentials; (unknown, unknown).
-        pushed
-            Charges that the punch makes in each of the states; (unknown, state).
-        """
+        """Scaled u, right-hand side and nodal loads where air is a spring on potentials; (unknown, state)."""
         held = self.given.copy()
         held[self.airy] = 0.0  # the ends of the contact are left
         given = (air @ held - pushed)[self.airy]
@@ -102,18 +79,10 @@ class Dry:
 
 @dataclass(frozen=True, eq=False)
 class Gap:
-    """The surface beside the contact, by elements' sides and Gauss's points on them.
+    """The surface beside the contact, by elements' sides and Gauss's points on them."""
 
-    Attributes
-    ----------
-    body : Body
-        Whose surface it is.
-    points : int
-        Number of points of a side.
-    """
-
-    body: Body
-    points: int
+    body: Body  # Whose surface it is
+    points: int  # Number of points of a side
 
     @cached_property
     def nodes(self) -> Index:
@@ -138,17 +107,7 @@ class Gap:
         return np.asarray(values[self.nodes] @ self.shapes.T)
 
     def spring(self, potential: int, strength: Array, size: int) -> "csr_array[np.float64]":
-        """Scaled charges per potential, int strength N N over unknowns; (size, size).
-
-        Parameters
-        ----------
-        potential
-            Its number.
-        strength
-            With the weights; (side, point).
-        size
-            Number of unknowns.
-        """
+        """Scaled charges per potential, int strength N N over unknowns; (size, size)."""
         scale = UNITS[potential] ** 2 / STIFFNESS
         blocks = scale * np.einsum("sp,pi,pj->sij", strength, self.shapes, self.shapes)
         dofs = 4 * self.nodes + potential
@@ -171,17 +130,7 @@ def sides(body: Body) -> Index:
 
 
 def along(body: Body, values: Array, x: Array) -> Array:
-    """Values between nodes of the surface, by the elements' polynomials.
-
-    Parameters
-    ----------
-    body
-        Whose surface it is.
-    values
-        At its nodes; (node,).
-    x
-        Places beside the contact, in half-lengths; beyond the mesh the values are 0.
-    """
+    """Values between nodes of the surface, by the elements' polynomials."""
     every = sides(body)
     ends = body.places[every][:, [0, -1], 0]
     found = np.empty_like(x)

@@ -22,20 +22,11 @@ STIFFNESS = mpf(10) ** 11
 
 @dataclass(frozen=True, eq=False)
 class HalfPlane:
-    """What the surface of a half-plane answers, and its constitutive matrices (SI units, 4x4 mpmath matrices).
+    """What the surface of a half-plane answers, and its constitutive matrices (SI units, 4x4 mpmath matrices)."""
 
-    Attributes
-    ----------
-    local : matrix
-        -S L^-1 of theory (2.1), the answer to the traction at the point itself.
-    compliance : matrix
-        L^-1 of theory (2.1), the answer to the Hilbert transform of the traction.
-    Q, R, T : matrix
-        Constitutive blocks of theory section 2: t_1 = Q u,x + R u,y and t_2 = R^T u,x + T u,y.
-    """
-
-    local: matrix
-    compliance: matrix
+    local: matrix  # -S L^-1 of theory (2.1), the answer to the traction at the point itself
+    compliance: matrix  # L^-1 of theory (2.1), the answer to the Hilbert transform of the traction
+    # Constitutive blocks of theory section 2: t_1 = Q u,x + R u,y and t_2 = R^T u,x + T u,y
     Q: matrix
     R: matrix
     T: matrix
@@ -52,15 +43,7 @@ class HalfPlane:
 
 
 def half_plane(material: Mapping[str, float], speed: float = 0.0) -> HalfPlane:
-    """Surface response of a material at rest or under a punch in steady motion.
-
-    Parameters
-    ----------
-    material : mapping
-        The constants ``CONSTANTS`` in SI units (and ``rho`` [kg m-3] when there is a speed).
-    speed : float
-        Steady sliding speed [m s-1].
-    """
+    """Surface response of a material at rest or under a punch in steady motion."""
     inertia = mpf(material["rho"]) * mpf(speed) ** 2 if speed else mpf(0)
     return _half_plane(tuple(mpf(material[name]) for name in CONSTANTS), inertia)
 

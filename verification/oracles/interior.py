@@ -36,19 +36,7 @@ def solve(
     conducted: tuple[int, ...] = (1, 2),
     speed: float = 0.0,
 ) -> dict[str, list[float]]:
-    """Fields under the circular punch; SI units.
-
-    Parameters
-    ----------
-    material : mapping
-        As for ``precise.solve``, and c12.
-    points : sequence of (float, float)
-        ((x - c)/h, y/h), y < 0.
-    radius, load, friction, charge, magnetic_charge, speed : float
-        As for ``precise.solve``.
-    conducted : tuple of int
-        Fields that the punch conducts: 1 the electric, 2 the magnetic one.
-    """
+    """Fields under the circular punch; SI units."""
     with mp.workdps(WORK_DIGITS):
         half = half_plane(material, speed)
         sliding = Sliding(half, mpf(friction), mpf(radius), conducted)

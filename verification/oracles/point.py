@@ -17,20 +17,11 @@ _UNIT = {1: mpf("1e-9"), 2: mpf("1e-6")}  # C and Wb
 
 @dataclass(frozen=True)
 class Punch:
-    """A profile C r^e, e > 0, or a disc of a radius, on a material.
+    """A profile C r^e, e > 0, or a disc of a radius, on a material."""
 
-    Attributes
-    ----------
-    compliance : matrix
-        N over (y, phi, psi) with what an elastic punch adds; 3 x 3.
-    conducted : tuple of int
-        Which of 1 (electric) and 2 (magnetic) the punch conducts.
-    coefficient, exponent : mpf
-        C and e; of a disc its radius and 0.
-    """
-
-    compliance: matrix
-    conducted: tuple[int, ...]
+    compliance: matrix  # N over (y, phi, psi) with what an elastic punch adds; 3 x 3
+    conducted: tuple[int, ...]  # Which of 1 (electric) and 2 (magnetic) the punch conducts
+    # C and e; of a disc its radius and 0
     coefficient: mpf
     exponent: mpf
 
@@ -94,21 +85,7 @@ def quantities(
     conducted: tuple[int, ...] = (1, 2),
     punch_compliance: float = 0.0,
 ) -> dict[str, float]:
-    """Quantities as they are named in ``solver.names``, SI units; ``peak_pressure`` where it is at the centre.
-
-    Parameters
-    ----------
-    material : mapping
-        Constants of :data:`verification.oracles.half_plane.CONSTANTS`.
-    exponent, coefficient : float
-        The profile is coefficient r^exponent; of a disc 0 and its radius [m].
-    force, charge, magnetic_charge : float
-        P [N], T [C], J [Wb].
-    conducted : tuple of int
-        Which of 1 (electric) and 2 (magnetic) the punch conducts.
-    punch_compliance : float
-        2 (1 - nu^2)/E of the punch [1/Pa].
-    """
+    """Quantities as they are named in ``solver.names``, SI units; ``peak_pressure`` where it is at the centre."""
     with mp.workdps(WORK_DIGITS):
         N = half_plane(material).normal_compliance.copy()
         N[0, 0] += mpf(punch_compliance)

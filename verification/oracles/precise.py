@@ -30,19 +30,12 @@ FIELDS = (
 
 @dataclass(frozen=True)
 class Solution:
-    """Quantities and surface fields of a case, named as in ``solver.names``.
+    """Quantities and surface fields of a case, named as in ``solver.names``."""
 
-    Attributes
-    ----------
-    quantities : dict of str to mpf
-        All of them but the three peaks over the interior. What needs the potential of a field that the punch
-        does not conduct is NaN.
-    fields : dict of str to list of mpf
-        ``FIELDS``, one value per position.
-    """
-
+    # All of them but the three peaks over the interior. What needs the potential of a field that the punch does not
+    # conduct is NaN.
     quantities: dict[str, mpf]
-    fields: dict[str, list[mpf]]
+    fields: dict[str, list[mpf]]  # ``FIELDS``, one value per position
 
 
 def solve(
@@ -59,25 +52,7 @@ def solve(
     speed: float = 0.0,
     positions: Sequence[float] = (),
 ) -> Solution:
-    """One case of the circular punch; factors and outputs as in ``solver.names``, SI units.
-
-    Parameters
-    ----------
-    material : mapping
-        c11, c13, c33, c44, e31, e33, e15, f31, f33, f15, eps11, eps33, g11, g33, mu11, mu33 in SI units; rho when
-        there is a speed. Floats are taken as the binary numbers that they are.
-    radius, load, friction, charge, magnetic_charge, datum, speed : float
-        Factors; m, N/m, 1, C/m, Wb/m, m, m/s.
-    electric, magnetic : {"conducting", "insulating"}
-        What the punch is to each field.
-    positions : sequence of float
-        X = (x - c)/h of the surface fields, |X| != 1.
-
-    Raises
-    ------
-    ValueError
-        A charge on a field that the punch does not conduct, or a position on an edge.
-    """
+    """One case of the circular punch; factors and outputs as in ``solver.names``, SI units."""
     conducted = tuple(i for i, kind in ((1, electric), (2, magnetic)) if kind == "conducting")
     if any(q and i not in conducted for i, q in ((1, charge), (2, magnetic_charge))):
         raise ValueError("an insulating punch carries no charge")

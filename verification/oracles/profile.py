@@ -10,17 +10,10 @@ from verification.oracles.surface_response import Array
 
 @dataclass(frozen=True)
 class Profile:
-    """A rigid punch.
+    """A rigid punch."""
 
-    Attributes
-    ----------
-    slope : callable
-        dg/dx [1] at x [m], arrays.
-    sharp_trailing, sharp_leading : float, optional
-        Place x [m] of the right and of the left edge where the punch has its corner there; None for a smooth edge.
-    """
-
-    slope: Callable[[Array], Array]
+    slope: Callable[[Array], Array]  # dg/dx [1] at x [m], arrays
+    # Place x [m] of the right and of the left edge where the punch has its corner there; None for a smooth edge
     sharp_trailing: float | None = None
     sharp_leading: float | None = None
 
@@ -46,35 +39,17 @@ def circle(radius: float) -> Profile:
 
 
 def flat(width: float, tilt: float = 0.0) -> Profile:
-    """Flat punch centred on x = 0.
-
-    Parameters
-    ----------
-    width : float, m
-    tilt : float, slope of the punch
-    """
+    """Flat punch centred on x = 0."""
     return Profile(lambda x: np.full_like(x, tilt), width / 2, -width / 2)
 
 
 def wedge(slope: float, corner: str = "leading") -> Profile:
-    """Triangular punch with its corner at x = 0.
-
-    Parameters
-    ----------
-    slope : float
-    corner : {"leading", "trailing"}, which edge of the contact the corner is
-    """
+    """Triangular punch with its corner at x = 0."""
     return _cornered(lambda x: np.full_like(x, slope if corner == "leading" else -slope), corner)
 
 
 def half_cylinder(radius: float, corner: str = "leading") -> Profile:
-    """Half of the cylinder with its corner at x = 0.
-
-    Parameters
-    ----------
-    radius : float, m
-    corner : {"leading", "trailing"}, which edge of the contact the corner is
-    """
+    """Half of the cylinder with its corner at x = 0."""
     return _cornered(lambda x: x / radius, corner)
 
 

@@ -32,18 +32,7 @@ def _node(t: mpf, step: mpf) -> tuple[mpf, mpf, mpf]:
 
 
 def integrate(new_sums: Callable[[int], list[mpf]]) -> list[mpf]:
-    """Integrals over 0 < u < 1 of several integrands at once, at the first level that agrees with the one before it.
-
-    Parameters
-    ----------
-    new_sums : callable
-        From a level, the weighted sum of every integrand over ``nodes(level)``.
-
-    Raises
-    ------
-    ArithmeticError
-        No two levels agree.
-    """
+    """Integrals over 0 < u < 1 of several integrands at once, at the first level that agrees with the one before it."""
     with mp.workdps(WORK_DIGITS):
         value = new_sums(_COARSEST)
         for level in range(_COARSEST + 1, _FINEST + 1):

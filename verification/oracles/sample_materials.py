@@ -14,13 +14,7 @@ COBALT_FERRITE |= dict.fromkeys(ELECTRIC, 0.0)
 
 
 def isotropic(young: float, poisson: float) -> dict[str, float]:
-    """Plane constants of an isotropic elastic material [Pa].
-
-    Parameters
-    ----------
-    young : float, Pa
-    poisson : float
-    """
+    """Plane constants of an isotropic elastic material [Pa]."""
     shear = young / (2 * (1 + poisson))
     lame = 2 * shear * poisson / (1 - 2 * poisson)
     constants = {"c11": lame + 2 * shear, "c13": lame, "c33": lame + 2 * shear, "c44": shear}

@@ -29,30 +29,14 @@ _STEPS, _CLOSE = 40, 1e-7
 
 @dataclass(frozen=True, eq=False)
 class SlidingGap:
-    """The contact of a given radius.
+    """The contact of a given radius."""
 
-    Attributes
-    ----------
-    material : mapping
-        Constants of the body, SI.
-    sphere : float
-        Radius of the punch [m], at which its gap ends.
-    radius : float
-        Of the contact [m].
-    charge : float
-        T [C].
-    thickness : float
-        Of a film on a rigid, grounded base [m]; infinite: a half-space.
-    permittivity : float
-        Of the medium in the gap over vacuum's.
-    """
-
-    material: Mapping[str, float]
-    sphere: float
-    radius: float
-    charge: float = 0.0
-    thickness: float = np.inf
-    permittivity: float = 1.0
+    material: Mapping[str, float]  # Constants of the body, SI
+    sphere: float  # Radius of the punch [m], at which its gap ends
+    radius: float  # Of the contact [m]
+    charge: float = 0.0  # T [C]
+    thickness: float = np.inf  # Of a film on a rigid, grounded base [m]; infinite: a half-space
+    permittivity: float = 1.0  # Of the medium in the gap over vacuum's
 
     # -- the body ------------------------------------------------------------------------------------------------------
     @cached_property

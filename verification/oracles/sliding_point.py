@@ -26,27 +26,7 @@ _PLACES = 400  # of the spline of what layers add
 
 @dataclass(frozen=True, eq=False)
 class SlidingSphere:
-    """A rigid, grounded sphere that conducts the electric field, pressed to a depth and slid.
-
-    Parameters
-    ----------
-    material
-        Constants of a half-space, or of a film, SI.
-    radius
-        R [m].
-    depth
-        [m], absolute.
-    friction
-        eta.
-    width
-        Half the side of the square that is searched [m].
-    cells
-        Along a side.
-    thickness
-        Of the film [m]; infinite: a half-space.
-    base
-        Constants of the half-space below it, grounded between them; None: rigid.
-    """
+    """A rigid, grounded sphere that conducts the electric field, pressed to a depth and slid."""
 
     material: Mapping[str, float]
     radius: float
@@ -123,11 +103,6 @@ class SlidingSphere:
         """Force [N], charge [C], first moments of both along x [N m, C m] and largest pressure [Pa].
 
         Without signs of tension; the largest on a parabola through the cells along x of a row beside the middle.
-
-        Raises
-        ------
-        RuntimeError
-            The contact is not found.
         """
         x, y = self.places
         profile = (x**2 + y**2) / (2 * self.radius)

@@ -24,41 +24,22 @@ _STEPS = 9  # of Newton's method at most: one finds a place in a rectangle
 
 @dataclass(frozen=True, eq=False)
 class Quadrilaterals:
-    """A mesh.
+    """A mesh."""
 
-    Attributes
-    ----------
-    vertices : ndarray of int, shape (elements, 4)
-        Numbers of the corners, anticlockwise from 0 without gaps.
-    origin : ndarray, shape (elements, 2)
-    corners : ndarray, shape (elements, 4, 2)
-        Seen from the origin, so that small elements beside a point keep their digits.
-    layer : ndarray of int, shape (elements,)
-        Number of the material.
-    """
-
-    vertices: Index
-    origin: Array
+    vertices: Index  # shape (elements, 4); Numbers of the corners, anticlockwise from 0 without gaps
+    origin: Array  # shape (elements, 2)
+    # shape (elements, 4, 2); Seen from the origin, so that small elements beside a point keep their digits
     corners: Array
-    layer: Index
+    layer: Index  # shape (elements,); Number of the material
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """Elements filled with materials.
-
-    Attributes
-    ----------
-    mesh : Quadrilaterals
-    materials : sequence of mapping
-        By the mesh's layers, constants as for ``surface_response``.
-    order : int
-        Of the polynomials.
-    """
+    """Elements filled with materials."""
 
     mesh: Quadrilaterals
-    materials: Sequence[Mapping[str, float]]
-    order: int
+    materials: Sequence[Mapping[str, float]]  # By the mesh's layers, constants as for ``surface_response``
+    order: int  # Of the polynomials
 
     @cached_property
     def line(self) -> Array:
@@ -155,18 +136,7 @@ class Body:
     def fluxes(self, u: Array, points: Array, layer: int) -> Array:
         """(stress_xx, yy, xy, D_x, D_y, B_x, B_y) times the unit of length at points of a layer; shape (7, points).
 
-        Parameters
-        ----------
-        u : ndarray, shape (nodes, 4)
-            Of the borders, SI units.
-        points : ndarray, shape (points, 2)
-        layer : int
-            Number of the mesh's layer.
-
-        Raises
-        ------
-        ValueError
-            A point is not in the layer.
+        u: (nodes, 4); points: (points, 2).
         """
         out = np.empty((7, len(points)))
         M, (border, inner) = constitutive_matrix(self.materials[layer]), self._places
@@ -220,10 +190,7 @@ def _bilinear_slopes(at: Array) -> tuple[Array, Array]:
 def lagrange(line: Array, x: Array) -> tuple[Array, Array]:
     """Values and slopes of the Lagrange polynomials on a line; (n, count) each.
 
-    Parameters
-    ----------
-    line : ndarray, shape (count,), their points, within [-1, 1]
-    x : ndarray, shape (n,), places
+    line: (count,), their points, within [-1, 1]; x: (n,), places.
     """
     n = len(line)
     legendre = np.linalg.inv(np.polynomial.legendre.legvander(line, n - 1))

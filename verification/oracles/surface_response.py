@@ -15,18 +15,12 @@ _ANGLES = np.pi * np.arange(2048) / 2048  # 1e-15 while every Stroh root p has |
 
 @dataclass(frozen=True, eq=False)
 class SurfaceResponse:
-    """Theory (2.1) and section 2 of one material, SI units.
+    """Theory (2.1) and section 2 of one material, SI units."""
 
-    Attributes
-    ----------
-    local, compliance : ndarray, shape (4, 4)
-        -S L^-1 and L^-1.
-    Q, R, T : ndarray, shape (4, 4)
-        Constitutive blocks.
-    """
-
+    # shape (4, 4); -S L^-1 and L^-1
     local: Array
     compliance: Array
+    # shape (4, 4); Constitutive blocks
     Q: Array
     R: Array
     T: Array
@@ -44,9 +38,7 @@ class SurfaceResponse:
     def along_surface(self, t: Array, transform: Array) -> Array:
         """Return t_1 = (sigma_xx, sigma_xy, D_x, B_x), (4, n).
 
-        Parameters
-        ----------
-        t, transform : ndarray, shape (4, n), t_2 and its Hilbert transform, SI
+        t, transform: (4, n), t_2 and its Hilbert transform, SI.
         """
         u_x = self.local @ t + self.compliance @ transform
         units = UNITS[:, None]
@@ -56,13 +48,7 @@ class SurfaceResponse:
 
 
 def surface_response(material: Mapping[str, float], speed: float = 0.0) -> SurfaceResponse:
-    """Surface response of a material.
-
-    Parameters
-    ----------
-    material : mapping, SI, constants of theory section 7, and rho when there is a speed
-    speed : float, m/s
-    """
+    """Surface response of a material."""
     m = material
     Q = np.diag([m["c11"], m["c44"], -m["eps11"], -m["mu11"]])
     Q[1, 2:] = Q[2:, 1] = m["e15"], m["f15"]
@@ -81,9 +67,7 @@ def surface_response(material: Mapping[str, float], speed: float = 0.0) -> Surfa
 def angular_integrals(Q: Array, R: Array, T: Array) -> tuple[Array, Array]:
     """-S L^-1 and L^-1 from S = mean of N1 and L = mean of -N3 over the angle.
 
-    Parameters
-    ----------
-    Q, R, T : ndarray, shape (n, n), constitutive blocks of n unknowns, of order one
+    Q, R, T: (n, n), constitutive blocks of n unknowns, of order one.
     """
     c, s = np.cos(_ANGLES)[:, None, None], np.sin(_ANGLES)[:, None, None]
     q = Q * c**2 + (R + R.T) * c * s + T * s**2
@@ -96,14 +80,7 @@ def angular_integrals(Q: Array, R: Array, T: Array) -> tuple[Array, Array]:
 
 
 def reduced(surface: SurfaceResponse, friction: float, conducted: tuple[int, ...] = (1, 2)) -> tuple[float, float]:
-    """lam [1/Pa] and alpha of a punch.
-
-    Parameters
-    ----------
-    surface : SurfaceResponse
-    friction : float
-    conducted : tuple of int, fields that the punch conducts: 1 the electric, 2 the magnetic one
-    """
+    """lam [1/Pa] and alpha of a punch."""
     kept, scale = [0, *conducted], np.array([1, 1e10, 1e8])
     inverse_n = np.linalg.inv((surface.normal_compliance / np.outer(scale, scale))[np.ix_(kept, kept)])
     lam = 1 / inverse_n[0, 0]

@@ -9,13 +9,7 @@ _STEPS = np.linspace(-5.9, 5.9, 1181)
 
 
 def moments(A: float, B: float, count: int) -> Array:
-    """(1/pi) int (1-X)^A (1+X)^B T_n dX, n < count, by Gauss-Jacobi quadrature.
-
-    Parameters
-    ----------
-    A, B : float, > -1
-    count : int, number of moments
-    """
+    """(1/pi) int (1-X)^A (1+X)^B T_n dX, n < count, by Gauss-Jacobi quadrature."""
     with np.errstate(invalid="ignore"):  # at A + B = -1 SciPy computes 0/0 for an entry that it does not use
         x, w = roots_jacobi(count, A, B)
     out: Array = w @ np.polynomial.chebyshev.chebvander(x, count - 1) / np.pi
@@ -28,11 +22,7 @@ def transforms(X: Array, A: float, B: float, count: int) -> Array:
     The first from Erdogan, Gupta and Cook (Methods of Analysis and Solutions of Crack Problems, 1973, chapter 7), the
     others from T_n+1 = 2 X T_n - T_n-1.
 
-    Parameters
-    ----------
-    X : ndarray, shape (points,), |X| < 1
-    A, B : float, > -1
-    count : int, number of transforms, n < count
+    X: (points,), |X| < 1.
     """
     mean = moments(A, B, max(count, 2))
     out = np.empty((max(count, 2), len(X)))

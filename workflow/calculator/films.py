@@ -54,13 +54,7 @@ def top_of(film: dict[str, Any]) -> Material:
 
 
 def variants(film: dict[str, Any]) -> Iterator[tuple[Material, Material]]:
-    """Top and base of a film: the library's own, then each with its other published constants in turn.
-
-    Examples
-    --------
-    >>> [f"{top.name} on {base.name}" for top, base in variants(FILMS["PZT-4 on steel"])]
-    ['PZT-4 on steel', 'PZT-4 (alternative 1) on steel', 'PZT-4 on steel (alternative 1)']
-    """
+    """Top and base of a film: the library's own, then each with its other published constants in turn."""
     top, base = top_of(film), find(str(film["base"]))
     yield top, base
     yield from ((other, base) for other in top.variants())
@@ -71,11 +65,6 @@ def tables(names: Iterable[str] = FILMS) -> list[dict[str, Any]]:
     """Films under every punch as plain data; a series is a list of coefficients, rising.
 
     `variants` of a table are those of other constants, each with the constants of its top.
-
-    Examples
-    --------
-    >>> len(PUNCHES) * len(FILMS)
-    15
     """
     return [_with_variants(name, punch) for name in names for punch in PUNCHES]
 

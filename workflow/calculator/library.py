@@ -20,13 +20,7 @@ _PREFIXES = ("f", "p", "n", "u", "µ", "μ", "m", "c", "k", "M", "G", "T")
 
 
 def library() -> dict[str, Any]:
-    """Everything but the tables of films.
-
-    Examples
-    --------
-    >>> sorted(library())[:4], library()["punches"]["steel"]["modulus"]
-    (['alloy', 'constants', 'defaults', 'digamma'], 210000000000.0)
-    """
+    """Everything but the tables of films."""
     return {
         "constants": UNITS,
         "defaults": {"eps": VACUUM_PERMITTIVITY, "mu": VACUUM_PERMEABILITY},

@@ -47,25 +47,6 @@ def solved(table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int 
     """Outputs over dimension ``case`` in the order of the rows.
 
     Shows cases done of all on a terminal, from the second second on.
-
-    Parameters
-    ----------
-    table
-        An empty cell takes the factor's default, or means that the case has no such factor.
-    solve
-        What answers a data set of factors over ``case``.
-    points
-        Values of a field for every case, which the memory grows with.
-
-    Returns
-    -------
-    xarray.Dataset
-        What any case has, NaN in those that have it not.
-
-    Raises
-    ------
-    InputError
-        A case that cannot be solved, with its line; an answer too large for the memory.
     """
     table = _surrounded(table)
     whole = _Whole(table)
@@ -209,20 +190,7 @@ class _Whole:
 
 
 def as_csv(answer: xr.Dataset, path: Path) -> None:
-    """Write the answer to a table as a table: one row a case, columns of factors and quantities with their units.
-
-    Parameters
-    ----------
-    answer : Dataset, over ``case``
-    path : Path, the file
-
-    Raises
-    ------
-    InputError
-        Fields, of which a case has many values.
-    OSError
-        No room or no permission.
-    """
+    """Write the answer to a table as a table: one row a case, columns of factors and quantities with their units."""
     if further := [str(dim) for dim in answer.dims if dim != "case"]:
         raise InputError(f"{path}: fields over {', '.join(further)} go to netCDF; name a file that ends in .nc")
     columns = {str(name): column for name, column in chain(answer.coords.items(), answer.data_vars.items())}

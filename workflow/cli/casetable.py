@@ -34,28 +34,13 @@ _COLUMNS = (*TEXT_FACTORS, *FACTORS)
 
 @dataclass(frozen=True)
 class Table:
-    """Cases by column.
+    """Cases by column."""
 
-    Attributes
-    ----------
-    source
-        What the table was read from.
-    columns
-        One array a factor, one entry a case: numbers as float64, NaN where the cell is empty; names as objects, None
-        where the cell is empty.
-    lines
-        Line of the file that each case stands on; none of what was not read from a file.
-
-    Examples
-    --------
-    >>> table = Table("cases.csv", {"load": np.array([1e4, np.nan])}, np.array([2, 3]))
-    >>> table.at(1), table.empty("load").tolist()
-    ('cases.csv: line 3', [False, True])
-    """
-
-    source: str
+    source: str  # What the table was read from
+    # One array a factor, one entry a case: numbers as float64, NaN where the cell is empty; names as objects, None
+    # where the cell is empty
     columns: dict[str, NDArray[Any]]
-    lines: NDArray[np.int64]
+    lines: NDArray[np.int64]  # Line of the file that each case stands on; none of what was not read from a file
 
     def at(self, row: int) -> str:
         """Where a case stands, for messages."""
@@ -68,18 +53,7 @@ class Table:
         return empty
 
     def numbers(self, name: str, needs: str) -> NDArray[np.float64]:
-        """A column of numbers of which every row of a file has one.
-
-        Parameters
-        ----------
-        name : str, the column's
-        needs : str, what is said where there is no such column
-
-        Raises
-        ------
-        InputError
-            No such column, one of names, an empty cell.
-        """
+        """A column of numbers of which every row of a file has one."""
         if name not in self.columns:
             raise InputError(f"{self.source}: {name}: missing; {needs}")
         column = self.columns[name]
@@ -96,20 +70,6 @@ def read_cases(path: Path, more: Mapping[str, str] = MappingProxyType({})) -> Ta
     A number may have its unit behind it, as ``20 um``, or its column has it, as ``thickness [um]``;
     the table holds SI units. What begins with # is
     a remark.
-
-    Parameters
-    ----------
-    path
-        The file.
-    more
-        Further columns that it may have, with their units.
-
-    Raises
-    ------
-    InputError
-        A file that is missing, too large or no regular one, no header, an unknown or repeated column, one with a unit
-        of another kind, a ragged row, a name that is none of a factor's or a cell that is no finite number; names file,
-        line, column and value.
     """
     try:
         if regular(path).stat().st_size > _LARGEST:

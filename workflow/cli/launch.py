@@ -18,30 +18,7 @@ SNAKEFILE = Path(__file__).parents[1] / "Snakefile"
 
 
 def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
-    """Check a study and run it; its results go below the current folder.
-
-    Parameters
-    ----------
-    text
-        A study of ``config/``, or the path of a study's file.
-    cores
-        Cores of this machine to use at most, or ``all``; a cluster's profile counts jobs instead.
-    profile
-        A folder of ``profiles/``, here or of the program.
-    dry
-        Only say what would be done.
-
-    Returns
-    -------
-    int
-        Snakemake's exit status.
-
-    Raises
-    ------
-    InputError
-        Unknown or bad study, unknown profile, a tolerance that no budget reaches, or results that Snakemake finds up
-        to date but that are of another state of the study.
-    """
+    """Check a study and run it; its results go below the current folder."""
     _require_programs()
     _check_folder(Path.cwd())
     name = location.given(text)

@@ -63,13 +63,7 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
 
 
 def learn(options: argparse.Namespace) -> None:
-    """Learn from measured rows, write the corrected surrogate and print what was learned, as the options say.
-
-    Raises
-    ------
-    InputError, FormatError
-        Options, rows or a surrogate that do not fit each other; in one line, and nothing is written.
-    """
+    """Learn from measured rows, write the corrected surrogate and print what was learned, as the options say."""
     from surrogate import save  # scikit-learn and the solver: not for every command
     from surrogate.transforms.measured.corrected import CorrectedGP
     from workflow.cli import questions

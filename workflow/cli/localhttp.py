@@ -25,15 +25,9 @@ Answer = Callable[[str, Mapping[str, Any]], Mapping[str, Any]]
 
 @dataclass(frozen=True)
 class Names:
-    """The names under which a server may be addressed: no page of another site can make a browser use them.
+    """The names under which a server may be addressed: no page of another site can make a browser use them."""
 
-    Attributes
-    ----------
-    host
-        What the server is bound to.
-    """
-
-    host: str
+    host: str  # What the server is bound to
 
     def allow(self, netloc: str) -> bool:
         """Whether `name` or `name:port` is one of them."""
@@ -62,12 +56,7 @@ class Server(ThreadingHTTPServer):
     request_queue_size = 128  # of clients that connect at once
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Say what went wrong here, and nothing of a broken connection.
-
-        Parameters
-        ----------
-        request, client_address : as socketserver gives them
-        """
+        """Say what went wrong here, and nothing of a broken connection."""
         if not isinstance(sys.exc_info()[1], ConnectionError | TimeoutError):
             super().handle_error(request, client_address)
 
@@ -82,20 +71,7 @@ def _read(text: bytes) -> Mapping[str, Any] | None:
 
 
 def server(answer: Answer, host: str, port: int) -> Server:
-    """A server that is bound to its address and answers once `serve_forever` is called.
-
-    Parameters
-    ----------
-    answer
-        Takes a path and a request and gives the answer, without NaN or infinity; a wrong request has `error` in it.
-    host, port
-        Where it listens; port 0 is any that is free.
-
-    Raises
-    ------
-    OSError
-        The address is taken, or no address of this machine.
-    """
+    """A server that is bound to its address and answers once `serve_forever` is called."""
     one_at_a_time, names = Lock(), Names(host)
 
     class Handler(BaseHTTPRequestHandler):

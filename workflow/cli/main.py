@@ -33,18 +33,7 @@ piezomagnetic or magneto-electro-elastic body gives.
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line.
-
-    Parameters
-    ----------
-    arguments
-        Words after the program's name; by default the process's own.
-
-    Returns
-    -------
-    int
-        0; 2 on bad input, with one line on standard error and nothing written.
-    """
+    """Run the command line."""
     options = _parser().parse_args(arguments)
     try:
         with warnings.catch_warnings():

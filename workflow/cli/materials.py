@@ -55,13 +55,7 @@ def _coupling(material: Material) -> str:
 
 
 def described(name: str) -> str:
-    """Constants, alternatives, limits, Stroh roots and compliance of a built-in material, or of a material's file.
-
-    Raises
-    ------
-    InputError, MaterialError
-        A material that is unknown, inadmissible, or beyond what double precision can solve.
-    """
+    """Constants, alternatives, limits, Stroh roots and compliance of a built-in material, or of a material's file."""
     path = Path(name)
     if name in COMPOSITES and not path.exists():
         raise InputError(

@@ -24,18 +24,6 @@ def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measureme
 
     The header has every factor of the study, every category, and names of quantities, with or without
     ``<quantity>_std``: one standard deviation of the error of measurement. Cells of both may be empty.
-
-    Parameters
-    ----------
-    path : Path, the table
-    study : Study
-    model : GaussianProcess, its surrogate
-
-    Raises
-    ------
-    InputError
-        As :func:`read_cases`; a column that lacks or that the surrogate does not know, an empty cell of a factor, a row
-        outside the trained box, an error that is not positive or has no value; names line, column and value.
     """
     quantities = {name: ALL_QUANTITIES[name].units for name in study.outputs}
     more = quantities | {f"{name}{ERROR}": units for name, units in quantities.items()}

@@ -12,21 +12,7 @@ from workflow.study.reading import InputError
 
 
 def predicted(model: GaussianProcess, table: Table, level: float, *, extrapolate: bool) -> xr.Dataset:
-    """Every output of the model at every row, with intervals, over dimension ``point``.
-
-    Parameters
-    ----------
-    model : GaussianProcess
-    table : Table, n rows, SI
-    level : float, probability of the intervals
-    extrapolate : bool, whether points may be outside of the trained box
-
-    Raises
-    ------
-    InputError
-        A column that the model lacks or that lacks, a cell that is empty, a point outside the trained box unless
-        ``extrapolate``, or so far outside that the answer is no finite number; names line, input and value.
-    """
+    """Every output of the model at every row, with intervals, over dimension ``point``."""
     for name in table.columns:
         if name not in model.box:
             raise InputError(f"{table.source}: {name}: not an input of the surrogate; {nearest(name, list(model.box))}")

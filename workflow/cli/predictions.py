@@ -16,20 +16,7 @@ _DIGITS, _FEWEST, _MOST = 10, 4, 15
 def predicted(
     model: GaussianProcess, points: Mapping[str, xr.DataArray], level: float, *, extrapolate: bool = False
 ) -> xr.Dataset:
-    """``<output>``, ``<output>_std``, ``<output>_lower`` and ``<output>_upper`` of every output, in this order.
-
-    Parameters
-    ----------
-    model : GaussianProcess
-    points : mapping of str to DataArray, SI, the inputs, over dimensions that broadcast
-    level : float, probability of the intervals
-    extrapolate : bool, whether points may be outside of the trained box
-
-    Raises
-    ------
-    ValueError
-        As ``model.interval``.
-    """
+    """``<output>``, ``<output>_std``, ``<output>_lower`` and ``<output>_upper`` of every output, in this order."""
     answer = model.predict(points, extrapolate=extrapolate)
     whole = answer.assign(model.interval(points, level, extrapolate=extrapolate).data_vars)
     names = [f"{name}{part}" for name in model.outputs_ for part in ("", "_std", "_lower", "_upper")]
@@ -37,15 +24,7 @@ def predicted(
 
 
 def table(answer: xr.Dataset, outputs: Sequence[str], level: float, *, si: bool = False) -> dict[str, str]:
-    """A line for every output, ``name value [lower, upper] unit (95 %)`` at the first point, all of one length.
-
-    Parameters
-    ----------
-    answer : Dataset, as `predicted` gives it
-    outputs : sequence of str
-    level : float, probability of the intervals
-    si : bool, whether numbers are in SI instead of units that keep them short
-    """
+    """A line for every output, ``name value [lower, upper] unit (95 %)`` at the first point, all of one length."""
     units = {name: str(answer[name].attrs.get("units", "")) for name in outputs}
     ends = {name: [float(answer[f"{name}{part}"].values[0]) for part in ("", "_lower", "_upper")] for name in outputs}
     lines = {
@@ -59,20 +38,7 @@ def table(answer: xr.Dataset, outputs: Sequence[str], level: float, *, si: bool 
 def shown(
     value: float, lower: float, upper: float, units: str = "", level: float = NOMINAL, *, si: bool = False
 ) -> str:
-    """``value [lower, upper] unit (95 %)`` with two figures of the interval's half width.
-
-    Parameters
-    ----------
-    value, lower, upper : float, in `units`
-    units : str, in SI
-    level : float, probability of the interval
-    si : bool, whether numbers stay in SI instead of units that keep them short
-
-    Examples
-    --------
-    >>> shown(4.3856e-7, 4.3855e-7, 4.3857e-7, "m"), shown(4.3856e-7, 4.3855e-7, 4.3857e-7, "m", si=True)
-    ('438.5600 [438.5500, 438.5700] nm (95 %)', '4.385600e-07 [4.385500e-07, 4.385700e-07] m (95 %)')
-    """
+    """``value [lower, upper] unit (95 %)`` with two figures of the interval's half width."""
     scale, text = (1.0, units) if si else prefixed(max(abs(lower), abs(upper)), units)
     value, lower, upper = value / scale, lower / scale, upper / scale
     count = _digits(max(abs(lower), abs(upper)), (upper - lower) / 2)

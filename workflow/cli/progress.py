@@ -47,21 +47,7 @@ _CLEAR = "\r\x1b[K"
 
 
 def step(study: Study, rule: str, wildcards: Mapping[str, str]) -> str:
-    """What a job of a run does, in words.
-
-    Parameters
-    ----------
-    study
-        The study that is run.
-    rule, wildcards
-        The job, as Snakemake knows it.
-
-    Examples
-    --------
-    >>> from workflow.study.model import load
-    >>> step(load("config/quickstart.yaml"), "surrogate", {})
-    'fitting the surrogate (21 quantities, 41,600 cases)'
-    """
+    """What a job of a run does, in words."""
     given = {name: value.replace("_", " ") for name, value in wildcards.items()}
     if rule == "slab":
         return f"solving the data set, part {int(given['slab']) + 1} of {partition.count(study)}"
@@ -158,13 +144,7 @@ class _Unprofiled:
 
 @contextmanager
 def followed(study: Study, stream: TextIO | None = None) -> Iterator[None]:
-    """Tell what Snakemake's run in this process does, by what the steps of a study do.
-
-    Parameters
-    ----------
-    study : Study
-    stream : text stream, where it is told; None: standard error
-    """
+    """Tell what Snakemake's run in this process does, by what the steps of a study do."""
     shown = Progress(lambda rule, wildcards: step(study, rule, wildcards), stream or sys.stderr)
     logger, installed = logging.getLogger("snakemake.logging"), _Installed(shown)
     logger.addFilter(installed)

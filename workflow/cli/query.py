@@ -28,13 +28,7 @@ _ROWS = 4096  # of an answer that are written at a time
 
 
 def query(options: argparse.Namespace) -> None:
-    """Print the answer at one point, or write a table of answers, as the options say.
-
-    Raises
-    ------
-    InputError, FormatError
-        Options, points or a study that do not fit the surrogate; a file that is none; in one line.
-    """
+    """Print the answer at one point, or write a table of answers, as the options say."""
     model = surrogate.load(trained(options.surrogate))
     if (options.table is None) == (options.at is None):
         raise InputError("query: give either a table AT.csv or --at NAME=VALUE,...")
@@ -70,18 +64,7 @@ def _level(model: GaussianProcess, asked: float | None) -> float:
 
 
 def study_of(model: GaussianProcess, given: str) -> studies.Study:
-    """The study that a surrogate came from, by its name or its file.
-
-    Parameters
-    ----------
-    model : GaussianProcess
-    given : str, the study's name or file
-
-    Raises
-    ------
-    InputError
-        It is another, or is not as it was.
-    """
+    """The study that a surrogate came from, by its name or its file."""
     study = studies.named(location.given(given))
     if set(model.box) != set(study.factors):
         raise InputError(

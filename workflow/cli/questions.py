@@ -39,18 +39,7 @@ _UNTOLD = 0.8  # share of its range over which a factor's interval tells nothing
 
 
 def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProcess]:
-    """The study of a folder ``results/<study>`` and its surrogate, or another of its surrogates.
-
-    Parameters
-    ----------
-    folder : Path, ``results/<study>``
-    file : Path, another surrogate; None: the folder's own
-
-    Raises
-    ------
-    InputError
-        No such results, or a study that was changed since they were made.
-    """
+    """The study of a folder ``results/<study>`` and its surrogate, or another of its surrogates."""
     surrogate = trained(file or folder / "surrogate.nc")
     study = studies.load(location.of_results(folder))
     model = load(surrogate)
@@ -61,21 +50,7 @@ def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProc
 
 
 def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
-    """The target that the options of the command line describe.
-
-    Parameters
-    ----------
-    study
-        Gives what is not said: a factor that is not named takes its default.
-    words
-        ``maximise``, ``minimise``, ``over``, ``at``, ``worst_case``, ``uncertain``, ``tolerance``, ``robust`` and
-        ``limit``, as written.
-
-    Raises
-    ------
-    InputError
-        One line with the option, the value and what is allowed.
-    """
+    """The target that the options of the command line describe."""
     asked: dict[str, Any] = {
         "maximise": list(words.get("maximise") or []),
         "minimise": list(words.get("minimise") or []),
@@ -127,19 +102,7 @@ def _usual(study: Study, name: str) -> str:
 def ask(
     folder: Path, words: Mapping[str, Sequence[str] | None], tell: Callable[[str], None] = lambda words: None
 ) -> Answer:
-    """Answer a question from the results of a study.
-
-    Parameters
-    ----------
-    folder : Path, ``results/<study>``
-    words : mapping of str to sequence of str, what every option says; None: it was not given
-    tell : callable, takes what is being done, in words
-
-    Raises
-    ------
-    InputError
-        A bad question, or one that nothing answers: it names the binding limit and the least violated design.
-    """
+    """Answer a question from the results of a study."""
     study, model = results(folder)
     asked, notes = target(study, words), []
     if wider := wider_box.beyond(study, asked):
@@ -160,19 +123,7 @@ def ask(
 
 
 def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool = False) -> str:
-    """What measurements tell of some factors: a line each, with its 95 % interval.
-
-    Parameters
-    ----------
-    folder : Path, ``results/<study>``
-    words : mapping of str to sequence of str, what every option says; None: it was not given
-    si : bool, whether numbers are in SI instead of engineering units
-
-    Raises
-    ------
-    InputError
-        Names, numbers or a form that are not understood; measurements that no case of the box explains.
-    """
+    """What measurements tell of some factors: a line each, with its 95 % interval."""
     study, model = results(folder)
     measured = named("--measured", words.get("measured"))
     values, errors = [], []

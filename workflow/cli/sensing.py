@@ -51,13 +51,7 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
 
 
 def signal(options: argparse.Namespace) -> None:
-    """Write the signal of a history and print its figures, as the options say.
-
-    Raises
-    ------
-    InputError, FactorError, MaterialError
-        A history, case or device that is none, or that do not fit each other; in one line, and nothing is written.
-    """
+    """Write the signal of a history and print its figures, as the options say."""
     path = output(options.output, options.history, *options.materials)
     if not 1 <= options.parts <= _MOST_PARTS:
         raise InputError(f"--parts: {options.parts} is not a whole number from 1 to {_MOST_PARTS}")

@@ -37,18 +37,10 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Model:
-    """One input vector, the factors in the surrogate's order, to one output vector, the quantities in its order.
+    """One input vector, the factors in the surrogate's order, to one output vector, the quantities in its order."""
 
-    Attributes
-    ----------
-    surrogate
-        The trained one, which says the box.
-    study
-        Where it came from: then the model is the exact solver.
-    """
-
-    surrogate: GaussianProcess
-    study: Study | None = None
+    surrogate: GaussianProcess  # The trained one, which says the box
+    study: Study | None = None  # Where it came from: then the model is the exact solver
 
     @property
     def sizes(self) -> tuple[int, int]:
@@ -83,22 +75,7 @@ class _RefusedError(Exception):
 
 
 def answer(models: Mapping[str, Model], path: str, body: Mapping[str, Any]) -> dict[str, Any]:
-    """What the protocol answers to a request.
-
-    Parameters
-    ----------
-    models
-        By name.
-    path
-        `/Info`, `/ModelInfo`, `/InputSizes`, `/OutputSizes`, `/Evaluate`, `/Gradient` or `/ApplyJacobian`.
-    body
-        The request.
-
-    Returns
-    -------
-    dict
-        The answer; `{"error": {"type": ..., "message": ...}}` where the request is wrong.
-    """
+    """What the protocol answers to a request."""
     try:
         if path == "/Info":
             return {"protocolVersion": _VERSION, "models": list(models)}
@@ -181,13 +158,7 @@ def _derivatives(model: Model, body: Mapping[str, Any]) -> Vector:
 
 
 def serve(options: argparse.Namespace) -> None:
-    """Answer requests until interrupted.
-
-    Raises
-    ------
-    InputError, FormatError
-        A surrogate or a study that do not fit, a port that is none; in one line.
-    """
+    """Answer requests until interrupted."""
     if not 0 <= options.port < 2**16:
         raise InputError(f"--port: {options.port} must be within 0 and 65535")
     model = surrogate.load(trained(options.surrogate))

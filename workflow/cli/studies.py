@@ -16,25 +16,7 @@ _BEGINNING = Path(__file__).with_name("study.yaml")
 
 
 def begin(name: str, like: str | None = None) -> Path:
-    """Write a commented study that runs as it is.
-
-    Parameters
-    ----------
-    name
-        Of the study: its file is ``config/<name>.yaml`` of the current folder.
-    like
-        A study that comes with the program, to begin with a copy of it.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    InputError
-        A name that cannot name results, a file that is there, or another `like`.
-    """
+    """Write a commented study that runs as it is."""
     location.check_name(name, f"init: {name!r}")
     path = location.FOLDER / f"{name}.yaml"
     if path.exists():
@@ -54,13 +36,7 @@ def _beginning(like: str | None) -> Path:
 
 
 def listed(kind: str | None) -> str:
-    """Materials, quantities, factors or studies, a line each; all of them, with a heading each, for None.
-
-    Raises
-    ------
-    InputError
-        Another kind.
-    """
+    """Materials, quantities, factors or studies, a line each; all of them, with a heading each, for None."""
     known = {"studies": _studies, "factors": _factors, "quantities": _quantities, "materials": materials.listed}
     if kind is None:
         return "\n\n".join(f"{name}:\n{told()}" for name, told in known.items())

@@ -19,18 +19,7 @@ def say(message: str) -> None:
 
 
 def numbers(where: str, text: str) -> list[float]:
-    """Numbers between commas.
-
-    Parameters
-    ----------
-    where : str, the option, which the message names
-    text : str, what it says
-
-    Raises
-    ------
-    InputError
-        The part that is no number.
-    """
+    """Numbers between commas."""
     values = []
     for part in text.split(","):
         try:
@@ -41,24 +30,7 @@ def numbers(where: str, text: str) -> list[float]:
 
 
 def quantity(where: str, text: str, units: str) -> float:
-    """A number, bare in SI or with its unit, in SI.
-
-    Parameters
-    ----------
-    where : str, the option, which the message names
-    text : str, what it says
-    units : str, SI, to which a written unit must be of the same kind
-
-    Raises
-    ------
-    InputError
-        What is no such number.
-
-    Examples
-    --------
-    >>> quantity("--at: radius", "20um", "m"), quantity("--at: radius", "2e-05", "m")
-    (2e-05, 2e-05)
-    """
+    """A number, bare in SI or with its unit, in SI."""
     try:
         return number(text)
     except ValueError:
@@ -70,24 +42,7 @@ def quantity(where: str, text: str, units: str) -> float:
 
 
 def named(option: str, words: str | Sequence[str] | None, *, valued: bool = False) -> dict[str, str]:
-    """``NAME=VALUE`` or ``NAME`` of every part between commas outside brackets: the values' texts by name.
-
-    Parameters
-    ----------
-    option : str, which messages name
-    words : str or sequence of str, what it says, once or several times; None: it is not given
-    valued : bool, whether every name needs a value; else the text of a name without one is empty
-
-    Raises
-    ------
-    InputError
-        A name that is missing, is given twice, or lacks its value.
-
-    Examples
-    --------
-    >>> named("--over", ["radius=1 cm:5 cm,load", "material=PZT-4|steel"])
-    {'radius': '1 cm:5 cm', 'load': '', 'material': 'PZT-4|steel'}
-    """
+    """``NAME=VALUE`` or ``NAME`` of every part between commas outside brackets: the values' texts by name."""
     texts: dict[str, str] = {}
     for word in [words] if isinstance(words, str) else words or []:
         for part in _parts(word):
@@ -116,18 +71,7 @@ def _parts(word: str) -> list[str]:
 
 
 def place(text: str, units: Mapping[str, str]) -> dict[str, float]:
-    """Where an answer is wanted, as the option ``--at`` says it: values by name, in SI.
-
-    Parameters
-    ----------
-    text : str, what the option says
-    units : mapping of str to str, SI, of every name that may have a unit; another's number is bare
-
-    Raises
-    ------
-    InputError
-        As `named` and `quantity`.
-    """
+    """Where an answer is wanted, as the option ``--at`` says it: values by name, in SI."""
     given = named("--at", text, valued=True)
     return {name: quantity(f"--at: {name}", value, units.get(name, "1")) for name, value in given.items()}
 
@@ -139,15 +83,7 @@ def surrogate_file(text: str) -> Path:
 
 
 def trained(path: Path) -> Path:
-    """The file of a surrogate, as `surrogate_file` gives it.
-
-    Raises
-    ------
-    InputError
-        There is none; it names what results there are here, and how to make others.
-    OSError
-        It is no regular file.
-    """
+    """The file of a surrogate, as `surrogate_file` gives it."""
     if path.exists():
         return regular(path)
     asked = path.parent if path.name == _SURROGATE else path
@@ -160,13 +96,7 @@ def trained(path: Path) -> Path:
 
 
 def written_as(**endings: str) -> Callable[[str], Path]:
-    """Where to write an answer by an option: what the path's ending says, by `endings` and their words, and no other.
-
-    Examples
-    --------
-    >>> written_as(csv="CSV", json="JSON")("designs.csv").name
-    'designs.csv'
-    """
+    """Path of an answer that an option names; its ending must be one of `endings`."""
 
     def path(text: str) -> Path:
         if Path(text).suffix.removeprefix(".") not in endings:

@@ -23,14 +23,7 @@ _AT_A_TIME, _CASES = 8, 4096  # places whose cases are solved and written at onc
 
 
 def write_places(study: Study, places: xr.Dataset, path: Path) -> None:
-    """Write the places of a batch, or the error with which the approximation ends.
-
-    Parameters
-    ----------
-    study : Study
-    places : Dataset, the crossed axes over `PLACE`, or the error alone
-    path : Path, the file
-    """
+    """Write the places of a batch, or the error with which the approximation ends."""
     title = "places at which a cross approximation asks for all cases, or in the end its error"
     write_whole(described(places, title, SOURCE, MEANINGS), path)
     count = places.sizes.get(PLACE, 0)
@@ -38,33 +31,12 @@ def write_places(study: Study, places: xr.Dataset, path: Path) -> None:
 
 
 def slabs(study: Study, path: str | Path) -> int:
-    """Number of slabs of the batch whose places a file holds; 0 of the last, which has none.
-
-    Parameters
-    ----------
-    study : Study
-    path : str or path, the file of the batch's places
-    """
+    """Number of slabs of the batch whose places a file holds; 0 of the last, which has none."""
     return min(partition.count(study), read_whole(Path(path)).sizes.get(PLACE, 0))
 
 
 def write_slab(study: Study, path_of_places: Path, index: int, path: Path, cache: CaseCache | None = None) -> None:
-    """Solve a slab of a batch exactly, and write its quantities.
-
-    Parameters
-    ----------
-    study : Study
-    path_of_places, path : Path, the file of the batch's places, and the one to write
-    index : int, number of the slab, from 0
-    cache : CaseCache, of what was solved before; None: none
-
-    Raises
-    ------
-    FactorError
-        A case without a finite solution.
-    OSError
-        No room or no permission.
-    """
+    """Solve a slab of a batch exactly, and write its quantities."""
     batch = read_whole(path_of_places)
     part = np.array_split(np.arange(batch.sizes[PLACE]), slabs(study, path_of_places))[index]
     count = part.size
@@ -81,14 +53,7 @@ def write_slab(study: Study, path_of_places: Path, index: int, path: Path, cache
 
 
 def exact(study: Study, places: xr.Dataset, cache: CaseCache | None = None) -> xr.Dataset:
-    """Exact quantities over places of the crossed axes and all levels of the others.
-
-    Parameters
-    ----------
-    study : Study
-    places : Dataset, the crossed axes over `PLACE`, SI
-    cache : CaseCache, of what was solved before; None: none
-    """
+    """Exact quantities over places of the crossed axes and all levels of the others."""
     levels = {name: some for name, some in factorial.axes(study).items() if name not in study.crossed}
     crossed = {name: xr.DataArray(places[name].variable) for name in study.crossed}
     solved = factorial.exact(study, {**crossed, **levels}, cache=cache)

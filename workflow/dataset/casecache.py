@@ -46,17 +46,7 @@ _Part = dict[str, slice]
 class CaseCache:
     """The cache beside the results, for one job.
 
-    Parameters
-    ----------
-    results
-        Folder of all results.
-    output
-        The job's file, below it.
-
-    Attributes
-    ----------
-    cases, taken : int
-        How many cases the job has asked for, and how many of them were solved before.
+    cases, taken: How many cases the job has asked for, and how many of them were solved before.
     """
 
     def __init__(self, results: Path, output: Path) -> None:
@@ -65,17 +55,7 @@ class CaseCache:
         self._tally = self.folder / _TALLIES / output.relative_to(results).with_suffix(".json")
 
     def around(self, study: Study, solved: Solved, asked: Mapping[str, Any]) -> Solved:
-        """What solves cases piece by piece, those that are not kept.
-
-        Parameters
-        ----------
-        study
-            Whose cases they are.
-        solved
-            Solves them, by their factors.
-        asked
-            What is asked of a case beside its factors, as plain data.
-        """
+        """What solves cases piece by piece, those that are not kept."""
         if not study.costly & set(study.quantities):
             return solved
         own = json.dumps([study.digest("phases", "materials", "body"), asked, _solver()], sort_keys=True)
@@ -125,13 +105,7 @@ def of(job: "Snakemake") -> Iterator[CaseCache]:
 
 
 def taken(results: Path, study: str) -> dict[str, int]:
-    """How many cases of a study's files were asked for piece by piece, and how many of these were solved before.
-
-    Parameters
-    ----------
-    results : Path, the folder of all results
-    study : str, its name
-    """
+    """How many cases of a study's files were asked for piece by piece, and how many of these were solved before."""
     folder, tally = results / FOLDER / _TALLIES / study, {"cases": 0, "taken": 0}
     for file in sorted(folder.rglob("*.json")):
         if (results / study / file.relative_to(folder)).with_suffix(".nc").is_file():
@@ -141,13 +115,7 @@ def taken(results: Path, study: str) -> dict[str, int]:
 
 
 def sweep(results: Path, most: int = MOST_BYTES) -> None:
-    """Remove what was used longest ago, and what killed writers have left.
-
-    Parameters
-    ----------
-    results : Path, the folder of all results
-    most : int, bytes that may stay
-    """
+    """Remove what was used longest ago, and what killed writers have left."""
     now, files = time.time(), []
     for file in (results / FOLDER / _OF_CASES).rglob("*"):
         try:

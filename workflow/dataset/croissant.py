@@ -39,18 +39,7 @@ _NETCDF = "application/x-netcdf"
 
 
 def croissant(card: Mapping[str, Any]) -> dict[str, Any]:
-    """Metadata of a data set as JSON-LD.
-
-    Parameters
-    ----------
-    card
-        The data card (`workflow.dataset.datacard.card`).
-
-    Returns
-    -------
-    dict
-        Of which every record is a case: its levels of the axes, its quantities, its fields over the positions.
-    """
+    """Metadata of a data set as JSON-LD."""
     files = [_file(file) for file in card["files"]]
     slabs = {"@type": "cr:FileSet", "@id": "slabs", "name": "slabs", "includes": "fields/slab_*.nc"}
     axes = [_field(name, *_axis(name, name in card["categories"])) for name in (*card["factors"], *card["categories"])]

@@ -22,17 +22,7 @@ from workflow.study.representatives import middles
 
 
 def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Path]) -> dict[str, Any]:
-    """The card as plain data, from the slabs' headers and the times of the jobs that made them.
-
-    Parameters
-    ----------
-    study, name
-        The study and its name.
-    slabs
-        The files of the data set, in order.
-    benchmarks
-        Snakemake's records of their jobs; where one is missing, the times are not told.
-    """
+    """The card as plain data, from the slabs' headers and the times of the jobs that made them."""
     lacking = _refused(study, slabs)
     files = [_file(path, PLACE if study.crossed else next(iter(study.axes))) for path in slabs]
     variables = {key: _merged([file["variables"][key] for file in files]) for key in files[0]["variables"]}

@@ -26,13 +26,6 @@ def sample(study: Study, count: int, seed: Sequence[int], ends: bool) -> _Drawn:
 
     Of a box that has grown, the sample of the earlier box gives as large a share of the cases as that box has of the
     volume, in whole pieces of the cache: these may have been solved. The other cases lie outside the earlier box.
-
-    Parameters
-    ----------
-    study : Study
-    count : int, number of even cases
-    seed : sequence of int, of the random generator
-    ends : bool, whether as many again are drawn towards the ends
     """
     smaller = before(study)
     if smaller is None:
@@ -105,13 +98,6 @@ def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETH
     """Random factors over dimension ``case``, uniform in the axes' own scales.
 
     A factor that needs tables takes few values: its axis is cut into equal parts, and each value lies in one of them.
-
-    Parameters
-    ----------
-    study : Study
-    count : int, number of cases
-    seed : sequence of int, of the random generator
-    together : int, how many cases of films share the factors for which the solver makes tables
     """
     random = np.random.default_rng(list(seed))
     drawn: dict[str, xr.DataArray] = {}
@@ -131,12 +117,6 @@ def towards_ends(
 
     Groups have their ends in corners of the factors' box, which even cases hardly reach. Cases that share tables follow
     one another.
-
-    Parameters
-    ----------
-    study : Study
-    drawn : mapping of str to DataArray, over ``case``, SI, the factors as `points` gives them
-    seed : sequence of int, of the random generator
     """
     random = np.random.default_rng(list(seed))
     count = next(iter(drawn.values())).size

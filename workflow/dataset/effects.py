@@ -21,13 +21,6 @@ def effect(study: Study, factor: str) -> xr.Dataset:
 
     The last value of a film's factor is the half-plane beside it, where the study asks for that: `HALF_PLANE`, or NaN
     among numbers.
-
-    Parameters
-    ----------
-    study
-        A study with ``effects``.
-    factor
-        Which of ``effects.vary``.
     """
     if study.effects is None:
         raise ValueError("effects: the study has none")
@@ -45,13 +38,6 @@ def interior(study: Study, factor: str) -> xr.Dataset:
     """Fields below the punch over (factor, y, x), at three of the factor's values: first, middle and last.
 
     With the half-plane beside them as in `effect`.
-
-    Parameters
-    ----------
-    study
-        A study with ``effects.interior``.
-    factor
-        Which of ``effects.vary``.
     """
     if study.effects is None or study.effects.interior is None:
         raise ValueError("effects: the study has no interior")

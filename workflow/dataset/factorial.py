@@ -44,27 +44,14 @@ def axis_inputs(study: Study) -> list[Input]:
 
 
 def grouping(study: Study, learned: xr.Dataset | None = None) -> Grouping:
-    """How what the surrogate learns follows from a study's groups; logarithms are chosen where it has the factorial.
-
-    Parameters
-    ----------
-    study : Study
-    learned : Dataset, the factorial; None: no logarithm is chosen by it
-    """
+    """How what the surrogate learns follows from a study's groups; logarithms are chosen where it has the factorial."""
     plain = similar.grouping(study, inputs(study), axis_inputs(study))
     untold = study.crossed and study.surrogate.log is None
     return plain if learned is None or untold else similar.with_logarithms(plain, study, learned)
 
 
 def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
-    """What is learned of the factorial over its axes: the outputs, or with groups the outputs over their scales.
-
-    Parameters
-    ----------
-    study : Study
-    data : Dataset, over the axes
-    by : Grouping, the study's; None: it has no groups
-    """
+    """What is learned of the factorial over its axes: the outputs, or with groups the outputs over their scales."""
     if by is None:
         return data
     own = {name: data[name] for name in study.axes}
@@ -72,13 +59,7 @@ def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
 
 
 def with_factors(study: Study, data: xr.Dataset) -> xr.Dataset:
-    """Cases over the axes of a study with the factors of each as coordinates.
-
-    Parameters
-    ----------
-    study : Study
-    data : Dataset, over its axes
-    """
+    """Cases over the axes of a study with the factors of each as coordinates."""
     axes = {name: xr.DataArray(data[name].variable) for name in study.axes}
     return data.assign_coords(representatives.factors(study, axes))
 
@@ -89,13 +70,7 @@ def axes(study: Study) -> dict[str, np.ndarray[Any, np.dtype[Any]]]:
 
 
 def training_data(study: Study, data: xr.Dataset) -> xr.Dataset:
-    """Cases of the study as the surrogate learns them: every output over the continuous factors or ``case`` alone.
-
-    Parameters
-    ----------
-    study : Study
-    data : Dataset, over the factors or ``case``, and the categories
-    """
+    """Cases of the study as the surrogate learns them: every output over the continuous factors or ``case`` alone."""
     return categories.apart(data, study.categories, study.outputs)
 
 
@@ -114,12 +89,6 @@ def cases(study: Study, name: str, cache: CaseCache | None = None) -> xr.Dataset
 
     Those for calibration have the curves that the surrogate learns, where it can correct them. Those that the solver
     refuses are masked.
-
-    Parameters
-    ----------
-    study : Study
-    name : str, that of the sample
-    cache : CaseCache, of what was solved before; None: none
     """
     number, key = SAMPLES[name]
     ends = name == "calibration" and bool(study.groups) and not study.regions
@@ -131,14 +100,7 @@ def cases(study: Study, name: str, cache: CaseCache | None = None) -> xr.Dataset
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
-    """Random cases; exact quantities over dimension ``case`` and the categories, see `draws.points`.
-
-    Parameters
-    ----------
-    study : Study
-    count : int, number of cases
-    seed : sequence of int, of the random generator
-    """
+    """Random cases; exact quantities over dimension ``case`` and the categories, see `draws.points`."""
     return exact(study, draws.points(study, count, seed))
 
 

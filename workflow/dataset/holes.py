@@ -13,15 +13,7 @@ from workflow.study.refusals import MOST, REASON, REFUSAL, AllRefusedError, Hole
 
 
 class Mask:
-    """Which cases of a slab are refused and why, met block by block.
-
-    Parameters
-    ----------
-    axes
-        The slab's axes with their levels.
-    most
-        Refused cases that it may have.
-    """
+    """Which cases of a slab are refused and why, met block by block."""
 
     def __init__(self, axes: Mapping[str, NDArray[Any]], most: float) -> None:
         self.axes, self.most, self.count = list(axes), most, 0
@@ -35,19 +27,7 @@ class Mask:
         return self.most - self.count
 
     def values(self, region: Region, solved: Callable[[], xr.Dataset], frame: xr.Dataset) -> dict[str, NDArray[Any]]:
-        """Values of the solved cases of a region for the frame's variables, masked where the solver refuses.
-
-        Parameters
-        ----------
-        region : tuple of slice, the block of the slab
-        solved : callable, solves the block
-        frame : Dataset, whose variables, dimensions and types the values have
-
-        Raises
-        ------
-        HolesError
-            More cases are refused than may be.
-        """
+        """Values of the solved cases of a region for the frame's variables, masked where the solver refuses."""
         try:
             answered: xr.Dataset = solved()
         except AllRefusedError as error:
@@ -90,13 +70,7 @@ def kept(cases: xr.Dataset) -> xr.Dataset:
 
 
 def refused(data: xr.Dataset, axes: Sequence[str]) -> Flags:
-    """Which places along some dimensions are refused in any category, over these dimensions.
-
-    Parameters
-    ----------
-    data : Dataset, with or without a mask
-    axes : sequence of str, the dimensions
-    """
+    """Which places along some dimensions are refused in any category, over these dimensions."""
     if REFUSAL not in data:
         return np.zeros([data.sizes[name] for name in axes], dtype=bool)
     mask = data[REFUSAL] > 0
@@ -104,13 +78,7 @@ def refused(data: xr.Dataset, axes: Sequence[str]) -> Flags:
 
 
 def reasons(data: xr.Dataset, axes: Sequence[str]) -> list[str]:
-    """Why every place that `refused` tells is refused, in their order: the reason of one of its categories.
-
-    Parameters
-    ----------
-    data : Dataset, with or without a mask
-    axes : sequence of str, the dimensions
-    """
+    """Why every place that `refused` tells is refused, in their order: the reason of one of its categories."""
     if REFUSAL not in data:
         return []
     mask = data[REFUSAL]
@@ -119,13 +87,7 @@ def reasons(data: xr.Dataset, axes: Sequence[str]) -> list[str]:
 
 
 def joined(parts: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
-    """Parts of a data set one after the other along a dimension, with one mask where any of them has one.
-
-    Parameters
-    ----------
-    parts : sequence of Dataset, with or without a mask
-    dim : str, the dimension
-    """
+    """Parts of a data set one after the other along a dimension, with one mask where any of them has one."""
     plain = [part.drop_vars([REFUSAL, REASON], errors="ignore") for part in parts]
     whole = xr.concat(plain, dim=dim)
     if not any(REFUSAL in part for part in parts):
@@ -148,18 +110,7 @@ def _renumbered(data: xr.Dataset, numbers: dict[str, int], dims: Sequence[str]) 
 
 
 def check(data: xr.Dataset, axes: Sequence[str]) -> None:
-    """Refuse a factorial that lacks too many of its places.
-
-    Parameters
-    ----------
-    data : Dataset, with or without a mask
-    axes : sequence of str, the dimensions of its places
-
-    Raises
-    ------
-    HolesError
-        Their share, and why the most of them are refused.
-    """
+    """Refuse a factorial that lacks too many of its places."""
     missing = refused(data, axes)
     if missing.mean() > MOST:
         raise HolesError(
@@ -168,15 +119,7 @@ def check(data: xr.Dataset, axes: Sequence[str]) -> None:
 
 
 def summary(data: xr.Dataset, axes: Sequence[str]) -> dict[str, Any]:
-    """Holes as plain data: how many places of all, between which levels, every reason with its cases, and all in words.
-
-    Parameters
-    ----------
-    data
-        The mask over the factorial, with its levels.
-    axes
-        The factorial's axes without its categories.
-    """
+    """Holes as plain data: number of refused cases, their levels, and every reason with its cases."""
     missing = refused(data, axes)
     ends = {
         name: [float(end) for end in (levels.min(), levels.max())]

@@ -28,21 +28,11 @@ _SEED = 5
 
 @dataclass(frozen=True)
 class Place:
-    """Where something wants a surer surrogate.
+    """Where something wants a surer surrogate."""
 
-    Attributes
-    ----------
-    name
-        What does.
-    doubt
-        How unsure it is, by which places are asked for.
-    factors
-        Every factor of the study at the cases on which it rests, (n,) each.
-    """
-
-    name: str
-    doubt: float
-    factors: Mapping[str, Array]
+    name: str  # What does
+    doubt: float  # How unsure it is, by which places are asked for
+    factors: Mapping[str, Array]  # Every factor of the study at the cases on which it rests, (n,) each
 
 
 def names(study: Study) -> list[str]:
@@ -55,12 +45,6 @@ def near(study: Study, place: Place, number: int) -> dict[str, xr.DataArray]:
 
     Each is drawn within `AROUND` of a random case of the place. Of films, `TOGETHER` cases share the factors that need
     tables.
-
-    Parameters
-    ----------
-    study : Study
-    place : Place
-    number : int, that of the round, from 0
     """
     count, together = _count(study, number), TOGETHER if study.tabled else 1
     drawn: dict[str, list[Array]] = {name: [] for name in study.factors}
@@ -82,15 +66,7 @@ def _count(study: Study, number: int) -> int:
 
 
 def write(study: Study, place: Place, number: int, path: Path) -> None:
-    """Write the factors of a round's cases, or none where there is no doubt left.
-
-    Parameters
-    ----------
-    study : Study
-    place : Place
-    number : int, that of the round, from 0
-    path : Path, the file
-    """
+    """Write the factors of a round's cases, or none where there is no doubt left."""
     log.info("%s: 95 %% intervals within %.2g of the value or the limit", place.name, place.doubt)
     until = study.surrogate.until
     cases = {} if until is not None and place.doubt <= until else near(study, place, number)
@@ -102,26 +78,12 @@ _MEANINGS = {"doubt": "largest half-width of a 95 % interval, of the goal over i
 
 
 def slabs(study: Study, path: str | Path) -> int:
-    """Number of files that hold the cases of a round; 0 of one that asks for none.
-
-    Parameters
-    ----------
-    study : Study
-    path : str or path, the file of the round's cases
-    """
+    """Number of files that hold the cases of a round; 0 of one that asks for none."""
     return min(partition.count(study), -(-read_whole(Path(path)).sizes.get("case", 0) // TOGETHER))
 
 
 def write_slab(study: Study, path_of_cases: Path, index: int, path: Path, cache: CaseCache | None = None) -> None:
-    """Solve a part of a round's cases exactly, and write them; those that the solver refuses are masked.
-
-    Parameters
-    ----------
-    study : Study
-    path_of_cases, path : Path, the file of the round's cases, and the one to write
-    index : int, number of the part, from 0
-    cache : CaseCache, of what was solved before; None: none
-    """
+    """Solve a part of a round's cases exactly, and write them; those that the solver refuses are masked."""
     cases = read_whole(path_of_cases)
     places = np.arange(cases.sizes["case"]) // TOGETHER
     part = np.isin(places, np.array_split(np.unique(places), slabs(study, path_of_cases))[index])
@@ -131,23 +93,12 @@ def write_slab(study: Study, path_of_cases: Path, index: int, path: Path, cache:
 
 
 def gathered(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
-    """All cases that a target asks for, over ``case``; nothing where it asks for none.
-
-    Parameters
-    ----------
-    slabs : sequence of Dataset, over ``case``
-    """
+    """All cases that a target asks for, over ``case``; nothing where it asks for none."""
     return holes.joined(slabs, "case") if slabs else xr.Dataset()
 
 
 def joined(calibration: xr.Dataset, further: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Cases for calibration with those that were asked for, which are not spread evenly.
-
-    Parameters
-    ----------
-    calibration : Dataset, over ``case``
-    further : sequence of Dataset, over ``case``; without any case, those for calibration stay as they are
-    """
+    """Cases for calibration with those that were asked for, which are not spread evenly."""
     further = [cases for cases in further if "case" in cases.dims]
     if not further:
         return calibration

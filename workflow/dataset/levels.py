@@ -33,22 +33,7 @@ _MEANINGS = {
 
 
 def choose(study: Study) -> xr.Dataset:
-    """Level counts for ``validation.tolerance`` within ``dataset.budget``, and the evidence for them.
-
-    Returns
-    -------
-    xarray.Dataset
-        ``levels``, ``pilot_levels``, ``given``, ``affine`` and ``extrapolated`` over ``input``; ``predicted_error``
-        over ``output``; ``coefficient``, ``rate``, ``interpolation_error`` and ``kinked`` as
-        ``surrogate.levels.counts.evidence`` gives them.
-
-    Raises
-    ------
-    surrogate.levels.counts.UnreachableError
-        The budget cannot reach the tolerance; says what would.
-    InputError
-        An output that the study asks for by name is kinked: no tolerance can be promised for it.
-    """
+    """Level counts for ``validation.tolerance`` within ``dataset.budget``, and the evidence for them."""
     study = _with_scales(study)
     given = {name: axis.levels for name, axis in study.axes.items() if axis.levels is not None}
 
@@ -120,13 +105,7 @@ def _error_along(study: Study, name: str) -> float:
 
 
 def with_levels(study: Study, files: Sequence[str | Path]) -> Study:
-    """The study with the chosen level counts in place.
-
-    Parameters
-    ----------
-    study : Study
-    files : sequence of str or path, ``levels.nc``; nothing where no counts are open
-    """
+    """The study with the chosen level counts in place."""
     if not files:
         return study
     chosen = read_whole(Path(files[0]))

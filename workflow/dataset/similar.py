@@ -28,17 +28,7 @@ _LENGTHS = ("thickness", "radius", "width", "datum", "slope")
 def grouping(
     study: Study, inputs: Sequence[Input], axes: Sequence[Input], weights: Mapping[str, str] | None = None
 ) -> Grouping:
-    """How the study's outputs follow from what is learned over its groups.
-
-    Parameters
-    ----------
-    study
-        A study with groups.
-    inputs, axes
-        Its factors and the axes of its data set, and any further input that is an axis too.
-    weights
-        Names of the outputs with that of the quantity or field as which they scale; by default the study's outputs.
-    """
+    """How the study's outputs follow from what is learned over its groups."""
     names = [input_.name for input_ in inputs]
     groups = tuple(_group(study, axis, names) for axis in axes)
     scalings = (
@@ -65,20 +55,7 @@ def _group(study: Study, axis: Input, names: Sequence[str]) -> Group:
 
 
 def with_logarithms(grouping: Grouping, study: Study, learned: xr.Dataset) -> Grouping:
-    """The grouping with the logarithms that are learned: those that the study names, or that decay faster.
-
-    Parameters
-    ----------
-    grouping, study
-        The grouping without any, and its study.
-    learned
-        The factorial, with the factors of its cases as coordinates.
-
-    Raises
-    ------
-    InputError
-        The logarithm that the study names of what changes sign.
-    """
+    """The grouping with the logarithms that are learned: those that the study names, or that decay faster."""
     asked = study.surrogate.log
     names = [
         output(name, combination)
@@ -145,11 +122,6 @@ def scale(study: Study, quantity: str) -> dict[str, float]:
     """Powers of the study's factors that a quantity is proportional to, at the same groups.
 
     A load and a length make every scale; what is fixed of them is the same in all cases.
-
-    Parameters
-    ----------
-    study : Study
-    quantity : str
     """
     if QUANTITY_WEIGHTS[quantity] == QUANTITY_WEIGHTS["pressure_exponent"]:
         return {}

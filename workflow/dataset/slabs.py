@@ -44,24 +44,6 @@ def write_slab(study: Study, index: int, path: Path, cache: CaseCache | None = N
 
     Shows cases done of all and the time left on a terminal. Cases that the solver refuses are masked, and the file says
     why (`workflow.study.refusals`); a file without such a case is as it was before there were masks.
-
-    Parameters
-    ----------
-    study : Study
-    index : int, number of the slab, from 0
-    path : Path, the file
-    cache : CaseCache, of what was solved before; None: none
-
-    Raises
-    ------
-    FactorError
-        No case has a solution.
-    HolesError
-        More cases are refused than may be missing of the whole factorial.
-    ValueError
-        A value beyond the range of the stored precision.
-    OSError
-        No room or no permission.
     """
     axes = factorial.axes(study)
     first = next(iter(axes))

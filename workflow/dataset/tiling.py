@@ -16,11 +16,6 @@ def chunk_lengths(lengths: Sequence[int], cases: int) -> list[int]:
 
     Chunks divide the axis that they split, where that takes no chunks of less than half of what is allowed; else the
     last of the axis holds less than it has room for.
-
-    Parameters
-    ----------
-    lengths : sequence of int, of the axes
-    cases : int, the most cases of a chunk, which follow each other in C order
     """
     split, most = _split(lengths, cases)
     length = lengths[split]
@@ -30,13 +25,7 @@ def chunk_lengths(lengths: Sequence[int], cases: int) -> list[int]:
 
 
 def regions(lengths: Sequence[int], chunk: Sequence[int], cases: int) -> Iterator[Region]:
-    """Blocks in C order, each of whole chunks.
-
-    Parameters
-    ----------
-    lengths, chunk : sequence of int, of the axes, and of a chunk along them
-    cases : int, the most cases of a block of more than one chunk
-    """
+    """Blocks in C order, each of whole chunks."""
     split, most = _split(lengths, cases)
     step = chunk[split] * _about_equal(ceil(lengths[split] / chunk[split]), max(1, most // chunk[split]))
     for leading in product(*(range(length) for length in lengths[:split])):

@@ -25,42 +25,14 @@ from workflow.language import grammar
 
 @dataclass(frozen=True)
 class Circuit:
-    """What a contact is connected to.
+    """What a contact is connected to."""
 
-    Attributes
-    ----------
-    numbers
-        Those of a study's section ``device`` by their names, in SI.
-    leakage
-        Rate 1/tau at which charge leaks through the film [1/s].
-
-    Examples
-    --------
-    >>> circuit = Circuit.of({"input_capacitance": 1e-11, "input_resistance": 1e9, "cable_capacitance": 9e-11})
-    >>> round(circuit.time_constant(0.0), 12)
-    0.1
-    """
-
-    numbers: Mapping[str, float]
-    leakage: float = 0.0
+    numbers: Mapping[str, float]  # Those of a study's section ``device`` by their names, in SI
+    leakage: float = 0.0  # Rate 1/tau at which charge leaks through the film [1/s]
 
     @classmethod
     def of(cls, numbers: Mapping[str, float], film: Material | None = None) -> Self:
-        """The circuit of a device.
-
-        Parameters
-        ----------
-        numbers
-            Those of a study's section ``device`` by their names, in SI.
-        film
-            What the film is made of; needed by a resistivity.
-
-        Raises
-        ------
-        ValueError
-            A resistivity and a loss tangent, a loss tangent without its frequency, a feedback resistance without its
-            capacitance; it names the number.
-        """
+        """The circuit of a device."""
         if "resistivity" in numbers and "loss_tangent" in numbers:
             raise ValueError("resistivity: given with a loss_tangent; give one of them")
         if ("loss_tangent" in numbers) != ("loss_frequency" in numbers):
@@ -108,13 +80,6 @@ class Circuit:
 
         The amplifier's, as the figure ``smallest_force`` of a device without heat has it, and k T C of the capacitance
         that a resistance discharges: of the feedback, or of all of it.
-
-        Parameters
-        ----------
-        contact
-            Capacitance of the contact [F].
-        temperature
-            [K].
         """
         feedback = self.numbers.get("feedback_capacitance", 0.0)
         own = self._figure("smallest_force", contact + feedback, charge_sensitivity=1.0)

@@ -33,27 +33,11 @@ class Contact:
     as on half-spaces. On films the capacitance of a contact held fixed differs from it by about one percent. That of a
     patch is that of plates, whatever presses: its edges, and other patches, are left out; that of a disc whose
     neighbours float is its own.
-
-    Attributes
-    ----------
-    most
-        The largest force [N].
-    curves
-        Coefficients of Q/P [C/N] and of log C [F]; (2, point).
-    plates
-        Capacitance of the patch that is read [F]; None: the punch is read.
-
-    Examples
-    --------
-    >>> ball = Contact.of({"profile": "sphere", "material": "BaTiO3", "radius": 5e-3}, 10.0)
-    >>> charge, capacitance = ball.at(np.array([5.0, 10.0]))
-    >>> (charge * 1e12).round(1).tolist(), (capacitance * 1e12).round(3).tolist()
-    ([841.4, 1682.8], [3.195, 4.026])
     """
 
-    most: float
-    curves: Array
-    plates: float | None = None
+    most: float  # The largest force [N]
+    curves: Array  # Coefficients of Q/P [C/N] and of log C [F]; (2, point)
+    plates: float | None = None  # Capacitance of the patch that is read [F]; None: the punch is read
 
     @classmethod
     def of(
@@ -66,29 +50,7 @@ class Contact:
         solved: Callable[[dict[str, Any]], xr.Dataset] | None = None,
         body: Stack | None = None,
     ) -> Self:
-        """Curves of a case from the exact solver.
-
-        Parameters
-        ----------
-        case
-            Factors of :func:`solver.solve` but for the force.
-        most
-            The largest force [N].
-        length
-            Of a line contact [m], whose load is per metre.
-        materials
-            Own materials by name, beside the built-in ones.
-        solved
-            Gives quantities of cases in place of :func:`solver.solve`, as a study with a body does.
-        body
-            The layers, where an electrode is read.
-
-        Raises
-        ------
-        FactorError, MaterialError
-            As :func:`solver.solve`; a force or a charge among the factors; a contact without charge, or whose voltage
-            depends on a datum; an electrode that is read as a whole, which has no end.
-        """
+        """Curves of a case from the exact solver."""
         forces = most * _SPAN ** ((gauss_points(_COUNT) - 1) / 2)
         charge, capacitance = response(case, forces, length=length, materials=materials, solved=solved, body=body)
         plates = float(capacitance[0]) if body is not None and "collector" in case else None
@@ -140,18 +102,7 @@ def response(
 ) -> tuple[Array, Array]:
     """Charge per force at zero volts [C/N] and capacitance [F] of a case at some forces; (force,) each.
 
-    Parameters
-    ----------
-    case, length, materials, solved, body
-        As of :meth:`Contact.of`, which raises what this raises.
-    forces : ndarray, shape (force,)
-        In newton.
-
-    Examples
-    --------
-    >>> charge, _ = response({"profile": "sphere", "material": "BaTiO3", "radius": 5e-3}, np.array([10.0]))
-    >>> (charge * 1e12).round(2).tolist()
-    [168.28]
+    forces: (force,).
     """
     kind = _readable(case, body)
     pressed = {**case, kind.loads.force: forces / length}
@@ -180,18 +131,7 @@ def response(
 
 
 def film(case: Mapping[str, Any], material: Material) -> Stack:
-    """What lies between the electrodes of a case on a single film, whatever its base.
-
-    Parameters
-    ----------
-    case : mapping, SI, every factor
-    material : Material, that of the film
-
-    Raises
-    ------
-    FactorError
-        An electrode that is read, of a film that is graded.
-    """
+    """What lies between the electrodes of a case on a single film, whatever its base."""
     if "collector" in case and "base_volume_fraction" in case:
         raise FactorError(
             f"base_volume_fraction: {float(case['base_volume_fraction']):g} of a film whose electrode a device reads; "

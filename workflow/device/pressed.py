@@ -32,24 +32,7 @@ def history(pressing: Pressing) -> History:
 
 
 def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Dataset:
-    """The signal of a press on a case.
-
-    Parameters
-    ----------
-    study
-        Which has an amplifier.
-    pressing
-        How hard and how long.
-    case
-        Factors of the case, categories among them; of a study's body those that its layers name.
-
-    Returns
-    -------
-    xarray.Dataset
-        ``force``, ``charge``, ``voltage`` and ``output`` over ``time``, in SI; numbers: ``contact_charge`` and
-        ``capacitance`` at the force that is held, ``time_constant``, ``drop`` (share lost in ten seconds),
-        ``noise_charge``, ``noise_output`` and ``noise_force``.
-    """
+    """The signal of a press on a case."""
     assert study.device is not None
     numbers = study.device.constants
     factors, body, material = _pressed(study, pressing, case)
@@ -86,33 +69,13 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
 
 
 def held(study: Study, pressing: Pressing) -> xr.Dataset:
-    """Quantities of the contact while the force is held, at zero charge, each with ``HELD`` before its name.
-
-    Parameters
-    ----------
-    study
-        Of one case, as `workflow.study.signal_case.of` makes it.
-    pressing
-        How hard.
-    """
+    """Quantities of the contact while the force is held, at zero charge, each with ``HELD`` before its name."""
     solved = study.solved(solve, {**study.fixed, study.kind.loads.force: pressing.force / _length(study)})
     return solved.drop_vars(list(solved.coords)).rename({name: f"{HELD}{name}" for name in solved.data_vars})
 
 
 def spread(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Dataset:
-    """What one standard deviation of the materials' constants makes of a press, as shares, to first order.
-
-    Parameters
-    ----------
-    study, pressing, case
-        As of :func:`signal`.
-
-    Returns
-    -------
-    xarray.Dataset
-        ``charge_spread`` and ``output_spread``: of the charge and of the output as the force is reached, roots of the
-        sums of the squares over `workflow.study.uncertainty.uncertain`; NaN where no constant is uncertain.
-    """
+    """What one standard deviation of the materials' constants makes of a press, as shares, to first order."""
 
     def told(own: Study) -> Array:
         assert own.device is not None

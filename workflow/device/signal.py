@@ -19,18 +19,10 @@ _SAME = 1e-9  # of the fastest rate, by which rates of one straight line may dif
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """Forces on a punch, linear in time between the given ones.
+    """Forces on a punch, linear in time between the given ones."""
 
-    Attributes
-    ----------
-    times
-        Ascending [s]; (time,).
-    forces
-        None negative [N]; (time,).
-    """
-
-    times: Array
-    forces: Array
+    times: Array  # Ascending [s]; (time,)
+    forces: Array  # None negative [N]; (time,)
 
     def finer(self, parts: int) -> "History":
         """The same with each interval in equal parts."""
@@ -46,21 +38,11 @@ class History:
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """What a circuit reads, one entry a time.
+    """What a circuit reads, one entry a time."""
 
-    Attributes
-    ----------
-    charge
-        Of the contact [C].
-    voltage
-        Of the punch [V].
-    output
-        Of the amplifier [V].
-    """
-
-    charge: Array
-    voltage: Array
-    output: Array
+    charge: Array  # Of the contact [C]
+    voltage: Array  # Of the punch [V]
+    output: Array  # Of the amplifier [V]
 
 
 def read(history: History, contact: Contact, circuit: Circuit) -> Signal:
@@ -71,20 +53,6 @@ def read(history: History, contact: Contact, circuit: Circuit) -> Signal:
         (C(P) + C_e) dV/dt = -(Q'(P) + C'(P) V) dP/dt - (C(P)/tau + G_e) V.
 
     It is integrated by Radau's implicit method of order five (scipy), anew from every time at which dP/dt jumps.
-
-    Parameters
-    ----------
-    history
-        Times and forces.
-    contact
-        What is pressed, up to the largest force or more.
-    circuit
-        What reads it.
-
-    Raises
-    ------
-    ArithmeticError
-        The integration failed.
     """
     voltage = np.zeros_like(history.times)
     rates = history.rates
@@ -113,33 +81,17 @@ def read(history: History, contact: Contact, circuit: Circuit) -> Signal:
 
 @dataclass(frozen=True)
 class Figures:
-    """What is told of a contact that a circuit reads, at its largest force.
+    """What is told of a contact that a circuit reads, at its largest force."""
 
-    Attributes
-    ----------
-    charge, capacitance
-        At zero volts [C], and of the contact [F].
-    lasting
-        Time constant of a constant force [s]; infinite where nothing leaks.
-    noise
-        As charge [C], at the output [V] and as force [N], root mean square.
-    """
-
+    # At zero volts [C], and of the contact [F]
     charge: float
     capacitance: float
-    lasting: float
-    noise: tuple[float, float, float]
+    lasting: float  # Time constant of a constant force [s]; infinite where nothing leaks
+    noise: tuple[float, float, float]  # As charge [C], at the output [V] and as force [N], root mean square
 
     @classmethod
     def of(cls, contact: Contact, circuit: Circuit, temperature: float) -> Self:
-        """Those of a contact and a circuit.
-
-        Parameters
-        ----------
-        contact : Contact
-        circuit : Circuit, that reads it
-        temperature : float, K
-        """
+        """Those of a contact and a circuit."""
         charge, capacitance = (float(values[0]) for values in contact.at(np.array([contact.most])))
         noise = circuit.noise(capacitance, temperature)
         amplified = abs(circuit.gain) / (capacitance + circuit.capacitance)

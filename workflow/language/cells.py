@@ -4,11 +4,5 @@ _FORMULA = tuple("=+-@\t\r")  # with which a spreadsheet begins to calculate
 
 
 def plain(cell: object) -> object:
-    """A cell of CSV: a text that a spreadsheet would calculate stands behind an apostrophe.
-
-    Examples
-    --------
-    >>> plain("=1+1"), plain("PZT-4"), plain(-1.0)
-    ("'=1+1", 'PZT-4', -1.0)
-    """
+    """A cell of CSV: a text that a spreadsheet would calculate stands behind an apostrophe."""
     return f"'{cell}" if isinstance(cell, str) and cell[:1] in _FORMULA else cell

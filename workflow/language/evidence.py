@@ -7,13 +7,7 @@ _YEAR = re.compile(r"\b(19|20)\d\d\b")
 
 
 def unverified(source: str) -> str:
-    """A mark for a source that says itself that it was not read, or that has no year.
-
-    Examples
-    --------
-    >>> unverified("a vendor's table, recalled"), unverified("a vendor's table, read in 2026")
-    (' (unverified: not read at its source)', '')
-    """
+    """A mark for a source that says itself that it was not read, or that has no year."""
     if _NOT_READ.search(source):
         return " (unverified: not read at its source)"
     return "" if _YEAR.search(source) else " (unverified: no dated source)"

@@ -45,12 +45,6 @@ FACTORS: Mapping[str, Factor] = _Factors()
 
 
 def own_kind(name: object) -> str | None:
-    """What number of a layer an own name says that it is; None for any other name.
-
-    Examples
-    --------
-    >>> own_kind("copper_thickness"), own_kind("base_volume_fraction"), own_kind("load")
-    ('thickness', None, None)
-    """
+    """What number of a layer an own name says that it is; None for any other name."""
     match = None if name in names.FACTORS or not isinstance(name, str) else _OWN.fullmatch(name)
     return match["kind"] if match else None

@@ -19,23 +19,7 @@ _USUAL = {
 
 
 def number(name: str, given: float | str) -> float:
-    """The value in SI of a number of a factor or device.
-
-    Parameters
-    ----------
-    name : str, the factor's, or that of a device's number
-    given : float in SI, or str with a unit
-
-    Raises
-    ------
-    ValueError
-        No number, a unit of another kind of quantity, or a bare number that has lost its unit.
-
-    Examples
-    --------
-    >>> number("radius", "20 um"), number("radius", 2e-5), number("charge_noise", "1 fC")
-    (2e-05, 2e-05, 1e-15)
-    """
+    """The value in SI of a number of a factor or device."""
     if isinstance(given, str):
         return in_si(given, units_of(name))
     most, usual = _USUAL.get(name, (float("inf"), ""))
@@ -46,13 +30,7 @@ def number(name: str, given: float | str) -> float:
 
 
 def entries(section: Any) -> Any:
-    """A section of numbers by the names of factors, in SI; what is no text for a number is left as it is.
-
-    Raises
-    ------
-    ValueError
-        Naming the entry, as `number` does.
-    """
+    """A section of numbers by the names of factors, in SI; what is no text for a number is left as it is."""
     if not isinstance(section, Mapping):
         return section
     return {name: _read(name, given, (name,)) if name in FACTORS else given for name, given in section.items()}

@@ -29,21 +29,7 @@ _TOKEN = re.compile(r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|(?P
 
 @lru_cache(1024)
 def parse(text: str, meeting: Meeting = "line") -> Expression:
-    """Read an expression.
-
-    Parameters
-    ----------
-    text
-        The expression.
-    meeting
-        How punch and body meet, which says what figures of a device are.
-
-    Raises
-    ------
-    ValueError
-        One line with the text and what is wrong: a character, name or function that is not known, brackets that do not
-        match, units that do not add up, a text that is too long or nested too deeply, or one without any name.
-    """
+    """Read an expression."""
     if len(text) > LONGEST:
         raise ValueError(f"an expression of {len(text)} characters is longer than {LONGEST}")
     try:

@@ -13,18 +13,7 @@ _DIGITS = 15  # by which the size of a value chooses its prefix: all that a doub
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """A number for people: plain from 0.001 to 99999 and else with a power of ten; a dash for none.
-
-    Parameters
-    ----------
-    value : float, or None
-    digits : int, significant ones
-
-    Examples
-    --------
-    >>> number(260.4, 2), number(3e5), number(0.0021)
-    ('260', '3×10⁵', '0.0021')
-    """
+    """A number for people: plain from 0.001 to 99999 and else with a power of ten; a dash for none."""
     if value is None or not math.isfinite(value):
         return "–"
     # halves away from zero, as JavaScript rounds them
@@ -37,13 +26,7 @@ def number(value: float | None, digits: int = 4) -> str:
 
 
 def counted(count: float) -> str:
-    """How many there are, in groups of three digits.
-
-    Examples
-    --------
-    >>> counted(41600)
-    '41,600'
-    """
+    """How many there are, in groups of three digits."""
     return f"{int(count):,}"
 
 
@@ -51,12 +34,6 @@ def prefixed(size: float, units: str, digits: int = _DIGITS) -> tuple[float, str
     """What to divide values of some size by, and the unit to write then.
 
     A prefix fits where the first symbol of the unit has no exponent, as in ``V m N-1``; a pure number has no unit.
-
-    Parameters
-    ----------
-    size : float, that of the values, in `units`
-    units : str, in SI
-    digits : int, those that will be shown: 999.96 Pa is 1 kPa in four of them
     """
     scalable = re.match(r"[A-Za-z]+(?: |$)", units) is not None and not units.startswith("kg")
     power = 0
@@ -67,13 +44,7 @@ def prefixed(size: float, units: str, digits: int = _DIGITS) -> tuple[float, str
 
 
 def written(units: str) -> str:
-    """A unit as people write it, nothing for a pure number.
-
-    Examples
-    --------
-    >>> [written(units) for units in ("V m N-1", "C m-3/2", "N m-1 A-1", "s-1", "1")]
-    ['V·m/N', 'C/m³ᐟ²', 'N/(m·A)', '1/s', '']
-    """
+    """A unit as people write it, nothing for a pure number."""
     if units == "1":
         return ""
     over: list[str] = []
@@ -87,19 +58,7 @@ def written(units: str) -> str:
 
 
 def shown(value: float, units: str, digits: int = 5) -> str:
-    """A value with its prefix and unit; a dash where there is none.
-
-    Parameters
-    ----------
-    value : float, in `units`
-    units : str, in SI, or ``%`` for a share
-    digits : int, significant ones
-
-    Examples
-    --------
-    >>> shown(0.12261, "m"), shown(2.6e2, "Pa", 2), shown(5e4, "N m-1"), shown(0.08, "%")
-    ('122.61 mm', '260 Pa', '50 kN/m', '8 %')
-    """
+    """A value with its prefix and unit; a dash where there is none."""
     if not math.isfinite(value):
         return "–"
     if units == "%":  # a share
@@ -109,17 +68,6 @@ def shown(value: float, units: str, digits: int = 5) -> str:
 
 
 def label(text: str, units: str, most: int) -> str:
-    """A text and its unit in lines, no word cut, the unit in one piece.
-
-    Parameters
-    ----------
-    text, units : str, the unit in brackets behind the text
-    most : int, characters of a line
-
-    Examples
-    --------
-    >>> label("worst-case abs(voltage) / load", "V", 24).splitlines()
-    ['worst-case abs(voltage)', '/ load [V]']
-    """
+    """A text and its unit in lines, no word cut, the unit in one piece."""
     unit = f" [{units.replace(' ', _JOINED)}]" if units else ""
     return textwrap.fill(text.strip() + unit, most, break_on_hyphens=False)

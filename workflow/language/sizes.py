@@ -10,23 +10,7 @@ _SIZE = re.compile(r"\s*(?P<value>\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)\s*(?P<unit>.
 
 
 def size(name: str, text: str) -> tuple[float, float]:
-    """A size of a quantity or factor: its absolute part in SI, and its share of the value.
-
-    Parameters
-    ----------
-    name : str, the quantity or factor
-    text : str, as a study has it
-
-    Raises
-    ------
-    ValueError
-        No positive number, or a unit that is neither the name's nor %.
-
-    Examples
-    --------
-    >>> size("radius", "5 %"), size("thickness", "0.5 mm")
-    ((0.0, 0.05), (0.0005, 0.0))
-    """
+    """A size of a quantity or factor: its absolute part in SI, and its share of the value."""
     match = _SIZE.fullmatch(text)
     if match is None or not float(match["value"]) > 0:
         raise ValueError(f"{text!r} is not a positive number with a unit, as '2 V' or '0.5 %'")
@@ -39,17 +23,6 @@ def size(name: str, text: str) -> tuple[float, float]:
 
 
 def told(name: str, text: str) -> str:
-    """A size as people write it.
-
-    Parameters
-    ----------
-    name : str, the quantity or factor
-    text : str, as a study has it
-
-    Examples
-    --------
-    >>> told("radius", "5 %"), told("thickness", "10 um"), told("friction", "0.02")
-    ('5 %', '10 µm', '0.02')
-    """
+    """A size as people write it."""
     absolute, _ = size(name, text)
     return shown(absolute, units_of(name)) if absolute else text.strip()

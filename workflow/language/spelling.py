@@ -12,16 +12,6 @@ def nearest(name: str, known: list[str]) -> str:
     """``did you mean ...? allowed: ...`` for a name that is not known: by what the page calls it, else by its letters.
 
     Of many names the one that was meant is enough.
-
-    Parameters
-    ----------
-    name : str, as it was written
-    known : list of str, what it may be
-
-    Examples
-    --------
-    >>> nearest("voltage_per_load", ["voltage_sensitivity", "voltage_noise"])
-    "did you mean 'voltage_sensitivity'? allowed: voltage_sensitivity, voltage_noise"
     """
     called = _CALLED.get(name.strip().replace(" ", "_"))
     near = [called] if called in known else get_close_matches(name, known, 1, 0.5)

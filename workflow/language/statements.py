@@ -27,28 +27,16 @@ _DEVIATION = re.compile(
 
 @dataclass(frozen=True, kw_only=True)
 class Statement:
-    """What a design question states of an expression.
+    """What a design question states of an expression."""
 
-    Attributes
-    ----------
-    text, inner
-        As the study has it, and the expression in it.
-    expression
-        What is wanted or bounded.
-    deviation
-        Whether the largest relative deviation of the expression from its mean over the cases is meant.
-    over
-        The factors over which a deviation is taken; none: all that a design does not choose.
-    meeting
-        Of punch and body, for which it was read.
-    """
-
+    # As the study has it, and the expression in it
     text: str
     inner: str
-    expression: Expression
+    expression: Expression  # What is wanted or bounded
+    # Whether the largest relative deviation of the expression from its mean over the cases is meant
     deviation: bool = False
-    over: tuple[str, ...] = ()
-    meeting: Meeting = "line"
+    over: tuple[str, ...] = ()  # The factors over which a deviation is taken; none: all that a design does not choose
+    meeting: Meeting = "line"  # Of punch and body, for which it was read
 
     def __str__(self) -> str:
         return self.text
@@ -73,29 +61,17 @@ class Objective(Statement):
 
 @dataclass(frozen=True, kw_only=True)
 class Limit(Statement):
-    """A bound of an expression in SI units.
-
-    Attributes
-    ----------
-    value
-        The bound, in the expression's SI unit; of a bound that names what a material bears, the share of that.
-    upper
-        Whether it is an upper bound.
-    probability
-        Share of the uncertain cases that must keep it; None: every case.
-    unitless
-        Whether the bound was written without a unit although the expression has one: it is read in SI.
-    allowable
-        The name of what a material bears, if that is the bound.
-    """
+    """A bound of an expression in SI units."""
 
     key = "subject_to"
 
+    # The bound, in the expression's SI unit; of a bound that names what a material bears, the share of that
     value: float
-    upper: bool
-    probability: float | None = None
+    upper: bool  # Whether it is an upper bound
+    probability: float | None = None  # Share of the uncertain cases that must keep it; None: every case
+    # Whether the bound was written without a unit although the expression has one: it is read in SI
     unitless: bool = False
-    allowable: str = ""
+    allowable: str = ""  # The name of what a material bears, if that is the bound
 
     @property
     def sign(self) -> float:
@@ -104,19 +80,7 @@ class Limit(Statement):
 
 
 def objective(text: str, *, maximise: bool = True, meeting: Meeting = "line") -> Objective:
-    """Read an objective.
-
-    Parameters
-    ----------
-    text : str, as a study has it
-    maximise : bool, whether it is not minimised
-    meeting : {"line", "point"}, how punch and body meet
-
-    Raises
-    ------
-    ValueError
-        What is wrong with the text.
-    """
+    """Read an objective."""
     inner, over = _unwrapped(text)
     if over is not None and maximise:
         raise ValueError(f"{text!r}: a deviation is minimised")
@@ -144,18 +108,7 @@ def _unwrapped(text: str) -> tuple[str, tuple[str, ...] | None]:
 
 
 def limit(text: str, meeting: Meeting = "line") -> Limit:
-    """Read a limit.
-
-    Parameters
-    ----------
-    text : str, as a study has it
-    meeting : {"line", "point"}, how punch and body meet
-
-    Raises
-    ------
-    ValueError
-        What is wrong, such as a unit that does not fit the expression.
-    """
+    """Read a limit."""
     if len(text) > grammar.LONGEST:
         raise ValueError(f"a limit of {len(text)} characters is longer than {grammar.LONGEST}")
     match = _LIMIT.fullmatch(text)

@@ -7,18 +7,10 @@ from typing import ClassVar, Self
 
 
 class Statistic(ABC):
-    """One way to count uncertain cases; `workflow.design.asking.risk` has the numbers to it.
+    """One way to count uncertain cases; `workflow.design.asking.risk` has the numbers to it."""
 
-    Attributes
-    ----------
-    forms
-        What a study writes for it.
-    drawn
-        Whether it needs draws of distributions rather than the ends of all ranges.
-    """
-
-    forms: ClassVar[tuple[str, ...]]
-    drawn: ClassVar[bool] = True
+    forms: ClassVar[tuple[str, ...]]  # What a study writes for it
+    drawn: ClassVar[bool] = True  # Whether it needs draws of distributions rather than the ends of all ranges
 
     @classmethod
     @abstractmethod
@@ -75,18 +67,7 @@ class Mean(Statistic):
 
 
 def statistic(text: str) -> Statistic:
-    """Read one of the family, as ``mean - 2 std``.
-
-    Raises
-    ------
-    ValueError
-        No member has this form.
-
-    Examples
-    --------
-    >>> str(statistic("mean - 2 std"))
-    'mean minus 2 std of'
-    """
+    """Read one of the family, as ``mean - 2 std``."""
     family = Statistic.__subclasses__()
     for member in family:
         if read := member.read(" ".join(text.split())):

@@ -17,55 +17,22 @@ _WIDTH = re.compile(rf"(?<!\w)\({_SUM}\)|{_SUM}")  # brackets of its own, but no
 
 
 def title(name: str) -> str:
-    """A quantity or factor in words.
-
-    Examples
-    --------
-    >>> title("charge_sensitivity"), title("stroke_per_volt")
-    ('charge per force', 'stroke per volt')
-    """
+    """A quantity or factor in words."""
     return TITLES.get(name, name.replace("_", " "))
 
 
 def capital(text: str) -> str:
-    """A sentence from its words: its first letter a capital one, the others as they are.
-
-    Examples
-    --------
-    >>> capital("kV on BaTiO3")
-    'KV on BaTiO3'
-    """
+    """A sentence from its words: its first letter a capital one, the others as they are."""
     return text[:1].upper() + text[1:]
 
 
 def listed(words: Sequence[str]) -> str:
-    """Words with commas between them, and an "and" before the last.
-
-    Examples
-    --------
-    >>> listed(["load", "radius", "friction"])
-    'load, radius and friction'
-    """
+    """Words with commas between them, and an "and" before the last."""
     return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
 
 
 def spoken(expression: Expression, text: str) -> str:
-    """A name, its size, or the ratio of two in words; any other expression as the study writes it, its names in words.
-
-    Parameters
-    ----------
-    expression : Expression
-    text : str, as the study writes it
-
-    Examples
-    --------
-    >>> from workflow.language import grammar
-    >>> [spoken(grammar.parse(text), text) for text in ("abs(voltage) / load", "load^2 + 1")]
-    ['voltage over load', 'load^2 + 1']
-    >>> bounded = "abs(signal_charge) / feedback_capacitance"
-    >>> spoken(grammar.parse(bounded, "point"), bounded)
-    'signal charge over feedback capacitance'
-    """
+    """Title of a name, its magnitude or the ratio of two; any other expression with its names in words."""
     figure = text.strip().removeprefix("abs(").removesuffix(")").strip()
     if figure in FIGURES:
         return title(figure)
@@ -80,44 +47,20 @@ def spoken(expression: Expression, text: str) -> str:
 
 
 def in_words(text: str) -> str:
-    """A text with its names in words, sizes without their bars, and a lone division as "over".
-
-    Examples
-    --------
-    >>> in_words("abs(charge_sensitivity) / load")
-    'charge per force over load'
-    >>> in_words("contact_trailing + contact_leading")
-    'width of the contact'
-    """
+    """A text with its names in words, sizes without their bars, and a lone division as "over"."""
     told = _NAME.sub(lambda match: title(match[0]), _WIDTH.sub("width of the contact", _SIZE.sub(r"\1", text)))
     return told.replace(" / ", " over ") if not _OTHERS.search(text) else told
 
 
 def stated(statement: statements.Statement) -> str:
-    """What is wanted or bounded, in words, and what a deviation is taken over.
-
-    Examples
-    --------
-    >>> stated(statements.objective("abs(charge_sensitivity)"))
-    'charge per force'
-    >>> stated(statements.limit("trailing_tension <= 50 MPa"))
-    'tension behind the contact'
-    """
+    """What is wanted or bounded, in words, and what a deviation is taken over."""
     words = spoken(statement.expression, statement.inner)
     over = f" over {listed([title(name) for name in statement.over])}" if statement.over else ""
     return f"deviation of {words}{over}" if statement.deviation else words
 
 
 def wanted(goals: Sequence[statements.Objective]) -> str:
-    """What a design is asked for, as the title of its card.
-
-    Examples
-    --------
-    >>> wanted([statements.objective("abs(charge_sensitivity)"), statements.objective("thickness", maximise=False)])
-    'Largest charge per force and smallest thickness'
-    >>> wanted([statements.objective("smallest_force", maximise=False)])
-    'Smallest detectable force'
-    """
+    """What a design is asked for, as the title of its card."""
     return capital(listed([_superlative(goal) for goal in goals]))
 
 
@@ -127,67 +70,21 @@ def _superlative(goal: statements.Objective) -> str:
 
 
 def units(statement: statements.Statement, si: str) -> str:
-    """The unit in which a statement's values are told, for their own in SI: deviations are shares.
-
-    Parameters
-    ----------
-    statement : Statement
-    si : str, the unit of its values in SI
-
-    Examples
-    --------
-    >>> units(statements.limit("deviation(charge_sensitivity over load) <= 3 %"), "1")
-    '%'
-    """
+    """The unit in which a statement's values are told, for their own in SI: deviations are shares."""
     return "%" if statement.deviation else si
 
 
 def bound(limit: statements.Limit, at: float, units: str) -> str:
-    """A limit in words.
-
-    Parameters
-    ----------
-    limit : Limit
-    at : float, its number, which a material may give, in `units`
-    units : str, in SI
-
-    Examples
-    --------
-    >>> bound(statements.limit("trailing_tension <= 50 MPa with probability 0.9"), 50e6, "Pa")
-    'tension behind the contact at most 50 MPa with probability 0.9'
-    """
+    """A limit in words."""
     chance = "" if limit.probability is None else f" with probability {limit.probability:g}"
     return f"{stated(limit)} at {'most' if limit.upper else 'least'} {shown(at, units, 3)}{chance}"
 
 
 def value(name: str, number: float, digits: int = 3) -> str:
-    """A factor's or quantity's value with its unit.
-
-    Parameters
-    ----------
-    name : str, the factor or quantity
-    number : float, SI
-    digits : int, significant ones
-
-    Examples
-    --------
-    >>> value("radius", 0.05)
-    '50 mm'
-    """
+    """A factor's or quantity's value with its unit."""
     return shown(number, (FACTORS[name] if name in FACTORS else ALL_QUANTITIES[name]).units, digits)
 
 
 def span(name: str, low: float, high: float) -> str:
-    """A factor with the ends of its range; zero needs no unit.
-
-    Parameters
-    ----------
-    name : str, the factor
-    low, high : float, SI
-
-    Examples
-    --------
-    >>> span("radius", 0.0, 0.05), span("friction", 0.1, 0.4)
-    ('radius 0 to 50 mm', 'friction 0.1 to 0.4')
-    """
+    """A factor with the ends of its range; zero needs no unit."""
     return f"{title(name)} {value(name, low) if low else 0} to {value(name, high)}"

@@ -29,24 +29,7 @@ _CHECKED, _TOGETHER = 200, 25  # random cases that tell the error; of films, tho
 
 
 class ConstantEffects:
-    """Changes of all outputs of a surrogate when constants move, as surrogates over the same box.
-
-    Parameters
-    ----------
-    study, model
-        The study and its surrogate.
-    constants
-        What is uncertain. The derivative by a family of which every member is there too is the sum of theirs.
-    silent
-        Names of unknowns that change no output, as an instrument's; they come after the constants.
-    say
-        Is told of progress: what is done, of how many.
-
-    Raises
-    ------
-    InputError
-        Effects that would take too many cases, or tables of films.
-    """
+    """Changes of all outputs of a surrogate when constants move, as surrogates over the same box."""
 
     def __init__(
         self,

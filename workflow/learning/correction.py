@@ -31,32 +31,7 @@ def learn(
     say: Callable[[str], None] = lambda message: None,
     instruments: Sequence[Instrument] = (),
 ) -> tuple[CorrectedGP, Summary]:
-    """Correct a study's surrogate by measured rows.
-
-    Parameters
-    ----------
-    study, model
-        The study and its surrogate.
-    rows
-        What was measured, within the trained box.
-    constants
-        What is uncertain of the study's materials. Members of these families may be off each for itself as well.
-    say
-        Is told of progress.
-    instruments
-        Gains and offsets that readings may have.
-
-    Returns
-    -------
-    CorrectedGP, Summary
-        The corrected surrogate, and what the rows tell.
-
-    Raises
-    ------
-    InputError
-        No row or too many, values that are no such quantity in SI units, or rows that
-        the constants explain nowhere.
-    """
+    """Correct a study's surrogate by measured rows."""
     count = len(np.unique(rows.row))
     if not 1 <= count <= MOST_ROWS:
         raise InputError(f"{count} rows with a measured value; must be 1 to {MOST_ROWS}")

@@ -26,18 +26,7 @@ _SHARE = 1e-2
 
 
 def model(study: Study, compression: float, by: Grouping | None = None) -> CurveGP:
-    """The process, not fitted, of a study that learns curves.
-
-    Parameters
-    ----------
-    study
-        A study.
-    compression
-        As of a `GridGP`.
-    by
-        How the study's outputs follow from its groups, where it has some. Sizes are learned by their logarithms either
-        way, scores of curves as they are: they have no units.
-    """
+    """The process, not fitted, of a study that learns curves."""
     curves: list[Curves] = []
     largest: dict[str, Largest] = {}
     attrs: dict[str, dict[str, str]] = {}
@@ -77,19 +66,7 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
 
 
 def joined(study: Study, quantities: xr.Dataset, slabs: Sequence[str]) -> xr.Dataset:
-    """Quantities of the factorial with the curves of its slabs, which may be none.
-
-    Parameters
-    ----------
-    study : Study
-    quantities : Dataset, over the axes
-    slabs : sequence of str, files of the factorial's slabs in their order
-
-    Raises
-    ------
-    FormatError
-        A slab that is no file of this program, or is damaged.
-    """
+    """Quantities of the factorial with the curves of its slabs, which may be none."""
     if not study.regions:
         return quantities
     parts = [read_whole(Path(slab), names=_names(study)) for slab in slabs]
@@ -98,24 +75,12 @@ def joined(study: Study, quantities: xr.Dataset, slabs: Sequence[str]) -> xr.Dat
 
 
 def given(study: Study, data: xr.Dataset) -> bool:
-    """Whether data have the curves that a study learns, if it learns any.
-
-    Parameters
-    ----------
-    study : Study
-    data : Dataset, over the factors or ``case``, and the categories
-    """
+    """Whether data have the curves that a study learns, if it learns any."""
     return bool(study.regions) and set(_names(study)) <= data.keys()
 
 
 def training_data(study: Study, data: xr.Dataset) -> xr.Dataset:
-    """What the surrogate learns from: the study's outputs, and the curves that the data have.
-
-    Parameters
-    ----------
-    study : Study
-    data : Dataset, over the factors or ``case``, and the categories
-    """
+    """What the surrogate learns from: the study's outputs, and the curves that the data have."""
     outputs = factorial.training_data(study, data)
     if not given(study, data):
         return outputs

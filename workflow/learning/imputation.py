@@ -19,18 +19,6 @@ def imputed(study: Study, data: xr.Dataset) -> xr.Dataset:
 
     The kernels are fitted to the quantities, and fill in curves too. Of a study with groups, quantities of one sign are
     filled in by their logarithms, so that they keep the sign.
-
-    Parameters
-    ----------
-    study
-        Whose data set it is.
-    data
-        Every variable over the axes, curves over further dimensions too: `workflow.learning.curves.training_data`.
-
-    Raises
-    ------
-    ValueError
-        More places are missing than can be filled in together, or all between two kinks.
     """
     if study.crossed:
         return data

@@ -13,24 +13,12 @@ from workflow.study import categories
 
 @dataclass(frozen=True)
 class Instrument:
-    """A gain or an offset of what measures a quantity.
+    """A gain or an offset of what measures a quantity."""
 
-    Attributes
-    ----------
-    quantity
-        What is measured, without the names of categories: one instrument measures all of them.
-    gain
-        Whether it multiplies (the reading is 1 + gain times as large), or is added.
-    std
-        Prior standard deviation: of the gain; of the offset in SI units.
-    units
-        Of an offset.
-    """
-
-    quantity: str
-    gain: bool
-    std: float
-    units: str = ""
+    quantity: str  # What is measured, without the names of categories: one instrument measures all of them
+    gain: bool  # Whether it multiplies (the reading is 1 + gain times as large), or is added
+    std: float  # Prior standard deviation: of the gain; of the offset in SI units
+    units: str = ""  # Of an offset
 
     @property
     def family(self) -> str:
@@ -52,13 +40,7 @@ class Instrument:
         return f"{100 * self.std * z:+.3g} %" if self.gain else f"{self.std * z:+.3g} {self.units}".strip()
 
     def measures(self, model: GaussianProcess, rows: Measurements) -> NDArray[np.bool_]:
-        """Which measured values it has read, (n,).
-
-        Parameters
-        ----------
-        model : GaussianProcess, of whose outputs the values are
-        rows : Measurements, n values
-        """
+        """Which measured values it has read, (n,)."""
         names = [categories.parted(name)[0] for name in model.outputs_]
         return np.array([names[q] == self.quantity for q in rows.output.tolist()], np.bool_)
 
@@ -68,14 +50,8 @@ def shown(
 ) -> tuple[Array, Array]:
     """What instruments show of true means, (n,), and its derivatives by constants and instruments, (n, k + m).
 
-    Parameters
-    ----------
-    instruments : list of Instrument, m of them
-    model : GaussianProcess, of whose outputs the values are
-    rows : Measurements, n values
-    z : ndarray, shape (m,), scaled values of the instruments
-    mean : ndarray, shape (n,), the true means, SI
-    slopes : ndarray, shape (n, k), derivatives of the true means by the constants
+    z: (m,), scaled values of the instruments; mean: (n,), the true means, SI; slopes: (n, k), derivatives of the
+    true means by the constants.
     """
     gain, offset, columns = np.ones(len(mean)), np.zeros(len(mean)), []
     for instrument, value in zip(instruments, z.tolist(), strict=True):

@@ -25,22 +25,13 @@ _DRAWS, _RANDOM = 4, 20  # of the posterior that a plan is chosen on; random pla
 
 @dataclass(frozen=True)
 class Plan:
-    """Further measurements.
+    """Further measurements."""
 
-    Attributes
-    ----------
-    rows : list of dict
-        Factors by name, and the ``output`` to be measured.
-    constants : list of dict
-        Of every constant that they are to tell: ``name``, and its posterior over prior deviation ``now``, ``planned``
-        and after as many ``random`` measurements.
-    answers : list of dict
-        The same of every answer; deviations in its ``units``.
-    """
-
-    rows: list[dict[str, float | str]]
+    rows: list[dict[str, float | str]]  # Factors by name, and the ``output`` to be measured
+    # Of every constant that they are to tell: ``name``, and its posterior over prior deviation ``now``, ``planned``
+    # and after as many ``random`` measurements
     constants: list[dict[str, Any]]
-    answers: list[dict[str, Any]]
+    answers: list[dict[str, Any]]  # The same of every answer; deviations in its ``units``
 
     @property
     def plain(self) -> dict[str, Any]:
@@ -80,16 +71,6 @@ def check(
     """Raise InputError, before anything is learned, for a plan that a surrogate with these unknowns cannot give.
 
     That is none or too many measurements, names that it has not, or ends outside of its trained box.
-
-    Parameters
-    ----------
-    model : GaussianProcess, corrected by what was measured so far
-    count : int, further measurements
-    wanted : list of str, constants or outputs that the plan shall tell
-    known : list of str, the unknown constants
-    errors : mapping of str to (float, float), absolute part in SI and share of the value, by quantity
-    box : mapping of str to (float, float), SI, where measurements can be taken; factors without an entry: anywhere
-    at : mapping of str to float, SI, the place at which wanted outputs are asked for
     """
     if not 1 <= count <= MOST:
         raise InputError(f"--plan: {count} measurements; must be 1 to {MOST}")
@@ -134,26 +115,7 @@ def plan(
     at: Mapping[str, float],
     instruments: list[Instrument],
 ) -> Plan:
-    """Choose further measurements, D-optimal on the posterior of a corrected surrogate.
-
-    Parameters
-    ----------
-    model
-        The corrected surrogate.
-    count
-        How many.
-    wanted
-        Names of the constants and outputs that they are to tell.
-    errors
-        Of quantities that can be measured: deviation of a reading's error in SI, and as a share of its value. Without
-        any, what was measured, with the median of the errors that were stated.
-    box
-        Ends of factors, in their units, within which measurements can be made; others have their trained range.
-    at
-        Where outputs are wanted.
-    instruments
-        Those that the surrogate was corrected with; they read further measurements too.
-    """
+    """Choose further measurements, D-optimal on the posterior of a corrected surrogate."""
     names, known = list(model.constants_), set(model.constants_)
     answers = [name for name in wanted if name not in known]
     offers, asked = _outputs(model, errors), np.array([model.outputs_.index(name) for name in answers], np.intp)
@@ -197,13 +159,7 @@ def plan(
 def _shown(
     model: CorrectedGP, points: Array, where: Indices, output: Indices, instruments: list[Instrument], read: int
 ) -> tuple[Array, Array]:
-    """Means of outputs at points, and derivatives by the unknowns of what is read there; the others have no instrument.
-
-    Returns
-    -------
-    tuple
-        (m,) and (m, k).
-    """
+    """Means of outputs at points, and derivatives by the unknowns of their instruments."""
     mean = np.asarray(model.predict_array(points)[where, output])
     effect = model.effect_.predict_array(points).reshape(len(points), len(model.outputs_), -1)[where, output, 1:]
     physical = len(model.constants_) - len(instruments)

@@ -20,19 +20,6 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     """Infer random true cases from exact quantities with random errors of measurement.
 
     Cases that solver or model have no answer to are left out.
-
-    Parameters
-    ----------
-    study : Study
-    readout : Readout, one of its own
-    model : GaussianProcess, its surrogate
-
-    Returns
-    -------
-    xarray.Dataset
-        ``true``, ``mean``, ``low``, ``high`` over (``factor``, ``case``), in SI units; ``coverage``, ``width`` (median
-        of the half interval over its middle) and ``left`` (median of the interval over the one before any measurement,
-        on the factor's own scale) over ``factor``.
     """
     random = np.random.default_rng((study.validation.seed, 2))
     inputs = [input_ for input_ in factorial.inputs(study) if input_.name in readout.infer]

@@ -31,27 +31,15 @@ _RARE = 0.01  # chance of so few rows within their intervals from which on they 
 
 
 def understated(posterior: Learnt, output: int) -> bool:
-    """Whether errors are said to be larger than stated.
-
-    Parameters
-    ----------
-    posterior : Learnt
-    output : int, number of the measured output
-    """
+    """Whether errors are said to be larger than stated."""
     return posterior.scale(output)[1] > LARGER
 
 
 @dataclass(frozen=True)
 class Summary:
-    """What measured rows tell.
+    """What measured rows tell."""
 
-    Attributes
-    ----------
-    plain : dict
-        Of numbers, texts, lists: as JSON.
-    """
-
-    plain: dict[str, Any]
+    plain: dict[str, Any]  # Of numbers, texts, lists: as JSON
 
     @classmethod
     def of(
@@ -65,14 +53,8 @@ class Summary:
     ) -> Self:
         """What was learned from measured rows.
 
-        Parameters
-        ----------
-        posterior : Learnt
-        rows : Measurements, n values
-        unknown : list of Unknown, k of them
-        single : ndarray of bool, shape (k,), whether it is a single constant beside its family
-        model : GaussianProcess, the nominal surrogate
-        nominal : ndarray, shape (n,), its means at the measured values
+        single: (k,), whether it is a single constant beside its family; nominal: (n,), its means at the measured
+        values.
         """
         constants, count = _constants(posterior, unknown), len(np.unique(rows.row))
         told = {

@@ -33,10 +33,7 @@ _CALIBRATION = 3000
 def weights(X: Array, exponent: xr.DataArray) -> dict[str, xr.DataArray]:
     """What every regular part is multiplied by, over ``position`` and the exponent's dimensions.
 
-    Parameters
-    ----------
-    X : ndarray, shape (position,), positions over the half-width, |X| < 1
-    exponent : DataArray, pressure exponent alpha
+    X: (position,), positions over the half-width, |X| < 1.
     """
     if (np.abs(X) >= 1).any():
         raise ValueError(f"positions: {X[np.abs(X) >= 1][0]:g} is not under the punch, |X| < 1")
@@ -65,14 +62,7 @@ def fit(study: Study) -> GaussianProcess:
 
 
 def cases(study: Study, count: int, number: int) -> xr.Dataset:
-    """Random exact regular parts: factors, ``angle`` and the fields over dimension ``case``.
-
-    Parameters
-    ----------
-    study : Study
-    count : int, number of cases
-    number : int, that of the sample, beside the study's seed
-    """
+    """Random exact regular parts: factors, ``angle`` and the fields over dimension ``case``."""
     random = np.random.default_rng([study.validation.seed, number])
     inputs = [*factorial.inputs(study), ANGLE]
     columns = {input_.name: input_.from_unit(random.uniform(-1, 1, count)) for input_ in inputs}
@@ -87,13 +77,7 @@ def cases(study: Study, count: int, number: int) -> xr.Dataset:
 
 
 def validate(study: Study, model: GaussianProcess) -> xr.Dataset:
-    """Errors and coverage of the regular parts on exact cases that neither training nor calibration has seen.
-
-    Parameters
-    ----------
-    study : Study
-    model : GaussianProcess, of the regular parts
-    """
+    """Errors and coverage of the regular parts on exact cases that neither training nor calibration has seen."""
     fresh = cases(study, study.validation.cases, 5)
     table = validation.validate(model, fresh, None)
     units = xr.DataArray([FIELDS[name].units for name in NAMES], dims="output")

@@ -19,22 +19,7 @@ _SEARCHED, _FILMS = 200, 8
 
 
 def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: GaussianProcess) -> dict[str, float]:
-    """Seconds.
-
-    Parameters
-    ----------
-    study, quantities, model
-        The study, the factorial that the model was trained on, and the model.
-    cases
-        Scattered cases over dimension ``case``, at which both are asked.
-
-    Returns
-    -------
-    dict
-        Counts (``cases``, ``queries``, ``outputs``), seconds a case or query (all closed-form quantities at once, all
-        outputs at once), and, where the study has them, ``exact_per_searched_case`` of the largest stresses. What the
-        solver takes for the tables of films is part of it.
-    """
+    """Seconds."""
     with_holes = REFUSAL in quantities or REFUSAL in cases
     cases = training.answered(study, cases, model)[1]
     plain = study.model_copy(update={"dataset": study.dataset.model_copy(update={"peaks": False})})
@@ -105,11 +90,6 @@ def by_quantity(study: Study, times: dict[str, float]) -> list[dict[str, float |
 
     Asking for one quantity costs as much as asking for all of its kind: the closed-form ones come together, and so do
     those that are searched for over the body.
-
-    Parameters
-    ----------
-    study : Study
-    times : dict of str to float, s, as they were measured
     """
     query = times["surrogate_mean_std_per_query"]
     rows: list[dict[str, float | str]] = []
@@ -127,13 +107,7 @@ def _once(action: Callable[[], object]) -> float:
 
 
 def seconds(action: Callable[[], object], repeats: int = 3) -> float:
-    """The least time of a few runs, after one that warms up [s].
-
-    Parameters
-    ----------
-    action : callable, what is run
-    repeats : int, number of runs
-    """
+    """The least time of a few runs, after one that warms up [s]."""
     action()
     times = []
     for _ in range(repeats):

@@ -63,13 +63,7 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
 
 
 def process(study: Study, outputs: Sequence[str]) -> GridGP | SplitGP:
-    """The process of some outputs on the study's factorial, not fitted.
-
-    Parameters
-    ----------
-    study : Study
-    outputs : sequence of str
-    """
+    """The process of some outputs on the study's factorial, not fitted."""
     if study.kinks:
         return SplitGP(factorial.inputs(study), study.kinks, outputs, compression(study))
     return GridGP(study.surrogate.kernel, factorial.inputs(study), outputs, compression=compression(study))
@@ -89,13 +83,7 @@ def _crossing(study: Study) -> CrossGP:
 
 
 def places(study: Study, solved: Sequence[xr.Dataset]) -> xr.Dataset:
-    """What a cross approximation asks for after the slabs of its batches so far: see `CrossGP.ask`.
-
-    Parameters
-    ----------
-    study : Study
-    solved : sequence of Dataset, the slabs
-    """
+    """What a cross approximation asks for after the slabs of its batches so far: see `CrossGP.ask`."""
     if not solved:
         return _crossing(study).ask(None)
     known = factorial.training_data(study, batches.joined(solved))
@@ -105,23 +93,7 @@ def places(study: Study, solved: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: GaussianProcess) -> xr.Dataset:
-    """Errors on random exact cases that the model never saw, beside plain tensor Chebyshev interpolation of a grid.
-
-    Parameters
-    ----------
-    study, quantities, model
-        The study, the factorial that the model was trained on, and the model.
-    cases
-        The sample for validation; neither the training nor the calibration has seen it.
-
-    Returns
-    -------
-    xarray.Dataset
-        ``exact``, ``predicted``, ``std`` over (output, case), the error table over ``output``, the factors over
-        ``case``, the decay of the factorial's coefficients, and the tolerance that the study asks for. Of a study with
-        refused cases, also how many of the sample are refused, how many of these lie where the model answers, and how
-        many that are answered lie where it does not: attributes ``refused``, ``refused_inside``, ``answered_outside``.
-    """
+    """Errors on random exact cases that the model never saw, beside plain tensor Chebyshev interpolation of a grid."""
     points, cases, refused = answered(study, cases, model)
     cases, quantities = (
         factorial.training_data(study, cases),
@@ -163,14 +135,7 @@ def _smooth(study: Study, data: xr.Dataset) -> tuple[xr.Dataset, list[Input]]:
 def answered(
     study: Study, cases: xr.Dataset, model: GaussianProcess
 ) -> tuple[dict[str, xr.DataArray], xr.Dataset, dict[str, int]]:
-    """Factors and cases of a sample that solver and model answer, and how many of the others there are of each kind.
-
-    Parameters
-    ----------
-    study : Study
-    cases : Dataset, over ``case``, with or without a mask
-    model : GaussianProcess
-    """
+    """Factors and cases of a sample that solver and model answer, and how many of the others there are of each kind."""
     if REFUSAL not in cases and model.region_ is None:
         return {name: cases[name] for name in study.factors}, cases, {}
     refused = holes.refused(cases, ["case"])
@@ -186,17 +151,7 @@ def answered(
 
 
 def calibrated(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases: xr.Dataset) -> GaussianProcess:
-    """The model with intervals that hold on held-out cases, and the region in which it answers where some are refused.
-
-    Parameters
-    ----------
-    study : Study
-    model : GaussianProcess, not calibrated
-    quantities
-        The factorial, with the mask of the cases that are refused.
-    cases
-        The sample for calibration, with its mask.
-    """
+    """Model with intervals calibrated on held-out cases, and with its region where cases are refused."""
     if REFUSAL in cases or REFUSAL in quantities:
         model.region_ = _region(study, model, quantities, cases)
         cases = answered(study, cases, model)[1]
@@ -204,14 +159,7 @@ def calibrated(study: Study, model: GaussianProcess, quantities: xr.Dataset, cas
 
 
 def widest(study: Study, model: GaussianProcess, number: int) -> infill.Place:
-    """Where 95 % intervals are widest, of random cases: mean over the outputs, each over its own mean width.
-
-    Parameters
-    ----------
-    study : Study
-    model : GaussianProcess
-    number : int, that of the round, from 0
-    """
+    """Where 95 % intervals are widest, of random cases: mean over the outputs, each over its own mean width."""
     points = draws.points(study, _TRIED, (study.validation.seed, 6, number), together=1)
     X = np.stack([points[name].values for name in study.factors], axis=-1)
     X = X[model.has_answers(X)]

@@ -23,13 +23,7 @@ _CALIBRATION = 1000  # random cases that calibrate its intervals, at most
 
 
 def beyond(study: Study, target: Target) -> dict[str, tuple[float, float]]:
-    """Factors of which a target asks for values outside the study's ranges: the ranges that hold them too.
-
-    Parameters
-    ----------
-    study : Study
-    target : Target
-    """
+    """Factors of which a target asks for values outside the study's ranges: the ranges that hold them too."""
     wider = {}
     for name, axis in study.factors.items():
         asked = [value for value in target.values(name) if not isinstance(value, str)]
@@ -40,13 +34,7 @@ def beyond(study: Study, target: Target) -> dict[str, tuple[float, float]]:
 
 
 def lines(study: Study, wider: Mapping[str, tuple[float, float]]) -> str:
-    """Which lines of the study to change, in words.
-
-    Parameters
-    ----------
-    study : Study
-    wider : mapping of str to (float, float), SI, the ranges as `beyond` gives them
-    """
+    """Which lines of the study to change, in words."""
     parts = []
     for name, (low, high) in wider.items():
         axis = study.factors[name]
@@ -63,17 +51,6 @@ def made(study: Study, target: Target, wider: Mapping[str, tuple[float, float]])
     """The study with wider ranges, and of its outputs what a target asks for.
 
     The levels of an axis, a factor or a group of factors, grow with its range, on its own scale.
-
-    Parameters
-    ----------
-    study : Study
-    target : Target
-    wider : mapping of str to (float, float), SI, the ranges as `beyond` gives them
-
-    Raises
-    ------
-    InputError
-        Ranges in which some case has no solution, or a factorial of too many cases.
     """
     if study.open:
         raise InputError(f"design: the ranges are wider than the study's, whose levels are open; {lines(study, wider)}")

@@ -17,13 +17,7 @@ Row = dict[str, Any]
 
 
 def compared(measurements: Mapping[str, Measurement]) -> list[Row]:
-    """What the page says of every row, in plain values; lengths and charges in the unit of the row.
-
-    Raises
-    ------
-    InputError
-        A row whose case the solver refuses, or whose material is unknown.
-    """
+    """What the page says of every row, in plain values; lengths and charges in the unit of the row."""
     return [_row(label, measurement) for label, measurement in measurements.items()]
 
 

@@ -17,33 +17,15 @@ _MORE = 10.0  # how many times the force, and charges per force, by which a resp
 
 @dataclass(frozen=True)
 class Spread:
-    """A value of the model, and how far other published constants of the material move it.
+    """A value of the model, and how far other published constants of the material move it."""
 
-    Attributes
-    ----------
-    value
-        By the material's own constants, SI.
-    deviation
-        Largest difference that an alternative set of constants makes, taken as a standard deviation.
-    sets
-        Number of the alternative sets.
-    """
-
-    value: float
-    deviation: float
-    sets: int
+    value: float  # By the material's own constants, SI
+    deviation: float  # Largest difference that an alternative set of constants makes, taken as a standard deviation
+    sets: int  # Number of the alternative sets
 
 
 def modelled(asked: ModelValue) -> Spread:
-    """The model's value and its spread over the material's published alternatives.
-
-    Raises
-    ------
-    FactorError
-        A case that the solver refuses.
-    MaterialError
-        An unknown material.
-    """
+    """The model's value and its spread over the material's published alternatives."""
     material = solver.find(str(asked.case["material"]))
     answer = _ANSWERS[asked.quantity]
     own, *others = (answer(variant, asked.case) for variant in (material, *material.variants()))

@@ -19,35 +19,18 @@ Word = Literal["agrees", "disagrees", "cannot be told"]
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a row says.
+    """What a row says."""
 
-    Attributes
-    ----------
-    word
-        In a word.
-    because
-        Why, in a sentence without a full stop.
-    deviations
-        Model less measured over the standard deviation of both, of each value of the model; none where no error is
-        published.
-    rivals
-        The same of the other rules.
-    """
-
-    word: Word
-    because: str
+    word: Word  # In a word
+    because: str  # Why, in a sentence without a full stop
+    # Model less measured over the standard deviation of both, of each value of the model; none where no error is
+    # published
     deviations: tuple[float | None, ...]
-    rivals: tuple[float | None, ...]
+    rivals: tuple[float | None, ...]  # The same of the other rules
 
 
 def deviation(row: Measurement, value: Spread) -> float | None:
-    """Model less measured over the standard deviation of both; None where no error is published.
-
-    Parameters
-    ----------
-    row : Measurement, value and error in its own unit
-    value : Spread, the model's, in SI
-    """
+    """Model less measured over the standard deviation of both; None where no error is published."""
     if row.error is None:
         return None
     scale = UNITS[row.unit]
@@ -55,15 +38,7 @@ def deviation(row: Measurement, value: Spread) -> float | None:
 
 
 def judged(row: Measurement, model: Sequence[Spread], rivals: Sequence[Spread] = ()) -> Verdict:
-    """The verdict on a row.
-
-    Parameters
-    ----------
-    row
-        What was measured.
-    model, rivals
-        The model's values and those of other rules, in the order of the row.
-    """
+    """The verdict on a row."""
     own, others = (tuple(deviation(row, value) for value in values) for values in (model, rivals))
     word, because = _said(row, own, others, model)
     return Verdict(word, because, own, others)

@@ -47,12 +47,6 @@ def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, An
     """The terms of a design that depend on the datum: in the case that decides, at the same three lengths.
 
     ``moves`` says whether they differ in what is told; a deviation has no value in one case.
-
-    Parameters
-    ----------
-    study : Study
-    target : Target
-    answer : Answer, to the target
     """
     own = study.narrowed(answer.combination)
     hangs, rows = hanging(own), []
@@ -74,11 +68,6 @@ def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
 
     In the case that decides a limit of ``trailing_tension``; None without such a limit, in air, which has no such
     singularity, and of points. There sigma_xx grows as K / sqrt(1 - X^2): K is its regular part at the edge.
-
-    Parameters
-    ----------
-    study : Study
-    answer : Answer, to one of its targets
     """
     limits = [limit for limit in answer.limits if "trailing_tension" in limit.statement.expression.names()]
     own = study.narrowed(answer.combination)

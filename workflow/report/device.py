@@ -32,40 +32,24 @@ _BOTH_ENDS = f'stroke="{INK}" stroke-width="1.6" marker-start="url(#tip)" marker
 
 @dataclass(frozen=True)
 class Device:
-    """A punch on its body, in SI units.
+    """A punch on its body, in SI units."""
 
-    Attributes
-    ----------
-    profile, corner
-        Shape of the punch and the side of its sharp edge, as the interface names them.
-    size
-        Radius of a circle or ball, width of a flat punch or disc, slope of a wedge or cone, coefficient of a power.
-    trailing, leading
-        Extents of the contact; of a point both are its radius.
-    load
-        Load per length, or the force on a point.
-    conducts
-        Whether the punch is an electrode.
-    thickness, base, grounded
-        Of a film: thickness, its base in words, and whether an electrode lies between them; None on what has no end.
-    exponent
-        Of the profile of a power.
-    slides
-        Whether it has friction.
-    """
-
+    # Shape of the punch and the side of its sharp edge, as the interface names them
     profile: str
     corner: str
+    # Radius of a circle or ball, width of a flat punch or disc, slope of a wedge or cone, coefficient of a power
     size: float
+    # Extents of the contact; of a point both are its radius
     trailing: float
     leading: float
-    load: float
-    conducts: bool = True
+    load: float  # Load per length, or the force on a point
+    conducts: bool = True  # Whether the punch is an electrode
+    # Of a film: thickness, its base in words, and whether an electrode lies between them; None on what has no end
     thickness: float | None = None
     base: str = ""
     grounded: bool = False
-    exponent: float = 1.0
-    slides: bool = False
+    exponent: float = 1.0  # Of the profile of a power
+    slides: bool = False  # Whether it has friction
 
     @property
     def point(self) -> bool:
@@ -130,15 +114,7 @@ class Device:
 
 
 def draw(device: Device, title: str) -> str:
-    """The drawing as SVG.
-
-    Parameters
-    ----------
-    device
-        What is drawn.
-    title
-        What it shows, for those who do not see it.
-    """
+    """The drawing as SVG."""
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-size="14">',
         f"<title>{escape(title)}</title>",

@@ -12,30 +12,14 @@ Wildcards = Sequence[Mapping[str, str]]
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure that is drawn from results.
+    """A figure that is drawn from results."""
 
-    Attributes
-    ----------
-    file
-        Below the study's ``figures/`` and without its ending, with wildcards. See `kind`.
-    reads
-        Below the study's folder, with the same wildcards, or with ``{slab}`` for all slabs of the data set.
-    draw
-        Module of ``figures/`` and its function: of the data, and of what it ``asks`` by name.
-    label
-        In Snakemake's own report.
-    of
-        The wildcards of a study; none where it lacks the figure.
-    asks
-        Parameters of the study that `draw` takes, as ``rules/report.smk`` names them.
-    """
-
-    file: str
-    reads: str
-    draw: str
-    label: str
-    of: Callable[[Study], Wildcards]
-    asks: tuple[str, ...] = ()
+    file: str  # Below the study's ``figures/`` and without its ending, with wildcards. See `kind`.
+    reads: str  # Below the study's folder, with the same wildcards, or with ``{slab}`` for all slabs of the data set
+    draw: str  # Module of ``figures/`` and its function: of the data, and of what it ``asks`` by name
+    label: str  # In Snakemake's own report
+    of: Callable[[Study], Wildcards]  # The wildcards of a study; none where it lacks the figure
+    asks: tuple[str, ...] = ()  # Parameters of the study that `draw` takes, as ``rules/report.smk`` names them
 
     @property
     def kind(self) -> str:

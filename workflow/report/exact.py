@@ -11,22 +11,7 @@ from workflow.study.target import Target
 
 
 def solved(study: Study, designs: Mapping[str, Answer]) -> dict[str, Any]:
-    """All of it, as plain data for a file.
-
-    Parameters
-    ----------
-    study : Study
-        A study with factors.
-    designs : mapping of str to Answer
-        The answer to each of its targets.
-
-    Returns
-    -------
-    dict
-        ``datum``: what depends on it in the middle of the box. ``designs``: by target, ``contact`` (the ends of the
-        contact [m]), ``around`` (see `workflow.report.other_surroundings`), ``on_datum`` and ``edge``, as
-        `workflow.report.datum_effect` has them.
-    """
+    """All of it, as plain data for a file."""
     return {
         "datum": datum_effect.changes(study),
         "designs": {name: _of_design(study, study.design[name], answer) for name, answer in designs.items()},
@@ -34,13 +19,7 @@ def solved(study: Study, designs: Mapping[str, Answer]) -> dict[str, Any]:
 
 
 def contact(study: Study, answer: Answer) -> dict[str, float]:
-    """Both ends of the contact of a design [m], by name of their quantity.
-
-    Parameters
-    ----------
-    study : Study
-    answer : Answer, to one of its targets
-    """
+    """Both ends of the contact of a design [m], by name of their quantity."""
     solved = factorial.exact(study.narrowed(answer.combination), dict(answer.case), peaks=())
     return {name: float(solved[name]) for name in study.kind.ends}
 

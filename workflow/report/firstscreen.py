@@ -34,46 +34,21 @@ Case = Mapping[str, float | str]
 
 @dataclass(frozen=True)
 class Screen:
-    """What a target comes to: a card of three lines, and what stands behind its "why".
+    """What a target comes to: a card of three lines, and what stands behind its "why"."""
 
-    Attributes
-    ----------
-    name, title
-        The target's key and title.
-    code
-        What is asked, as the study writes it.
-    build
-        What to build: the body, the punch, and their tolerances.
-    does
-        What that does: every goal with its band, and over what.
-    doubt
-        What the library doubts of a material in use; empty where it doubts nothing.
-    beyond
-        What is beyond what its materials bear; empty where nothing is.
-    stops
-        What stops it.
-    breaks
-        Which limit breaks first; empty where there is no limit.
-    why
-        All else that is known of it, a sentence or more each.
-    verdict
-        In words.
-    drawing
-        To scale.
-    """
-
+    # The target's key and title
     name: str
     title: str
-    code: str
-    build: str
-    does: str
-    doubt: str
-    beyond: str
-    stops: str
-    breaks: str
-    why: tuple[str, ...]
-    verdict: Verdict
-    drawing: Markup
+    code: str  # What is asked, as the study writes it
+    build: str  # What to build: the body, the punch, and their tolerances
+    does: str  # What that does: every goal with its band, and over what
+    doubt: str  # What the library doubts of a material in use; empty where it doubts nothing
+    beyond: str  # What is beyond what its materials bear; empty where nothing is
+    stops: str  # What stops it
+    breaks: str  # Which limit breaks first; empty where there is no limit
+    why: tuple[str, ...]  # All else that is known of it, a sentence or more each
+    verdict: Verdict  # In words
+    drawing: Markup  # To scale
 
     @property
     def reachable(self) -> bool:
@@ -90,19 +65,7 @@ def answered(
     around: Mapping[str, Any],
     on_datum: Sequence[Mapping[str, Any]] = (),
 ) -> Screen:
-    """The first screen's part on one target.
-
-    Parameters
-    ----------
-    study, name, target, answer
-        The study, the target by its name, and the target's answer.
-    contact
-        Ends of the contact of its design [m], by name.
-    around
-        What other surroundings would change, as `workflow.report.other_surroundings.compared` gives it.
-    on_datum
-        What depends on the datum, as `workflow.report.datum_effect.of_design` gives it: a goal that moves names it.
-    """
+    """The first screen's part on one target."""
     own, told = study.narrowed(answer.combination), verdict(answer)
     case: Case = {**study.fixed, **answer.combination, **answer.case}
     built = in_words(own, case)
@@ -140,14 +103,7 @@ def doubted(study: Study) -> str:
 
 
 def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.Device:
-    """What is drawn of a case.
-
-    Parameters
-    ----------
-    study : Study
-    case : mapping, SI, every factor
-    contact : mapping of str to float, m, ends of the contact by quantity
-    """
+    """What is drawn of a case."""
     profile = str(case.get("profile", CHOICES["profile"][0]))
     trailing, leading = study.kind.ends
     return device.Device(
@@ -183,28 +139,14 @@ def _grounded(study: Study, case: Case) -> bool:
 
 
 def in_words(study: Study, case: Case) -> str:
-    """Body and punch, and what is beside the contact where a device reads it or it is air.
-
-    Parameters
-    ----------
-    study
-        Whose body it is.
-    case
-        All factors of the case, names among them.
-    """
+    """Body and punch, and what is beside the contact where a device reads it or it is air."""
     around = str(case.get("surroundings", study.surroundings[0]))
     told = f", {_AROUND[around]}" if study.device or around == AIR else ""
     return f"{body_in_words(study, case)}; {punch_in_words(case)}{told}"
 
 
 def body_in_words(study: Study, case: Case) -> str:
-    """The body under the punch, as ``fibrous, 67 % BaTiO3, 230 µm on steel``.
-
-    Parameters
-    ----------
-    study : Study
-    case : mapping, SI, every factor
-    """
+    """The body under the punch, as ``fibrous, 67 % BaTiO3, 230 µm on steel``."""
     if study.body:
         layers = [_layer(study, layer.plain(case), first=not k) for k, layer in enumerate(study.body)]
         return " on ".join([*layers, _base(case)])

@@ -22,21 +22,7 @@ _HERE = {
 
 
 def compared(study: Study, case: Mapping[str, float]) -> dict[str, Any]:
-    """What a device is read by in one case, and what it would be in the other surroundings.
-
-    Parameters
-    ----------
-    study
-        With its categories held.
-    case
-        Every factor of its factorial.
-
-    Returns
-    -------
-    dict
-        ``surroundings`` of the case, and ``quantities``: by name its value here and in the other surroundings, in SI.
-        Empty of a half-plane without a device, or of a contact that the theory of air does not cover.
-    """
+    """What a device is read by in one case, and what it would be in the other surroundings."""
     if study.device is None and not study.kind.layered:
         return {}
     here = study.surroundings[0]

@@ -57,21 +57,7 @@ TEMPLATES = Path(__file__).parent / "templates"
 def page(
     study: Study, name: str, folder: Path, figures: list[Path], provenance: Path, levels: Sequence[str | Path] = ()
 ) -> str:
-    """The page as text.
-
-    Parameters
-    ----------
-    study, name
-        The study and its name.
-    folder
-        ``results/<study>``, holding the files of the parts that the study has.
-    figures
-        SVG files, in the order of the page.
-    provenance
-        ``provenance.json``.
-    levels
-        Holds ``levels.nc`` where the study leaves levels open.
-    """
+    """The page as text."""
     card = json.loads((folder / CARD).read_text(encoding="utf-8")) if study.factors else {}
     hangs = frozenset(card.get("on_datum", HANGING if study.kind.datum == "relative" else ()))
     environment = Environment(

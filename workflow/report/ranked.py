@@ -19,16 +19,7 @@ _LITTLE = 0.001  # percent of a change that are told
 
 
 def sensitivities(sensitivity: xr.Dataset, outputs: Sequence[str]) -> list[Chart]:
-    """Total Sobol' indices of some outputs, in percent of the variance, dark what a factor explains alone.
-
-    Parameters
-    ----------
-    sensitivity
-        ``total`` and ``first_order`` over output and input.
-    outputs
-        As the surrogate calls them, ``quantity`` or ``quantity[names]``. Those of a quantity that come to the same in
-        all categories have one chart, under the first one's name.
-    """
+    """Total Sobol' indices of some outputs, in percent of the variance, dark what a factor explains alone."""
     charts: list[Chart] = []
     for output in outputs:
         own, bars = sensitivity.sel(output=output), []
@@ -77,13 +68,7 @@ def _change(percent: float) -> str:
 
 
 def spans(rows: Sequence[Mapping[str, Any]]) -> list[Chart]:
-    """From where to where each factor of a parametric study takes each quantity of its summary.
-
-    Parameters
-    ----------
-    rows
-        As `workflow.report.tables.effects` gives them: ``name`` of a factor, and ``spans`` by quantity.
-    """
+    """From where to where each factor of a parametric study takes each quantity of its summary."""
     charts = []
     for quantity in dict.fromkeys(name for row in rows for name in row["spans"]):
         bars = [

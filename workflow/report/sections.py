@@ -17,27 +17,13 @@ Page = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Section:
-    """A section of the page.
+    """A section of the page."""
 
-    Attributes
-    ----------
-    template
-        File of its piece, in ``templates/``.
-    title
-        In the contents.
-    stands
-        Whether a page with some content has it.
-    figures
-        Those that it shows; those of designs are in folders.
-    links
-        Anchors and titles, where it has others than its own.
-    """
-
-    template: str
-    title: str
-    stands: Callable[[Page], object]
-    figures: tuple[Figure, ...] = ()
-    links: Callable[[Page], list[tuple[str, str]]] | None = None
+    template: str  # File of its piece, in ``templates/``
+    title: str  # In the contents
+    stands: Callable[[Page], object]  # Whether a page with some content has it
+    figures: tuple[Figure, ...] = ()  # Those that it shows; those of designs are in folders
+    links: Callable[[Page], list[tuple[str, str]]] | None = None  # Anchors and titles, where it has others than its own
 
     @property
     def name(self) -> str:

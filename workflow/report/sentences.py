@@ -41,27 +41,14 @@ def study(study: Study) -> str:
 
 
 def dataset(study: Study, cases: int, rows: Sequence[Row]) -> str:
-    """How many cases, and how far the first quantity of interest goes.
-
-    Parameters
-    ----------
-    study : Study
-    cases : int, number of cases
-    rows : sequence of mapping, the quantities, as `tables.dataset` gives them
-    """
+    """How many cases, and how far the first quantity of interest goes."""
     row = next((row for name in coupling.wanted(study) for row in rows if row["name"] == name), rows[0])
     ends = (shown(row[end], row["units"], 3) for end in ("low", "high"))
     return f"{counted(cases)} exact cases; over them {titles.title(str(row['name']))} goes from {' to '.join(ends)}."
 
 
 def surrogate(worst: Row, tolerance: float) -> str:
-    """The largest error against what was asked.
-
-    Parameters
-    ----------
-    worst : mapping, the output with the largest error, as `tables.validation` gives it
-    tolerance : float, what was asked, over the range
-    """
+    """The largest error against what was asked."""
     met = "met" if worst["error"] <= tolerance else "not met"
     of = f"of range ({titled(str(worst['name']))})"
     return f"Largest error {number(worst['error'], 2)} {of}: asked {number(tolerance, 2)}, {met}."
@@ -74,13 +61,7 @@ def surface(rows: Sequence[Row]) -> str:
 
 
 def sensitivity(charts: Sequence[Chart]) -> str:
-    """On which factor some outputs depend most: quantities, in each of their categories where these differ.
-
-    Parameters
-    ----------
-    charts
-        Of the outputs as the surrogate calls them, ``quantity`` or ``quantity[names]``: the figure under the sentence.
-    """
+    """On which factor some outputs depend most: quantities, in each of their categories where these differ."""
     shares: dict[str, dict[str, dict[str, float]]] = {}  # by factor, quantity and names
     for chart in charts:
         quantity, kind = parted(chart.name)
@@ -126,15 +107,7 @@ def readout(readouts: Sequence[Row]) -> str:
 
 
 def signal(press: Row, on: str) -> str:
-    """What the amplifier shows of a press, what a constant force does, and the noise.
-
-    Parameters
-    ----------
-    press
-        Its numbers, as `workflow.report.tables.signal` gives them, in SI.
-    on
-        What is pressed, in words.
-    """
+    """What the amplifier shows of a press, what a constant force does, and the noise."""
     constant = "A constant force is held: nothing leaks"
     if math.isfinite(press["time_constant"]):
         constant = (

@@ -19,44 +19,21 @@ from workflow.study.model import Study
 
 @dataclass(frozen=True)
 class Card:
-    """What its contact comes to, as `workflow.report.firstscreen.Screen` has it of a target.
+    """What its contact comes to, as `workflow.report.firstscreen.Screen` has it of a target."""
 
-    Attributes
-    ----------
-    title
-        In words.
-    on
-        What is pressed, within a sentence.
-    build, does, stops, doubt
-        The three lines, and what the library doubts.
-    good
-        Whether nothing is beyond what its materials bear.
-    drawing
-        To scale.
-    """
-
-    title: str
-    on: str
+    title: str  # In words
+    on: str  # What is pressed, within a sentence
+    # The three lines, and what the library doubts
     build: str
     does: str
     stops: str
     doubt: str
-    good: bool
-    drawing: Markup
+    good: bool  # Whether nothing is beyond what its materials bear
+    drawing: Markup  # To scale
 
 
 def card(study: Study, signal: Mapping[str, float], held: Mapping[str, float]) -> Card:
-    """The card of the contact that the study's press names.
-
-    Parameters
-    ----------
-    study
-        Whose ``signal`` has a case.
-    signal
-        Numbers of its press, as `workflow.report.tables.signal` gives them, in SI.
-    held
-        Quantities of the contact at the force that is held, in SI.
-    """
+    """The card of the contact that the study's press names."""
     own = signal_case.of(study)
     case = {**own.fixed, own.kind.loads.force: signal["force"]}
     built = firstscreen.in_words(own, case)

@@ -33,28 +33,12 @@ _STROKE = re.compile(r"stroke: (#[0-9a-f]{6})")
 
 
 def inlined(path: Path, alt: str) -> Markup:
-    """A figure's SVG as an element of the page.
-
-    Parameters
-    ----------
-    path
-        File of our own making.
-    alt
-        What it shows, for those who do not see it.
-    """
+    """A figure's SVG as an element of the page."""
     return element(path.read_text(encoding="utf-8"), path.stem, alt, 1.9)
 
 
 def element(text: str, name: str, alt: str, enlarged: float = 1.0) -> Markup:
-    """An SVG of our own making as an element of the page; of several parts these, side by side where there is room.
-
-    Parameters
-    ----------
-    text : str, the SVG
-    name : str, with which its ids begin
-    alt : str, what it shows, for who cannot see it
-    enlarged : float, how many times as wide it may be as it is drawn
-    """
+    """An SVG of our own making as an element of the page; of several parts these, side by side where there is room."""
     parts = _PART.findall(text)
     if len(parts) > 1:
         told = (element(f"<svg {part}", f"{name}-{k}", alt, enlarged) for k, part in enumerate(parts))

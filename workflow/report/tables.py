@@ -58,14 +58,7 @@ REFUSED = ("drawn", "refused", "refused_inside", "answered_outside")
 
 
 def dataset(folder: Path, card: Mapping[str, Any], told: Collection[str]) -> dict[str, Any]:
-    """Range of every quantity that is told, and size of the data set.
-
-    Parameters
-    ----------
-    folder : Path, the study's results
-    card : mapping, the data card
-    told : collection of str, quantities that the page tells of
-    """
+    """Range of every quantity that is told, and size of the data set."""
     data = read_whole(folder / "quantities.nc")
     rows = [
         {
@@ -128,13 +121,7 @@ def _ideal(data: xr.Dataset, study: Study) -> dict[str, Any]:
 
 
 def validation(folder: Path, study: Study) -> dict[str, Any]:
-    """Errors and intervals of every output that is told, on fresh cases, and what ideal intervals would show there.
-
-    Parameters
-    ----------
-    study : Study
-    folder : Path, its results
-    """
+    """Errors and intervals of every output that is told, on fresh cases, and what ideal intervals would show there."""
     data = read_whole(folder / "validation.nc").sel(output=coupling.outputs(study))
     tolerance = float(data.attrs["tolerance"])
     of_interpolation = ["baseline_max_error"] if "baseline_max_error" in data else []
@@ -177,13 +164,7 @@ def validation(folder: Path, study: Study) -> dict[str, Any]:
 
 
 def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
-    """What each factor of a parametric study does to a few quantities: their least and largest over its values.
-
-    Parameters
-    ----------
-    study : Study
-    folder : Path, its results
-    """
+    """What each factor of a parametric study does to a few quantities: their least and largest over its values."""
     assert study.effects is not None
     rows = []
     for factor, values in study.effects.vary.items():
@@ -204,13 +185,7 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
 
 
 def sobol(folder: Path, told: Sequence[str]) -> list[dict[str, Any]]:
-    """Total Sobol' indices of every output that is told, by input.
-
-    Parameters
-    ----------
-    folder : Path, the study's results
-    told : sequence of str, outputs that the page tells of
-    """
+    """Total Sobol' indices of every output that is told, by input."""
     totals = read_whole(folder / "sensitivity.nc")["total"].sel(output=list(told)).transpose("output", "input")
     inputs = [str(name) for name in totals["input"].values]
     return [
@@ -220,13 +195,7 @@ def sobol(folder: Path, told: Sequence[str]) -> list[dict[str, Any]]:
 
 
 def readout(name: str, path: Path) -> dict[str, Any]:
-    """How often the intervals of a read-out hold, and how wide they are.
-
-    Parameters
-    ----------
-    name : str, the read-out's
-    path : Path, its file
-    """
+    """How often the intervals of a read-out hold, and how wide they are."""
     data = read_whole(path)
     rows = _rows(data, "factor", ("coverage", "width", "left"))
     return {"name": name, "rows": rows, "cases": data.sizes["case"]}

@@ -13,26 +13,16 @@ _THICK, _LETTER = 14, 7
 
 @dataclass(frozen=True)
 class Bar:
-    """What one factor does to a quantity.
+    """What one factor does to a quantity."""
 
-    Attributes
-    ----------
-    name, title
-        The factor, and the same in words.
-    low, high
-        Ends of the bar, in the unit of its chart.
-    told
-        The same in words.
-    inner
-        Up to where the bar is dark, as the share that a factor explains alone.
-    """
-
+    # The factor, and the same in words
     name: str
     title: str
+    # Ends of the bar, in the unit of its chart
     low: float
     high: float
-    told: str
-    inner: float | None = None
+    told: str  # The same in words
+    inner: float | None = None  # Up to where the bar is dark, as the share that a factor explains alone
 
     @property
     def effect(self) -> float:
@@ -42,29 +32,16 @@ class Bar:
 
 @dataclass(frozen=True)
 class Chart:
-    """The bars of one quantity, the longest first.
+    """The bars of one quantity, the longest first."""
 
-    Attributes
-    ----------
-    name, title
-        The quantity, and the same in words.
-    bars
-        The longest first.
-    """
-
+    # The quantity, and the same in words
     name: str
     title: str
-    bars: tuple[Bar, ...]
+    bars: tuple[Bar, ...]  # The longest first
 
     @classmethod
     def of(cls, name: str, title: str, bars: Sequence[Bar]) -> "Chart":
-        """The chart of some bars.
-
-        Parameters
-        ----------
-        name, title : str, the quantity, and the same in words
-        bars : sequence of Bar, in any order
-        """
+        """The chart of some bars."""
         return cls(name, title, tuple(sorted(bars, key=lambda bar: -bar.effect)))
 
 

@@ -42,19 +42,7 @@ def content(
     hangs: frozenset[str] = HANGING,
     fields: GaussianProcess | None = None,
 ) -> dict[str, Any] | None:
-    """The panel's data; None where the browser cannot evaluate the surrogate.
-
-    Parameters
-    ----------
-    study, model, quantities
-        The study, its surrogate, and its factorial (for the ranges).
-    designs
-        Answers of the study's targets, in its order, offered as starting points.
-    hangs
-        Quantities that depend on the datum.
-    fields
-        The surrogate of the surface fields, where the study has one.
-    """
+    """The panel's data; None where the browser cannot evaluate the surrogate."""
     stored = exported(model)
     if stored is None:
         return None

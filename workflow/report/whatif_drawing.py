@@ -25,13 +25,7 @@ def drawable(study: Study) -> bool:
 
 
 def closed_pressure(study: Study, combination: Combination) -> bool:
-    """Whether the contact pressure of a combination of the categories follows in closed form.
-
-    Parameters
-    ----------
-    study : Study
-    combination : mapping of str to str, the name of every category
-    """
+    """Whether the contact pressure of a combination of the categories follows in closed form."""
     profile = {**study.fixed, **combination}.get("profile", "cylinder")
     return set(study.outputs) >= _PRESSURE and profile == "cylinder" and not study.kind.tabled
 
@@ -40,11 +34,6 @@ def body(study: Study, combination: Combination) -> dict[str, Any]:
     """The punch and its body in a combination of the categories, as :class:`workflow.report.device.Device` has them.
 
     ``size`` and ``thickness`` are numbers, or names of the factors that give them.
-
-    Parameters
-    ----------
-    study : Study
-    combination : mapping of str to str, the name of every category
     """
     case = {**study.fixed, **combination, **inner(study)}
     drawn = firstscreen.of_case(study, case, dict.fromkeys(study.kind.ends, 1.0))
@@ -76,11 +65,6 @@ def fields(study: Study, model: GaussianProcess | None) -> dict[str, Any]:
     """The charts under the punch, and the surrogate that feeds them where there is one in plain data.
 
     Without one, circular punches on half-planes have their pressure in closed form.
-
-    Parameters
-    ----------
-    study : Study
-    model : GaussianProcess, of the regular parts; None: there is none
     """
     known = model is not None and not study.categories and "pressure_exponent" in study.outputs
     stored = exported(model) if known and model is not None else None

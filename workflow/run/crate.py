@@ -34,19 +34,7 @@ _FORMATS = {
 def crate(
     name: str, title: str, results: Mapping[str, str], versions: Mapping[str, str], ended: datetime
 ) -> dict[str, Any]:
-    """Metadata of a run as JSON-LD.
-
-    Parameters
-    ----------
-    name, title
-        Of the study.
-    results
-        SHA-256 of every file that the run made, by its path below the crate; empty where it is not known.
-    versions
-        Of the programs, `meecontact` among them.
-    ended
-        When the run came to its end.
-    """
+    """Metadata of a run as JSON-LD."""
     run = f"#run-{name}"
     files = [_file(path, digest) for path, digest in results.items()]
     tools = [

@@ -19,11 +19,6 @@ def start(script: Mapping[str, Any]) -> "Snakemake":
     """The job of a script, by its ``globals()``: Snakemake's with its log, or a stand-in for a script that runs alone.
 
     Alone it takes the file to make as its argument, and logs to the terminal: see `workflow.run.standin`.
-
-    Raises
-    ------
-    ChangedError
-        What the script has imported is not what it was when the run of this job began.
     """
     if "snakemake" in script:
         job: Snakemake = script["snakemake"]

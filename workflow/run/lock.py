@@ -33,24 +33,7 @@ def claim(
     results: str | Path = RESULTS,
     sources: Mapping[str, str] | None = None,
 ) -> None:
-    """Reserve studies for this process until it ends, however it ends.
-
-    Parameters
-    ----------
-    studies
-        The frozen content of each by its name.
-    results
-        Folder of all results.
-    sources
-        `workflow.run.sources.digests` of those that the jobs are planned with.
-
-    Raises
-    ------
-    BusyError
-        Another process has one of them; in one line with the study and the process.
-    OSError
-        The results cannot be written, or lie where there are no locks; it names the file.
-    """
+    """Reserve studies for this process until it ends, however it ends."""
     for name, content in sorted(studies.items()):
         path = (Path(results) / name / _LOCK).absolute()
         try:
@@ -80,24 +63,12 @@ def release() -> None:
 
 
 def begun(name: str, results: str | Path = RESULTS) -> Any:
-    """The frozen content with which the run of a study began; None where there is no run.
-
-    Parameters
-    ----------
-    name : str, the study's
-    results : str or path, the folder of all results
-    """
+    """The frozen content with which the run of a study began; None where there is no run."""
     return _read(Path(results) / name / _LOCK).get("study")
 
 
 def results(name: str, output: Path) -> Path:
-    """The folder of all results, by a file of a study in it: below the prefix of a module that uses the Snakefile.
-
-    Parameters
-    ----------
-    name : str, the study's
-    output : Path, the file
-    """
+    """The folder of all results, by a file of a study in it: below the prefix of a module that uses the Snakefile."""
     return next(folder.parent for folder in output.parents if (folder.parent.name, folder.name) == (RESULTS.name, name))
 
 
@@ -108,13 +79,7 @@ def sources(output: Path) -> dict[str, str]:
 
 
 def sweep(folder: Path, orphans: Iterable[Path]) -> None:
-    """Remove what a killed run left from the folder of a study that this process has claimed.
-
-    Parameters
-    ----------
-    folder : Path, ``results/<study>``
-    orphans : iterable of Path, files that the study no longer has
-    """
+    """Remove what a killed run left from the folder of a study that this process has claimed."""
     for left in (*folder.rglob(f".*{PARTIAL}"), *orphans):
         left.unlink(missing_ok=True)
 

@@ -73,16 +73,7 @@ def versions() -> dict[str, str]:
 def write(
     path: Path, study: str, study_digest: str, seed: int, results: list[Path], solved: Mapping[str, int] | None = None
 ) -> None:
-    """Write ``provenance.json``: versions, hashes of sources, study and results, the seed and the machine.
-
-    Parameters
-    ----------
-    path : Path, the file
-    study, study_digest : str, the path of the study's file, relative to the results' folder, and its SHA-256
-    seed : int, the study's
-    results : list of Path, the files of the run
-    solved : mapping, how many cases were asked of the solver, and how many were taken from earlier runs; None: unknown
-    """
+    """Write ``provenance.json``: versions, hashes of sources, study and results, the seed and the machine."""
     content = {
         "study": study,
         "study_sha256": study_digest,
@@ -97,15 +88,7 @@ def write(
 
 
 def write_crate(folder: Path, name: str, title: str, study: str, results: list[Path], others: list[str]) -> None:
-    """Write the RO-Crate of a run into the results' folder, with the workflow's main file and the study as it began.
-
-    Parameters
-    ----------
-    folder : Path, ``results/<study>``
-    name, title, study : str, the study's name and title, and the text of its file
-    results : list of Path, the files of the run
-    others : list of str, files of the crate that come after it, relative to the folder
-    """
+    """Write the RO-Crate of a run into the results' folder, with the workflow's main file and the study as it began."""
     write_text(folder / crate.STUDY, study)
     write_text(folder / crate.WORKFLOW, (ROOT / "workflow/Snakefile").read_text(encoding="utf-8"))
     digests = {file.relative_to(folder).as_posix(): sha256(file).hex() for file in results}

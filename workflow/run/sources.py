@@ -46,20 +46,7 @@ def used(script: str) -> set[Path]:
 
 
 def check(planned: Mapping[str, str], script: str) -> None:
-    """Refuse sources other than those that a job was planned with.
-
-    Parameters
-    ----------
-    planned
-        `digests` as they were when the run began; nothing for a script that runs alone.
-    script
-        Path of the job's script.
-
-    Raises
-    ------
-    ChangedError
-        A module or a data file is another; in one line that names it.
-    """
+    """Refuse sources other than those that a job was planned with."""
     for name, digest in digests(sorted(used(script))).items() if planned else ():
         if planned.get(name) != digest:
             raise ChangedError(f"{name}: was changed after this job was planned; run the study again")

@@ -28,20 +28,7 @@ SNAKEFILE = Path(__file__).parents[1] / "Snakefile"
 
 
 def job(script: Path, file: str = "") -> Snakemake:
-    """The job of a script's rule that makes a file, with its input, output, params, wildcards and log.
-
-    Parameters
-    ----------
-    script
-        Of ``workflow/scripts/``.
-    file
-        One output of the rule, relative to the current folder, where ``results/`` lies.
-
-    Raises
-    ------
-    SystemExit
-        No file, or one that the rule does not make, in one line; what the Snakefile refuses, in Snakemake's words.
-    """
+    """The job of a script's rule that makes a file, with its input, output, params, wildcards and log."""
     try:
         workflow = _workflow()
         rules = [rule for rule in workflow.rules if rule.script and Path(rule.script).name == script.name]

@@ -16,21 +16,11 @@ MADE_OF = ("material", "composite", "volume_fraction")
 
 @dataclass(frozen=True)
 class Allowable:
-    """The most that a material may be exposed to, by its own data.
+    """The most that a material may be exposed to, by its own data."""
 
-    Attributes
-    ----------
-    value
-        In SI.
-    of
-        Whose it is, in words.
-    source
-        Where it comes from.
-    """
-
-    value: float
-    of: str
-    source: str
+    value: float  # In SI
+    of: str  # Whose it is, in words
+    source: str  # Where it comes from
 
 
 def allowable(
@@ -40,20 +30,6 @@ def allowable(
 
     Of a composite it is what its weaker phase bears, of those whose figure is known: a phase that is not known to bear
     anything is not known to bear more. A volume fraction of 0 or 1 leaves one phase.
-
-    Parameters
-    ----------
-    name
-        One of ``workflow.language.constants.ALLOWABLES``.
-    given
-        Factors of the top layer and of the base: ``material`` or ``composite``, ``volume_fraction``, ``base``.
-    materials, phases
-        The study's own materials, and its phases.
-
-    Raises
-    ------
-    ValueError
-        The library has no such figure of the material.
     """
     limit = plain(name)
     if of_the_base(name):

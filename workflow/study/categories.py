@@ -26,49 +26,24 @@ def named(combination: Mapping[str, str]) -> str:
 
 
 def output(quantity: str, combination: Mapping[str, str]) -> str:
-    """What the surrogate calls a quantity of one combination.
-
-    Parameters
-    ----------
-    quantity : str
-    combination : mapping of str to str, the name of every category
-    """
+    """What the surrogate calls a quantity of one combination."""
     return f"{quantity}[{named(combination)}]" if combination else quantity
 
 
 def parted(output: str) -> tuple[str, str]:
-    """The quantity and the names of a combination, of what `output` calls them; no names where there are none.
-
-    Examples
-    --------
-    >>> parted(output("voltage", {"material": "PZT-4", "profile": "wedge"}))
-    ('voltage', 'PZT-4, wedge')
-    """
+    """The quantity and the names of a combination, of what `output` calls them; no names where there are none."""
     quantity, _, names = output.removesuffix("]").partition("[")
     return quantity, names
 
 
 def titled(output: str) -> str:
-    """The same in words.
-
-    Examples
-    --------
-    >>> titled("voltage_sensitivity[steel]")
-    'voltage per load: steel'
-    """
+    """The same in words."""
     quantity, names = parted(output)
     return titles.title(quantity) + (f": {names.replace('_', ' ')}" if names else "")
 
 
 def apart(data: xr.Dataset, categories: Mapping[str, Sequence[str]], quantities: Iterable[str]) -> xr.Dataset:
-    """Quantities without the categories' dimensions: each of every combination as a variable of its own.
-
-    Parameters
-    ----------
-    data : Dataset, with a dimension a category
-    categories : mapping of str to sequence of str, their names
-    quantities : iterable of str, those to take
-    """
+    """Quantities without the categories' dimensions: each of every combination as a variable of its own."""
     parts: dict[str, xr.DataArray] = {}
     for combination in combinations(categories):
         for name in quantities:

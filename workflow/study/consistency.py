@@ -85,14 +85,7 @@ def _check_readout(study: Contents, where: str, readout: Readout) -> None:
 
 
 def check_target(study: Contents, where: str, target: Target) -> None:
-    """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs.
-
-    Parameters
-    ----------
-    study : Contents
-    where : str, the target's place, with which a message begins
-    target : Target
-    """
+    """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs."""
     given = [*target.over, *target.at, *target.worst_case, *target.uncertain]
     for name in given:
         if given.count(name) > 1:
@@ -155,15 +148,7 @@ def _instead(study: Contents, name: str) -> str:
 
 
 def check_values(study: Contents, where: str, name: str, values: Sequence[float | str]) -> None:
-    """Raise ValueError unless the study has a factor or category, and values are among what it has of it.
-
-    Parameters
-    ----------
-    study : Contents
-    where : str, with which a message begins
-    name : str, the factor or category
-    values : sequence of float or str, SI, or names
-    """
+    """Raise ValueError unless the study has a factor or category, and values are among what it has of it."""
     if name in study.categories:
         for value in values:
             if value not in study.categories[name]:

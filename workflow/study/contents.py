@@ -240,17 +240,7 @@ class Contents(Keys):
     def solved(
         self, entrance: Callable[..., xr.Dataset], factors: Mapping[str, Any], *axes: Any, **options: Any
     ) -> xr.Dataset:
-        """Exact cases by an entrance of the solver: factors of this study's body, materials and phases.
-
-        Parameters
-        ----------
-        entrance
-            `solver.solve` or `solver.solve_interior`.
-        factors
-            All factors of the cases; of a body those that its layers name, and its base.
-        *axes, **options
-            Further arguments of the entrance.
-        """
+        """Exact cases by an entrance of the solver: factors of this study's body, materials and phases."""
         options |= {"materials": self.own_materials, "phases": self.phases}
         if not self.body:
             return entrance(factors, *axes, **options)
@@ -262,26 +252,14 @@ class Contents(Keys):
         return self.fixed.get(name, FACTORS[name].default if top is None else top)
 
     def allowable(self, name: str) -> Allowable:
-        """What the top material or the base bears, of a study whose body has no open category.
-
-        Raises
-        ------
-        ValueError
-            Nothing is known of it.
-        """
+        """What the top material or the base bears, of a study whose body has no open category."""
         given: dict[str, Any] = dict(self.fixed)
         if self.body:
             given |= {key: value for key, value in self.body[0] if key in MADE_OF and isinstance(value, str | float)}
         return allowable(name, given, self.own_materials, self.phases)
 
     def constant(self, name: str) -> float:
-        """One of ``CONSTANTS``, of a study whose body has no open category.
-
-        Raises
-        ------
-        ValueError
-            Nothing is known of it.
-        """
+        """One of ``CONSTANTS``, of a study whose body has no open category."""
         if name in ALLOWABLES:
             return self.allowable(name).value
         constants = self.device.constants if self.device else {}

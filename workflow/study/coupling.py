@@ -30,13 +30,7 @@ _SYMBOL = re.compile(r"[A-Za-z]+")
 
 
 def fields_of(units: str) -> frozenset[Field]:
-    """The fields that a unit measures; none of a length or a stress.
-
-    Examples
-    --------
-    >>> sorted(fields_of("V m N-1")), sorted(fields_of("N m-1 A-1")), sorted(fields_of("Pa"))
-    (['electric'], ['magnetic'], [])
-    """
+    """The fields that a unit measures; none of a length or a stress."""
     symbols = set(_SYMBOL.findall(units))
     return frozenset(field for field, own in _SYMBOLS.items() if symbols & own)
 
@@ -104,13 +98,7 @@ def aims(study: Contents) -> list[str]:
 
 
 def kept(data: xr.Dataset, own: Collection[str]) -> xr.Dataset:
-    """Fields or quantities of a file without those that measure another field than the study's own.
-
-    Parameters
-    ----------
-    data : Dataset, with units
-    own : collection of Field, the study's own fields
-    """
+    """Fields or quantities of a file without those that measure another field than the study's own."""
     units = {name: str(array.attrs.get("units", "1")) for name, array in data.data_vars.items()}
     return data.drop_vars([name for name, unit in units.items() if not fields_of(unit) <= set(own)])
 

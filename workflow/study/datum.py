@@ -22,13 +22,7 @@ def length(study: Contents) -> float | None:
 
 
 def inner(study: Contents, share: float = 0.5) -> dict[str, float]:
-    """A point of the box.
-
-    Parameters
-    ----------
-    study : Contents
-    share : float, how far from the lower end of every axis on its own scale; the middle by default
-    """
+    """A point of the box."""
     return {
         name: float(
             axis.low ** (1 - share) * axis.high**share
@@ -61,12 +55,6 @@ def hanging(study: Contents) -> frozenset[str]:
 
 
 def meaning(name: str, hanging: Collection[str]) -> str:
-    """What a quantity is, relative to the datum only where it depends on it.
-
-    Parameters
-    ----------
-    name : str, the quantity
-    hanging : collection of str, quantities that depend on the datum
-    """
+    """What a quantity is, relative to the datum only where it depends on it."""
     words = ALL_QUANTITIES[name].long_name
     return words if name in hanging else words.removesuffix(_RELATIVE)

@@ -14,17 +14,7 @@ BOX = "box"
 
 
 def digest(study: Keys, sections: Sequence[str], materials: Mapping[str, Any]) -> str:
-    """Hash of some sections of a study, see `Contents.digest`.
-
-    Parameters
-    ----------
-    study
-        Its keys.
-    sections
-        Names of sections, or of parts of them, as ``design.sensor``, or `BOX`.
-    materials
-        Its own materials as plain data, which count where the physics is among the sections.
-    """
+    """Hash of some sections of a study, see `Contents.digest`."""
     whole = [name for section in sections for name in (PHYSICS if section == BOX else (section.partition(".")[0],))]
     content = study.model_dump(mode="json", include=set(whole))
     parts = {name: content[name.partition(".")[0]].get(name.partition(".")[2]) for name in sections if "." in name}

@@ -30,20 +30,12 @@ _DECADE = 10.0  # a product that spans more than this is spread in its logarithm
 
 @dataclass(frozen=True)
 class Product:
-    """A product of whole powers of factors.
+    """A product of whole powers of factors."""
 
-    Attributes
-    ----------
-    powers : mapping of str to int
-        Power of every factor in it; the first is the one that the cases of the data set vary for it.
-    name : str
-        What the axis is called in files.
-    units, text : str
-        Its unit and how it is written.
-    """
-
+    # Power of every factor in it; the first is the one that the cases of the data set vary for it
     powers: Mapping[str, int]
-    name: str
+    name: str  # What the axis is called in files
+    # Its unit and how it is written
     units: str
     text: str
 
@@ -55,14 +47,7 @@ class Product:
 
 @cache
 def product(text: str) -> Product:
-    """Read a product as ``load * radius / thickness^2``; ValueError, in one line, for what is none.
-
-    Examples
-    --------
-    >>> one = product("load * radius / thickness^2")
-    >>> one.name, one.units, dict(one.powers)
-    ('load_radius_per_thickness2', 'Pa', {'load': 1, 'radius': 1, 'thickness': -2})
-    """
+    """Read a product as ``load * radius / thickness^2``; ValueError, in one line, for what is none."""
     for name in re.findall(r"[^\W\d]\w*\b(?!\s*\()", text):
         if name not in FACTORS:
             raise ValueError(f"groups: {text!r}: {name!r} is no factor; {nearest(name, list(FACTORS))}")
@@ -99,19 +84,7 @@ def _powers(text: str, node: Expression) -> dict[str, int]:
 
 
 def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> dict[str, Axis]:
-    """Axes of the data set by name, over the ranges that the box gives.
-
-    Parameters
-    ----------
-    groups : mapping of str to Group, by the product as the study writes it
-    factors : mapping of str to Axis
-    fixed : mapping of str to float, SI, factors at one value
-
-    Raises
-    ------
-    ValueError
-        A bad group, in one line.
-    """
+    """Axes of the data set by name, over the ranges that the box gives."""
     by_name: dict[str, Axis] = {}
     for text, group in groups.items():
         axis = product(text)
@@ -167,18 +140,7 @@ def _usual(axis: Product, factors: Mapping[str, Axis], low: float, high: float) 
 
 
 def leads(products: Iterable[Product], factors: Mapping[str, Axis]) -> dict[str, str]:
-    """The factor that cases of the data set vary for each axis, by the axis: its first one that has a range.
-
-    Parameters
-    ----------
-    products : iterable of Product, the axes
-    factors : mapping of str to Axis, with a range
-
-    Raises
-    ------
-    ValueError
-        Two axes would vary the same, in one line.
-    """
+    """The factor that cases of the data set vary for each axis, by the axis: its first one that has a range."""
     first_of: dict[str, str] = {}
     for axis in products:
         first = next(name for name in axis.powers if name in factors)
@@ -189,22 +151,7 @@ def leads(products: Iterable[Product], factors: Mapping[str, Axis]) -> dict[str,
 
 
 def unlike(products: Sequence[Product], factors: Sequence[str], fixed: Mapping[str, Weight]) -> dict[str, float] | None:
-    """A change of the factors that no group sees, and that is no similarity; None where there is none.
-
-    Parameters
-    ----------
-    products
-        The groups.
-    factors
-        Names of what varies.
-    fixed
-        Weights of what does not vary, and would have to for a similar case.
-
-    Returns
-    -------
-    dict or None
-        What each factor is multiplied by.
-    """
+    """A change of the factors that no group sees, and that is no similarity; None where there is none."""
     A = np.array([[axis.powers.get(name, 0) for name in factors] for axis in products], dtype=np.float64)
     A = A.reshape(-1, len(factors))
     W = np.array([[weight.size, weight.strength] for weight in map(weight_of, factors)])
@@ -220,17 +167,7 @@ def unlike(products: Sequence[Product], factors: Sequence[str], fixed: Mapping[s
 
 
 def check_signs(products: Sequence[Product], factors: Mapping[str, Axis], fixed: Mapping[str, Weight]) -> None:
-    """Raise ValueError, in one line, where cases with the same groups differ in a sign, or where a factor is 0.
-
-    Parameters
-    ----------
-    products
-        The groups.
-    factors
-        What varies.
-    fixed
-        As in `unlike`.
-    """
+    """Raise ValueError, in one line, where cases with the same groups differ in a sign, or where a factor is 0."""
     for flipped in _some(name for name, axis in factors.items() if axis.low < 0 < axis.high):
         if not any(sum(axis.powers.get(name, 0) for name in flipped) % 2 for axis in products):
             raise ValueError(f"groups: the sign of {' and '.join(flipped)} is in no group; give an odd power of it")

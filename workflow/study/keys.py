@@ -19,24 +19,13 @@ from workflow.study.types import BY_FACTOR, CategoryName, FactorName, InputName,
 
 @dataclass(frozen=True)
 class Origin:
-    """What a study has beside the content of its file.
+    """What a study has beside the content of its file."""
 
-    Attributes
-    ----------
-    path
-        The file.
-    materials
-        The study's own materials by name.
-    absent
-        Quantities that some cases lack; None before the solver, which takes seconds for films, was asked for them.
-    hanging
-        Quantities that depend on a datum which is in none of the groups.
-    """
-
-    path: Path
-    materials: dict[str, Material]
+    path: Path  # The file
+    materials: dict[str, Material]  # The study's own materials by name
+    # Quantities that some cases lack; None before the solver, which takes seconds for films, was asked for them
     absent: frozenset[str] | None = None
-    hanging: frozenset[str] = frozenset()
+    hanging: frozenset[str] = frozenset()  # Quantities that depend on a datum which is in none of the groups
 
 
 class Keys(Strict):

@@ -78,14 +78,7 @@ class BodyLayer(Strict):
         return {**kind, **self.at(values)}
 
     def made(self, values: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Layer:
-        """The solver's layer, with factors at values.
-
-        Parameters
-        ----------
-        values : mapping, SI, of the factors
-        materials : mapping of str to Material, the study's own
-        phases : sequence of str, names of the two materials of a composite
-        """
+        """The solver's layer, with factors at values."""
         at = self.at(values)
         if self.material is not None:
             material = find(self.material, materials)
@@ -126,17 +119,7 @@ def tabled(layers: Layers) -> list[str]:
 
 
 def check(layers: Layers, fixed: Mapping[str, float | str], ranges: Mapping[str, tuple[float, float]]) -> None:
-    """Raise ValueError unless every factor that is named is there, within bounds, and every own factor is named.
-
-    Parameters
-    ----------
-    layers
-        From the top down; none: the study has no body.
-    fixed
-        Values of fixed factors.
-    ranges
-        Low and high of the axes.
-    """
+    """Raise ValueError unless every factor that is named is there, within bounds, and every own factor is named."""
     if len(layers) > _MOST_LAYERS:
         raise ValueError(f"body: {len(layers)} layers are more than {_MOST_LAYERS}")
     for number, layer in enumerate(layers):
@@ -172,26 +155,7 @@ def solved(
     phases: Sequence[str],
     **options: Any,
 ) -> xr.Dataset:
-    """Exact cases of a body, by an entrance of the solver (``solve``, ``solve_interior``).
-
-    Parameters
-    ----------
-    layers
-        From the top down.
-    entrance
-        The solver's.
-    factors
-        As those of `solver.solve`; those that say what the body is are names in ``layers``, or of the base.
-    materials : mapping of str to Material, the study's own
-    phases : sequence of str, names of the two materials of a composite
-    *axes, **options
-        Further arguments of the entrance.
-
-    Raises
-    ------
-    FactorError, MaterialError, ValueError
-        As the solver does; a body without a base.
-    """
+    """Exact cases of a body, by an entrance of the solver (``solve``, ``solve_interior``)."""
     own = {name: _array(name, factors[name]) for name in factors if name in (*named(layers), *OF_THE_BASE)}
     if not any(own.keys() & set(OF_THE_BASE) == names for names in _BASES):
         given = ", ".join(name for name in OF_THE_BASE if name in own) or "base"
@@ -217,15 +181,7 @@ def solved(
 
 
 def stack(layers: Layers, at: dict[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Stack:
-    """The stack of one combination of factors.
-
-    Parameters
-    ----------
-    layers : sequence of BodyLayer, from the top
-    at : dict, SI, factors and names
-    materials : mapping of str to Material, the study's own
-    phases : sequence of str, names of the two materials of a composite
-    """
+    """The stack of one combination of factors."""
     whole = []
     for number, layer in enumerate(layers):
         try:

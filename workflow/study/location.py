@@ -28,11 +28,6 @@ def given(text: str) -> str:
 
     A name that ``config/`` here has not is that of a study which comes with the program. This process and those
     that it starts find a path again under the name.
-
-    Raises
-    ------
-    InputError
-        No such file, a file whose name cannot name results, or another path under the same name before.
     """
     path = Path(url2pathname(text.removeprefix(_ADDRESS))) if text.startswith(_ADDRESS) else Path(text)
     if path.suffix not in (".yaml", ".yml"):
@@ -58,13 +53,7 @@ def address(name: str) -> str:
 
 
 def location(name: str) -> Path:
-    """The file of a study.
-
-    Raises
-    ------
-    InputError
-        A name that is unknown, or that cannot name results.
-    """
+    """The file of a study."""
     if name in (paths := _paths()):
         return Path(paths[name])
     known = _here()
@@ -95,13 +84,7 @@ def of_results(folder: Path) -> Path:
 
 
 def check_owner(name: str, folder: Path) -> None:
-    """Refuse, by InputError, a folder of results that were made from another study of the same name.
-
-    Parameters
-    ----------
-    name : str, the study's
-    folder : Path, of its results
-    """
+    """Refuse, by InputError, a folder of results that were made from another study of the same name."""
     other = _recorded(folder.absolute())
     if other and not other.samefile(location(name)):
         raise InputError(f"{folder}: holds the results of {other}; rename {location(name)}, or remove that folder")
@@ -118,13 +101,7 @@ def _recorded(folder: Path) -> Path | None:
 
 
 def from_results(name: str, folder: Path) -> str:
-    """The path of a study's file as its results record it: relative to their folder.
-
-    Parameters
-    ----------
-    name : str, the study's
-    folder : Path, of its results
-    """
+    """The path of a study's file as its results record it: relative to their folder."""
     return os.path.relpath(location(name), folder)
 
 
@@ -133,13 +110,7 @@ def _paths() -> dict[str, str]:
 
 
 def check_name(name: str, where: str) -> None:
-    """Refuse, by InputError, a name that cannot name results.
-
-    Parameters
-    ----------
-    name : str, the study's
-    where : str, with which the message begins
-    """
+    """Refuse, by InputError, a name that cannot name results."""
     if not _NAME.fullmatch(name):
         raise InputError(
             f"{where}: a study's file must be named with up to 100 of the letters a to z, digits, - and _, "

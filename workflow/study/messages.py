@@ -12,14 +12,7 @@ _NOT_OF_TYPE = ("list_type", "dict_type", "string_type")
 
 
 def first_problem(error: ValidationError, model: type[BaseModel], content: Mapping[str, Any]) -> str:
-    """The first finding of pydantic as ``key: value: what is allowed``.
-
-    Parameters
-    ----------
-    error : ValidationError, of the content
-    model : type, the model that it does not fit
-    content : mapping, as it was read
-    """
+    """The first finding of pydantic as ``key: value: what is allowed``."""
     findings = error.errors()
     # an unknown key is named before what is missing for it
     finding = next((finding for finding in findings if finding["type"] == "extra_forbidden"), None)

@@ -85,13 +85,7 @@ class Study(Contents):
 
 
 def named(name: str) -> Study:
-    """The checked study of a name, wherever its file is; a check that takes seconds says so on standard error.
-
-    Raises
-    ------
-    InputError
-        Also for a name that is unknown or no plain name.
-    """
+    """The checked study of a name, wherever its file is; a check that takes seconds says so on standard error."""
     with _told(f"checking {name}: solving the corners of its box and its effects"):
         return load(location(name))
 
@@ -137,18 +131,7 @@ def thawed(frozen: Mapping[str, Any]) -> Study:
 
 
 def remade(study: Study, **sections: Any) -> Study:
-    """A study with other sections, checked as one that is read from a file.
-
-    Parameters
-    ----------
-    study : Study
-    **sections : what stands in place of its own, as plain values
-
-    Raises
-    ------
-    InputError
-        As `load` does.
-    """
+    """A study with other sections, checked as one that is read from a file."""
     origin = Origin(study.path, study.own_materials)
     return _made(study.model_dump(mode="json") | sections, origin)
 

@@ -42,13 +42,7 @@ def with_slabs(study: Study) -> Study:
 
 
 def orphans(study: Study, folder: Path) -> list[Path]:
-    """Files in ``results/<study>`` that the study's data set no longer has: slabs beyond its count, chosen levels.
-
-    Parameters
-    ----------
-    study : Study
-    folder : Path, ``results/<study>``
-    """
+    """Files in ``results/<study>`` that the study's data set no longer has: slabs beyond its count, chosen levels."""
     slabs = set() if study.crossed else {f"slab_{number}.nc" for number in range(count(study))}
     left = [file for file in sorted((folder / "fields").glob("slab_*.nc")) if file.name not in slabs]
     left += [] if study.crossed else sorted((folder / "cross").glob("*.nc"))

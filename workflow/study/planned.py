@@ -18,25 +18,13 @@ if TYPE_CHECKING:
 
 
 def parameter(study: Study, *sections: str) -> str:
-    """A parameter of a rule that changes when sections of the study change.
-
-    Parameters
-    ----------
-    study : Study
-    *sections : str, names of the sections; none: all of them
-    """
+    """A parameter of a rule that changes when sections of the study change."""
     names = sections or tuple(Study.model_fields)
     return f"{' '.join(names)}: {study.digest(*names)}"
 
 
 def study(job: "Snakemake") -> Study:
-    """The study of a job, whose rule has it as wildcard ``study`` and its `parameter` as ``study``.
-
-    Raises
-    ------
-    InputError
-        The study has been changed since the job was planned, and the run that planned it has left no copy.
-    """
+    """The study of a job, whose rule has it as wildcard ``study`` and its `parameter` as ``study``."""
     name, (sections, _, digest) = job.wildcards.study, job.params.study.partition(": ")
     current = begun(name, lock.results(name, Path(job.output[0])))
     if current is None or current.digest(*sections.split()) != digest:
@@ -47,12 +35,6 @@ def study(job: "Snakemake") -> Study:
 
 
 def begun(name: str, results: str | Path) -> Study | None:
-    """The study as it was when its run began; None where there is no run.
-
-    Parameters
-    ----------
-    name : str, the study's
-    results : str or path, the folder of all results
-    """
+    """The study as it was when its run began; None where there is no run."""
     frozen = lock.begun(name, results)
     return None if frozen is None else studies.thawed(frozen)

@@ -39,13 +39,7 @@ def one_line(message: str) -> str:
 
 
 def number(text: str) -> float:
-    """A decimal number in plain digits, inf or nan; ValueError for any other text, such as 1_000 or Arabic digits.
-
-    Examples
-    --------
-    >>> number(" 1e5")
-    100000.0
-    """
+    """A decimal number in plain digits, inf or nan; ValueError for any other text, such as 1_000 or Arabic digits."""
     if not text.isascii() or "_" in text:
         raise ValueError(f"{text!r} is not a number")
     return float(text)
@@ -113,13 +107,7 @@ _Loader.add_constructor("tag:yaml.org,2002:str", _Loader.text)
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
-    """The mapping in a YAML file.
-
-    Raises
-    ------
-    InputError
-        Missing, unreadable, oversized or malformed file, or not a mapping.
-    """
+    """The mapping in a YAML file."""
     try:
         with regular(path).open("rb") as file:
             raw = file.read(_LARGEST + 1)

@@ -37,18 +37,7 @@ class Readout(Strict):
 
 
 def error(quantity: str, text: str) -> tuple[float, float]:
-    """Standard deviation of a measurement: its absolute part in SI, and its share of the value.
-
-    Parameters
-    ----------
-    quantity : str, what is measured
-    text : str, as the study has it: a number with a unit, or in %
-
-    Raises
-    ------
-    ValueError
-        No number, or a unit that is neither the quantity's nor %.
-    """
+    """Standard deviation of a measurement: its absolute part in SI, and its share of the value."""
     try:
         return size(quantity, text)
     except ValueError as problem:

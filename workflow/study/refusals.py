@@ -32,10 +32,7 @@ class HolesError(ValueError):
 class AllRefusedError(CaseError):
     """The solver refuses all of some cases.
 
-    Attributes
-    ----------
-    mask : xarray.Dataset
-        `REFUSAL` over the cases' dimensions and `REASON`, as of `answered`.
+    mask: `REFUSAL` over the cases' dimensions and `REASON`, as of `answered`.
     """
 
     def __init__(self, mask: xr.Dataset) -> None:
@@ -48,28 +45,6 @@ def answered(solved: Solved, factors: Mapping[str, Any], most: float = np.inf) -
 
     Cases of which none is refused cost what they cost without. Of k that are refused among n, each is met once in every
     half that holds it: at most some k log2(n) further calls, most of them small.
-
-    Parameters
-    ----------
-    solved
-        Solves cases by their factors; raises `solver.CaseError` for what has no answer.
-    factors
-        Numbers, names, sequences along themselves, labelled arrays.
-    most
-        Refused cases at which the search ends.
-
-    Returns
-    -------
-    xarray.Dataset
-        What ``solved`` gives. Where some cases are refused, their values are NaN, and there are `REFUSAL` over the
-        cases' dimensions and `REASON` over ``reason``.
-
-    Raises
-    ------
-    AllRefusedError
-        All cases are refused: why.
-    HolesError
-        More are refused than ``most``: why the last of them is.
     """
     try:
         return solved(factors)
@@ -95,15 +70,6 @@ def refused(
     """The factors of one case that the solver refuses among many, and why; none where it refuses them together only.
 
     It is looked for by halves, which takes twice as long as all cases together.
-
-    Parameters
-    ----------
-    solved
-        Solves cases by their factors; raises FactorError.
-    factors
-        Numbers, names, sequences along themselves, labelled arrays.
-    reason
-        What the solver says to all of them.
     """
     cases = {name: labelled(name, value) for name, value in factors.items()}
     parts = _parts(solved, cases, _everywhere(cases), reason, FactorError)
@@ -187,24 +153,11 @@ def _given(array: xr.DataArray, like: xr.DataArray, shape: Sequence[int]) -> NDA
 
 
 def masked(data: xr.Dataset, mask: xr.Variable, reasons: Sequence[str]) -> xr.Dataset:
-    """Cases with a mask of those that are refused, and its reasons.
-
-    Parameters
-    ----------
-    data : Dataset, the answers
-    mask : Variable of int, 0 where a case has an answer, else the number of its reason, from 1
-    reasons : sequence of str
-    """
+    """Cases with a mask of those that are refused, and its reasons."""
     told = np.array(reasons, dtype=str)
     return data.assign({REFUSAL: (mask.dims, mask.values, _MASK), REASON: ("reason", told, _REASONS)})
 
 
 def labelled(name: str, value: ArrayLike | xr.DataArray) -> xr.DataArray:
-    """Values of a factor, along itself where they are a sequence.
-
-    Parameters
-    ----------
-    name : str, the factor's
-    value : DataArray, scalar or sequence, SI
-    """
+    """Values of a factor, along itself where they are a sequence."""
     return value if isinstance(value, xr.DataArray) else xr.DataArray(np.asarray(value), dims=(name,) * np.ndim(value))

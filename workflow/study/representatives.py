@@ -23,23 +23,6 @@ def factors(study: Contents, axes: Mapping[str, Array | xr.DataArray]) -> dict[s
     """Factors of the cases over the axes of a study with groups.
 
     Every axis varies the first factor of its product, all others are in the middle of their ranges.
-
-    Parameters
-    ----------
-    study
-        A study with groups.
-    axes
-        Levels of every axis; arrays without dimensions of their own are over the axis.
-
-    Returns
-    -------
-    dict
-        Every factor over the dimensions of the axes that it varies with.
-
-    Raises
-    ------
-    ValueError
-        Groups of which each needs a factor that another varies.
     """
     leads = grouped.leads(study.products.values(), study.factors)
     values: dict[str, Any] = {name: value for name, value in middles(study).items() if name not in leads.values()}

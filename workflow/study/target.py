@@ -148,24 +148,12 @@ class Target(Strict):
         return [*self.uncertain, *self.tolerance]
 
     def room(self, name: str, low: float, high: float) -> tuple[float, float]:
-        """Ends between which a factor stands if its tolerance is to stay within others.
-
-        Parameters
-        ----------
-        name : str, the factor's
-        low, high : float, SI, the others
-        """
+        """Ends between which a factor stands if its tolerance is to stay within others."""
         absolute, share = self.tolerances.get(name, (0.0, 0.0))
         return low / (1 - share) + absolute, high / (1 + share) - absolute
 
     def range(self, name: str, low: float, high: float) -> tuple[float, float]:
-        """The range of a design variable: what is asked for of it, within others.
-
-        Parameters
-        ----------
-        name : str, the variable's
-        low, high : float, SI, the others
-        """
+        """The range of a design variable: what is asked for of it, within others."""
         variable = self.variables[name]
         return (
             low if variable.low is None else max(low, variable.low),

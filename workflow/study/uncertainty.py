@@ -42,19 +42,12 @@ _KINDS = ("base", "material")
 
 @dataclass(frozen=True)
 class Constant:
-    """What is uncertain of a material.
+    """What is uncertain of a material."""
 
-    Attributes
-    ----------
-    material, family
-        Name of the material; a family of its constants, ``modulus``, ``poisson``, or one constant.
-    std
-        Prior standard deviation: of the logarithm, of Poisson's ratio itself.
-    """
-
+    # Name of the material; a family of its constants, ``modulus``, ``poisson``, or one constant
     material: str
     family: str
-    std: float
+    std: float  # Prior standard deviation: of the logarithm, of Poisson's ratio itself
 
     @property
     def name(self) -> str:
@@ -71,13 +64,7 @@ class Constant:
         return f"{z * self.std:+.3g}" if self.family == "poisson" else f"{100 * np.expm1(z * self.std):+.3g} %"
 
     def moved(self, material: Material, z: float) -> Material:
-        """The material with this moved; MaterialError where none is admissible.
-
-        Parameters
-        ----------
-        material : Material
-        z : float, scaled value, standard normal a priori
-        """
+        """The material with this moved; MaterialError where none is admissible."""
         if self.family == "poisson":
             young, poisson = _engineering(material)
             other = Material.isotropic(young, poisson + self.std * z, name=material.name)
@@ -91,21 +78,7 @@ class Constant:
 
 
 def uncertain(study: Study, asked: Mapping[str, float | None] | None = None) -> list[Constant]:
-    """The uncertain constants of a study, with their priors.
-
-    Parameters
-    ----------
-    study
-        Its phases, materials and bases are what may be uncertain.
-    asked
-        These only, by name (``BaTiO3 permittivity``, ``BaTiO3 e33``, ``steel modulus``), with the prior standard
-        deviation or None for the usual one; all families otherwise.
-
-    Raises
-    ------
-    InputError
-        A name that the study has not; a study without any.
-    """
+    """The uncertain constants of a study, with their priors."""
     constants = {name: _constants(name, find(name, study.own_materials)) for name in materials(study)}
     if not constants:
         raise InputError(f"{study.path}: no material whose constants could be uncertain")
@@ -118,11 +91,6 @@ def own(study: Study, constants: list[Constant]) -> list[Constant]:
     """What single constants of these families may be off by, each for itself, beside their families.
 
     The prior standard deviation is the scatter of other published values about their family's mean, and 3 % at least.
-
-    Parameters
-    ----------
-    study : Study
-    constants : list of Constant, the families, and what is named already
     """
     named, singles = {constant.name for constant in constants}, []
     for family in constants:
@@ -134,13 +102,7 @@ def own(study: Study, constants: list[Constant]) -> list[Constant]:
 
 
 def members(material: Material, family: str) -> list[str]:
-    """Constants of a material that a family scales, two or more; none of what is no such family.
-
-    Parameters
-    ----------
-    material : Material
-    family : str
-    """
+    """Constants of a material that a family scales, two or more; none of what is no such family."""
     values = {name: float(getattr(material, name)) for name in FAMILIES.get(family, ())}
     names = [name for name, value in values.items() if value not in (0.0, _VACUUM.get(family)) and value == value]
     return names if len(names) > 1 else []
@@ -149,11 +111,7 @@ def members(material: Material, family: str) -> list[str]:
 def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> Study:
     """The study with its constants moved; MaterialError where no material is admissible there.
 
-    Parameters
-    ----------
-    study : Study
-    constants : list of Constant, k of them
-    z : ndarray, shape (k,), scaled values, standard normal a priori
+    z: (k,), scaled values, standard normal a priori.
     """
     changed: dict[str, Material] = {}
     for constant, value in zip(constants, z, strict=True):
@@ -170,16 +128,7 @@ def sensitivities(
 
     Each constant is moved by itself, up and down by a tenth of its standard deviation.
 
-    Parameters
-    ----------
-    study : Study
-    constants : list of Constant, k of them
-    values : callable, gives the values of a study, (n,)
-
-    Returns
-    -------
-    ndarray, shape (n, k)
-        NaN for a value that is zero.
+    result: (n, k).
     """
     here = values(study)
     shares = np.empty((len(here), len(constants)))
@@ -192,13 +141,7 @@ def sensitivities(
 
 
 def concerned(study: Study, constant: Constant) -> dict[str, str]:
-    """Categories that have to be at a name for a constant to matter; none where it always does.
-
-    Parameters
-    ----------
-    study : Study
-    constant : Constant
-    """
+    """Categories that have to be at a name for a constant to matter; none where it always does."""
     held = {kind: constant.material for kind in _KINDS if constant.material in study.categories.get(kind, [])}
     elsewhere = [*study.fixed.values(), *(layer.material for layer in study.body), *_phases(study)]
     return {} if constant.material in elsewhere or len(held) > 1 else held

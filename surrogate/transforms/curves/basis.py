@@ -16,34 +16,17 @@ _FIRST = 32
 
 @dataclass(frozen=True)
 class Curves:
-    """Fields at the points of panels, in one data set with what is learnt beside them.
+    """Fields at the points of panels, in one data set with what is learnt beside them."""
 
-    Attributes
-    ----------
-    fields : tuple of str
-        Variables of the data set; a measure takes the first of them.
-    sizes : tuple of str
-        For every field the positive variable by which it scales from case to case, learnt by its logarithm; empty
-        where there is none. The fields of a measure share theirs.
-    panels : Panels
-        Where the points lie.
-    dim : str
-        Dimension of the points.
-    """
-
-    fields: tuple[str, ...]
+    fields: tuple[str, ...]  # Variables of the data set; a measure takes the first of them
+    # For every field the positive variable by which it scales from case to case, learnt by its logarithm; empty where
+    # there is none. The fields of a measure share theirs.
     sizes: tuple[str, ...]
-    panels: Panels
-    dim: str
+    panels: Panels  # Where the points lie
+    dim: str  # Dimension of the points
 
     def shapes(self, data: xr.Dataset) -> Array:
-        """Return the fields over their sizes, (case, field, point), cases in the order of their dimensions.
-
-        Raises
-        ------
-        ValueError
-            Fields that are missing or have another number of points, and what is not finite.
-        """
+        """Return the fields over their sizes, (case, field, point), cases in the order of their dimensions."""
         whole = []
         for name, size in zip(self.fields, self.sizes, strict=True):
             field = data[name] / data[size] if size else data[name]
@@ -58,40 +41,20 @@ class Curves:
 
 @dataclass(frozen=True)
 class Largest:
-    """An output: the largest measure of curves, or what a field is where it is largest.
+    """An output: the largest measure of curves, or what a field is where it is largest."""
 
-    Attributes
-    ----------
-    curves : int
-        Number of the curves.
-    measure : Measure
-        What is largest; outputs that share it share the search.
-    place : int
-        Number of the field that is read there; -1: the measure itself.
-    """
-
-    curves: int
-    measure: Measure
-    place: int = -1
+    curves: int  # Number of the curves
+    measure: Measure  # What is largest; outputs that share it share the search
+    place: int = -1  # Number of the field that is read there; -1: the measure itself
 
 
 @dataclass(frozen=True, eq=False)
 class Basis:
-    """Fields as a mean and a few vectors.
+    """Fields as a mean and a few vectors."""
 
-    Attributes
-    ----------
-    mean : ndarray, shape (field, point)
-        Mean of the training cases.
-    vectors : ndarray, shape (rank, field, point)
-        What every score multiplies.
-    scales : ndarray, shape (field,)
-        Root-mean-square size of every field: over it the vectors are orthonormal.
-    """
-
-    mean: Array
-    vectors: Array
-    scales: Array
+    mean: Array  # shape (field, point); Mean of the training cases
+    vectors: Array  # shape (rank, field, point); What every score multiplies
+    scales: Array  # shape (field,); Root-mean-square size of every field: over it the vectors are orthonormal
 
     @classmethod
     def of(cls, values: Array, error: float) -> Self:
@@ -100,10 +63,7 @@ class Basis:
         The vectors are the first right singular vectors of the cases, found by random projections from a fixed seed (N.
         Halko et al., SIAM Rev. 53 (2011) 217).
 
-        Parameters
-        ----------
-        values : ndarray, shape (case, field, point)
-        error : float, root-mean-square error of the basis, as a share of every field's size
+        values: (case, field, point).
         """
         mean = values.mean(axis=0)
         scales = np.sqrt((values**2).mean(axis=(0, 2)))
@@ -150,19 +110,7 @@ class Basis:
 
     @classmethod
     def restore(cls, stored: xr.Dataset, number: int, panels: Panels) -> Self:
-        """Return the basis in a file.
-
-        Parameters
-        ----------
-        stored : Dataset, the file
-        number : int, that of its curves
-        panels : Panels, on which its points lie
-
-        Raises
-        ------
-        ValueError
-            The arrays do not fit the panels.
-        """
+        """Return the basis in a file."""
         mean, vectors, scales = (stored[f"curve_{part}_{number}"].values for part in ("mean", "vectors", "scales"))
         fits = vectors.ndim == 3 and vectors.shape[1:] == mean.shape and scales.shape == mean.shape[:1]
         if not fits or mean.shape[-1] != panels.size or not (scales > 0).all():

@@ -22,26 +22,15 @@ CLIMBED, RIVAL = 4, 0.1
 
 @dataclass(frozen=True, eq=False)
 class Landscape:
-    """Curves of a low-rank basis on panels.
+    """Curves of a low-rank basis on panels."""
 
-    Attributes
-    ----------
-    basis : Basis
-        What their scores mean.
-    panels : Panels
-        Where their points lie.
-    """
-
-    basis: Basis
-    panels: Panels
+    basis: Basis  # What their scores mean
+    panels: Panels  # Where their points lie
 
     def summit(self, scores: Array, measure: Measure) -> Top:
         """Find where a measure is largest.
 
-        Parameters
-        ----------
-        scores : ndarray, shape (rank, B), of B sets of curves
-        measure : Measure, of the fields at one place
+        scores: (rank, B), of B sets of curves.
         """
         scan, ones = self.panels.scan, np.concatenate([np.ones((1, scores.shape[1])), scores])
         some = self._scanned[:, : measure.fields * scan.points.size]
@@ -65,11 +54,7 @@ class Landscape:
     def read(self, scores: Array, summit: Top, field: int) -> Array:
         """Return a field at places on the curves, (B,).
 
-        Parameters
-        ----------
-        scores : ndarray, shape (rank, B), of the curves
-        summit : Top, the places
-        field : int, number of the field
+        scores: (rank, B), of the curves.
         """
         out, ones = np.empty(scores.shape[1]), np.concatenate([np.ones((1, scores.shape[1])), scores])
         for number in np.unique(summit.panel).tolist():
@@ -83,14 +68,7 @@ class Landscape:
 
         The measure at its maximum changes as at a place that stays; the place moves so that it stays stationary.
 
-        Parameters
-        ----------
-        scores : ndarray, shape (rank, B)
-            Of the curves.
-        measure, summit
-            What is largest, and where.
-        place : int
-            Number of the field that is read there; -1: the measure itself.
+        scores: (rank, B).
         """
         out = np.empty_like(scores)
         ones = np.concatenate([np.ones((1, scores.shape[1])), scores])

@@ -15,42 +15,16 @@ STEP = 1e-12
 
 
 def learnt_name(size: str, logarithms: bool) -> str:
-    """Return the name of the smooth output that tells a size.
-
-    Parameters
-    ----------
-    size : str
-        Name of the size.
-    logarithms : bool
-        Whether its logarithm is learnt.
-    """
+    """Return the name of the smooth output that tells a size."""
     return f"log {size}" if logarithms else size
 
 
 class Links:
     """Rows of smooth outputs behind p outputs.
 
-    Parameters
-    ----------
-    outputs : sequence of str
-        The outputs in order.
-    largest : mapping of str to Largest
-        Those that follow from curves.
-    curves, bases : sequence
-        What is learnt of curves, and the bases of their scores.
-    logarithms : bool
-        Whether the logarithms of sizes are learnt.
-    smooth : sequence of str
-        The q smooth outputs; of a model of some outputs, only what these need is there.
-
-    Attributes
-    ----------
-    plain : list of (int, int)
-        Outputs that are smooth themselves, and their rows.
-    sizes : dict of str to int
-        Rows of the sizes.
-    scores : list of list of int
-        Rows of the scores of every element of `curves`.
+    plain: Outputs that are smooth themselves, and their rows.
+    sizes: Rows of the sizes.
+    scores: Rows of the scores of every element of `curves`.
     """
 
     def __init__(
@@ -89,16 +63,7 @@ class Links:
     def size(self, name: str, smooth: Array) -> Array:
         """Return what an output scales by.
 
-        Parameters
-        ----------
-        name : str
-            The output.
-        smooth : ndarray, shape (q, B)
-            Smooth outputs.
-
-        Returns
-        -------
-        ndarray, shape (B,)
+        smooth: (q, B); result: (B,).
         """
         size = self.size_of(name)
         if not size:
@@ -135,10 +100,7 @@ class Links:
     def described(self, spreads: Array) -> dict[str, Any]:
         """Return links, measures and curves as plain values.
 
-        Parameters
-        ----------
-        spreads : ndarray, shape (q,)
-            Sizes of the smooth outputs, which tell how finely their vectors are rounded.
+        spreads: (q,).
         """
         measures = list(dict.fromkeys(largest.measure for largest in self._largest.values()))
         return {

@@ -17,14 +17,7 @@ Arrays = dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]
 
 
 def to_arrays(curves: Sequence[Curves], bases: Sequence[Basis], largest: Mapping[str, Largest]) -> Arrays:
-    """Return the arrays by name with their dimensions: what `from_arrays` reads.
-
-    Parameters
-    ----------
-    curves : sequence of Curves
-    bases : sequence of Basis, of the curves in their order
-    largest : mapping of str to Largest, the outputs that follow from them
-    """
+    """Return the arrays by name with their dimensions: what `from_arrays` reads."""
     measures = list(dict.fromkeys(summit.measure for summit in largest.values()))
     state: Arrays = {
         "largest_output": (("largest",), np.array(list(largest))),
@@ -47,18 +40,7 @@ def to_arrays(curves: Sequence[Curves], bases: Sequence[Basis], largest: Mapping
 
 
 def from_arrays(stored: xr.Dataset, outputs: Sequence[str]) -> tuple[list[Curves], list[Basis], dict[str, Largest]]:
-    """Return curves, their bases and what follows from them.
-
-    Parameters
-    ----------
-    stored : Dataset, the file
-    outputs : sequence of str, those of the model in order
-
-    Raises
-    ------
-    ValueError
-        What is inconsistent, by its name.
-    """
+    """Return curves, their bases and what follows from them."""
     curves: list[Curves] = []
     bases: list[Basis] = []
     while f"curve_field_{len(curves)}" in stored:

@@ -26,24 +26,7 @@ class CorrectedGP(Transformed):
     derivatives by the constants times these, plus the discrepancy of a measured output. The intervals hold the nominal
     model's own error, that of the effects, and what is left unknown of constants and discrepancies.
 
-    Parameters
-    ----------
-    nominal : GaussianProcess
-        The surrogate at the constants' prior means.
-    effect : GaussianProcess
-        Of the same inputs; for every output in order its change at ``about``, then its derivative by every constant.
-    constants : mapping
-        Prior of every constant in words, by its name, in order.
-    about : ndarray, shape (k,)
-        Scaled constants of that change and of these derivatives.
-    draws : sequence of Draw
-        Posterior of constants and discrepancies.
-    rows : Measurements
-        What was measured.
-    effect_std : ndarray, shape (p,)
-        Standard deviation of the effects' own error.
-    learnt : str
-        What the rows have taught, in words; kept in the file.
+    about: (k,); effect_std: (p,).
     """
 
     engine: ClassVar[str] = "corrected"

@@ -15,30 +15,14 @@ from approximation.arrays import Array
 
 @dataclass(frozen=True)
 class Discrepancy:
-    """A process a^2 exp(-|x - x'|^2/2) in the scaled inputs over their lengths, known at measured points.
+    """A process a^2 exp(-|x - x'|^2/2) in the scaled inputs over their lengths, known at measured points."""
 
-    Attributes
-    ----------
-    points : ndarray, shape (n, d)
-        Scaled inputs, -1 to 1, of the measured values.
-    noise : ndarray, shape (n,)
-        Variance of their errors, that of the model among them.
-    amplitude : float
-        Standard deviation a of the process, in the output's unit.
-    lengths : ndarray, shape (d,)
-        Length along every scaled input.
-    residual : ndarray, shape (n,)
-        Measured less model with the constants at zero, as linear in them.
-    slopes : ndarray, shape (n, k)
-        Derivatives of the model by the constants at the points.
-    """
-
-    points: Array
-    noise: Array
-    amplitude: float
-    lengths: Array
-    residual: Array
-    slopes: Array
+    points: Array  # shape (n, d); Scaled inputs, -1 to 1, of the measured values
+    noise: Array  # shape (n,); Variance of their errors, that of the model among them
+    amplitude: float  # Standard deviation a of the process, in the output's unit
+    lengths: Array  # shape (d,); Length along every scaled input
+    residual: Array  # shape (n,); Measured less model with the constants at zero, as linear in them
+    slopes: Array  # shape (n, k); Derivatives of the model by the constants at the points
 
     def covariance(self, points: Array) -> Array:
         """Return the covariance of the process at scaled points (m, d) with its values at its own: (m, n)."""

@@ -11,28 +11,18 @@ from surrogate.transforms.measured.discrepancy import Discrepancy
 
 @dataclass(frozen=True)
 class Draw:
-    """The posterior at one draw of all else that is unknown: discrepancies' sizes and lengths, errors, outliers.
+    """The posterior at one draw of all else that is unknown: discrepancies' sizes and lengths, errors, outliers."""
 
-    Attributes
-    ----------
-    mean, covariance
-        Of the scaled constants: (k,), (k, k).
-    discrepancies : dict
-        The process of every measured output, by its number.
-    """
-
+    # Of the scaled constants: (k,), (k, k)
     mean: Array
     covariance: Array
-    discrepancies: Mapping[int, Discrepancy]
+    discrepancies: Mapping[int, Discrepancy]  # The process of every measured output, by its number
 
     @classmethod
     def of(cls, discrepancies: Mapping[int, Discrepancy], prior: Array) -> "Draw":
         """Return what measured values say of the scaled constants.
 
-        Parameters
-        ----------
-        discrepancies : mapping of int to Discrepancy, of the measured outputs by their numbers
-        prior : ndarray, shape (k,), prior deviations of the constants, zero where one is known
+        prior: (k,), prior deviations of the constants, zero where one is known.
         """
         precision, weighted = np.zeros((len(prior), len(prior))), np.zeros(len(prior))
         for discrepancy in discrepancies.values():
@@ -43,29 +33,14 @@ class Draw:
 
 
 def posterior(precision: Array, weighted: Array, prior: Array) -> tuple[Array, Array]:
-    """Return mean (k,) and covariance (k, k) of normal unknowns of zero prior means and these prior deviations (k,).
-
-    Parameters
-    ----------
-    precision, weighted
-        What is known beside: a precision (k, k), and its product with an estimate (k,).
-    prior
-        Prior deviations; zero where an unknown is zero.
-    """
+    """Return mean (k,) and covariance (k, k) of normal unknowns of zero prior means and these prior deviations (k,)."""
     inner = np.linalg.inv(np.eye(len(prior)) + prior[:, None] * precision * prior)
     covariance = prior[:, None] * (inner + inner.T) / 2 * prior
     return covariance @ weighted, covariance
 
 
 def moments(parts: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
-    """Return mean and variance of an even mixture from the means and variances of its parts, of any shape.
-
-    Examples
-    --------
-    >>> mean, variance = moments([(np.array(1.0), np.array(0.5)), (np.array(3.0), np.array(1.5))])
-    >>> float(mean), float(variance)
-    (2.0, 2.0)
-    """
+    """Return mean and variance of an even mixture from the means and variances of its parts, of any shape."""
     means, variances = (np.stack(each) for each in zip(*parts, strict=True))
     return means.mean(axis=0), variances.mean(axis=0) + means.var(axis=0)
 

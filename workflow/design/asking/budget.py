@@ -32,13 +32,7 @@ _SAFETY = 3e-7  # relative safety margin: near a kink a shifted limit leaves 0.1
 
 
 def names(question: Question, term: Term) -> list[str]:
-    """Quantities of a term of which a case is costly.
-
-    Parameters
-    ----------
-    question : Question
-    term : Term, one of its terms
-    """
+    """Quantities of a term of which a case is costly."""
     return [name for name in term.expression.names() if name in question.study.costly]
 
 
@@ -77,25 +71,12 @@ def affordable(designs: Designs) -> Source:
 
 
 def safety(question: Question, usual: float) -> float:
-    """Safety margin that a polish keeps from the limits, relative; more where the surrogate leads it.
-
-    Parameters
-    ----------
-    question : Question
-    usual : float, the margin where nothing is costly
-    """
+    """Safety margin that a polish keeps from the limits, relative; more where the surrogate leads it."""
     return _SAFETY if asked(question) else usual
 
 
 def words(question: Question, cases: int, moved: bool) -> str:
-    """How a design was polished: on the exact solver alone, led by the surrogate, or not at all.
-
-    Parameters
-    ----------
-    question : Question
-    cases : int, costly cases that were solved
-    moved : bool, whether the design was polished, and not only moved behind its limits
-    """
+    """How a design was polished: on the exact solver alone, led by the surrogate, or not at all."""
     searched = ", ".join(dict.fromkeys(name for term in question.terms for name in names(question, term)))
     kind = "exact" if question.study.kind.tabled else "searched"
     if not searched:
@@ -121,11 +102,6 @@ def count_exactly(design: Designs, term: Term) -> Counted:
     the errors that the surrogate has shown, until none is left. Scenarios that weigh a thousandth of a mean together
     are not solved: a mean errs by a thousandth of the surrogate's own errors. Where very many scenarios decide, the few
     of the search are solved instead, and the surrogate says what the many change.
-
-    Parameters
-    ----------
-    design : Designs, one of them
-    term : Term, of its question
     """
     many, few = design.question.judged[term.key], design.question.searched[term.key]
     whole = design.values(design.predicted, many, term)
@@ -167,11 +143,6 @@ def thinned(designs: Designs, share: float) -> tuple[Designs, dict[Key, Indices]
 
     With the scenarios of the search in which they are solved: those that decide some term at some design by the
     surrogate.
-
-    Parameters
-    ----------
-    designs : Designs
-    share : float, of what a question can afford, up to 1
     """
     columns: dict[Key, Indices] = {}
     for drawn, chosen in designs.question.searched.items():
@@ -190,11 +161,7 @@ def thinned(designs: Designs, share: float) -> tuple[Designs, dict[Key, Indices]
 def corrected(designs: Designs, counts: Array, columns: Mapping[Key, Indices]) -> Array:
     """What all terms count as at designs, (n, terms), with some scenarios solved exactly.
 
-    Parameters
-    ----------
-    designs : Designs, n of them
-    counts : ndarray, shape (n, terms), without costly cases
-    columns : mapping of Key to ndarray of int, the scenarios to solve, as `thinned` gives them
+    counts: (n, terms), without costly cases.
     """
     out = counts.copy()
     for drawn, indices in columns.items():

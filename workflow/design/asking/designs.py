@@ -15,22 +15,13 @@ from workflow.design.asking.terms import Key, Term
 
 @dataclass(frozen=True)
 class Designs:
-    """Designs of one question.
+    """Designs of one question."""
 
-    Attributes
-    ----------
-    question
-        What they answer.
-    predicted, exact
-        The surrogate and the exact solver, for the question's categories.
-    x
-        Scaled variables, (n, d).
-    """
-
-    question: Question
+    question: Question  # What they answer
+    # The surrogate and the exact solver, for the question's categories
     predicted: Predicted
     exact: Exact
-    x: Array
+    x: Array  # Scaled variables, (n, d)
 
     @cached_property
     def variables(self) -> dict[str, Array]:
@@ -52,22 +43,9 @@ class Designs:
         return self.factors(chosen)
 
     def values(self, source: Source, chosen: Scenarios, term: Term) -> Array:
-        """A term over some scenarios, (designs, groups, draws).
-
-        Parameters
-        ----------
-        source : Source, `predicted` or `exact`
-        chosen : Scenarios
-        term : Term
-        """
+        """A term over some scenarios, (designs, groups, draws)."""
         return self.question.values(source, self.variables, chosen, [term])[0]
 
     def count(self, source: Source, sets: Mapping[Key, Scenarios]) -> Array:
-        """What every term counts as, (designs, terms).
-
-        Parameters
-        ----------
-        source : Source, `predicted` or `exact`
-        sets : mapping of Key to Scenarios, those of every term
-        """
+        """What every term counts as, (designs, terms)."""
         return self.question.count(source, self.variables, sets)

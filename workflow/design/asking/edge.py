@@ -11,15 +11,7 @@ from surrogate.face.region import Region
 
 
 class Edge:
-    """A surrogate's region as rows of a nonlinear program, one a scenario.
-
-    Parameters
-    ----------
-    region
-        Where the surrogate answers.
-    inputs
-        Its inputs.
-    """
+    """A surrogate's region as rows of a nonlinear program, one a scenario."""
 
     def __init__(self, region: Region, inputs: Sequence[Input]) -> None:
         self._region, self._inputs = region, tuple(inputs)
@@ -32,13 +24,7 @@ class Edge:
         return np.asarray(-above.reshape(whole) / self._scale)
 
     def slopes(self, factors: dict[str, Array], over: Sequence[str]) -> Array:
-        """Derivatives of `excess` at one point, (scenarios, variables), by physical factors.
-
-        Parameters
-        ----------
-        factors : dict of str to ndarray, over (1, scenarios), SI
-        over : sequence of str, the factors by which is differentiated
-        """
+        """Derivatives of `excess` at one point, (scenarios, variables), by physical factors."""
         X, _ = self._points(factors)
         rising = self._region.slopes(unit_coordinates(self._inputs, X))
         names = [input_.name for input_ in self._inputs]

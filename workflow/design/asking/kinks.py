@@ -17,30 +17,7 @@ _ROUNDING = 1e-12  # share of the largest value that counts as none
 
 
 def pieces(expression: Expression, sign: float, known: Mapping[str, Array], most: int = _MOST) -> list[Expression]:
-    """Expressions whose least, times ``sign``, is the expression times ``sign`` at all known points.
-
-    Parameters
-    ----------
-    expression, sign
-        What is split, and 1 where it is to be large, -1 where it is to be small.
-    known
-        Names' values at points that tell which splits hold; of a common shape.
-    most
-        Largest number of pieces.
-
-    Returns
-    -------
-    list
-        The expression alone where no kink turns within the points, or turns the other way.
-
-    Examples
-    --------
-    >>> from workflow.language.grammar import parse
-    >>> len(pieces(parse("2 * abs(voltage)"), -1.0, {"voltage": np.array([-1.0, 3.0])}))
-    2
-    >>> len(pieces(parse("2 * abs(voltage)"), 1.0, {"voltage": np.array([-1.0, 3.0])}))
-    1
-    """
+    """Expressions whose least, times ``sign``, is the expression times ``sign`` at all known points."""
     whole = sign * expression.evaluate(known)
     room = _ROUNDING * np.abs(whole).max()
     for kink in dict.fromkeys(node for node in expression.walk() if isinstance(node, Call)):

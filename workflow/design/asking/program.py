@@ -27,11 +27,7 @@ def scan(question: Question) -> int:
 def problem(question: Question, source: Source, safety: Array | None = None) -> Problem:
     """The question for the optimiser.
 
-    Parameters
-    ----------
-    question : Question
-    source : Source, of the quantities
-    safety : ndarray, shape (limits,), margins that are added to the relative excesses; None: zero
+    safety: (limits,), margins that are added to the relative excesses; None: zero.
     """
     margins = np.zeros(len(question.terms))
     if safety is not None:

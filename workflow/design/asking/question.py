@@ -33,31 +33,18 @@ _CONSTANT = 1e-9  # relative variation that counts as none
 
 @dataclass(frozen=True)
 class Question:
-    """A target of a study with its choices made.
+    """A target of a study with its choices made."""
 
-    Attributes
-    ----------
-    study, target
-        What is asked.
-    held
-        Factors at one value: the target's own and those chosen from lists.
-    scales
-        Scale of every limit whose bound is zero, by label.
-    pieces
-        Smooth pieces of terms with kinks, by the term's place.
-    spread
-        Range of the first objective over the ranges.
-    notes
-        What a reader of the answer should know about how the question was read.
-    """
-
+    # What is asked
     study: Study
     target: Target
+    # Factors at one value: the target's own and those chosen from lists
     held: dict[str, float] = field(default_factory=dict)
-    scales: dict[str, float] = field(default_factory=dict)
+    scales: dict[str, float] = field(default_factory=dict)  # Scale of every limit whose bound is zero, by label
+    # Smooth pieces of terms with kinks, by the term's place
     pieces: dict[int, list[Expression]] = field(default_factory=dict)
-    spread: float = 1.0
-    notes: tuple[str, ...] = ()
+    spread: float = 1.0  # Range of the first objective over the ranges
+    notes: tuple[str, ...] = ()  # What a reader of the answer should know about how the question was read
 
     @cached_property
     def inputs(self) -> dict[str, Input]:
@@ -152,10 +139,7 @@ class Question:
     def factors(self, variables: dict[str, Array], chosen: Scenarios) -> Factors:
         """Every factor of the factorial, over (points, scenarios).
 
-        Parameters
-        ----------
-        variables : dict of str to ndarray, shape (n,), SI
-        chosen : Scenarios
+        variables: dict of str to ndarray, shape (n,), SI.
         """
         given = {name: np.full((1, 1), value) for name, value in self.held.items()}
         given |= {name: values[None, :] for name, values in chosen.values.items()}
@@ -170,12 +154,7 @@ class Question:
     ) -> list[Array]:
         """Expressions of some terms, (points, groups, draws) each.
 
-        Parameters
-        ----------
-        source : Source, of the quantities
-        variables : dict of str to ndarray, shape (points,), SI
-        chosen : Scenarios
-        terms : sequence of Term
+        variables: dict of str to ndarray, shape (points,), SI.
         """
         factors = self.factors(variables, chosen)
         known = self.known(source, factors, [term.expression for term in terms])
@@ -186,11 +165,7 @@ class Question:
     def count(self, source: Source, variables: dict[str, Array], sets: Mapping[Key, Scenarios]) -> Array:
         """What every term counts as, (points, terms).
 
-        Parameters
-        ----------
-        source : Source, of the quantities
-        variables : dict of str to ndarray, shape (points,), SI
-        sets : mapping of Key to Scenarios, those of every term
+        variables: dict of str to ndarray, shape (points,), SI.
         """
         counted: dict[int, Array] = {}
         for chosen in sets.values():
@@ -200,14 +175,7 @@ class Question:
         return np.stack([counted[place] for place in range(len(self.terms))], -1)
 
     def known(self, source: Source, factors: Factors, expressions: Sequence[Expression]) -> dict[str, Array]:
-        """Values of all names in some expressions, over (points, scenarios) or an axis of length one.
-
-        Parameters
-        ----------
-        source : Source, of the quantities
-        factors : dict of str to ndarray, over (points, scenarios), SI
-        expressions : sequence of Expression
-        """
+        """Values of all names in some expressions, over (points, scenarios) or an axis of length one."""
         names = list(dict.fromkeys(name for expression in expressions for name in expression.names()))
         learned = [name for name in names if name in ALL_QUANTITIES]
         known = source.values(factors, learned) if learned else {}
@@ -225,23 +193,7 @@ class Question:
 
 
 def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[str, float] | None = None) -> Question:
-    """A question that makes sense on a source.
-
-    Parameters
-    ----------
-    study : Study
-    name : str, the target's
-    target : Target
-    source : Source, of the pilot's quantities
-    chosen : dict, the values of the variables with a list and the names of the categories; None: none
-
-    Raises
-    ------
-    InputError
-        Every design beyond the edge of the cases that have answers; an objective that is constant over the variables,
-        or one that passes a pole or is not defined within them; a limit whose number has no unit and, read in SI, is
-        far from every value.
-    """
+    """A question that makes sense on a source."""
     held = {name: value for name, value in {**target.at, **(chosen or {})}.items() if not isinstance(value, str)}
     question = Question(study, target, held)
     if not question.inputs:

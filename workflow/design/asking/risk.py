@@ -79,14 +79,9 @@ class Quantile(RiskMeasure):
 
 @dataclass(frozen=True)
 class RelativeDeviation(RiskMeasure):
-    """Relative deviations of all draws from the mean of their group, upwards and downwards.
+    """Relative deviations of all draws from the mean of their group, upwards and downwards."""
 
-    Attributes
-    ----------
-    shares
-        What each draw of a group weighs in its mean, (draws,), by how many there are; equally much where it is empty.
-    """
-
+    # What each draw of a group weighs in its mean, (draws,), by how many there are; equally much where it is empty
     shares: Mapping[int, Array] = field(default_factory=dict)
 
     def _share(self, draws: int) -> Array:
@@ -110,15 +105,7 @@ class RelativeDeviation(RiskMeasure):
 
 @singledispatch
 def measure(statistic: statistics.Statistic, sign: float) -> RiskMeasure:
-    """How a statistic of an objective counts its scenarios.
-
-    Parameters
-    ----------
-    statistic
-        Of the family that a study may ask for; each member registers its own.
-    sign
-        1 where the objective is maximised, -1 where it is minimised.
-    """
+    """How a statistic of an objective counts its scenarios."""
     raise NotImplementedError(f"no risk measure for {statistic}")
 
 

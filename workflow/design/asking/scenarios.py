@@ -27,24 +27,16 @@ _GAUSS = 512  # points by which a distribution's moments are integrated
 
 @dataclass(frozen=True)
 class Scenarios:
-    """Values of the factors that a design does not choose.
+    """Values of the factors that a design does not choose."""
 
-    Attributes
-    ----------
-    values
-        By factor name, (groups * draws,) each; a group is one case of the ranges, its draws follow each other.
-    offsets
-        By design variable with a tolerance, where in it, -1 to 1, (groups * draws,) each.
-    groups, draws
-        How many.
-    terms
-        The terms of a question that count over them, by their place in it.
-    """
-
+    # By factor name, (groups * draws,) each; a group is one case of the ranges, its draws follow each other
     values: dict[str, Array]
+    # How many
     groups: int
     draws: int
+    # The terms of a question that count over them, by their place in it
     terms: dict[int, Term] = field(default_factory=dict)
+    # By design variable with a tolerance, where in it, -1 to 1, (groups * draws,) each
     offsets: dict[str, Array] = field(default_factory=dict)
 
     @property
@@ -60,25 +52,12 @@ class Scenarios:
 
 
 def corners(target: Target, nodes: Mapping[int, int]) -> Scenarios:
-    """Tensor of Chebyshev-Lobatto nodes over every range: worst cases, tolerances, supports of distributions.
-
-    Parameters
-    ----------
-    target : Target
-    nodes : mapping of int to int, nodes a factor by the number of factors: `SEARCHED` or `JUDGED`
-    """
+    """Tensor of Chebyshev-Lobatto nodes over every range: worst cases, tolerances, supports of distributions."""
     return _parted(target, _tensor(_levels(target, nodes)), 1)
 
 
 def along(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Scenarios:
-    """The same in groups: within a group only some names change, over their nodes, which are its draws.
-
-    Parameters
-    ----------
-    target : Target
-    names : tuple of str, its uncertain or tolerated factors
-    nodes : mapping of int to int, nodes a factor by the number of factors: `SEARCHED` or `JUDGED`
-    """
+    """The same in groups: within a group only some names change, over their nodes, which are its draws."""
     levels = _levels(target, nodes)
     rest = _tensor({name: values for name, values in levels.items() if name not in names})
     own = _tensor({name: levels[name] for name in names})
@@ -94,12 +73,6 @@ def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) ->
     An uncertain factor has its own distribution, one of ``worst_case`` and a tolerance the uniform one. The weights
     are those by which a polynomial through the nodes is integrated: for the uniform one C. W. Clenshaw and A. R.
     Curtis, Numer. Math. 2 (1960) 197.
-
-    Parameters
-    ----------
-    target : Target
-    names : tuple of str, its uncertain or tolerated factors
-    nodes : mapping of int to int, nodes a factor by the number of factors: `SEARCHED` or `JUDGED`
     """
     every, parts = _levels(target, nodes), list[Array]()
     for name in names:
@@ -119,13 +92,7 @@ def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) ->
 
 
 def draws(target: Target, count: int) -> Scenarios:
-    """Sobol' draws of the distributions, uniform within tolerances, at a few nodes of every worst-case range.
-
-    Parameters
-    ----------
-    target : Target
-    count : int, number of draws, a power of two
-    """
+    """Sobol' draws of the distributions, uniform within tolerances, at a few nodes of every worst-case range."""
     count_of_nodes = GROUPS.get(len(target.worst_case), 3)
     groups = _tensor({name: _nodes(low, high, count_of_nodes) for name, (low, high) in target.worst_case.items()})
     size = len(next(iter(groups.values()))) if groups else 1

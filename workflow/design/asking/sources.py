@@ -39,36 +39,15 @@ class Source(ABC):
 
     @abstractmethod
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Quantities by name, (points, scenarios) each.
-
-        Parameters
-        ----------
-        factors : dict of str to ndarray, over (points, scenarios), SI
-        names : sequence of str, the quantities
-        """
+        """Quantities by name, (points, scenarios) each."""
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
-        """Derivatives at one point, (scenarios, variables) each, in physical units.
-
-        Parameters
-        ----------
-        factors : dict of str to ndarray, over (1, scenarios), SI
-        names : sequence of str, the quantities
-        over : sequence of str, the factors by which they are differentiated
-        """
+        """Derivatives at one point, (scenarios, variables) each, in physical units."""
         raise NotImplementedError("difference quotients take the place of derivatives")
 
 
 class Exact(Source):
-    """The exact solver of a study.
-
-    Parameters
-    ----------
-    study
-        The study.
-    beyond
-        A surrogate with an edge, which stands for the cases that the solver refuses: a search passes such on its way.
-    """
+    """The exact solver of a study."""
 
     step = 1e-6
 
@@ -135,20 +114,7 @@ class Predicted(Source):
         return {name: mean[:, self._column(name, model)].reshape(whole) for name in names}
 
     def errors(self, factors: Factors, weights: Mapping[str, Array]) -> tuple[float, float]:
-        """How far a weighted sum of quantities over scenarios may be off, by how their errors go together.
-
-        Parameters
-        ----------
-        factors
-            Of one point.
-        weights
-            By quantity, (scenarios,), with signs.
-
-        Returns
-        -------
-        tuple of float
-            Half of the central 68 %, and from the mean to the farther end of the interval of the study's level.
-        """
+        """How far a weighted sum of quantities over scenarios may be off, by how their errors go together."""
         X, _ = self._points(factors)
         model = self._of(list(weights))
         own = np.zeros((len(X), len(model.outputs_)))

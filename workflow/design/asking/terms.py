@@ -22,55 +22,25 @@ Key = bool | tuple[str, ...]
 
 @dataclass(frozen=True)
 class Deviation:
-    """What a deviation is taken over.
+    """What a deviation is taken over."""
 
-    Attributes
-    ----------
-    along
-        The factors.
-    measure
-        With the weights of their means.
-    """
-
-    along: tuple[str, ...]
-    measure: risk.RelativeDeviation
+    along: tuple[str, ...]  # The factors
+    measure: risk.RelativeDeviation  # With the weights of their means
 
 
 @dataclass(frozen=True)
 class Term:
-    """An objective or a limited expression, with what it counts as over the scenarios.
+    """An objective or a limited expression, with what it counts as over the scenarios."""
 
-    Attributes
-    ----------
-    label
-        As the study has it.
-    expression
-        What is computed.
-    sign
-        An objective times its sign is maximised; a limit's excess is its sign times what is beyond the bound.
-    measure
-        How scenarios count: the risk measure.
-    drawn
-        Whether the scenarios are draws of the distributions rather than the corners of all ranges.
-    bound
-        Limit, NaN for an objective.
-    scale
-        Size of the bound, or of the expression where the bound is zero.
-    unitless
-        Whether the bound was written without the unit that the expression has.
-    along
-        The factors over which a deviation is taken, which have scenarios of their own.
-    """
-
-    label: str
-    expression: Expression
-    sign: float
-    measure: risk.RiskMeasure
-    drawn: bool
-    bound: float = np.nan
-    scale: float = 1.0
-    unitless: bool = False
-    along: tuple[str, ...] = ()
+    label: str  # As the study has it
+    expression: Expression  # What is computed
+    sign: float  # An objective times its sign is maximised; a limit's excess is its sign times what is beyond the bound
+    measure: risk.RiskMeasure  # How scenarios count: the risk measure
+    drawn: bool  # Whether the scenarios are draws of the distributions rather than the corners of all ranges
+    bound: float = np.nan  # Limit, NaN for an objective
+    scale: float = 1.0  # Size of the bound, or of the expression where the bound is zero
+    unitless: bool = False  # Whether the bound was written without the unit that the expression has
+    along: tuple[str, ...] = ()  # The factors over which a deviation is taken, which have scenarios of their own
 
     @property
     def key(self) -> Key:
@@ -123,30 +93,14 @@ class Term:
         return kept
 
     def oriented(self, rows: Array | float, safety: float = 0.0) -> Array:
-        """Rows that are maximised, or those of a limit as relative excess.
-
-        Parameters
-        ----------
-        rows : ndarray of any shape, values in the expression's unit
-        safety : float, margin that is added to the excess
-        """
+        """Rows that are maximised, or those of a limit as relative excess."""
         if not self.limited:
             return np.asarray(self.sign * rows)
         return np.asarray(self.sign * (rows - self.bound) / self.scale + safety)
 
 
 def wanted(objective: Objective, statistic: Statistic, over: Deviation | None = None) -> Term:
-    """The term of an objective.
-
-    Parameters
-    ----------
-    objective
-        What is wanted.
-    statistic
-        How its cases count.
-    over
-        What a deviation is taken over, which counts its worst case.
-    """
+    """The term of an objective."""
     sign = objective.sign
     if over is not None:
         return Term(str(objective), objective.expression, sign, over.measure, drawn=False, along=over.along)
@@ -154,16 +108,7 @@ def wanted(objective: Objective, statistic: Statistic, over: Deviation | None = 
 
 
 def limited(limit: Limit, scale: float, bound: float, over: Deviation | None = None, *, drawn: bool = True) -> Term:
-    """The term of a limit.
-
-    Parameters
-    ----------
-    limit : Limit
-    scale : float, SI, stands for a bound of zero
-    bound : float, SI
-    over : Deviation, what a deviation is taken over; None: it has none
-    drawn : bool, whether there are draws; where nothing is drawn, a probability is that of every case
-    """
+    """The term of a limit."""
     measure: risk.RiskMeasure = risk.WorstCase()
     promised = limit.probability if drawn else None
     if over is not None:

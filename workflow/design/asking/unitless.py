@@ -14,22 +14,7 @@ _PREFIXES = ("p", "n", "u", "m", "k", "M", "G")
 
 
 def notes(what: str, term: Term, values: NDArray[np.float64]) -> list[str]:
-    """A note where the bound of a limit is far beyond all values and holds everywhere; none where it is among them.
-
-    Parameters
-    ----------
-    what
-        Target and limit, to name them.
-    term
-        A limit without a unit.
-    values
-        Its expression all over the ranges.
-
-    Raises
-    ------
-    InputError
-        The bound is far from all values and holds nowhere; names the limit, how it was read and what may be meant.
-    """
+    """A note where the bound of a limit is far beyond all values and holds everywhere; none where it is among them."""
     excess = term.sign * (values - term.bound)
     low, high = float(excess.min()), float(excess.max())
     nearest = term.bound + term.sign * (low if low > 0 else high)

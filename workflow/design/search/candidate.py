@@ -19,33 +19,17 @@ _NOTHING = Optimum(np.empty(0), -np.inf, np.empty(0), False)
 
 @dataclass(frozen=True)
 class Candidate:
-    """The best design of one choice, as far as the search for it has come.
+    """The best design of one choice, as far as the search for it has come."""
 
-    Attributes
-    ----------
-    choice
-        Values of the variables with a list, and names of the categories.
-    asked
-        The question for these, with its sources; no design yet.
-    best
-        The best design.
-    front
-        The Pareto front, where there are several objectives.
-    normalisation
-        Reference and weights of the one objective that stands for them.
-    polish, cases
-        How the best design was polished, and in how many cases that are searched for.
-    passed
-        Better choices by the surrogate, none of whose designs keeps every limit on the exact solver.
-    """
-
-    choice: dict[str, float | str]
-    asked: Designs
-    best: Optimum = _NOTHING
-    front: Front | None = None
-    normalisation: tuple[Array, Array] | None = None
+    choice: dict[str, float | str]  # Values of the variables with a list, and names of the categories
+    asked: Designs  # The question for these, with its sources; no design yet
+    best: Optimum = _NOTHING  # The best design
+    front: Front | None = None  # The Pareto front, where there are several objectives
+    normalisation: tuple[Array, Array] | None = None  # Reference and weights of the one objective that stands for them
+    # How the best design was polished, and in how many cases that are searched for
     polish: str = ""
     cases: int = 0
+    # Better choices by the surrogate, none of whose designs keeps every limit on the exact solver
     passed: "tuple[Candidate, ...]" = ()
 
     @property
@@ -70,10 +54,7 @@ class Candidate:
     def problem(self, source: Source, safety: Array | None = None) -> Problem:
         """The question for the optimiser; several objectives as the compromise that the fronts normalise.
 
-        Parameters
-        ----------
-        source : Source, of the quantities
-        safety : ndarray, shape (limits,), margins that are added to the relative excesses; None: zero
+        safety: (limits,), margins that are added to the relative excesses; None: zero.
         """
         problem = program.problem(self.question, source, safety)
         if self.normalisation is None:
@@ -87,10 +68,7 @@ class Candidate:
     def improved(self, source: Source, safety: Array) -> "Candidate":
         """The best design near this one, with a safety margin to every limit.
 
-        Parameters
-        ----------
-        source : Source, of the quantities
-        safety : ndarray, shape (limits,), relative margins
+        safety: (limits,), relative margins.
         """
         best = self.best
         return replace(self, best=improve(self.problem(source, safety), best.x, self.size(best.objective)))
@@ -98,10 +76,7 @@ class Candidate:
     def retreated(self, source: Source, safety: Array) -> "Candidate":
         """The nearest design behind the limits with their safety margins.
 
-        Parameters
-        ----------
-        source : Source, of the quantities
-        safety : ndarray, shape (limits,), relative margins
+        safety: (limits,), relative margins.
         """
         problem = self.problem(source, safety)
         return replace(self, best=replace(self.best, x=retreat(problem, self.best.x))).counted(source)

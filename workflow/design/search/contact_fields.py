@@ -20,20 +20,7 @@ _X, _Y = np.linspace(-3.0, 3.0, 121), -np.linspace(0.03, 3.0, 61)
 
 
 def fields(study: Study, case: Mapping[str, float]) -> xr.Dataset:
-    """Exact fields of one case of a study.
-
-    Parameters
-    ----------
-    study : Study
-    case : mapping of str to float or str, SI, the factors that the study does not fix
-
-    Returns
-    -------
-    xarray.Dataset
-        ``field_<name>`` over ``position`` for the names of ``SURFACE`` that the case has, ``inside_<name>`` over ``y``,
-        ``x`` for the in-plane and, where the material has c12, von Mises stress. Nothing of what the solver does not
-        give: without c12 inside bodies under a point.
-    """
+    """Exact fields of one case of a study."""
     factors = {**study.fixed, **case}
     surface = factorial.exact(study, dict(case), _POSITIONS.values(), peaks=())
     parts = {f"field_{name}": surface[name].reset_coords(drop=True) for name in SURFACE if name in surface}

@@ -17,13 +17,7 @@ _KEPT = 1e-9  # exact excess that counts as none: the optimiser's own accuracy
 
 
 def trace(asked: Designs, scan: int) -> Front | None:
-    """The front on the surrogate, with the safety margin that its uncertainty asks for; None: not feasible.
-
-    Parameters
-    ----------
-    asked : Designs, the question with its sources
-    scan : int, designs of the scan that precedes every search
-    """
+    """The front on the surrogate, with the safety margin that its uncertainty asks for; None: not feasible."""
     question, predicted = asked.question, asked.predicted
     problem = program.problem(question, predicted, _SAFETY * question.inequality)
     if not question.inputs:
@@ -53,13 +47,7 @@ def normalisation(traced: Sequence[Front]) -> tuple[Array, Array]:
 
 
 def best_of(traced: Front, problem: Problem) -> Optimum:
-    """The design of a front that a scalarised problem rates highest.
-
-    Parameters
-    ----------
-    traced : Front
-    problem : Problem, with one objective of several rows
-    """
+    """The design of a front that a scalarised problem rates highest."""
     objective, excess = problem.value(traced.x)
     best = int(objective.min(1).argmax())
     return Optimum(traced.x[best], float(objective[best].min()), excess[best], True)
@@ -69,17 +57,6 @@ def verified(traced: Designs, share: float = 1.0) -> xr.Dataset:
     """The front of one choice solved again exactly; what breaks a limit is left out.
 
     What is searched for, milliseconds a case, is solved in the scenarios that decide, for fewer designs if need be.
-
-    Parameters
-    ----------
-    traced : Designs, those of the front
-    share : float, how much of what a question can afford is for this choice, up to 1
-
-    Returns
-    -------
-    xarray.Dataset
-        Over ``front``: ``front_exact`` and ``front_predicted`` (with ``objective``), ``front_value`` (with ``factor``:
-        the variables).
     """
     question, (designs, columns) = traced.question, budget.thinned(traced, share)
     wanted, sets = question.objectives, question.searched
@@ -103,20 +80,7 @@ def verified(traced: Designs, share: float = 1.0) -> xr.Dataset:
 
 
 def merged(parts: Mapping[str, xr.Dataset], signs: Array) -> xr.Dataset:
-    """The front of all choices: what no design of any of them dominates, sorted by the first objective.
-
-    Parameters
-    ----------
-    parts
-        What `verified` gives, by the choice in words.
-    signs
-        1 for every objective that is maximised, -1 for every other one.
-
-    Returns
-    -------
-    xarray.Dataset
-        The same over all, with ``front_choice``.
-    """
+    """The front of all choices: what no design of any of them dominates, sorted by the first objective."""
     whole = xr.concat(
         [part.assign(front_choice=("front", [name] * part.sizes["front"])) for name, part in parts.items()], "front"
     )

@@ -16,15 +16,7 @@ _SLICE = 121  # points of a slice
 
 
 def landscape(design: Designs) -> xr.Dataset:
-    """Map and slices of the first objective on the surrogate, through one design.
-
-    Returns
-    -------
-    xarray.Dataset
-        ``map_objective`` and ``map_excess`` (the largest relative excess of all limits) over ``map_x``, ``map_y``, with
-        two continuous variables or more; ``slice_value``, ``slice_objective``, ``slice_excess``, and the least and
-        largest objective over the scenarios, ``slice_low`` and ``slice_high``, over ``slice``, ``step``.
-    """
+    """Map and slices of the first objective on the surrogate, through one design."""
     return xr.merge([_map(design), _slices(design)])
 
 

@@ -50,19 +50,12 @@ def _missed(passed: Candidate) -> str:
 
 @dataclass(frozen=True)
 class _Excess:
-    """Relative excess of every limit at one design.
+    """Relative excess of every limit at one design."""
 
-    Attributes
-    ----------
-    judged, searched
-        Over the many scenarios of the verdict, exactly, and the few of the search, on what polishes; (k,).
-    cases
-        Searched cases that this took.
-    """
-
+    # Over the many scenarios of the verdict, exactly, and the few of the search, on what polishes; (k,)
     judged: Array
     searched: Array
-    cases: int
+    cases: int  # Searched cases that this took
 
     @property
     def kept(self) -> NDArray[np.bool_]:

@@ -58,16 +58,7 @@ def answer(
     model: GaussianProcess,
     tell: Callable[[str], None] = lambda words: None,
 ) -> Answer:
-    """Answer any target on the study's factors; see `solve_target`.
-
-    Parameters
-    ----------
-    study : Study
-    name : str, the target's
-    target : Target
-    model : GaussianProcess, the surrogate
-    tell : callable, takes what is being done, in words
-    """
+    """Answer any target on the study's factors; see `solve_target`."""
     several = len(target.objectives) > 1
     for share in (*_WIDER, np.inf):
         candidates = _candidates(study, name, target, model, tell)
@@ -100,14 +91,7 @@ def answer(
 
 
 def doubted(study: Study, name: str, model: GaussianProcess) -> Place:
-    """The best design of a target on the surrogate: its cases, and how far its goal and limits may be off.
-
-    Parameters
-    ----------
-    study : Study
-    name : str, the target's
-    model : GaussianProcess, the surrogate
-    """
+    """The best design of a target on the surrogate: its cases, and how far its goal and limits may be off."""
     candidates = _candidates(study, name, study.design[name], model, lambda words: None)
     best = max(candidates, key=lambda candidate: _rank(candidate.best))
     told = assessment.predict(best.design, best.question.searched)
@@ -158,13 +142,7 @@ def _costs(
 
 
 def combinations(study: Study, target: Target) -> list[dict[str, float | str]]:
-    """Every combination of the values of variables with a list, and of the names of categories.
-
-    Parameters
-    ----------
-    study : Study
-    target : Target
-    """
+    """Every combination of the values of variables with a list, and of the names of categories."""
     lists: dict[str, Sequence[float | str]] = {
         name: variable.choices for name, variable in target.variables.items() if variable.choices
     }

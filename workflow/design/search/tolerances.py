@@ -26,20 +26,7 @@ def nominal(target: Target) -> Target:
 
 
 def costs(best: Candidate, without: Candidate, asked: Asked) -> Tolerated:
-    """What tolerances cost.
-
-    Parameters
-    ----------
-    best, without
-        The design with all tolerances, and the nominal optimum: the design without any.
-    asked
-        Makes the question of the design's own choice for a target with other tolerances.
-
-    Returns
-    -------
-    Tolerated
-        Costs and gains on the surrogate, the goal of the nominal optimum on the exact solver.
-    """
+    """What tolerances cost."""
     target, design = best.question.target, without.design
     whole = _reached(best, asked(target))
     cost, gain = dict[str, float](), dict[str, float]()
@@ -60,13 +47,7 @@ def _tightened(target: Target, name: str) -> str:
 
 
 def near(best: Candidate, other: Candidate) -> Candidate:
-    """The best design of another question near that of one with the same variables, on the surrogate.
-
-    Parameters
-    ----------
-    best : Candidate, from whose design the search starts
-    other : Candidate, with the other question
-    """
+    """The best design of another question near that of one with the same variables, on the surrogate."""
     physical = best.design.variables
     inputs = other.question.inputs
     start = np.array([float(axis.to_unit(physical[name])[0]) for name, axis in inputs.items()])

@@ -65,13 +65,7 @@ def spread(answer: Answer) -> str:
 
 
 def band(spread: float) -> str:
-    """What the spread of the constants makes of a value, to stand behind it; empty where that is nothing or not known.
-
-    Examples
-    --------
-    >>> band(0.073), band(float("nan"))
-    (' ± 7.3 %', '')
-    """
+    """Spread that uncertain constants give a value, as text behind it; empty where none or unknown."""
     return f" {_percent(spread)}" if spread > _SMALL else ""
 
 

@@ -28,13 +28,7 @@ _NUMBERS = ("predicted", "predicted_std", "exact", "limit", "margin")
 
 
 def as_text(answer: Answer, *, si: bool = False) -> str:
-    """All that an engineer asks of one design, in lines.
-
-    Parameters
-    ----------
-    answer : Answer
-    si : bool, whether numbers are in SI instead of engineering units
-    """
+    """All that an engineer asks of one design, in lines."""
     lines = [answer.goal, *_paragraph(str(verdict(answer)))]
     lines += [f"  {category.category:44s} {category.kind:25s} {category.kind_role}" for category in answer.categories]
     for variable in answer.variables:
@@ -151,15 +145,7 @@ def _rows(answer: Answer) -> list[tuple[Any, ...]]:
 
 
 def outcome(folder: Path, targets: Sequence[str]) -> list[str]:
-    """What a run's targets came to: lines of a table, every design with its verdict; none without targets.
-
-    Parameters
-    ----------
-    folder
-        ``results/<study>``, holding ``design/<target>.nc``.
-    targets
-        Names, in the study's order.
-    """
+    """What a run's targets came to: lines of a table, every design with its verdict; none without targets."""
     if not targets:
         return []
     answers = {name: netcdf.read(folder / "design" / f"{name}.nc") for name in targets}

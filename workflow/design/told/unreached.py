@@ -30,13 +30,7 @@ def leave(studies: Iterable[str]) -> None:
 
 
 def tell(studies: Iterable[str], results: str | Path = RESULTS) -> None:
-    """Print those of some studies' results, once in a process; none of those left to another.
-
-    Parameters
-    ----------
-    studies : iterable of str, names of the studies
-    results : str or path, the folder of all results
-    """
+    """Print those of some studies' results, once in a process; none of those left to another."""
     for study in sorted(set(studies) - _told):
         _told.add(study)
         for line in lines(Path(results) / study / "design.nc"):

@@ -24,37 +24,18 @@ _NOTHING = 1e-3  # least share that a moved end must bring to be told
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a design comes to.
+    """What a design comes to."""
 
-    Attributes
-    ----------
-    kind
-        ``RECOMMENDED``, ``AT_EDGE`` or ``UNREACHABLE``; of a design beyond what its materials bear ``BEYOND`` and
-        what it would be otherwise.
-    stops
-        What stops the design from being better, in words.
-    advice
-        What would make it better, or reachable; empty where nothing is known to.
-    idle
-        Which variables do not matter, and which ends of ranges; empty where all do.
-    tolerance
-        What the tolerances cost, and the nominal optimum; empty where there is none.
-    device
-        Figures of the device, and how far the load may rise; empty where nothing is known of them.
-    beyond
-        What is beyond what the materials bear, with sources; empty where nothing is.
-    sources
-        Where the figures of the materials come from that the limits name.
-    """
-
+    # ``RECOMMENDED``, ``AT_EDGE`` or ``UNREACHABLE``; of a design beyond what its materials bear ``BEYOND`` and what
+    # it would be otherwise
     kind: str
-    stops: str
-    advice: str = ""
-    idle: str = ""
-    tolerance: str = ""
-    device: str = ""
-    beyond: str = ""
-    sources: str = ""
+    stops: str  # What stops the design from being better, in words
+    advice: str = ""  # What would make it better, or reachable; empty where nothing is known to
+    idle: str = ""  # Which variables do not matter, and which ends of ranges; empty where all do
+    tolerance: str = ""  # What the tolerances cost, and the nominal optimum; empty where there is none
+    device: str = ""  # Figures of the device, and how far the load may rise; empty where nothing is known of them
+    beyond: str = ""  # What is beyond what the materials bear, with sources; empty where nothing is
+    sources: str = ""  # Where the figures of the materials come from that the limits name
 
     @property
     def why(self) -> str:
@@ -167,20 +148,7 @@ def _percent(share: float) -> str:
 
 
 def unread(name: str, left: float) -> str:
-    """That a read-out cannot identify a factor, in words; empty where it can.
-
-    Parameters
-    ----------
-    name
-        The factor.
-    left
-        Length of its 95 % intervals over that of the interval before any measurement.
-
-    Examples
-    --------
-    >>> unread("friction", 0.97), unread("load", 0.01)
-    ('friction cannot be told from these measurements: what is left of its range is 97 %', '')
-    """
+    """That a read-out cannot identify a factor, in words; empty where it can."""
     if left < _UNREAD:
         return ""
     return f"{titles.title(name)} cannot be told from these measurements: what is left of its range is {_percent(left)}"

@@ -69,74 +69,44 @@ class Overload:
 
 @dataclass(frozen=True)
 class Tolerated:
-    """What the tolerances cost.
+    """What the tolerances cost."""
 
-    Attributes
-    ----------
-    cost, gain
-        By variable: the share of the goal that is gained without this one tolerance, and by half of it.
-    values
-        Factors of the optimum without tolerances.
-    exact, choice
-        Its exact goal, and its categories.
-    """
-
+    # By variable: the share of the goal that is gained without this one tolerance, and by half of it
     cost: Mapping[str, float]
     gain: Mapping[str, float]
-    values: Scenario
+    values: Scenario  # Factors of the optimum without tolerances
+    # Its exact goal, and its categories
     exact: float
     choice: str
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What is known of the design that answers one target.
+    """What is known of the design that answers one target."""
 
-    Attributes
-    ----------
-    terms
-        The objectives first, then the limits in the study's order.
-    variables
-        Every factor of the factorial.
-    ranges
-        Of every quantity.
-    beyond, exceeded, flags
-        What is beyond what the materials bear, in words with sources, and without, each; that, and what else is to be
-        known.
-    target
-        Name of the target.
-    statistic
-        How uncertain cases count in the objective, in words.
-    polish, source
-        How the design was polished, and how all was computed.
-    figures, overload
-        Of the study's device.
-    constants
-        Those of which the terms have effects.
-    tolerated
-        What the tolerances cost; None where there is none, or where the design is not feasible.
-    categories, choices
-        What was chosen, and the best of every choice.
-    pictures
-        What only pictures need: map, slices, fields of the contact, Pareto front.
-    """
-
-    terms: tuple[Term, ...]
-    variables: tuple[Variable, ...]
-    ranges: tuple[Range, ...] = ()
+    terms: tuple[Term, ...]  # The objectives first, then the limits in the study's order
+    variables: tuple[Variable, ...]  # Every factor of the factorial
+    ranges: tuple[Range, ...] = ()  # Of every quantity
+    # What is beyond what the materials bear, in words with sources, and without, each; that, and what else is to be
+    # known
     beyond: str = ""
     exceeded: tuple[str, ...] = ()
     flags: str = ""
-    target: str = ""
-    statistic: str = ""
+    target: str = ""  # Name of the target
+    statistic: str = ""  # How uncertain cases count in the objective, in words
+    # How the design was polished, and how all was computed
     polish: str = ""
     source: str = ""
+    # Of the study's device
     figures: tuple[Figure, ...] = ()
     overload: Overload | None = None
-    constants: tuple[Constant, ...] = ()
+    constants: tuple[Constant, ...] = ()  # Those of which the terms have effects
+    # What the tolerances cost; None where there is none, or where the design is not feasible
     tolerated: Tolerated | None = None
+    # What was chosen, and the best of every choice
     categories: tuple[Category, ...] = ()
     choices: tuple[Choice, ...] = ()
+    # What only pictures need: map, slices, fields of the contact, Pareto front
     pictures: xr.Dataset = field(default_factory=xr.Dataset, compare=False)
 
     @cached_property

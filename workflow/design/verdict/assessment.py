@@ -45,13 +45,7 @@ class Prediction:
 
 
 def exactly(design: Designs, terms: Sequence[Term]) -> tuple[Array, int]:
-    """What some terms exactly count as at one design in the verdict, and the costly cases that they took.
-
-    Parameters
-    ----------
-    design : Designs, one of them
-    terms : sequence of Term, of its question
-    """
+    """What some terms exactly count as at one design in the verdict, and the costly cases that they took."""
     values, cases = [], 0
     for term in terms:
         if budget.names(design.question, term):
@@ -64,13 +58,7 @@ def exactly(design: Designs, terms: Sequence[Term]) -> tuple[Array, int]:
 
 
 def excesses(design: Designs, source: Source) -> Array:
-    """Relative excess of every limit at one design over the scenarios of the search; (k,).
-
-    Parameters
-    ----------
-    design : Designs, one of them
-    source : Source, of the quantities
-    """
+    """Relative excess of every limit at one design over the scenarios of the search; (k,)."""
     terms, counts = design.question.terms, design.count(source, design.question.searched)[0]
     return np.array([float(t.oriented(value)) for t, value in zip(terms, counts, strict=True) if t.limited])
 
@@ -83,13 +71,7 @@ def doubts(design: Designs) -> Array:
 
 
 def predict(design: Designs, sets: Mapping[Key, Scenarios]) -> Prediction:
-    """Terms on the surrogate, with what may be off carried through expression and risk measure: errors go together.
-
-    Parameters
-    ----------
-    design : Designs, one of them
-    sets : mapping of Key to Scenarios, those of every term
-    """
+    """Terms on the surrogate, with what may be off carried through expression and risk measure: errors go together."""
     values, scenarios = [], []
     errors: list[tuple[float, float]] = []
     for term in design.question.terms:
@@ -210,14 +192,7 @@ def _field_below(design: Designs, corner: Mapping[str, Array]) -> float | None:
 
 
 def allowances(study: Study, source: Predicted, names: Sequence[str]) -> dict[str, float]:
-    """The study's tolerance of some quantities, SI: a share of their range over the box.
-
-    Parameters
-    ----------
-    study : Study
-    source : Predicted, from which the range is read
-    names : sequence of str, the quantities
-    """
+    """The study's tolerance of some quantities, SI: a share of their range over the box."""
     box = sobol_points(_PILOT, len(study.factors))
     levels = {
         axis.name: axis.from_unit(2 * box[:, [column]] - 1).clip(axis.low, axis.high)

@@ -44,13 +44,7 @@ class Bound:
 
 
 def bound(study: Study, limit: Limit) -> tuple[str, str]:
-    """Whose a limit's bound is, in words, and its source; empty where the study gives a number.
-
-    Parameters
-    ----------
-    study : Study
-    limit : Limit, of one of its targets
-    """
+    """Whose a limit's bound is, in words, and its source; empty where the study gives a number."""
     if not limit.allowable:
         return "", ""
     evidence = study.allowable(limit.allowable)
@@ -58,17 +52,7 @@ def bound(study: Study, limit: Limit) -> tuple[str, str]:
 
 
 def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None) -> list[tuple[str, str]]:
-    """What of a design is beyond what its materials bear: each in words with its figure, and the source of that.
-
-    Parameters
-    ----------
-    study
-        With its categories held.
-    corner
-        Quantities of the design, exactly, over the cases that it must stand, (designs, scenarios) each.
-    below
-        The largest field below the middle of the contact [V/m], of a body without a thickness whose inside is solved.
-    """
+    """What of a design is beyond what its materials bear: each in words with its figure, and the source of that."""
     bounds = _bounds(study, corner, below)
     lines = [
         (
@@ -87,15 +71,7 @@ def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None
 
 
 def nearest(study: Study, corner: Mapping[str, Array]) -> Bound | None:
-    """What comes nearest to what its material bears, of a case that is `beyond` nothing; None where that is not known.
-
-    Parameters
-    ----------
-    study
-        With its categories held.
-    corner
-        Quantities of the case, exactly.
-    """
+    """Material limit that a case within all limits comes nearest to; None where no limit is known."""
     return max(_bounds(study, corner, None), key=lambda bounded: bounded.share, default=None)
 
 

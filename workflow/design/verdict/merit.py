@@ -21,15 +21,7 @@ MOST_LOAD = 10.0
 
 
 def over(design: Designs, corner: Mapping[str, Array]) -> tuple[Figure, ...]:
-    """Least and largest value of every figure that the study's device has.
-
-    Parameters
-    ----------
-    design
-        One design.
-    corner
-        Its quantities, exactly, over the scenarios of the verdict or the search, (1, scenarios) each.
-    """
+    """Least and largest value of every figure that the study's device has."""
     question = design.question
     if question.study.device is None:
         return ()
@@ -63,21 +55,7 @@ def _figure(design: Designs, corner: Mapping[str, Array], expression: Expression
 
 
 def first_limit(design: Designs, worst: Sequence[Scenario]) -> Overload | None:
-    """How far the load may rise before a limit stops it, all else as in the case that decides that limit.
-
-    Parameters
-    ----------
-    design
-        One design that keeps its limits.
-    worst
-        The case that decides each term.
-
-    Returns
-    -------
-    Overload or None
-        At most ``MOST_LOAD``. None where the load is no factor, or where no limit is known to stop it and one might
-        that no case alone tells.
-    """
+    """How far the load may rise before a limit stops it, all else as in the case that decides that limit."""
     limits = [
         (term, case)
         for term, case in zip(design.question.terms, worst, strict=True)

@@ -21,15 +21,6 @@ def multipliers(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable
     At an optimum the objective's gradient is a sum of those of the limits that bind and of the ends of the ranges, none
     with a negative weight (Karush, Kuhn and Tucker): the weights, by non-negative least squares on the elasticities.
     Nothing where they do not explain the gradient, as at a kink.
-
-    Parameters
-    ----------
-    answer
-        A design with one objective.
-    binding
-        Limits of it that bind.
-    ends
-        Variables of it that stand at an end of their range.
     """
     known = [variable for variable in answer.variables if np.isfinite(variable.sensitivity.elasticity[0])]
     ends = [variable for variable in ends if variable in known]
@@ -45,12 +36,7 @@ def multipliers(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable
 
 
 def gains(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable]) -> dict[str, float]:
-    """What ends of the ranges, `moved`, would likely bring, relative; of those of which it is known.
-
-    Parameters
-    ----------
-    answer, binding, ends : as of `multipliers`
-    """
+    """What ends of the ranges, `moved`, would likely bring, relative; of those of which it is known."""
     if len(answer.objectives) > 1:  # a compromise of several goals has no one gradient
         return {}
     changes = {end.name: abs(moved(end)) for end in ends}
@@ -58,14 +44,7 @@ def gains(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable]) -> 
 
 
 def lessened(answer: Answer, broken: Term, end: Variable) -> float:
-    """Relative change for the better of a limit's value, were the end moved.
-
-    Parameters
-    ----------
-    answer : Answer
-    broken : Term, its limit that is not kept
-    end : Variable, one of its variables that stands at an end of its range
-    """
+    """Relative change for the better of a limit's value, were the end moved."""
     place = answer.terms.index(broken)
     return float(-broken.statement.sign * np.sign(broken.exact) * end.sensitivity.elasticity[place]) * moved(end)
 

@@ -119,15 +119,7 @@ _OWN = {
 
 
 def dataset(answer: Answer) -> xr.Dataset:
-    """The answer as a data set.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over ``term`` the fields of `answer.Term`, over ``factor`` those of `answer.Variable` and its
-        `answer.Sensitivity`, over both ``elasticity`` and ``worst``; over ``quantity``, ``figure``, ``constant``,
-        ``category`` and ``choice`` what the answer has of each; its pictures as they are.
-    """
+    """The answer as a data set."""
     terms, variables = answer.terms, answer.variables
     names = [variable.name for variable in variables]
     data: dict[str, Any] = {key: ("term", [getattr(term, key) for term in terms]) for key in _TERM}

@@ -20,13 +20,6 @@ def sensitivities(design: Designs, exact: Array) -> dict[str, Sensitivity]:
     """Elasticity of every term, and what a 1 % error costs, for every continuous variable that is not zero.
 
     By differences on what stands for the exact solver.
-
-    Parameters
-    ----------
-    design
-        One design.
-    exact
-        Exact values of all terms at it, (terms,).
     """
     question, source = design.question, budget.affordable(design)
     varied = _varied(design, source)

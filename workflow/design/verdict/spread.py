@@ -20,18 +20,10 @@ from workflow.study.reading import InputError
 
 @dataclass(frozen=True)
 class Spread:
-    """What one standard deviation of each constant makes of each term.
+    """What one standard deviation of each constant makes of each term."""
 
-    Attributes
-    ----------
-    constants
-        Of the materials.
-    effects
-        Relative changes of the terms, (terms, constants).
-    """
-
-    constants: tuple[answer.Constant, ...]
-    effects: Array
+    constants: tuple[answer.Constant, ...]  # Of the materials
+    effects: Array  # Relative changes of the terms, (terms, constants)
 
     @property
     def whole(self) -> Array:
@@ -45,19 +37,6 @@ def over(design: Designs, worst: Sequence[Scenario]) -> Spread:
     Each constant, a family of them as :mod:`workflow.study.uncertainty` scales it, is moved by itself in the case that
     decides a term; the design stays as it is. Constants are independent a priori, so that their effects add as squares.
     What a material bears is not moved.
-
-    Parameters
-    ----------
-    design
-        One design.
-    worst
-        The case that decides each term.
-
-    Returns
-    -------
-    Spread
-        NaN for a term that counts over distributions, is next to zero, or is searched for in a film. No constants where
-        none is uncertain.
     """
     question = design.question
     try:

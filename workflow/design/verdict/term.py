@@ -19,46 +19,25 @@ ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class Term:
-    """What an objective or a limit comes to, all numbers over its unit.
+    """What an objective or a limit comes to, all numbers over its unit."""
 
-    Attributes
-    ----------
-    statement
-        The objective or the limit, as the study states it.
-    predicted, predicted_std, half
-        On the surrogate: value, standard deviation, reach of the 95 % interval (tolerance of the study included).
-    exact
-        On the exact solver.
-    inside
-        Whether the exact value lies inside the interval.
-    limit, margin
-        The bound, and the share of it that is left; NaN for an objective.
-    units
-        In the interface's notation where a quantity has it, in base units otherwise.
-    bound, source
-        Whose the bound is if it names what a material bears, and where that comes from.
-    worst
-        The case that decides.
-    effect
-        Relative change by one standard deviation of each of the answer's constants.
-    spread
-        Root of the sum of the effects' squares; NaN where no one case tells it.
-    """
-
-    statement: Objective | Limit
+    statement: Objective | Limit  # The objective or the limit, as the study states it
+    # On the surrogate: value, standard deviation, reach of the 95 % interval (tolerance of the study included)
     predicted: float
     predicted_std: float
     half: float
-    exact: float
-    inside: bool
+    exact: float  # On the exact solver
+    inside: bool  # Whether the exact value lies inside the interval
+    # The bound, and the share of it that is left; NaN for an objective
     limit: float
     margin: float
-    units: str
+    units: str  # In the interface's notation where a quantity has it, in base units otherwise
+    # Whose the bound is if it names what a material bears, and where that comes from
     bound: str
     source: str
-    worst: Scenario
-    effect: tuple[float, ...] = ()
-    spread: float = np.nan
+    worst: Scenario  # The case that decides
+    effect: tuple[float, ...] = ()  # Relative change by one standard deviation of each of the answer's constants
+    spread: float = np.nan  # Root of the sum of the effects' squares; NaN where no one case tells it
 
     @property
     def name(self) -> str:
@@ -91,13 +70,7 @@ class Term:
         return titles.units(self.statement, self.units)
 
     def shown(self, value: float, digits: int = 3) -> str:
-        """One of its values with the unit.
-
-        Parameters
-        ----------
-        value : float, over the term's unit
-        digits : int, significant ones
-        """
+        """One of its values with the unit."""
         return shown(value, self.shown_units, digits)
 
     @property

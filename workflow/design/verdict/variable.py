@@ -27,13 +27,7 @@ class End(StrEnum):
 
     @classmethod
     def of(cls, *, upper: bool, studied: bool) -> "End":
-        """The end of that side and range.
-
-        Parameters
-        ----------
-        upper : bool, whether it is the upper end
-        studied : bool, whether the range is the study's and not the part that was asked for
-        """
+        """The end of that side and range."""
         if upper:
             return cls.UPPER if studied else cls.UPPER_ASKED
         return cls.LOWER if studied else cls.LOWER_ASKED
@@ -52,54 +46,28 @@ class End(StrEnum):
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """What small errors in building one variable make of a design.
+    """What small errors in building one variable make of a design."""
 
-    Attributes
-    ----------
-    elasticity
-        Relative change of every term for a relative change of the variable; NaN where that is not known.
-    cost, loss
-        What an error of 1 % takes from the first objective: as a share of it (NaN where it is next to zero), and over
-        its unit.
-    matters
-        Whether that error changes any objective.
-    margin_left
-        Least margin of all limits after it.
-    """
-
+    # Relative change of every term for a relative change of the variable; NaN where that is not known
     elasticity: tuple[float, ...]
+    # What an error of 1 % takes from the first objective: as a share of it (NaN where it is next to zero), and over
+    # its unit
     cost: float = np.nan
     loss: float = np.nan
-    matters: bool = True
-    margin_left: float = np.nan
+    matters: bool = True  # Whether that error changes any objective
+    margin_left: float = np.nan  # Least margin of all limits after it
 
 
 @dataclass(frozen=True)
 class Variable:
-    """A factor of the design, chosen or given.
+    """A factor of the design, chosen or given."""
 
-    Attributes
-    ----------
-    name
-        Of the factor.
-    value
-        In SI; of a design variable without its tolerance, else in the case that decides the first objective.
-    role
-        What the factor is in the design.
-    sensitivity
-        What small errors in it make of the design.
-    tolerance
-        How far it may be off as built, as the study writes it; empty where there is no tolerance.
-    edge
-        The end of its range at which it stands, if any.
-    """
-
-    name: str
-    value: float
-    role: Role
-    sensitivity: Sensitivity
-    tolerance: str = ""
-    edge: End | None = None
+    name: str  # Of the factor
+    value: float  # In SI; of a design variable without its tolerance, else in the case that decides the first objective
+    role: Role  # What the factor is in the design
+    sensitivity: Sensitivity  # What small errors in it make of the design
+    tolerance: str = ""  # How far it may be off as built, as the study writes it; empty where there is no tolerance
+    edge: End | None = None  # The end of its range at which it stands, if any
 
     @property
     def chosen(self) -> bool:

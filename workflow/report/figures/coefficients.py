@@ -16,15 +16,7 @@ _FLOOR = 1e-17
 
 @styled
 def figure(validation: xr.Dataset, told: Sequence[str]) -> Figure:
-    """Largest coefficient of every output over its range, along every input of the factorial.
-
-    Parameters
-    ----------
-    validation
-        ``coefficient`` over (output, input, mode), ``kinked`` over (output, input), attribute ``tolerance``.
-    told
-        The outputs that are shown.
-    """
+    """Largest coefficient of every output over its range, along every input of the factorial."""
     validation = validation.sel(output=list(told))
     along = "axis" if "axis" in validation.dims else "input"  # groups take the place of the inputs
     names = [str(name) for name in validation[along].values]

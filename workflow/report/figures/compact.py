@@ -22,13 +22,7 @@ _STEP = re.compile(r"([A-Za-z])([^A-Za-z]*)")
 
 
 def compacted(text: str) -> str:
-    """The same picture: outlines in hundredths of a point, each style once, short ids, nothing that draws nothing.
-
-    Parameters
-    ----------
-    text
-        SVG as matplotlib writes it.
-    """
+    """The same picture: outlines in hundredths of a point, each style once, short ids, nothing that draws nothing."""
     text = _UNTURNED.sub("", _DROPPED_IDS.sub("<g", _IMAGE_IDS.sub("", _DROPPED.sub("", text))))
     while (fewer := _EMPTY.sub("", text)) != text:
         text = fewer

@@ -20,13 +20,6 @@ def below(
     """Fields of one name over ``x`` and ``y``, each on its axes, with one colour bar; its unit's size and its label.
 
     The edges of a conducting punch are singular: the scale leaves out the topmost percent.
-
-    Parameters
-    ----------
-    figure : Figure, to which the colour bar belongs
-    axes : sequence of Axes
-    fields : sequence of DataArray, SI, one for each of the axes
-    where : str, where they are, for the label
     """
     low, high = np.nanquantile([field.values for field in fields], [0.005, 0.99])
     signed = low < -0.02 * high

@@ -18,16 +18,7 @@ _TRANSFORMS = {"raw_pit": "PIT, not calibrated", "pit": "PIT, calibrated"}
 
 @styled
 def figure(validation: xr.Dataset, told: Sequence[str]) -> Figure:
-    """Coverage in the deciles of every input, and the probability integral transform.
-
-    Parameters
-    ----------
-    validation
-        ``validation.nc`` of a calibrated model: ``decile_coverage`` over (output, input, decile), ``pit`` and
-        ``raw_pit`` over (output, case).
-    told
-        The outputs that are shown.
-    """
+    """Coverage in the deciles of every input, and the probability integral transform."""
     validation = validation.sel(output=list(told))
     names = [str(name) for name in validation["input"].values]
     made, axes = panels(len(names) + len(_TRANSFORMS), _COLUMNS, 11, 2.6)

@@ -34,25 +34,13 @@ from workflow.study.target import Target
 
 
 def figures_of(answer: Answer, target: Target) -> dict[str, Figure]:
-    """Those that matplotlib draws, by kind; the contact where the answer has its fields.
-
-    Parameters
-    ----------
-    answer : Answer
-    target : Target, which it answers
-    """
+    """Those that matplotlib draws, by kind; the contact where the answer has its fields."""
     contact = ["contact"] if "position" in answer.pictures.dims else []
     return {kind: draw(kind, answer) for kind in (*design_figures.names(target), *contact) if kind in _DRAWN}
 
 
 def draw(kind: str, answer: Answer) -> Figure:
-    """One figure of an answer of `design.answer`.
-
-    Parameters
-    ----------
-    kind : str, that of the figure
-    answer : Answer
-    """
+    """One figure of an answer of `design.answer`."""
     return _DRAWN[kind](answer)
 
 

@@ -39,11 +39,6 @@ def fields(slabs: Sequence[xr.Dataset], felt: Collection[str]) -> Figure:
 
     The slabs are parts of the whole along its first axis; their number does not change the figure. Fields that the
     study does not feel (``coupling.fields``) are left out.
-
-    Parameters
-    ----------
-    slabs : sequence of Dataset, SI, surface fields over the axes and ``position``
-    felt : collection of str, fields that the study feels
     """
     slabs = [coupling.kept(slab, felt) for slab in slabs]
     first, *others = (str(dim) for dim in slabs[0]["contact_pressure"].dims if dim != "position")
@@ -88,13 +83,7 @@ def _said(value: xr.DataArray, digits: int = 3) -> str:
 
 @styled
 def effect(data: xr.Dataset, felt: Collection[str]) -> Figure:
-    """Effect of one factor on those of the six surface fields of the paper's parametric study that are felt.
-
-    Parameters
-    ----------
-    data : Dataset, SI, surface fields over one factor and ``position``
-    felt : collection of str, fields that the study feels
-    """
+    """Effect of one factor on those of the six surface fields of the paper's parametric study that are felt."""
     data = coupling.kept(data, felt)
     varied = next(str(dim) for dim in data["contact_pressure"].dims if dim != "position")
     return _field_panels(data, varied)

@@ -21,12 +21,7 @@ _maps: "WeakKeyDictionary[Axes, dict[str, Any]]" = WeakKeyDictionary()
 def attach_map(ax: Axes, x: Array, y: Array, values: Array, label: str) -> None:
     """Let a filled contour say its values.
 
-    Parameters
-    ----------
-    ax : Axes, those of the contour
-    x, y : ndarray, shape (n,), (m,), in the axes' units
-    values : ndarray, shape (m, n), in the label's unit
-    label : str, what they are, with the unit
+    x, y: (n,), (m,), in the axes' units; values: (m, n), in the label's unit.
     """
     columns, rows = (_some(size, _GRID) for size in (x.size, y.size))
     _maps[ax] = {

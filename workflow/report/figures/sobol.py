@@ -20,27 +20,13 @@ _BAND = 2  # root-mean-square errors on either side of a main effect
 
 
 def indices(sensitivity: xr.Dataset, told: Sequence[str], aims: Sequence[str]) -> str:
-    """Sobol' indices as tornado charts, of those outputs that a study aims at; see :func:`ranked.sensitivities`.
-
-    Parameters
-    ----------
-    sensitivity : Dataset, as the study's file has it
-    told : sequence of str, outputs that the page tells of
-    aims : sequence of str, those that the study aims at
-    """
+    """Sobol' indices as tornado charts, of those outputs that a study aims at; see :func:`ranked.sensitivities`."""
     return tornado.draw(ranked.sensitivities(sensitivity.sel(output=list(told)), aims))
 
 
 @styled
 def main_effects(sensitivity: xr.Dataset, told: Sequence[str], of_interest: Sequence[str]) -> Figure:
-    """Mean of some outputs given one input, minus the mean over the box, and twice its root-mean-square error.
-
-    Parameters
-    ----------
-    sensitivity : Dataset, as the study's file has it
-    told : sequence of str, outputs that the page tells of
-    of_interest : sequence of str, outputs, of which the first few are drawn
-    """
+    """Mean of some outputs given one input, minus the mean over the box, and twice its root-mean-square error."""
     sensitivity = sensitivity.sel(output=list(told))
     inputs = [str(name) for name in sensitivity["input"].values]
     shown = of_interest[:_SHOWN]

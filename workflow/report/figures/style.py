@@ -70,14 +70,7 @@ _FIELDS = {
 
 
 def field_label(field: xr.DataArray, size: float, where: str = "") -> tuple[float, str]:
-    """What to divide a field by where values of some size are shown, and its label with the unit then.
-
-    Parameters
-    ----------
-    field : DataArray, with its units
-    size : float, of its values, in these units
-    where : str, where it is, for the label
-    """
+    """What to divide a field by where values of some size are shown, and its label with the unit then."""
     scale, units = numbers.prefixed(size, str(field.attrs["units"]), digits=2)
     own = str(field.name)
     name = titles.title(own) if own in TITLES and "position" in field.dims else _FIELDS.get(own, titles.title(own))
@@ -92,15 +85,7 @@ def ticked(value: float, _place: int) -> str:
 def panels(
     count: int, columns: int, width: float, height: float, more: float = 0.0, **options: Any
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with some panels in rows; places of the last row that are left over stay empty.
-
-    Parameters
-    ----------
-    count, columns : int, panels, and places of a row
-    width, height : float, inches: of the figure, and of a row
-    more : float, inches that the figure is higher than its rows
-    **options : as of `matplotlib.pyplot.subplots`
-    """
+    """A figure with some panels in rows; places of the last row that are left over stay empty."""
     rows = -(-count // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(width, height * rows + more), squeeze=False, **options)
     for ax in axes.flat[count:]:
@@ -114,25 +99,12 @@ def by_ratio(values: Array) -> bool:
 
 
 def factor_scale(name: str, values: Array) -> tuple[float, str]:
-    """What to divide a factor by on its axis, and its unit there.
-
-    Parameters
-    ----------
-    name : str, the factor's
-    values : ndarray, SI, those that are drawn
-    """
+    """What to divide a factor by on its axis, and its unit there."""
     return numbers.prefixed(float(np.abs(values).max()), FACTORS[name].units)
 
 
 def logarithmic(ax: Axes, which: str, values: Array) -> None:
-    """Make an axis logarithmic, with plain numbers, as many as have room beside each other.
-
-    Parameters
-    ----------
-    ax : Axes
-    which : {"x", "y"}, the axis
-    values : ndarray, those along it, > 0
-    """
+    """Make an axis logarithmic, with plain numbers, as many as have room beside each other."""
     (ax.set_xscale if which == "x" else ax.set_yscale)("log")
     axis = ax.xaxis if which == "x" else ax.yaxis
     decades = np.log10(values.max() / values.min())
@@ -143,13 +115,7 @@ def logarithmic(ax: Axes, which: str, values: Array) -> None:
 
 
 def save(figure: Figure | str, path: Path) -> None:
-    """Write a figure as SVG, with what a pointer over it can say; whole or not at all.
-
-    Parameters
-    ----------
-    figure : Figure, or str that is SVG already
-    path : Path, the file
-    """
+    """Write a figure as SVG, with what a pointer over it can say; whole or not at all."""
     if isinstance(figure, str):
         write_text(path, figure)
         return

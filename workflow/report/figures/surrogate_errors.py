@@ -17,13 +17,7 @@ _PANELS, _POINTS = 3, 150
 
 @styled
 def residuals(validation: xr.Dataset, told: Sequence[str]) -> Figure:
-    """Errors over range of some outputs along the exact values, on cases never trained on: the largest first.
-
-    Parameters
-    ----------
-    validation : Dataset, as the study's file has it
-    told : sequence of str, outputs that the page tells of
-    """
+    """Errors over range of some outputs along the exact values, on cases never trained on: the largest first."""
     validation = validation.sel(output=list(told))
     names = [str(name) for name in validation.sortby("max_error", ascending=False)["output"].values[:_PANELS]]
     figure, axes = panels(len(names), len(names), 11, 2.1, 0.3)
@@ -46,13 +40,7 @@ def residuals(validation: xr.Dataset, told: Sequence[str]) -> Figure:
 
 @styled
 def errors(validation: xr.Dataset, told: Sequence[str]) -> Figure:
-    """Largest error over range of some outputs, the baseline beside it, against the tolerance.
-
-    Parameters
-    ----------
-    validation : Dataset, as the study's file has it
-    told : sequence of str, outputs that the page tells of
-    """
+    """Largest error over range of some outputs, the baseline beside it, against the tolerance."""
     validation = validation.sel(output=list(told))
     names = [str(name) for name in validation["output"].values]
     y = np.arange(len(names))
