@@ -15,11 +15,11 @@ import solver
 from approximation.arrays import Array
 from benchmarks.timing import least, timed
 from solver.curves import FOLLOWS, REGIONS, described
-from solver.film.contact import FilmContact
-from solver.film.peaks import PeakTable
-from solver.film.stack import RIGID, Layer, Stack
-from solver.film.table import table
 from solver.halfplane.profile import Profile
+from solver.line.contact import FilmContact
+from solver.line.peaks import PeakTable
+from solver.line.table import table
+from solver.stack.layers import RIGID, Layer, Stack
 from surrogate import GridGP, Input
 from surrogate.transforms.curves.basis import Curves, Largest
 from surrogate.transforms.curves.curvegp import CurveGP

@@ -3,15 +3,15 @@
 import numpy as np
 
 import solver
-from solver.film import outputs
-from solver.film.contact import FilmContact
-from solver.film.reflection import sideways
-from solver.film.stack import Layer, Stack
-from solver.film.table import table
 from solver.halfplane.contact import Contact
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
+from solver.line import outputs
+from solver.line.contact import FilmContact
+from solver.line.table import table
+from solver.stack.layers import Layer, Stack
+from solver.stack.reflection import sideways
 
 MIXED = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
 SILICON = solver.find("silicon")

@@ -8,8 +8,6 @@ if TYPE_CHECKING:
     from solver.face.interior import solve_interior
     from solver.face.refusal import CaseError, FactorError
     from solver.face.solution import solve
-    from solver.film.grading import Graded
-    from solver.film.stack import Layer, Stack
     from solver.halfplane.precision import PrecisionWarning
     from solver.halfplane.profile import Profile
     from solver.halfplane.speed import limiting_speed
@@ -17,6 +15,8 @@ if TYPE_CHECKING:
     from solver.material.composite import fibrous, laminate
     from solver.material.constants import Material, MaterialError
     from solver.material.library import find, materials
+    from solver.stack.grading import Graded
+    from solver.stack.layers import Layer, Stack
 
 __all__ = [
     "CaseError",
@@ -43,13 +43,13 @@ __all__ = [
 _MODULES = {
     "CaseError": "face.refusal",
     "FactorError": "face.refusal",
-    "Graded": "film.grading",
-    "Layer": "film.stack",
+    "Graded": "stack.grading",
+    "Layer": "stack.layers",
     "Material": "material.constants",
     "MaterialError": "material.constants",
     "PrecisionWarning": "halfplane.precision",
     "Profile": "halfplane.profile",
-    "Stack": "film.stack",
+    "Stack": "stack.layers",
     "aluminium_scandium_nitride": "material.alloy",
     "fibrous": "material.composite",
     "find": "material.library",

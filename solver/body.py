@@ -10,7 +10,6 @@ from typing import Literal
 
 from solver.described import Contact, Described, Loads
 from solver.fields import FIELDS, POINT_FIELDS
-from solver.film.stack import Stack
 from solver.material.constants import Material
 from solver.material.library import materials
 from solver.names import (
@@ -35,6 +34,7 @@ from solver.names import (
     STRIP_QUANTITIES,
     TABLED,
 )
+from solver.stack.layers import Stack
 
 #: What depths and potentials refer to: a datum, nothing but themselves, or either, as base and interface decide.
 Datum = Literal["relative", "absolute", "by_base"]

@@ -45,7 +45,7 @@ DENSE = (
     "tests/solver/face/test_films.py",
     "tests/solver/face/test_own_base.py",
     "tests/solver/face/test_scans.py",
-    "tests/solver/film/",
+    "tests/solver/line/",
     "tests/solver/halfplane/test_coalescing_roots.py",
     "tests/solver/halfplane/test_conduction.py",
     "tests/solver/halfplane/test_friction_coupling.py",
@@ -62,7 +62,7 @@ DENSE = (
     "tests/solver/point/test_peaks.py",
     "tests/solver/point/test_precise.py",
     "tests/solver/point/test_sliding.py",
-    "tests/solver/surroundings/",
+    "tests/solver/gap/",
     "tests/solver/test_curves.py",
     "tests/surrogate/face/test_persistence.py",
     "tests/surrogate/gp/test_finiterank.py",
@@ -90,9 +90,9 @@ DENSE = (
 
 #: Of those folders, files of moments.
 MOMENTS = (
-    "tests/solver/film/test_stack.py",
-    "tests/solver/surroundings/test_densities.py",
-    "tests/solver/surroundings/test_equilibration.py",
+    "tests/solver/line/test_stack.py",
+    "tests/solver/gap/test_densities.py",
+    "tests/solver/gap/test_equilibration.py",
     "tests/verification/test_oracles.py",
     "tests/workflow/design/test_answer.py",
     "tests/workflow/design/test_counting.py",

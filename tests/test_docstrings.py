@@ -22,7 +22,7 @@ def public_functions() -> Iterator[tuple[str, object]]:
                 if base.__module__.partition(".")[0] in ("solver", "surrogate"):
                     for method, member in vars(base).items():
                         function = getattr(member, "__func__", member)
-                        overridden = getattr(function, "__override__", False)
+                        overridden = getattr(member, "__override__", False) or getattr(function, "__override__", False)
                         if inspect.isfunction(function) and not method.startswith("_") and not overridden:
                             yield f"{base.__name__}.{method}", function
 

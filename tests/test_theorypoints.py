@@ -52,7 +52,7 @@ def test_the_tests_that_the_page_names_exist() -> None:
     for file, name in named:
         places = [
             ROOT / f"tests/{room}{file}"
-            for room in ("", "solver/point/", "solver/face/", "solver/surroundings/", "verification/")
+            for room in ("", "solver/point/", "solver/face/", "solver/gap/", "verification/")
         ]
         assert any(f"def {name}(" in one.read_text(encoding="utf-8") for one in places if one.is_file()), name
 

@@ -7,13 +7,13 @@ import numpy as np
 import xarray as xr
 
 import solver
-from solver.film import outputs
-from solver.film.kernel import kernel
-from solver.film.stack import RIGID, Layer, Stack
-from solver.film.system import System
-from solver.film.table import at
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
+from solver.line import outputs
+from solver.line.kernel import kernel
+from solver.line.system import System
+from solver.line.table import at
+from solver.stack.layers import RIGID, Layer, Stack
 from verification.cases import SIH_SONG, Array, Case, half_length
 from verification.findings import Check, Curve, Findings, Sizes, check, off, off_each
 

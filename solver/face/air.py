@@ -10,10 +10,10 @@ from solver.body import HALF_PLANE_IN_AIR
 from solver.face.film import OnFilm
 from solver.face.filmbodies import Bodies, half_planes
 from solver.face.halfplane import contact_of
-from solver.film.similar import Films
+from solver.gap.fields import body_curves, body_peaks, curves, fields, inside, peaks
+from solver.gap.quantities import quantities
+from solver.line.similar import Films
 from solver.names import PEAKS
-from solver.surroundings.fields import body_curves, body_peaks, curves, fields, inside, peaks
-from solver.surroundings.quantities import quantities
 
 
 class FilmInAir(OnFilm):

@@ -11,10 +11,10 @@ from solver.face.point import SURFACE, OnPoints
 from solver.face.pointfilm import OnPointFilm, with_nominal_field
 from solver.face.refusal import CaseError
 from solver.fields import POINT_NEED_C12
+from solver.gap.pointfields import fields, inside, peaks
+from solver.gap.pointquantities import quantities
 from solver.point.pressed import Pressed
 from solver.point.sliding import warn_of_order
-from solver.surroundings.pointfields import fields, inside, peaks
-from solver.surroundings.pointquantities import quantities
 
 #: Tractions of the surface that charges beside the contact are.
 _CARRIED = ("electric_displacement", "magnetic_induction")

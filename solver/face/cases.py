@@ -20,10 +20,10 @@ from solver.described import Described, Outline
 from solver.face.attributes import attributes, of_output
 from solver.face.filmfactors import kinds_of, present
 from solver.face.refusal import CaseError
-from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
 from solver.names import CHOICES, FACTORS, PROFILES
+from solver.stack.layers import Stack
 from solver.threads import one_thread
 
 _OF_A_KIND = ("profile", "corner")  # one of each at a time; what varies is solved part by part

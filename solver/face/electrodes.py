@@ -11,8 +11,8 @@ from solver.body import KINDS
 from solver.face.cases import Cases
 from solver.face.filmfactors import among, bare, kinds_of, refuse
 from solver.face.refusal import FactorError
-from solver.film.electrodereading import Reading
 from solver.names import CHOICES, FACTORS, OF_AN_ELECTRODE
+from solver.stack.electrodereading import Reading
 
 _NEEDS = {
     "electrode_voltage": "collector", "patch_size": "collector", "patch": "patch_size", "patch_position": "patch_size",

@@ -13,10 +13,10 @@ from solver.face.electrodes import check_electrodes
 from solver.face.filmfactors import among, bare, check_elasticity, check_films, check_gaps, refuse
 from solver.face.refusal import FactorError
 from solver.face.surroundings import settled
-from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
 from solver.names import BODY, CHOICES, COMPOSITES, CONTACTS, FACTORS, MATERIALS, OF_A_FILM, OF_A_LINE, PROFILES
+from solver.stack.layers import Stack
 from solver.units import in_si
 
 _STEEPEST = 1.0  # slope of a cone or wedge beyond which a theory of small slopes says nothing

@@ -13,12 +13,12 @@ from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import CaseError, FactorError
-from solver.film.electrodecharge import electrode_quantities
-from solver.film.interiorfields import interior_fields
-from solver.film.quantities import curves, peaks, quantities
-from solver.film.similar import Films
-from solver.film.surface import fields
-from solver.film.windows import Kind, critical
+from solver.line.electrodecharge import electrode_quantities
+from solver.line.interiorfields import interior_fields
+from solver.line.quantities import curves, peaks, quantities
+from solver.line.similar import Films
+from solver.line.surface import fields
+from solver.line.windows import Kind, critical
 from solver.material.constants import MaterialError
 from solver.names import FILM_PEAKS
 

@@ -10,11 +10,11 @@ from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.materials import base_of, material_of, phases_of
 from solver.face.refusal import FactorError
-from solver.film.powerlaw import Constants, PowerLaw, constants_of
-from solver.film.stack import Stack
-from solver.film.windows import Coat
+from solver.line.powerlaw import Constants, PowerLaw, constants_of
+from solver.line.windows import Coat
 from solver.material.constants import UNITS, Material
 from solver.names import BODY, CHOICES, MIXTURES
+from solver.stack.layers import Stack
 
 _UNGRADED = -1.0
 _HALF_LENGTH = 10**0.25  # of half-planes over the thickness: the middle of a window

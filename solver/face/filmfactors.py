@@ -9,9 +9,9 @@ import xarray as xr
 from solver.arrays import shown
 from solver.body import KINDS, Kind
 from solver.face.refusal import FactorError
-from solver.film.stack import RIGID, Stack
 from solver.material.constants import Material
 from solver.names import AIR, BODY, FACTORS, OF_A_FILM, OF_A_GAP, PROFILES
+from solver.stack.layers import RIGID, Stack
 
 _POINTED = [name for name, outline in PROFILES.items() if outline.contact == "point"]
 _BASE = f"{RIGID!r} or a material's name, or else base_modulus and base_poisson"

@@ -9,9 +9,9 @@ from solver.arrays import Array, column, distinct_rows
 from solver.face.materials import material_of
 from solver.face.point import OnPoints
 from solver.face.punches import punch_of
-from solver.film.powerlaw import material_from
 from solver.halfplane.precision import warn_of_rounding
 from solver.halfplane.surface import HalfPlane
+from solver.line.powerlaw import material_from
 from solver.material.constants import UNITS
 from solver.point.body import HalfSpace
 from solver.point.halfspace import conducted

@@ -10,11 +10,11 @@ from solver.arrays import BoolArray, shown
 from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.refusal import FactorError
-from solver.film.stack import RIGID
 from solver.material.constants import Material, MaterialError, combined
 from solver.material.laws import made
 from solver.material.library import find
 from solver.names import CHOICES, COMPOSITES
+from solver.stack.layers import RIGID
 
 
 def material_of(cases: Cases) -> Material:

@@ -10,9 +10,7 @@ from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.point import OnPoints
 from solver.face.punches import punch_of
-from solver.film.electroded import surface
-from solver.film.stack import Stack
-from solver.film.windows import Kind
+from solver.line.windows import Kind
 from solver.point.body import Film
 from solver.point.electrodes import electrode_quantities
 from solver.point.gradedinside import GradedInside
@@ -21,6 +19,8 @@ from solver.point.pressed import Friction, Pressed
 from solver.point.response import contact_coupling
 from solver.point.rim import Rim
 from solver.point.table import PointKind
+from solver.stack.electroded import surface
+from solver.stack.layers import Stack
 
 
 class OnPointFilm(OnPoints):

@@ -9,8 +9,8 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
-from solver.film.table import LEAST, MOST, LengthsError
-from solver.film.windows import FIRST, LAST, beyond, number_of, searched
+from solver.line.table import LEAST, MOST, LengthsError
+from solver.line.windows import FIRST, LAST, beyond, number_of, searched
 from solver.point.contact import State
 from solver.point.halfspace import Stiffness, halfspace
 from solver.point.profile import Shape

@@ -18,10 +18,7 @@ from scipy.special import j0, j1
 
 from approximation.arrays import Indices
 from solver.arrays import Array, joined
-from solver.film.electrodecharge import Collected, together
-from solver.film.electrodereading import RECTANGLE, RING, STRIP, Reading
-from solver.film.electrodes import Electrode, transfers
-from solver.film.stack import StackError
+from solver.line.electrodecharge import Collected, together
 from solver.point import hankel
 from solver.point.bessel import even_orders
 from solver.point.body import Film
@@ -33,6 +30,9 @@ from solver.point.sliding import Rubbed
 from solver.point.surface import BelowPunch
 from solver.point.table import Window
 from solver.point.tractions import Tractions
+from solver.stack.electrodereading import RECTANGLE, RING, STRIP, Reading
+from solver.stack.electrodes import Electrode, transfers
+from solver.stack.layers import StackError
 
 _PHASE = 8.0  # of a wave over a panel of densities
 _BLOCK = 1_000_000  # values of the Bessel functions held at once

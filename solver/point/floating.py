@@ -18,9 +18,9 @@ from scipy.special import erfc, jv, spherical_jn
 
 from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray
-from solver.film.floating import Patches, stiffness
-from solver.film.stack import Stack, StackError
-from solver.film.wavenumbers import wavenumbers
+from solver.stack.floating import Patches, stiffness
+from solver.stack.layers import Stack, StackError
+from solver.stack.wavenumbers import wavenumbers
 
 _MOST = 2  # discs that float on each side: 25 in all
 _NEAR, _SMALL, _LARGE = 0.25, 0.02, 30.0  # gap over disc; disc over what is beside it

@@ -11,10 +11,10 @@ from typing import ClassVar
 import numpy as np
 
 from solver.arrays import Array
-from solver.film.grading import Graded, staircase
-from solver.film.stack import Stack
 from solver.point.inside import Inside
 from solver.point.tractions import Tractions
+from solver.stack.grading import Graded, staircase
+from solver.stack.layers import Stack
 
 _SUBLAYERS = 24  # and half of them: of second order in their thickness
 

@@ -16,13 +16,13 @@ from functools import lru_cache
 import numpy as np
 
 from solver.arrays import Array, BoolArray
-from solver.film.stack import Stack
 from solver.point.density import Density
 from solver.point.gradedterms import coupled, pieces
 from solver.point.pieces import Pieces
 from solver.point.profile import Shape
 from solver.point.response import Response
 from solver.point.surfacekernel import normal_kernel, shear_kernel
+from solver.stack.layers import Stack
 
 _EDGE = np.ones(1)
 

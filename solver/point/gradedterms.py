@@ -17,11 +17,11 @@ from numpy.polynomial.chebyshev import chebval
 
 from approximation.chebyshev import coefficients, mapped_points
 from solver.arrays import Array, BoolArray
-from solver.film.stack import Stack
 from solver.point.halfspace import conducted
 from solver.point.pieces import Pieces
 from solver.point.profile import Shape
 from solver.point.surfacekernel import PAIRS, normal_kernel
+from solver.stack.layers import Stack
 
 _BETWEEN = 12  # Chebyshev points between two samples of the pressure
 _KEPT = 256  # sets of places

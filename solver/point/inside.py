@@ -11,17 +11,17 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, ComplexArray
-from solver.film.fourier import Medium
-from solver.film.grading import Graded
-from solver.film.reflection import sideways
-from solver.film.stack import Layer, Stack, StackError
-from solver.film.wavenumbers import strip
 from solver.material.constants import Material
 from solver.point import hankel
 from solver.point.shear import Sheared
 from solver.point.tractions import Tractions
 from solver.point.waveblock import Block
 from solver.point.wavefields import ORDERS, parted, rows_of, shear_rows
+from solver.stack.fourier import Medium
+from solver.stack.grading import Graded
+from solver.stack.layers import Layer, Stack, StackError
+from solver.stack.reflection import sideways
+from solver.stack.wavenumbers import strip
 
 _NEAR = 0.05  # of a: the depth above which the half-space's part is closed
 _MOST_PHASE = 8000.0  # and everywhere, where the integrals over k would be longer

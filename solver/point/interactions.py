@@ -9,11 +9,11 @@ flux leaves sideways: psi is then a logarithm far away, and zero at the distance
 import numpy as np
 
 from solver.arrays import Array
-from solver.film.electroded import difference
-from solver.film.reflection import sideways
-from solver.film.stack import Stack, StackError
-from solver.film.wavenumbers import DECAYED, strip, wavenumbers
 from solver.point.bessel import even_orders
+from solver.stack.electroded import difference
+from solver.stack.layers import Stack, StackError
+from solver.stack.reflection import sideways
+from solver.stack.wavenumbers import DECAYED, strip, wavenumbers
 
 _BLOCK = 2_000_000  # values of the Bessel functions held at once
 _SIZES, _ROWS = 2, 36  # groups of radii an octave, and rows of symmetric products at a time

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.arrays import Array
-from solver.film.electrodereading import RECTANGLE, RING, STRIP
+from solver.stack.electrodereading import RECTANGLE, RING, STRIP
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(48)
 _ENDLESS = 1e9  # half the length of a strip over a

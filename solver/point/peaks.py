@@ -14,9 +14,9 @@ from approximation.summit import Top, highest
 from solver.arrays import Array
 from solver.curves import PRINCIPAL, REGIONS, VON_MISES
 from solver.fields import STRESSES
-from solver.film.peaks import PEAKS_OF, largest
-from solver.film.stressnets import DEPTH, Net, Nets, of_whole
-from solver.film.table import RangeError
+from solver.line.peaks import PEAKS_OF, largest
+from solver.line.stressnets import DEPTH, Net, Nets, of_whole
+from solver.line.table import RangeError
 from solver.names import FILM_PEAKS, PEAKS
 from solver.point.gradedinside import GradedInside
 from solver.point.inside import Inside

@@ -6,11 +6,11 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array, BoolArray
-from solver.film.electrodereading import Reading
 from solver.point.body import Film, HalfSpace, Loading
 from solver.point.contact import State
 from solver.point.pressure import SAMPLES, climbed, halfspace_form, halfspace_peak
 from solver.point.table import Window
+from solver.stack.electrodereading import Reading
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,13 +13,13 @@ from functools import lru_cache
 import numpy as np
 
 from solver.arrays import Array
-from solver.film.electroded import difference
-from solver.film.stack import Stack
-from solver.film.wavenumbers import strip, wavenumbers
 from solver.point.bessel import bessel_orders
 from solver.point.rim import Rim
 from solver.point.shear import ShearWaves
 from solver.point.wavefields import ORDERS
+from solver.stack.electroded import difference
+from solver.stack.layers import Stack
+from solver.stack.wavenumbers import strip, wavenumbers
 
 _FAR = 20.0  # distance over the longer of contact radius and thickness beyond which functions of b fall as powers
 _FALLING = 2, 3  # these powers, of cosines and of sines

@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
-from solver.film.stack import Stack
 from solver.material.constants import Material
+from solver.stack.layers import Stack
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,6 @@ import numpy as np
 from approximation.arrays import Indices
 from approximation.chebyshev import coefficients
 from solver.arrays import Array
-from solver.film.electroded import difference, surface
-from solver.film.wavenumbers import strip, wavenumbers
 from solver.point import hankel
 from solver.point.density import Density
 from solver.point.gradedsliding import GradedLayers, odd_shares
@@ -23,6 +21,8 @@ from solver.point.pieces import Pieces
 from solver.point.response import Response, contact_coupling, legendre
 from solver.point.table import PointKind, Window, window
 from solver.point.tractions import Tractions
+from solver.stack.electroded import difference, surface
+from solver.stack.wavenumbers import strip, wavenumbers
 
 _FIRST, _MORE = 24, 12.0  # nodes of a small contact, and what a wide one adds
 _KEPT = 128

@@ -20,11 +20,11 @@ import numpy as np
 from approximation.arrays import Indices
 from approximation.piecewise import Piecewise
 from solver.arrays import Array
-from solver.film.grading import local_sines, local_tails
-from solver.film.kernel import DEGREE, ENTRIES, FINEST, graded_response, growing, octave
-from solver.film.reflection import waves
-from solver.film.stack import Stack
-from solver.film.wavenumbers import graded_strip, strip, tapered
+from solver.line.kernel import DEGREE, ENTRIES, FINEST, graded_response, growing, octave
+from solver.stack.grading import local_sines, local_tails
+from solver.stack.layers import Stack
+from solver.stack.reflection import waves
+from solver.stack.wavenumbers import graded_strip, strip, tapered
 
 #: The pairs, over (x, y, phi, psi).
 PAIRS = ENTRIES[:6]
@@ -40,7 +40,7 @@ class SurfaceKernel:
     """Lambda or Lambda_x over the distance."""
 
     table: Piecewise  # Either, under a graded layer without what is closed of it, of its pairs; (distance, pair)
-    width: float  # b of rho_j, see :func:`solver.film.grading.local_tails`
+    width: float  # b of rho_j, see :func:`solver.stack.grading.local_tails`
     tails: Array | None = None  # Y_j of the pairs under a graded layer; (4, pair)
     odd: bool = False  # Whether it is Lambda_x
 

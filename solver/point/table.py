@@ -13,9 +13,8 @@ import numpy as np
 from approximation.chebyshev import coefficients
 from approximation.piecewise import Interval
 from solver.arrays import Array
-from solver.film.electroded import surface
-from solver.film.table import LEAST, MOST
-from solver.film.windows import Kind
+from solver.line.table import LEAST, MOST
+from solver.line.windows import Kind
 from solver.point.contact import State
 from solver.point.density import Density
 from solver.point.galerkin import Added
@@ -24,6 +23,7 @@ from solver.point.halfspace import Stiffness, conducted, halfspace
 from solver.point.interactions import interactions
 from solver.point.pressure import SAMPLES
 from solver.point.profile import Shape
+from solver.stack.electroded import surface
 
 _A_DECADE = 2  # windows, those of the plane
 _OVERLAP = 1.05  # of a window with its neighbours

@@ -7,10 +7,10 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.film.stack import Stack
-from solver.film.wavenumbers import wavenumbers
 from solver.point import hankel
 from solver.point.density import Density
+from solver.stack.layers import Stack
+from solver.stack.wavenumbers import wavenumbers
 
 #: psi of (sigma_yy, D_y, B_y), the part of cos(angle), at b, of some columns; (column, 3, b).
 Sines = Callable[[Array, Indices], Array]

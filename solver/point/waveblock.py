@@ -8,14 +8,14 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray
-from solver.film.layerwaves import TURN, below, layer_waves, modal
-from solver.film.reflection import LayerWaves, waves
-from solver.film.stack import Stack
 from solver.material.constants import Material
 from solver.point.bessel import bessel_orders
 from solver.point.shear import Sheared, ShearWaves
 from solver.point.tractions import Tractions
 from solver.point.wavefields import ORDERS, parted, shear_rows
+from solver.stack.layers import Stack
+from solver.stack.layerwaves import TURN, below, layer_waves, modal
+from solver.stack.reflection import LayerWaves, waves
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,11 +9,11 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.film.fourier import Medium
-from solver.film.layerwaves import TURN
 from solver.halfplane.interior import LINEAR, field_rows
 from solver.halfplane.potentials import POTENTIALS
 from solver.point.shear import Sheared
+from solver.stack.fourier import Medium
+from solver.stack.layerwaves import TURN
 
 #: Bessel functions J_0 to J_3.
 ORDERS = 4

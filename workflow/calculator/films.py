@@ -13,9 +13,9 @@ import numpy as np
 
 from approximation.chebyshev import coefficients, mapped_points
 from solver.arrays import Array
-from solver.film.powerlaw import constants_of
-from solver.film.windows import Coat, Kind, number_of
 from solver.halfplane.punch import Punch
+from solver.line.powerlaw import constants_of
+from solver.line.windows import Coat, Kind, number_of
 from solver.material.constants import Material
 from solver.material.laws import made
 from solver.material.library import find

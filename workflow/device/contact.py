@@ -14,8 +14,8 @@ from approximation.arrays import Array
 from approximation.chebyshev import coefficients, gauss_points, polynomials, slopes
 from solver import FactorError, Layer, Material, Stack, solve
 from solver.body import Kind, kind_of
-from solver.film.electrodes import Electrode
 from solver.names import BODY
+from solver.stack.electrodes import Electrode
 
 _COUNT = 33  # points in the logarithm of the force: 1e-11 of smooth curves
 _SPAN = 1e4  # from the least force of the curves to the largest

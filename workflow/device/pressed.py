@@ -11,7 +11,7 @@ from solver import Material, Stack, solve
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.materials import material_of
-from solver.film.electrodes import Electrode
+from solver.stack.electrodes import Electrode
 from workflow.device.circuit import Circuit
 from workflow.device.contact import Contact, film, response
 from workflow.device.signal import DROP, Figures, History, read

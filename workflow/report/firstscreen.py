@@ -8,9 +8,9 @@ from typing import Any
 from markupsafe import Markup
 
 from solver import find
-from solver.film.stack import RIGID
 from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, CHOICES, COMPOSITES, FORMULAS, MIXTURES, PROFILES
+from solver.stack.layers import RIGID
 from workflow.design.told import asides
 from workflow.design.told.words import UNREACHABLE, Verdict, verdict
 from workflow.design.verdict.answer import Answer

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from solver import Material, find
-from solver.film.stack import RIGID
 from solver.material.laws import made
 from solver.names import CHOICES, MIXTURES
+from solver.stack.layers import RIGID
 from workflow.language.constants import of_the_base, plain
 
 #: Entries of a layer, or factors, that say what it is made of.

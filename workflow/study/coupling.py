@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 
 from solver import Material, find
-from solver.film.stack import RIGID
 from solver.material.laws import made
 from solver.names import ALL_QUANTITIES, CHOICES, MIXTURES
+from solver.stack.layers import RIGID
 from workflow.study.categories import output
 from workflow.study.contents import Contents
 

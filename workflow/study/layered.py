@@ -8,9 +8,9 @@ import xarray as xr
 from pydantic import Field, model_validator
 
 from solver import Layer, Material, MaterialError, Stack, find
-from solver.film.stack import RIGID
 from solver.material.laws import made
 from solver.names import BODY, COMPOSITES
+from solver.stack.layers import RIGID
 from workflow.language import titles
 from workflow.language.factors import FACTORS, OF_A_LAYER, own_kind
 from workflow.study.types import CompositeName, Number, Strict
@@ -112,7 +112,7 @@ def named(layers: Layers) -> list[str]:
 def tabled(layers: Layers) -> list[str]:
     """Those of them for whose every value the solver makes tables: a thickness that all layers share is none.
 
-    By dimension only the ratios of the thicknesses need tables of their own (`solver.film.similar`).
+    By dimension only the ratios of the thicknesses need tables of their own (`solver.line.similar`).
     """
     shared = {layer.thickness for layer in layers}
     return [name for name in named(layers) if shared != {name}]

@@ -11,7 +11,7 @@ from typing import Any, Self
 from pydantic import ValidationError, model_validator
 
 from solver import Material
-from solver.film.powerlaw import SMOOTH
+from solver.line.powerlaw import SMOOTH
 from workflow.study import defaults, layered
 from workflow.study.consistency import check_quantities
 from workflow.study.contents import Contents

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Material, find
-from solver.film.stack import RIGID
 from solver.material.constants import UNITS, VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.names import MIXTURES
+from solver.stack.layers import RIGID
 from workflow.language.spelling import nearest
 from workflow.study.model import Study
 from workflow.study.reading import InputError

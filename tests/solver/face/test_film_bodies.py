@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import solver
-from solver.film.powerlaw import PowerLaw, constants_of
+from solver.line.powerlaw import PowerLaw, constants_of
 from solver.names import FILM_PEAKS, FILM_QUANTITIES, QUANTITIES
 from tests.solver.cases import assert_alike
-from tests.solver.film.films import BTO, CFO, STEEL
+from tests.solver.line.films import BTO, CFO, STEEL
 
 PUNCH: dict[str, Any] = {"radius": 0.05, "friction": 0.3, "load": 1e5}
 BARE = PUNCH | {"surroundings": "insulated"}

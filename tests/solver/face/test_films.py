@@ -7,10 +7,10 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.film.stack import Layer, Stack
 from solver.names import ALL_PEAKS, EVERY_FILM_QUANTITY, EVERY_QUANTITY, FILM_PEAKS, FILM_QUANTITIES, QUANTITIES
+from solver.stack.layers import Layer, Stack
 from tests.solver.cases import assert_alike
-from tests.solver.film.films import FIBROUS, cylinder
+from tests.solver.line.films import FIBROUS, cylinder
 
 FILM: dict[str, Any] = {
     "material": "BaTiO3",

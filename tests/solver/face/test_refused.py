@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import solver
-from solver.film.stack import Layer, Stack
+from solver.stack.layers import Layer, Stack
 from tests.solver.cases import refused
-from tests.solver.film.films import BTO
+from tests.solver.line.films import BTO
 
 PDMS, PVDF, GLASS, COPPER = (solver.find(name) for name in ("PDMS", "PVDF", "glass", "copper"))
 Case = dict[str, Any]
@@ -209,7 +209,7 @@ REFUSED: dict[str, Case] = {
 }  # fmt: skip
 
 
-#: What needs many tables first; tests/solver/film/test_contact.py refuses two lengths in one, test_body.py the air.
+#: What needs many tables first; tests/solver/line/test_contact.py refuses two lengths in one, test_body.py the air.
 LONG = (
     "contact: contacts of more than one length",
     "surroundings: 'air' is not allowed: the film is graded, whose displacements",

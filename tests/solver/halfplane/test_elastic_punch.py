@@ -13,7 +13,7 @@ from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
 from solver.material.punches import find_punch, punches
-from tests.solver.film.test_contact import PROFILES
+from tests.solver.line.test_contact import PROFILES
 from tests.solver.quadrature import rule
 from verification.oracles.surface_response import surface_response
 

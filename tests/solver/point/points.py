@@ -7,9 +7,9 @@ from numpy.typing import ArrayLike
 
 import solver
 from solver.arrays import Array
-from solver.film.powerlaw import constants_of
-from solver.film.windows import Coat, Kind
 from solver.halfplane.surface import HalfPlane
+from solver.line.powerlaw import constants_of
+from solver.line.windows import Coat, Kind
 from solver.material.constants import Material
 from solver.point.body import Film, HalfSpace
 from solver.point.halfspace import conducted

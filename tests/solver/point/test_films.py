@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from solver.arrays import Array
-from solver.film.powerlaw import constants_of
-from solver.film.reflection import waves
-from solver.film.wavenumbers import strip, wavenumbers
-from solver.film.windows import Coat, Kind
 from solver.halfplane.pressing import ContactError
+from solver.line.powerlaw import constants_of
+from solver.line.windows import Coat, Kind
 from solver.point.profile import Shape
 from solver.point.quantities import quantities
 from solver.point.table import PointKind, Window
-from tests.solver.film.films import ELASTIC
+from solver.stack.reflection import waves
+from solver.stack.wavenumbers import strip, wavenumbers
+from tests.solver.line.films import ELASTIC
 from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, film, of_coats, on_film
 
 BONDED = film(FIBROUS, CFO, electric="bonded")

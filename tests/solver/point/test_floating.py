@@ -9,7 +9,7 @@ from scipy.special import jv, lpmv, spherical_jn
 import solver
 from solver.arrays import Array
 from solver.point.floating import Discs
-from tests.solver.film.test_floating import BETWEEN, COVERED, PERMITTIVITY, PIEZO
+from tests.solver.line.test_floating import BETWEEN, COVERED, PERMITTIVITY, PIEZO
 
 #: Charges of discs of one dielectric between two grounded planes are images, with alternating signs, 2 apart.
 IMAGES = np.arange(1, 41)[:, None]

@@ -13,11 +13,9 @@ from scipy.special import gammainc, spherical_jn, xlogy
 import solver
 from solver.arrays import Array
 from solver.fields import POINT_FIELDS
-from solver.film.grading import local_tails
-from solver.film.kernel import graded_response
-from solver.film.powerlaw import PowerLaw, constants_of
-from solver.film.stack import Layer, Stack
-from solver.film.windows import Coat
+from solver.line.kernel import graded_response
+from solver.line.powerlaw import PowerLaw, constants_of
+from solver.line.windows import Coat
 from solver.point.galerkin import Added
 from solver.point.gradedterms import GradedTerms
 from solver.point.halfspace import halfspace
@@ -27,7 +25,9 @@ from solver.point.profile import Shape
 from solver.point.quantities import quantities
 from solver.point.surface import surface_fields
 from solver.point.surfacekernel import normal_kernel
-from tests.solver.film.test_grading import linear, uncoupled
+from solver.stack.grading import local_tails
+from solver.stack.layers import Layer, Stack
+from tests.solver.line.test_grading import linear, uncoupled
 from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, of_coats, on_film
 
 

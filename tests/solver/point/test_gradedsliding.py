@@ -8,11 +8,8 @@ import pytest
 
 import solver
 from solver.arrays import Array
-from solver.film.electroded import difference, surface
-from solver.film.powerlaw import constants_of
-from solver.film.stack import Stack
-from solver.film.wavenumbers import strip, wavenumbers
-from solver.film.windows import Coat
+from solver.line.powerlaw import constants_of
+from solver.line.windows import Coat
 from solver.point.density import Density
 from solver.point.galerkin import Added
 from solver.point.gradedsliding import GradedLayers, hilbert, odd_rates, odd_shares
@@ -22,7 +19,10 @@ from solver.point.interactions import interactions
 from solver.point.profile import Shape
 from solver.point.response import Response, contact_coupling, legendre
 from solver.point.slidingtable import Layers
-from tests.solver.film.test_grading import linear
+from solver.stack.electroded import difference, surface
+from solver.stack.layers import Stack
+from solver.stack.wavenumbers import strip, wavenumbers
+from tests.solver.line.test_grading import linear
 from tests.solver.point.points import STEEL, of_coats
 from tests.solver.point.test_graded import CONSTANT, GRADED, LINEAR, PLAIN
 

@@ -9,8 +9,8 @@ from scipy.linalg import expm
 from scipy.special import jv
 
 import solver
-from solver.film.fourier import Medium
 from solver.material.constants import Material
+from solver.stack.fourier import Medium
 
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
 NU = 0.3

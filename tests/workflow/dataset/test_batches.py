@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solver.film.windows import window
+from solver.line.windows import window
 from storage.netcdf import read_whole, write_whole
 from surrogate import GridGP
 from tests.studies import edited, fitted, made, refusal

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import solver
-from solver.film.electrodes import Electrode
-from solver.film.stack import Layer, Stack
+from solver.stack.electrodes import Electrode
+from solver.stack.layers import Layer, Stack
 from storage.netcdf import write_whole
 from tests.studies import edited, made, refusal
 from workflow.device import pressed

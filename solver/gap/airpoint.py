@@ -1,0 +1,306 @@
+"""One point contact with air beside it: Newton's iteration on its radius, its place and the densities (points, 6).
+
+Beside the contact D (profile - depth - u_y) (1 + r^2/end^2) = eps0 (phi - V), and the same with B, mu0 and psi. Unknown
+are log a, u0 = (-depth, V, Psi) over C a^e, and the densities at the nodes over their size. Tangents follow from the
+same linear system: the edge moves with them.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.gap.opening import MOST, reopened
+from solver.gap.refusal import GapError, require_open
+from solver.gap.ringoperators import Rows
+from solver.gap.rings import Rings
+from solver.gap.ringtable import RingsByRadius
+from solver.point.profile import Shape
+
+_STEPS = 40
+_CLOSE = 1e-11
+_STALLED = 1e-7  # steps below it that no longer shrink are rounding
+_MOST = 0.3  # of log a in a step
+
+
+@dataclass(frozen=True, eq=False)
+class AirPoint:
+    """A punch with air beside it, in the units of the body; lengths over that of the body."""
+
+    operators: RingsByRadius
+    coefficient: float
+    force: float
+    given: Array
+    held: tuple[bool, ...]
+    media: Array
+    end: float
+    start: float
+    near: Array | None = None
+
+    @property
+    def rows(self) -> Rows:
+        """Places of the outputs."""
+        return self.operators.exact.rows
+
+    @property
+    def rings(self) -> Rings:
+        """Panels beside the contact."""
+        return self.operators.exact.rings
+
+    @property
+    def shape(self) -> Shape:
+        """The punch."""
+        return self.operators.exact.shape
+
+    @cached_property
+    def profile(self) -> Array:
+        """Gap of the profile over C a^e where the surface is flat, which scales the law; (n,)."""
+        return self.shape.rise * self.rings.power(self.shape.exponent)
+
+    @cached_property
+    def state(self) -> "PointState":
+        """The solution."""
+        found = self._solution
+        if found is None:
+            raise GapError("surroundings: no contact with air beside it is found for this force and these charges")
+        found.require_gap()
+        return found
+
+    @property
+    def within(self) -> "PointState | None":
+        """The solution, where there is one and the operators were made for its radius."""
+        found = self._solution
+        return found if found and found.open and self.operators.holds(float(found.unknowns[0])) else None
+
+    @cached_property
+    def _solution(self) -> "PointState | None":
+        found = None if self.near is None else self._sought(PointState(self, self.near))
+        if found is None or not found.open:  # from afar Newton's iteration may come to a gap that is closed
+            found = self._sought(PointState(self, self._first))
+        for _ in range(MOST):
+            if found is None or found.open:
+                break
+            found = self._sought(PointState(self, found.reopened)) or found
+        return found
+
+    def _sought(self, state: "PointState") -> "PointState | None":
+        """What Newton's iteration comes to, its gap open or not; None where it comes to nothing."""
+        last = 0.0
+        for _ in range(_STEPS):
+            step = np.linalg.solve(state.jacobian, state.residual)
+            step /= max(1.0, abs(float(step[0])) / _MOST)
+            size = float(np.max(np.abs(step) / state.sizes))
+            state = PointState(self, state.unknowns - step)
+            # steps shrink like squares: the next one would be about size^3 / last^2
+            if size < _CLOSE or size**3 < _CLOSE * last**2 or (size < _STALLED and size > last / 2):
+                return state
+            last = size
+        return None
+
+    @property
+    def _first(self) -> Array:
+        """Unknowns of the contact without air, with the densities that its potentials make at its gap."""
+        rows = self.rows
+        unknowns = np.zeros(1 + len(rows.channels) + len(rows.fields) * rows.nodes)
+        unknowns[0] = np.log(self.start)
+        for _ in range(2):
+            state = PointState(self, unknowns)
+            # the force stays, and so does the gap: what is left is linear
+            unknowns[1:] -= np.linalg.solve(state.frozen[1:, 1:], state.residual[1:])
+        return unknowns
+
+
+@dataclass(frozen=True, eq=False)
+class PointState:
+    """Residual, tangents and outputs of :class:`AirPoint` at unknowns (log a, u0 over C a^e, densities over size)."""
+
+    of: AirPoint
+    unknowns: Array
+
+    @property
+    def radius(self) -> float:
+        """a."""
+        return float(np.exp(self.unknowns[0]))
+
+    @cached_property
+    def size(self) -> float:
+        """C a^e."""
+        return float(self.of.coefficient * self.radius**self.of.shape.exponent)
+
+    @property
+    def displacement(self) -> Array:
+        """(-depth, V, Psi) over C a^e of the channels; (channel,)."""
+        return self.unknowns[1 : self.of.rows.causes]
+
+    @property
+    def densities(self) -> Array:
+        """D_y and B_y over C a^(e-1) at the nodes; (field, n)."""
+        return self.over_size * self.of.rings.size
+
+    @property
+    def over_size(self) -> Array:
+        """The same over their size; (field, n)."""
+        rows = self.of.rows
+        return self.unknowns[rows.causes :].reshape(len(rows.fields), rows.nodes)
+
+    @property
+    def columns(self) -> Array:
+        """u0, the profile and the densities over their size: what operators answer; (column,)."""
+        first = self.of.rows.causes
+        return np.concatenate([self.unknowns[1:first], [1.0], self.unknowns[first:]])
+
+    @cached_property
+    def _read(self) -> tuple[Array, Array]:
+        return self.of.operators.read(float(self.unknowns[0]))
+
+    @cached_property
+    def outputs(self) -> Array:
+        """Rows of :mod:`solver.gap.ringoperators` up to the pressures; (row,)."""
+        return np.asarray(self._read[0] @ self.columns)
+
+    @cached_property
+    def inside(self) -> Array:
+        """The rows from the pressures on; (row,)."""
+        return np.asarray(self.of.operators.read_inside(float(self.unknowns[0])) @ self.columns)
+
+    @cached_property
+    def _rates(self) -> Array:
+        """Derivatives of the rows in the unknowns; (row, unknown)."""
+        value, rate = self._read
+        first = self.of.rows.causes
+        return np.concatenate([(rate @ self.columns)[:, None], value[:, : first - 1], value[:, first:]], 1)
+
+    def _beside(self, rows: Array) -> tuple[Array, Array]:
+        """u_y and the potentials beside the contact less those at the edge; (n, ...) and (field, n, ...)."""
+        own = self.of.rows
+        part = rows[own.raised : own.pressure.start].reshape(len(own.channels), own.nodes, *rows.shape[1:])
+        return part[0], part[1:]
+
+    @cached_property
+    def gap(self) -> Array:
+        """Gap over C a^e at the nodes; (n,)."""
+        return np.asarray(self.of.profile - self._beside(self.outputs)[0])
+
+    @cached_property
+    def thinned(self) -> Array:
+        """What the end of the punch leaves of the gap's field; (n,)."""
+        return 1 / (1 + (self.of.rings.grid.distance * self.radius / self.of.end) ** 2)
+
+    @cached_property
+    def conductance(self) -> Array:
+        """Density over its size per potential, times the gap over the profile's; (field, n)."""
+        share = self.thinned / (self.of.rings.size * self.of.profile) * self.radius / self.size
+        return np.asarray(self.of.media[:, None] * share)
+
+    @cached_property
+    def residual(self) -> Array:
+        """Zero where it is a contact: force, smooth edge, charges or potentials, and the gap's law at the nodes."""
+        rows, load = self.of.rows, self.size * self.radius
+        force = load * self.outputs[0] / self.of.force + 1
+        closings = [self._closing(place) for place in range(len(rows.fields))]
+        law = self.over_size * self.gap / self.of.profile - self.conductance * self._beside(self.outputs)[1]
+        return np.concatenate([[force, self.outputs[rows.edges][0], *closings], law.ravel()])
+
+    def _closing(self, place: int) -> float:
+        if self.of.held[place]:
+            return float(self.displacement[1 + place] - self.of.given[place] / self.size)
+        return float(self.outputs[1 + place] + self.of.given[place] / (self.size * self.radius))
+
+    @cached_property
+    def jacobian(self) -> Array:
+        """Derivatives of the residual; (unknown, unknown)."""
+        return self._linearised(moved=True)
+
+    @cached_property
+    def frozen(self) -> Array:
+        """The same where the gap does not follow."""
+        return self._linearised(moved=False)
+
+    def _linearised(self, *, moved: bool) -> Array:
+        rows, e, load = self.of.rows, self.of.shape.exponent, self.size * self.radius
+        matrix = np.zeros((self.unknowns.size, self.unknowns.size))
+        matrix[0] = load * self._rates[0] / self.of.force
+        matrix[0, 0] += (e + 1) * load * self.outputs[0] / self.of.force
+        matrix[1] = self._rates[rows.edges][0]
+        potentials = self._beside(self._rates)[1]
+        n, first = rows.nodes, rows.causes
+        for place in range(len(rows.fields)):
+            if self.of.held[place]:
+                matrix[2 + place, 2 + place] = 1.0
+                matrix[2 + place, 0] = e * self.of.given[place] / self.size
+            else:
+                matrix[2 + place] = self._rates[1 + place]
+                matrix[2 + place, 0] -= (e + 1) * self.of.given[place] / load
+            own = slice(first + place * n, first + (place + 1) * n)
+            conductance = self.conductance[place]
+            law = -conductance[:, None] * potentials[place]
+            law[:, 0] -= conductance * (1 - e - 2 * (1 - self.thinned)) * self._beside(self.outputs)[1][place]
+            if moved:
+                law -= (self.over_size[place] / self.of.profile)[:, None] * self._beside(self._rates)[0]
+            law[:, own][np.diag_indices(n)] += self.gap / self.of.profile
+            matrix[own] = law
+        return matrix
+
+    @cached_property
+    def sizes(self) -> Array:
+        """What steps of the unknowns are small against; (unknown,)."""
+        causes = np.maximum(np.abs(self.displacement), 1e-3 * np.max(np.abs(self.displacement)))
+        largest = np.max(np.abs(self.over_size), 1, initial=1e-300)
+        largest = np.maximum(largest, 1e-3 * self.of.force / (self.size * self.radius))
+        return np.concatenate([[1.0], causes, np.repeat(largest, self.of.rows.nodes)])
+
+    @property
+    def open(self) -> bool:
+        """Whether the gap is open all along."""
+        return bool(np.all(self.gap > 0))
+
+    @property
+    def reopened(self) -> Array:
+        """Unknowns with densities that open a gap which is closed next to the edge; (unknown,)."""
+        return np.concatenate([self.unknowns[: self.of.rows.causes], reopened(self.over_size, self.gap).ravel()])
+
+    def require_gap(self) -> None:
+        """Refuse a gap that closes, as :func:`solver.gap.refusal.require_open`."""
+        require_open(self.gap, self.of.profile, self.of.rings.grid.distance, "r/a")
+
+    # -- outputs, in the units of the body -----------------------------------------------------------------------------
+    @property
+    def loads(self) -> Array:
+        """P and the charges of the fields; (channel,)."""
+        return np.asarray(-self.outputs[self.of.rows.loads] * self.size * self.radius)
+
+    @cached_property
+    def flexibility(self) -> Array:
+        """d (-depth, V, Psi) / d (P, T, J) of the channels with the edge moving; (channel, channel)."""
+        matrix, load = self._with_charges_given, self.size * self.radius
+        count = len(self.of.rows.channels)
+        right = np.zeros((self.unknowns.size, count))
+        right[0, 0] = load * self.outputs[0] / self.of.force**2
+        right[2 + np.arange(count - 1), 1 + np.arange(count - 1)] = -1 / load
+        return self._moved(np.asarray(np.linalg.solve(matrix, right)))
+
+    @cached_property
+    def at_fixed_contact(self) -> Array:
+        """d (V, Psi) / d (T, J) at a fixed radius, whose force and gap follow; (field, field)."""
+        matrix, load = np.array(self._with_charges_given), self.size * self.radius
+        matrix[0] = 0.0
+        matrix[0, 0] = 1.0
+        count = len(self.of.rows.fields)
+        right = np.zeros((self.unknowns.size, count))
+        right[2 + np.arange(count), np.arange(count)] = -1 / load
+        return self._moved(np.asarray(np.linalg.solve(matrix, right)))[1:]
+
+    def _moved(self, steps: Array) -> Array:
+        """Of -depth, V and Psi, by steps of the unknowns."""
+        inner = self.of.rows.causes
+        return np.asarray(self.size * (steps[1:inner] + self.of.shape.exponent * self.displacement[:, None] * steps[0]))
+
+    @cached_property
+    def _with_charges_given(self) -> Array:
+        rows = self.of.rows
+        matrix = np.array(self.jacobian)
+        for place in range(len(rows.fields)):
+            matrix[2 + place] = self._rates[1 + place]
+            matrix[2 + place, 0] += (self.of.shape.exponent + 1) * self.outputs[1 + place]
+        return matrix

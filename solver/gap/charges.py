@@ -1,0 +1,152 @@
+"""Charges beside one contact with those that they draw into it: values and transforms (theory section 10).
+
+With X = +-cosh(u) beside the contact, z = cosh(w) above it and C the charge beyond, of the right side
+
+    H = 1/(pi sinh w) int D sinh^2 u / (cosh u - cosh w) du,    F = -(1/pi) int C [sinh w / (cosh u - cosh w) + 1] du,
+
+F' = H, F = 0 at infinity. Intervals next to w have Gauss's rule with its error at the poles +-w made good: it is what
+1/(u -+ w) alone has, times the residue.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss, legint, legval, legvander
+
+from solver.arrays import Array, ComplexArray
+from solver.gap.grid import Grid
+
+_RULE = 10  # nodes of an interval
+_NODES, _WEIGHTS = leggauss(_RULE)
+_TO_SERIES: Array = np.asarray(np.linalg.inv(legvander(_NODES, _RULE - 1)), dtype=np.float64)
+_WIDTH = 0.9  # of the intervals into which the infinite panel is cut
+#: How many they are for fields, to which what lies farther is a charge at infinity, and for potentials: 1e-10 is left.
+NEAR, FAR = 10, 26
+_ELLIPSE = 4.5  # rho^-20 is left: 1e-13
+_TINY = 1e-300  # of the imaginary part: the upper side of the real axis
+_BLOCK = 1 << 20  # points times nodes at a time: bounded memory
+
+
+@dataclass(frozen=True, eq=False)
+class Charges:
+    """D_y and B_y beside a contact."""
+
+    grid: Grid
+    unknowns: Array
+    intervals: int = NEAR
+
+    @cached_property
+    def ends(self) -> Array:
+        """Ends of intervals in u on which densities are smooth; (interval + 1,)."""
+        own = np.array(self.grid.ends)
+        return np.concatenate([own, own[-1] + _WIDTH * np.arange(1, self.intervals + 1)])
+
+    @cached_property
+    def _middles(self) -> Array:
+        return np.asarray((self.ends[1:] + self.ends[:-1]) / 2)
+
+    @cached_property
+    def _halves(self) -> Array:
+        return np.asarray(np.diff(self.ends) / 2)
+
+    @cached_property
+    def _u(self) -> Array:
+        """(interval, node)."""
+        return np.asarray(self._middles[:, None] + self._halves[:, None] * _NODES)
+
+    def densities(self, u: Array) -> Array:
+        """Densities at points u beside the contact; (side, 2, point)."""
+        return np.asarray(self.unknowns @ self.grid.at(u).T * self.grid.size_at(u))
+
+    @cached_property
+    def _lines(self) -> Array:
+        """Charge per u, D sinh u, at the nodes; (side, 2, interval, node)."""
+        return self.densities(self._u.ravel()).reshape(2, 2, *self._u.shape) * np.sinh(self._u)
+
+    @cached_property
+    def _series(self) -> Array:
+        """Legendre coefficients of the charge per u on every interval; (node, side, 2, interval)."""
+        return np.moveaxis(self._lines @ _TO_SERIES.T, -1, 0)
+
+    @cached_property
+    def _beyond(self) -> Array:
+        """The same of the charge beyond u."""
+        within = legint(self._series, lbnd=1, axis=0) * -self._halves
+        whole = np.asarray(legval(-1.0, within))
+        within[0] += np.cumsum(whole[..., ::-1], -1)[..., ::-1] - whole
+        return np.asarray(within)
+
+    @cached_property
+    def _rest(self) -> Array:
+        """Charge beyond all intervals; (side, 2)."""
+        return np.asarray(self.unknowns @ self.grid.totals - np.asarray(legval(-1.0, self._beyond))[..., 0])
+
+    # -- on the surface ------------------------------------------------------------------------------------------------
+    def at(self, X: Array) -> Array:
+        """Densities at X beside the contact; (2, point)."""
+        right, left = self.densities(np.arccosh(np.abs(X)))
+        return np.asarray(np.where(X > 0, right, left))
+
+    def drawn(self, X: Array) -> Array:
+        """Densities that they draw into the contact, at abs(X) < 1; (2, point)."""
+        right, left = self.unknowns @ np.stack([self.grid.induced(X).T, self.grid.induced(-X).T])
+        return np.asarray((right + left) / np.sqrt((1 - X) * (1 + X)))
+
+    def terms(self, count: int) -> Array:
+        """The same as coefficients of T_n / sqrt(1 - X^2), n < count; (2, n)."""
+        right, left = self.unknowns @ self.grid.induced_terms(count).T
+        return np.asarray(right + (-1.0) ** np.arange(count) * left)
+
+    # -- off the surface -----------------------------------------------------------------------------------------------
+    def transforms(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
+        """H of all of them at points z above the surface or on it, or F; (2, point).
+
+        z: (point,), complex, X + iY.
+        """
+        out: ComplexArray = np.empty((2, z.size), np.complex128)
+        step = max(_BLOCK // self._u.size, 1)
+        for start in range(0, z.size, step):
+            some = slice(start, start + step)
+            right = self._of_side(0, z[some], integrated)
+            left = self._of_side(1, -np.conj(z[some]), integrated)
+            out[:, some] = right + (1 if integrated else -1) * np.conj(left)
+        return out
+
+    def _of_side(self, side: int, z: ComplexArray, integrated: bool) -> ComplexArray:
+        root: ComplexArray = np.sqrt(z - 1) * np.sqrt(z + 1)
+        w: ComplexArray = np.log(z + root)
+        w.imag = np.maximum(w.imag, _TINY)
+        series = (self._beyond if integrated else self._series)[:, side]
+        weights = self._halves[:, None] * _WEIGHTS
+        lines = legval(_NODES, series) if integrated else self._lines[side] * np.sinh(self._u)
+        rule = (lines * weights).reshape(2, -1)
+        sums = np.stack(self._summed(rule, z))
+        found: ComplexArray = sums[0] + 1j * sums[1]
+        if integrated:
+            found = found * root
+        self._mend(found, w, series, weights, integrated)
+        if integrated:
+            return np.asarray(-(found + rule.sum(1)[:, None]) / np.pi)
+        return np.asarray((found + self._rest[side, :, None]) / (np.pi * root))
+
+    def _summed(self, rule: Array, z: ComplexArray) -> tuple[Array, Array]:
+        """Real and imaginary part of the sum of rule / (cosh u - z); (2, point) each."""
+        away = 2 * np.sinh(self._u / 2).ravel()[:, None] ** 2 - (z.real - 1)  # a difference of distances to the edge
+        size = away**2 + z.imag**2
+        size[size == 0] = _TINY
+        return rule @ (away / size), (rule @ (1 / size)) * z.imag
+
+    def _mend(self, found: ComplexArray, w: ComplexArray, series: Array, weights: Array, integrated: bool) -> None:
+        """Add what Gauss's rules miss of the poles at u = w and u = -w."""
+        for sign in (1, -1):
+            pole = sign * w
+            local = (pole - self._middles[:, None]) / self._halves[:, None]
+            close = np.abs(local + np.sqrt(local - 1) * np.sqrt(local + 1)) < _ELLIPSE
+            for number in np.flatnonzero(close.any(1)).tolist():
+                here = np.flatnonzero(close[number])
+                at = pole[here]
+                exact = np.log(self.ends[number + 1] - at) - np.log(self.ends[number] - at)
+                ruled = (1 / (self._u[number] - at[:, None])) @ weights[number]
+                residue = legval(local[number, here], series[..., number])
+                found[:, here] += (sign if integrated else 1) * residue * (exact - ruled)

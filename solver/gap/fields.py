@@ -1,0 +1,152 @@
+"""Fields of contacts with air beside them, on the surface and inside, case by case; their peaks and curves."""
+
+from collections.abc import Iterator, Sequence, Set
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from approximation.arrays import Indices
+from approximation.summit import highest
+from solver.arrays import Array
+from solver.curves import PRINCIPAL, REGIONS, VON_MISES
+from solver.fields import FIELDS
+from solver.gap.charges import FAR, NEAR
+from solver.gap.quantities import states
+from solver.gap.state import State
+from solver.gap.surface import surface_fields
+from solver.gap.tractions import AirTractions, Solved
+from solver.halfplane.curves import lines as region_lines
+from solver.halfplane.curves import named
+from solver.halfplane.interior import LINEAR
+from solver.halfplane.potentials import POTENTIALS
+from solver.line import quantities as film
+from solver.line.contact import FilmContact
+from solver.line.interior import Interior, fields_of
+from solver.line.interiorfields import in_blocks
+from solver.line.peaks import PeakTable
+from solver.line.similar import Films
+from solver.line.stressnets import Net, Nets, of_whole
+from solver.names import PEAKS
+
+_EDGES = np.array([1.0, -1.0])
+_BOTTOM, _FAR = 6.0, 400.0  # of h: how deep and how far from the edges a half-plane is searched
+_NOTHING = 1e-12  # of the mean pressure: a tension below it is none
+_CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width
+
+
+def fields(films: Films, permittivity: Array, positions: Array) -> dict[str, Array]:
+    """Surface fields of `solver.fields.FIELDS` at X != +-1, finite; (case, position) each."""
+    out = {name: np.empty((films.load.size, positions.size)) for name in FIELDS}
+    for place, state in states(films, permittivity):
+        found = surface_fields(state, positions)
+        for name, values in out.items():
+            values[place] = found[name][0]
+    return out
+
+
+def inside(films: Films, permittivity: Array, x: Array, y: Array, names: tuple[str, ...]) -> Array:
+    """Fields of ``LINEAR`` and potentials at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x)."""
+    out = np.empty((films.load.size, len(names), y.size, x.size))
+    intervals = FAR if set(POTENTIALS) & set(names) else NEAR
+    for place, state in states(films, permittivity):
+        tractions, datum = Solved(state, _EDGES, intervals).tractions, state.of.contact.datum
+        for rows, columns in in_blocks(x, y):
+            out[place, :, rows, columns] = fields_of(tractions, x[columns], y[rows], names, datum)[0]
+    for number, name in enumerate(names):
+        if name in POTENTIALS:
+            out[:, number] *= films.thickness[:, None, None]
+    return out
+
+
+def peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, Array]:
+    """Quantities of ``solver.names.FILM_PEAKS`` that are asked for and the cases have, as without air; (case,) each."""
+    return film.peaks(films, asked, _tables(films, permittivity))
+
+
+def curves(films: Films, permittivity: Array, regions: Sequence[str]) -> dict[str, Array]:
+    """Sizes of the contacts, and the curves of regions that the cases have, as without air; (case, ...) each."""
+    return film.curves(films, regions, _tables(films, permittivity))
+
+
+def body_peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, Array]:
+    """Quantities of ``solver.names.PEAKS`` that are asked for, of half-planes as films of themselves; (case,) each."""
+    out = {name: np.empty(films.load.size) for name in PEAKS if name in asked}
+    for place, state in states(films, permittivity) if out else ():
+        h = np.array([state.half])
+        net = of_whole(films.kind.stack(), state.half, _BOTTOM, _FAR)
+        tractions = _reaching(state, 1 + _FAR)
+        stresses = Interior(tractions).fields(net.positions(h, net.line), -net.depths(h), LINEAR[:4])[..., 0]
+        shear, pull = (highest(stresses, net.across, measure, _CLOSE) for measure in (VON_MISES, PRINCIPAL))
+        depth = net.depth_at(state.half, shear.down) * h * films.thickness[place]
+        least = _NOTHING * films.load[place] / (2 * state.half * films.thickness[place])
+        found = (shear.value, depth, np.where(pull.value < least, 0.0, pull.value))
+        for name, value in zip(PEAKS, found, strict=True):
+            if name in out:
+                out[name][place] = value[0]
+    return out
+
+
+def body_curves(films: Films, permittivity: Array) -> dict[str, Array]:
+    """Sizes of the contacts and the curves of the region ``body`` of half-planes as films; (case, ...) each."""
+    X, depth = region_lines()
+    found: dict[str, list[Array]] = {}
+    for place, state in states(films, permittivity):
+        half = np.array([state.half]) * films.thickness[place]
+        stresses = Interior(_reaching(state, float(np.max(np.abs(X))))).fields(X[None], -depth[None], LINEAR[:4])
+        panels = REGIONS["body"].panels
+        by_panel = panels.by_panel(stresses[..., 0])
+        below = panels.by_panel(np.broadcast_to(depth[:, None], (depth.size, X.size)))
+        own = {"mean_pressure": films.load[[place]] / (2 * half), "half_length": half} | named(by_panel, half, below)
+        for name, value in own.items():
+            found.setdefault(name, []).append(value)
+    return {name: np.concatenate(values) for name, values in found.items()}
+
+
+def _reaching(state: State, farthest: float) -> AirTractions:
+    """Tractions of a contact for fields up to X of a size."""
+    return replace(Solved(state, _EDGES).tractions, widest=(1 + farthest) * state.half)
+
+
+def _tables(films: Films, permittivity: Array) -> Iterator[tuple[Indices, PeakTable, FilmContact]]:
+    """Cases with the stresses below them, one at a time."""
+    for place, state in states(films, permittivity):
+        half = np.array([state.half])
+        film.require_depth(films.kind, half)
+        table = replace(state.of.contact.table, lower=state.half, upper=state.half)
+        c = state.of.contact
+        extent = Extent(table, c.profile, c.load, c.charges, c.datum, c.punch_datum, half)
+        nets = Nets(films.kind.stack(), state.half, state.half)
+        widest = max(float(np.max(net.positions(half, net.line))) for net in (nets.interface, nets.film)) + 0.5
+        yield np.array([place]), AirPeaks(table, _reaching(state, widest)), extent
+
+
+@dataclass(frozen=True, eq=False)
+class Extent(FilmContact):
+    """A contact of a half-length that is known [m]; (case,)."""
+
+    half: Array | None = None
+
+    @property
+    def half_width(self) -> Array:
+        """h = (a + b)/2 [m]."""
+        assert self.half is not None
+        return self.half
+
+
+@dataclass(frozen=True, eq=False)
+class AirPeaks(PeakTable):
+    """Stresses below one contact, on the nets of its very half-length."""
+
+    tractions: AirTractions
+
+    def _series(self, net: Net, names: tuple[str, ...]) -> Array:
+        """Stresses themselves; (1, stress, depth, x)."""
+        h = self.tractions.half_lengths
+        return Interior(self.tractions).fields(net.positions(h, net.line), -net.depths(h), names)[..., 0]
+
+    def read(self, contact: FilmContact, series: Array, some: slice = slice(None)) -> Array:
+        """The stresses of the one case.
+
+        series: (1, stress, depth, x), Pa.
+        """
+        return series

@@ -1,0 +1,310 @@
+"""Where charges lie beside a contact: panels on both sides, and what the half-plane makes of them (theory section 10).
+
+Beside the contact X = +-cosh(theta). On a side the density is a polynomial in u on each panel, u = theta, and on the
+last one, which ends at infinity, u = exp(-theta) and the density u^2 times a polynomial. The contact of a half-plane
+answers a charge beside it, its own total kept, by charges that leave it an equipotential: the potential relative to it
+is M/pi times
+
+    G = log|sinh((theta + theta')/2) / sinh((theta - theta')/2)|,    log[cosh((theta + theta')/2) / cosh(...)]
+
+on the same side and across, the contact's potential changes by -M/pi times theta', and its charge by the coefficients
+-(1/pi) (2 - delta_n0) exp(-n theta') (+-1)^n of T_n / sqrt(1 - X^2).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
+
+import numpy as np
+
+from approximation.arrays import Indices
+from approximation.chebyshev import gauss_points, interpolation
+from solver.arrays import Array, BoolArray
+from solver.gap.rules import GRADED, Rules, gauss, spans
+
+#: Powers with a logarithm far away: by u_y alone above a ground, and where the potentials grow like log X themselves.
+LEVEL, GROWING = (2,), (0, 1, 2)
+
+#: Ends of the panels in theta next to the edge: charges vary on the scale on which the gap opens.
+_EDGE = (0.0, 0.0006, 0.005, 0.03, 0.12, 0.3, 0.6, 1.0)
+_BEYOND = (1.4, 1.9)  # ends of the next ones
+_WIDTH = 0.9  # of the panels beyond
+CLOSE = float(np.cosh(_EDGE[-1]))  # X at which those next to the edge end
+_NODES = 7  # a panel
+_NEAR = 0.04  # theta up to which what is integrated from the edge is better than a difference from the value there
+_FINE = 24  # of the rules that integrate over a panel
+_RATIO = 0.12  # of pieces towards a singular point
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Panels of one side."""
+
+    ends: tuple[float, ...]
+    logarithms: tuple[int, ...] = LEVEL
+
+    @classmethod
+    def up_to(cls, distance: float, logarithms: tuple[int, ...] = LEVEL) -> "Grid":
+        """Panels whose last finite one ends at X = distance or beyond; one for all that are not much apart."""
+        last = np.arccosh(max(distance, 2.0))
+        count = max(int(np.ceil((last - _BEYOND[-1]) / _WIDTH)), 0)
+        return _grid(count, logarithms)
+
+    @cached_property
+    def _local(self) -> Array:
+        return np.asarray(np.polynomial.legendre.leggauss(_NODES)[0])
+
+    @property
+    def panels(self) -> int:
+        """Number of panels, the last one infinite."""
+        return len(self.ends)
+
+    @cached_property
+    def limits(self) -> Array:
+        """Ends of the panels in u; (panel, 2)."""
+        return np.array([*pairwise(self.ends), (0.0, np.exp(-self.ends[-1]))])
+
+    @cached_property
+    def u(self) -> Array:
+        """Nodes in u; (panel, node)."""
+        return np.asarray(self.limits.mean(1)[:, None] + np.diff(self.limits, axis=1) / 2 * self._local)
+
+    @cached_property
+    def theta(self) -> Array:
+        """Nodes in theta; (n,)."""
+        theta = np.array(self.u)
+        theta[-1] = -np.log(self.u[-1])
+        return theta.ravel()
+
+    @property
+    def distance(self) -> Array:
+        """Nodes |X|; (n,)."""
+        return np.cosh(self.theta)
+
+    @property
+    def count(self) -> int:
+        """Number of nodes."""
+        return self.theta.size
+
+    def size_at(self, theta: Array) -> Array:
+        """Density over the unknown: 1, on the infinite panel u^2; any shape."""
+        return np.where(theta > self.ends[-1], np.exp(-2 * theta), 1.0)
+
+    @cached_property
+    def size(self) -> Array:
+        """The same at the nodes; (n,)."""
+        return self.size_at(self.theta)
+
+    @cached_property
+    def _barycentric(self) -> Array:
+        differences = self._local[:, None] - self._local + np.eye(_NODES)
+        return np.asarray(1 / np.prod(differences, 1))
+
+    @cached_property
+    def _at_infinity(self) -> Array:
+        """From values at the nodes of the last panel to coefficients of its terms; (term, node)."""
+        return np.asarray(np.linalg.inv(self._far_terms(self.u[-1])))
+
+    def _far_terms(self, u: Array) -> Array:
+        """Terms of u^-2 times the density on the last panel: powers, and some with the logarithm; (..., term)."""
+        share = u[..., None] / self.limits[-1, 1]
+        powers = share ** np.arange(_NODES - len(self.logarithms))
+        logs = np.log(np.where(share > 0, share, 1.0)) * share ** np.array(self.logarithms)
+        return np.concatenate([powers, logs], -1)
+
+    def interpolations(self, panels: Indices, u: Array) -> Array:
+        """From values at the nodes of panels (piece,) to those at points u (piece, point); (piece, point, node).
+
+        panels: (piece,); u: (piece, point).
+        """
+        low, high = self.limits[panels].T[..., None]
+        distance = ((2 * u - low - high) / (high - low))[..., None] - self._local
+        share = self._barycentric / np.where(distance == 0, 1e-200, distance)  # at a node it alone counts
+        share /= share.sum(-1, keepdims=True)
+        infinite = panels == self.panels - 1
+        share[infinite] = self._far_terms(u[infinite]) @ self._at_infinity
+        return np.asarray(share)
+
+    def interpolations_at(self, panels: Indices, theta: Array) -> Array:
+        """The same at theta.
+
+        panels: (piece,); theta: (piece, point).
+        """
+        infinite = (panels == self.panels - 1)[:, None]
+        return self.interpolations(panels, np.where(infinite, np.exp(-theta), theta))
+
+    def at(self, theta: Array) -> Array:
+        """From values at all nodes to those at theta; (place, n)."""
+        panels = np.minimum(np.searchsorted(self.ends[1:], theta), self.panels - 1)
+        whole = np.zeros((theta.size, self.panels, _NODES))
+        whole[np.arange(theta.size), panels] = self.interpolations_at(panels, theta[:, None])[:, 0]
+        return whole.reshape(theta.size, self.count)
+
+    def ruled(self, panels: Indices, u: Array, weights: Array) -> tuple[Array, Array]:
+        """Theta at nodes u of rules on pieces of panels, and weights of int D dX by the unknowns of D.
+
+        (piece, point) and (piece, point, node).
+
+        panels: (piece,); u, weights: (piece, point).
+        """
+        infinite = (panels == self.panels - 1)[:, None]
+        charge = weights * np.where(infinite, (1 - u**2) / 2, np.sinh(u))
+        return np.where(infinite, -np.log(u), u), charge[..., None] * self.interpolations(panels, u)
+
+    @cached_property
+    def infinite_ends(self) -> Array:
+        """Ends of the intervals of the infinite panel in u, graded towards the logarithm at its end; rising."""
+        return np.concatenate([[0.0], self.limits[-1, 1] * GRADED[::-1]])
+
+    @cached_property
+    def rules(self) -> Rules:
+        """One rule for every finite panel and for every interval of the infinite one."""
+        last, ends, inner = self.panels - 1, np.array(self.ends), self.infinite_ends
+        start, stop = np.concatenate([ends[:-1], inner[:-1]]), np.concatenate([ends[1:], inner[1:]])
+        panel = np.minimum(np.arange(start.size), last)
+        return Rules(panel, start, stop, *self.ruled(panel, *spans(start, stop)))
+
+    @property
+    def close_panels(self) -> int:
+        """Number of panels next to the edge, up to X = CLOSE."""
+        return len(_EDGE) - 1
+
+    @property
+    def close(self) -> int:
+        """Number of nodes on them."""
+        return self.close_panels * _NODES
+
+    def close_rule(self, count: int) -> tuple[Array, Array]:
+        """Chebyshev points of [1, CLOSE], and weights there of densities next to the edge; (count,), (count, n)."""
+        points = (1 + CLOSE) / 2 + (CLOSE - 1) / 2 * gauss_points(count)
+        u, weights = (
+            values.reshape(self.close_panels, -1)
+            for values in gauss(np.array(self.ends[: self.close_panels + 1]), count + _NODES)
+        )
+        theta, shape = self.ruled(np.arange(self.close_panels), u, weights)
+        values = interpolation(count, ((2 * np.cosh(theta) - 1 - CLOSE) / (CLOSE - 1)).ravel())
+        values = values.reshape(self.close_panels, -1, count)
+        return points, np.einsum("pqc,pqn->cpn", values, shape).reshape(count, -1)
+
+    def rough_at(self, X: Array, strip: float) -> BoolArray:
+        """Where a rule is not good for what has singularities at X +- i strip; (point, interval).
+
+        X: (point,).
+        """
+        theta = np.arccosh(X + 1j * strip)[:, None]
+        infinite = self.rules.panel == self.panels - 1
+        return self.rules.rough(np.where(infinite, np.exp(-theta), theta))
+
+    def slice(self, panel: int) -> slice:
+        """Nodes of a panel among all."""
+        return slice(panel * _NODES, (panel + 1) * _NODES)
+
+    @cached_property
+    def _whole(self) -> list[tuple[Array, Array]]:
+        """Of every panel, theta and weights of a rule that is graded towards the edge and towards infinity."""
+        return [self._ruled(panel, 0.0 if panel == 0 else None)[1:] for panel in range(self.panels)]
+
+    def _ruled(self, panel: int, at: float | None) -> tuple[Array, Array, Array]:
+        """Nodes u, theta and weights as of :meth:`ruled` of one panel, graded towards u = at; (point, ...) each."""
+        low, high = self.limits[panel]
+        ends = [low, high]
+        if panel == self.panels - 1:
+            ends += list(high * _RATIO ** np.arange(1, 10))
+        if at is not None:
+            inner = min(max(at, low), high)
+            for side, far in ((-1.0, inner - low), (1.0, high - inner)):
+                if far > 0:
+                    ends += list(inner + side * far * _RATIO ** np.arange(1, 10))
+            ends.append(inner)
+        u, weights = gauss(np.unique(ends), _FINE)
+        theta, shape = self.ruled(np.array([panel]), u[None], weights[None])
+        return u, theta[0], shape[0]
+
+    def integrated(self, of: Callable[[Array], Array]) -> Array:
+        """Integrals of functions of theta, (..., point), times the density over X; (..., n)."""
+        return np.concatenate([of(theta) @ shape for theta, shape in self._whole], -1)
+
+    def induced_terms(self, count: int) -> Array:
+        """Coefficients of T_n / sqrt(1 - X^2) in the charge within the contact that the density draws; (count, n)."""
+        orders = np.arange(count)[:, None]
+        return self.integrated(lambda theta: np.exp(-orders * theta)) * np.where(orders, 2, 1) / -np.pi
+
+    @cached_property
+    def totals(self) -> Array:
+        """Integral of the density over X; (n,)."""
+        return self.integrated(np.ones_like)
+
+    @cached_property
+    def rises(self) -> Array:
+        """Integral of theta times the density; (n,)."""
+        return self.integrated(lambda theta: theta)
+
+    def induced(self, X: Array) -> Array:
+        """Charge within the contact, times sqrt(1 - X^2), that the density draws; (point, n)."""
+        away = (1 - X)[:, None]
+        # sinh / (cosh - X), without a difference next to the edge
+        return self.integrated(lambda theta: np.sinh(theta) / (2 * np.sinh(theta / 2) ** 2 + away)) / -np.pi
+
+    @cached_property
+    def green(self) -> tuple[Array, Array]:
+        """Integrals of G against the density, at the nodes of the same side and of the other; (n, n) each."""
+        same, across = np.zeros((2, self.count, self.count))
+        for row, theta in enumerate(self.theta):
+            for panel in range(self.panels):
+                low, high = self.limits[panel]
+                infinite = panel == self.panels - 1
+                at = np.exp(-theta) if infinite else theta
+                near = low - (high - low) < at < high + (high - low)
+                u, other, shape = self._ruled(panel, at if near else None)
+                distance = np.log(u / at) if infinite else u - at
+                with np.errstate(divide="ignore"):
+                    beside = np.log(np.abs(np.sinh((theta + other) / 2) / np.sinh(distance / 2)))
+                opposite = np.log(np.cosh((theta + other) / 2) / np.cosh((theta - other) / 2))
+                same[row, self.slice(panel)] = beside @ shape
+                across[row, self.slice(panel)] = opposite @ shape
+        return same, across
+
+    @cached_property
+    def cumulative(self) -> Array:
+        """From f sinh(theta) at the nodes to the integral of f dX from the edge to each; (n, n)."""
+        found, before = np.zeros((self.count, self.count)), np.zeros(self.count)
+        powers = np.arange(_NODES)
+        for panel in range(self.panels):
+            part, (low, high) = self.slice(panel), self.limits[panel]
+            local = (2 * self.u[panel] - low - high) / (high - low)
+            if panel < self.panels - 1:
+                to_series = np.linalg.inv(np.polynomial.legendre.legvander(local, _NODES - 1))
+                integrated = np.polynomial.legendre.legint(np.eye(_NODES), lbnd=-1) * (high - low) / 2
+                found[part] = before
+                found[part, part] += np.polynomial.legendre.legvander(local, _NODES) @ integrated @ to_series
+                before = np.array(before)
+                before[part] += np.polynomial.legendre.legval(1.0, integrated) @ to_series
+            else:  # dX f = (f sinh) d(theta) = -(f sinh) dv / v
+                share = self.u[panel] / high
+                to_series = np.linalg.inv(share[:, None] ** powers)
+                rows = np.concatenate([-np.log(share)[:, None], (1 - share[:, None] ** powers[1:]) / powers[1:]], 1)
+                found[part] = before
+                found[part, part] += rows @ to_series
+        return found
+
+    @property
+    def near(self) -> int:
+        """Number of nodes next to the edge, where the gap is as small as the rounding of a displacement."""
+        return _NODES * int(np.searchsorted(self.ends[1:], _NEAR))
+
+    def from_edge(self, differences: Array, slopes: Array) -> Array:
+        """Displacements less those at the edge: next to it by integration, since a difference would have no digits."""
+        near = slopes.shape[-2]
+        rising = self.cumulative[:near, :near] * np.sinh(self.theta[:near])
+        return np.concatenate([rising @ slopes, differences[..., near:, :]], -2)
+
+    @cached_property
+    def edge(self) -> Array:
+        """The density at the edge; (n,)."""
+        return np.asarray(self.at(np.zeros(1))[0])
+
+
+@lru_cache(32)
+def _grid(count: int, logarithms: tuple[int, ...]) -> Grid:
+    return Grid((*_EDGE, *_BEYOND, *(_BEYOND[-1] + _WIDTH * np.arange(1, count + 1))), logarithms)

@@ -1,0 +1,321 @@
+"""What charges beside a contact do to it and to the surface beside it, at given half-lengths (theory section 10).
+
+Everything is linear in the causes of the contact (:mod:`solver.line.loading`) and in the densities at the nodes of both
+sides: the smooth kernels of a stack make a right side of them for the contact's own system, the half-plane's part is
+closed (:mod:`solver.gap.grid`). Powers of the half-length are taken out; units are those of the stack.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from approximation.chebyshev import gauss_points, interpolation
+from solver.arrays import Array
+from solver.gap.densities import enough, far, sampled
+from solver.gap.grid import CLOSE, Grid
+from solver.gap.rules import gauss
+from solver.line import outputs
+from solver.line.assembly import Assembly, mixing
+from solver.line.basis import Basis
+from solver.line.kernel import Kernel, kernel
+from solver.line.system import SAMPLES, System
+from solver.line.table import batches
+
+_REACH = 8e4  # widths of the strip at which kernels are cut: beyond, they are their logarithm
+_SIGNS = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0])  # of mirror images: gradients of (y, phi, psi) are odd
+_NOTHING = 1e-13  # of the compliance: kernels of a stack that is a half-plane
+#: Rows: load, balance, displacements, edge stresses and pressures over their weight; then those beside the contact.
+LOAD, BALANCE, DISPLACEMENT, EDGE, PRESSURE = 0, 1, slice(2, 5), slice(5, 7), slice(7, 7 + SAMPLES.size)
+FIRST = PRESSURE.stop
+#: Angles of the places X = cos(angle) within the contact at which densities are told: panels, graded to both edges.
+_ENDS = (0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
+WITHIN = 8  # of them a panel
+_HALF = gauss(np.array([*_ENDS, np.pi / 2]), WITHIN)[0]
+ANGLES = np.concatenate([_HALF, np.pi - _HALF])
+_FROM = [outputs.LOAD, outputs.BALANCE, *range(*outputs.DISPLACEMENT.indices(99)),
+         *range(*outputs.EDGE_STRESS.indices(99)), *range(*outputs.PRESSURE.indices(999))]  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Operators:
+    """Operators of one system at any half-length."""
+
+    system: System
+    grid: Grid
+    even: bool
+
+    @property
+    def sides(self) -> int:
+        """Number of sides whose densities are unknowns."""
+        return 1 if self.even else 2
+
+    @property
+    def beside(self) -> int:
+        """Number of nodes whose densities are unknowns."""
+        return self.sides * self.grid.count
+
+    @property
+    def rows(self) -> int:
+        """Number of outputs."""
+        return FIRST + self.beside * (1 + len(self.system.fields)) + ANGLES.size * len(self.system.fields)
+
+    @cached_property
+    def _wide(self) -> Kernel | None:
+        """Kernels as far as charges lie; none of a stack that is a half-plane."""
+        stack, own = self.system.kernel.stack, self.system.kernel
+        if np.max(np.abs(own.positive.series)) < _NOTHING:
+            return None
+        return kernel(stack, float(max(_REACH * own.width, own.reach)), by_distance=True)
+
+    def at(self, half_lengths: Array) -> Array:
+        """Outputs of every cause and density at half-lengths [m]; (half, row, column)."""
+        columns = self.system.causes + len(self.system.fields) * self.beside
+        found = np.empty((half_lengths.size, self.rows, columns))
+        for basis, members in batches(self.system, half_lengths):
+            found[members] = _Assembled(self, basis, half_lengths[members]).outputs
+        return found
+
+    def folded(self, values: Array) -> Array:
+        """Of columns (..., both sides) those of the unknowns."""
+        count = self.grid.count
+        return values[..., :count] + values[..., count:] if self.even else values
+
+
+@dataclass(frozen=True, eq=False)
+class _Assembled:
+    """Operators at half-lengths that share a basis."""
+
+    of: Operators
+    basis: Basis
+    half_lengths: Array
+
+    @property
+    def _fields(self) -> tuple[int, ...]:
+        return self.of.system.fields
+
+    @cached_property
+    def _assembly(self) -> Assembly:
+        return Assembly(self.of.system, self.basis, self.half_lengths)
+
+    @cached_property
+    def _induced(self) -> Array:
+        """Terms T_n / sqrt(1 - X^2) that charges of the right and of the left side induce; (M + 1, 2 n)."""
+        right = self.of.grid.induced_terms(self.basis.terms + 1)
+        return np.concatenate([right, (-1.0) ** np.arange(len(right))[:, None] * right], 1)
+
+    @cached_property
+    def _positions(self) -> Array:
+        """X of the nodes on the right, then on the left, then of both edges; (2 n + 2,)."""
+        X = self.of.grid.distance
+        return np.concatenate([X, -X, [1.0, -1.0]])
+
+    @property
+    def outputs(self) -> Array:
+        """(half, row, column)."""
+        of, system, grid = self.of, self.of.system, self.of.grid
+        starts, count = system.starts(self.basis), 2 * grid.count
+        direct = [self._direct(number) for number in range(self.half_lengths.size)]
+        gradients = np.stack([part[0] for part in direct])
+        for place, f in enumerate(self._fields):
+            part = slice(place * count, (place + 1) * count)
+            own = slice(starts[f], starts[f] + self.basis.terms + 1)
+            gradients[..., part] += self._assembly.at_nodes[..., own] @ self._induced
+        sources = np.concatenate(
+            [of.folded(gradients[..., p * count : (p + 1) * count]) for p in range(len(self._fields))], -1
+        )
+        unknowns = system.solve(self.basis, self._assembly.at_nodes, sources=sources)
+        functionals = outputs.functionals(self._assembly)[:, _FROM]
+        contact = functionals @ unknowns
+        beside = self._beside(unknowns)
+        first = system.causes
+        for number, (_, displacement, edge, outside) in enumerate(direct):
+            for place, f in enumerate(self._fields):
+                columns = slice(first + place * of.beside, first + (place + 1) * of.beside)
+                part = slice(place * count, (place + 1) * count)
+                contact[number, DISPLACEMENT, columns] += of.folded(self._mean(number, f, displacement[:, part]))
+                contact[number, EDGE, columns] += of.folded(self._edge(number, f, edge[:, part]))
+                beside[number, :, :, columns] += of.folded(self._outside(number, f, outside[..., part]))
+        shape = (self.half_lengths.size, -1, contact.shape[-1])
+        return np.concatenate([contact, beside.reshape(shape), self._within(unknowns).reshape(shape)], 1)
+
+    def _within(self, unknowns: Array) -> Array:
+        """D_y and B_y of the conducted fields at ``ANGLES``; (half, field, angle, column)."""
+        system, basis, of = self.of.system, self.basis, self.of
+        X, sine = np.cos(ANGLES), np.sin(ANGLES)
+        normal = basis.weight(X)[:, None] * basis.pressure_factor(X)
+        series = np.cos(ANGLES[:, None] * np.arange(basis.terms + 1)) / sine[:, None]
+        induced = np.concatenate([of.grid.induced(X), of.grid.induced(-X)], 1) / sine[:, None]
+        found = []
+        for place, (f, start) in enumerate(system.starts(basis).items()):
+            own = series @ unknowns[:, start : start + basis.terms + 1]
+            own += system.coefficients.follower[f] * normal @ unknowns[:, : basis.pressures]
+            first = system.causes + place * of.beside
+            own[..., first : first + of.beside] += of.folded(induced)
+            found.append(own)
+        return np.stack(found, 1)
+
+    # -- densities -----------------------------------------------------------------------------------------------------
+    def _direct(self, number: int) -> tuple[Array, Array, Array, Array]:
+        """What the kernels make of the densities of each field, both sides; c columns, the fields times both sides.
+
+        Gradients at the contact's nodes (3, M, c), mean displacements (3, c), du_x/dx at the edges (2, c),
+        displacements beside the contact less those at its edge (3, 2 n, c).
+        """
+        grid, nodes, count = self.of.grid, self.basis.nodes, self.of.grid.count
+        size, h, wide = len(self._fields), float(self.half_lengths[number]), self.of._wide
+        if wide is None:
+            zero = np.zeros((3, 2 * count, 2 * count * size))
+            return zero[:, : nodes.size], zero[:, 0], zero[0, :2], zero
+        points, read = self._about(number)
+        about, beyond = sampled(wide, grid, self._fields, h, points)
+        about = about.reshape(-1, size, 7, count)
+        if read is None:
+            near, mirrored = np.split(about, 2)
+        else:
+            near, mirrored = np.tensordot(read, about, 1), np.tensordot(read[:, ::-1], about, 1)
+        near = np.concatenate([near, _SIGNS[:, None] * mirrored], -1)  # (target, field, 7, 2 n)
+        beyond = beyond.reshape(2, -1, size, 3, count)
+        moved = self._sides(near[..., 4:, :], np.concatenate([beyond, beyond[::-1]], -1))
+        inside, edges = near[-nodes.size :], near[2 * grid.close : 2 * grid.close + 2]
+        slopes = h * near[self._near_among, :, :3]
+        return (
+            h * _flat(inside[:, :, :3]),
+            _flat(np.tensordot(self.basis.mean, inside[:, :, 4:], 1)[None])[:, 0],
+            h * edges[:, :, 3].reshape(2, -1),
+            self._from_edge(_flat(moved), _flat(slopes)),
+        )
+
+    def _about(self, number: int) -> tuple[tuple[float, ...], Array | None]:
+        """Points about the contact between which the kernels have all digits, and what takes values there to places.
+
+        Places are the nodes next to the right and the left edge, the edges and the contact's nodes. Where the contact
+        is narrow, points are a few of Chebyshev's; where it is wide, they are the places, then their mirror images.
+        """
+        wide, X = self.of._wide, self.of.grid.distance[: self.of.grid.close]
+        assert wide is not None
+        places = np.concatenate([X, -X, [1.0, -1.0], self.basis.nodes])
+        count = enough(wide.smoothness / float(self.half_lengths[number]), 2 * CLOSE)
+        if count < places.size:
+            return tuple((CLOSE * gauss_points(count)).tolist()), interpolation(count, places / CLOSE)
+        return (*places.tolist(), *(-places).tolist()), None
+
+    def _sides(self, near: Array, beyond: Array) -> Array:
+        """Displacements at all nodes less those at their edges, of places about the contact and (side, node, ...)."""
+        close = self.of.grid.close
+        sides = [
+            np.concatenate([near[side * close : (side + 1) * close], beyond[side]]) - near[2 * close + side]
+            for side in (0, 1)
+        ]
+        return np.concatenate(sides)
+
+    @property
+    def _near_among(self) -> NDArray[np.intp]:
+        """The nodes next to the edges among those of ``_about``."""
+        near = np.arange(self.of.grid.near)
+        return np.concatenate([near, self.of.grid.close + near])
+
+    def _mean(self, number: int, f: int, smooth: Array) -> Array:
+        """Displacements of the contact by densities of a field; (3, 2 n)."""
+        c = self.of.system.coefficients
+        start = self.of.system.starts(self.basis)[f]
+        rises = np.tile(self.of.grid.rises, 2)
+        own = self._assembly.displacements[number][:, start : start + self.basis.terms + 1] @ self._induced
+        return np.asarray(smooth + own - c.compliance[:, 1 + f, None] / np.pi * rises)
+
+    def _edge(self, number: int, f: int, smooth: Array) -> Array:
+        """sigma_xx just outside the edges by densities of a field; (2, 2 n)."""
+        system = self.of.system
+        c, half, scale = system.coefficients, system.sliding.halfplane, system.kernel.stack.scale
+        start, count = system.starts(self.basis)[f], self.of.grid.count
+        strain = smooth + self._assembly.gradients[number][3][:, start : start + self.basis.terms + 1] @ self._induced
+        here = np.zeros((2, 2 * count))
+        here[0, :count] = here[1, count:] = self.of.grid.edge
+        strain = strain - c.coupling[1 + f] * here
+        share = half.in_plane_share[1 + f] * scale[1] / scale[2 + f]
+        return np.asarray(float(half.in_plane_stiffness) * scale[0] ** 2 * strain + share * here)
+
+    # -- beside the contact --------------------------------------------------------------------------------------------
+    def _beside(self, unknowns: Array) -> Array:
+        """u_y and the potentials of the fields, less those at the edge, per column; (half, 1 + field, n, column)."""
+        beside = self.of.beside
+        rows = self._local + self._from_contact[:, [0, *(1 + f for f in self._fields)], :beside]
+        return np.asarray((rows.reshape(rows.shape[0], -1, rows.shape[-1]) @ unknowns).reshape(*rows.shape[:3], -1))
+
+    @cached_property
+    def _local(self) -> Array:
+        """The same of every unknown, by the half-plane alone; (1 + field, n, unknown)."""
+        system, basis, of = self.of.system, self.basis, self.of
+        c, count = system.coefficients, of.grid.count
+        X = self._positions[: of.beside]
+        signed = np.sinh(np.tile(of.grid.theta, of.sides)) * np.sign(X)
+        pressed = (basis.transforms(X)[0] * signed[:, None]).reshape(of.sides, count, -1)
+        orders, theta = np.arange(basis.terms + 1), of.grid.theta[:, None]
+        with np.errstate(invalid="ignore"):
+            charged = np.where(orders, np.expm1(-orders * theta) / np.maximum(orders, 1), -theta)
+        fields = np.array(self._fields, dtype=int)
+        M = c.compliance[np.ix_(1 + fields, 1 + fields)]
+        found = np.zeros((1 + fields.size, of.beside, system.unknowns(basis)))
+        normal = (of.grid.cumulative @ pressed).reshape(of.beside, -1)
+        found[1:, :, : basis.pressures] = (c.lam / c.kap * (M @ c.friction_screening[fields]))[:, None, None] * normal
+        carried = np.concatenate([charged, (-1.0) ** orders * charged])[: of.beside]
+        for place, start in enumerate(system.starts(basis).values()):
+            found[1:, :, start : start + basis.terms + 1] = M[:, place, None, None] * carried
+        found[0] = np.tensordot(c.screening[fields], found[1:], 1)
+        found[0, :, : basis.pressures] += c.lam * normal
+        return found
+
+    @cached_property
+    def _from_contact(self) -> Array:
+        """(u_y, phi, psi) / h less those at the edge of every unknown, by the kernels; (half, 3, 2 n, unknown)."""
+        of, grid, wide = self.of, self.of.grid, self.of._wide
+        found = np.zeros((self.half_lengths.size, 3, 2 * grid.count, of.system.unknowns(self.basis)))
+        if wide is None:
+            return found
+        beyond = grid.distance[grid.close :]
+        beyond = np.concatenate([beyond, -beyond])
+        sources = self._assembly.sources()
+        for alike in (sources[:1], sources[1:]):  # the charges of all fields lie at the same nodes
+            nodes, rule = alike[0][1], alike[0][2]
+            mix = np.stack(
+                [mixing(of.system.coefficients.friction, source[3])[:, [0, 1, 2, 4, 5, 6]] for source in alike], 1
+            )
+            for number, h in enumerate(self.half_lengths.tolist()):
+                points, read = self._about(number)
+                targets = np.array(points) if read is not None else np.array(points[: len(points) // 2])
+                about = far(wide, h * (targets[:, None] - nodes), mix.reshape(19, -1))
+                near = np.tensordot(about if read is None else np.tensordot(read, about, 1), rule, (1, 0))
+                near = near.reshape(-1, len(alike), 6, rule.shape[1])
+                outer = far(wide, h * (beyond[:, None] - nodes), mix[..., 3:].reshape(19, -1))
+                outer = np.tensordot(outer, rule, (1, 0)).reshape(2, -1, len(alike), 3, rule.shape[1])
+                moved = np.moveaxis(self._sides(near[:, :, 3:], outer), 0, 2)
+                slopes = h * np.moveaxis(near[self._near_among, :, :3], 0, 2)
+                for (columns, *_), raised in zip(alike, self._from_edge(moved, slopes), strict=True):
+                    found[number, ..., columns] = raised
+        return found
+
+    def _from_edge(self, differences: Array, slopes: Array) -> Array:
+        """Displacements less those at the edges, of both sides, from du/dX at ``_near``; (..., 2 n, c)."""
+        grid = self.of.grid
+        right, left = slopes[..., : grid.near, :], -slopes[..., grid.near :, :]
+        sides = (differences[..., : grid.count, :], right), (differences[..., grid.count :, :], left)
+        return np.concatenate([grid.from_edge(*side) for side in sides], -2)
+
+    def _outside(self, number: int, f: int, smooth: Array) -> Array:
+        """u_y and the potentials beside the contact by densities of a field; (1 + field, n, 2 n)."""
+        system, of = self.of.system, self.of
+        c, start = system.coefficients, system.starts(self.basis)[f]
+        same, across = of.grid.green
+        green = np.block([[same, across], [across, same]]) / np.pi
+        fields = np.array(self._fields, dtype=int)
+        own = c.compliance[1 + fields, 1 + f][:, None, None] * green
+        induced = self._from_contact[number][..., start : start + self.basis.terms + 1] @ self._induced
+        whole = smooth + induced
+        raised = np.einsum("f,fnc->nc", c.screening[fields], own) + whole[0]
+        return np.concatenate([raised[None], own + whole[1 + fields]])[:, : of.beside]
+
+
+def _flat(values: Array) -> Array:
+    """(target, field, channel, n) as (channel, target, field n)."""
+    return np.moveaxis(values, 2, 0).reshape(values.shape[2], values.shape[0], -1)

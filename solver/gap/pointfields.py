@@ -1,0 +1,71 @@
+"""Fields of point contacts with air beside them, on the surface and inside, case by case; their peaks (points, 7)."""
+
+from collections.abc import Iterator, Set
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.gap.pointquantities import solved
+from solver.gap.pointtractions import AirPointTractions, SolvedPoint
+from solver.gap.slidingpoint import SlidingPoint
+from solver.halfplane.potentials import POTENTIALS
+from solver.halfplane.pressing import ContactError
+from solver.point.inside import Inside
+from solver.point.peaks import peaks_of
+from solver.point.pressed import Pressed
+from solver.point.pressure import finite
+
+_FIELDS = ("contact_pressure", "electric_displacement", "magnetic_induction")
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """One case: what lies on its surface, its units, its contact radius and the unit of its body's lengths [m]."""
+
+    on: SolvedPoint
+    slid: SlidingPoint | None
+    units: Array
+    radius: float
+    length: float
+
+    @property
+    def tractions(self) -> AirPointTractions:
+        """On the whole surface, in the units of the body."""
+        return (self.slid or self.on).tractions(self.radius / self.length)
+
+
+def fields(pressed: Pressed, permittivity: Array, end: Array, positions: Array) -> dict[str, Array]:
+    """Tractions of ``solver.fields.POINT_FIELDS`` on the surface and beside the contact, SI; (case, position) each."""
+    if not finite(pressed.body.shape) and np.any(positions == 0):
+        raise ContactError(
+            f"positions: the pressure of r^{pressed.body.shape.exponent:g} is infinite at 0; leave 0 out"
+        )
+    found = np.stack([of.on.at(positions) / of.units[:, None] for _, of in _cases(pressed, permittivity, end)])
+    found[:, 0] = 0.0 - found[:, 0]
+    return {name: found[:, number] for number, name in enumerate(_FIELDS)}
+
+
+def inside(
+    pressed: Pressed, permittivity: Array, end: Array, body: Inside, x: Array, y: Array, names: tuple[str, ...]
+) -> Array:
+    """Fields of ``solver.halfplane.interior.LINEAR`` and potentials, SI, NaN in a rigid base; (case, field, y, x)."""
+    out = np.empty((pressed.force.size, len(names), y.size, x.size))
+    potentials = [number for number, name in enumerate(names) if name in POTENTIALS]
+    for place, of in _cases(pressed, permittivity, end):
+        out[place] = body.fields(of.tractions, x, y, names)[0]
+        out[place, potentials] *= of.length
+    return out
+
+
+def peaks(pressed: Pressed, permittivity: Array, end: Array, body: Inside, asked: Set[str]) -> dict[str, Array]:
+    """Quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and the cases have; (case,) each."""
+    found = [peaks_of(body, of.tractions, np.array([of.radius]), asked) for _, of in _cases(pressed, permittivity, end)]
+    return {name: np.concatenate([case[name] for case in found]) for name in found[0]}
+
+
+def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[int, _Found]]:
+    for case, state, operators in solved(pressed, permittivity, end):
+        radius = state.radius * case.length
+        length = case.length if case.layered else radius
+        yield case.place, _Found(SolvedPoint(state, operators), case.slid(state), case.units, radius, length)

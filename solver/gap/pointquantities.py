@@ -1,0 +1,207 @@
+"""Every quantity of point contacts with air beside them by its name (points, 6)."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.gap.airpoint import AirPoint, PointState
+from solver.gap.largest import peak_of_panels
+from solver.gap.pointtractions import SolvedPoint
+from solver.gap.refusal import lacking_at_point, require
+from solver.gap.ringoperators import WITHIN, RingOperators
+from solver.gap.rings import rings
+from solver.gap.ringtable import RingsByRadius, RingsOnHalfSpace
+from solver.gap.ringwindows import RingWindows
+from solver.gap.slidingpoint import SlidingPoint
+from solver.gap.slidingquantities import largest_beside, largest_within, trailing_tension, warn_of_charges
+from solver.line.windows import FIRST, LAST
+from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
+from solver.point.body import Film, HalfSpace
+from solver.point.pressed import Contact, Pressed
+from solver.point.pressure import SAMPLES, climbed, finite
+from solver.point.profile import Shape
+from solver.point.quantities import RESPONSES
+from solver.point.rim import Rim
+from solver.point.surfacekernel import shear_kernel
+
+_MATERIALS = 64
+_REACH = "reach"  # among the quantities of a case: of the gap's field
+
+
+@lru_cache(_MATERIALS)
+def _on_half_space(compliance: tuple[float, ...], fields: tuple[int, ...], shape: Shape) -> RingsOnHalfSpace:
+    return RingsOnHalfSpace(RingOperators(rings(), fields, np.reshape(compliance, (3, 3)), shape))
+
+
+def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | None = None) -> dict[str, Array]:
+    """Quantities of ``solver.names``, those of a point without air and those that only a gap has; (case,) each.
+
+    Edge intensities are absent: those of fields that the air carries do not exist. With friction to the first order.
+    """
+    ratio = pressed.charged.radius / pressed.length
+    # those of like radius share tables
+    by_radius = sorted(_cases(pressed, permittivity, end), key=lambda pair: float(ratio[pair[0].place]))
+    cases = [_of_case(case, contacts, rim) for case, contacts in by_radius]
+    warn_of_charges(max(case.pop(_REACH, 0.0) for case in cases))
+    names = [name for name in cases[0] if all(name in case for case in cases)]
+    back = np.argsort([case.place for case, _ in by_radius])
+    return {name: np.array([case[name] for case in cases])[back] for name in names}
+
+
+def solved(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple["Case", PointState, RingOperators]]:
+    """Every case with its solution and the operators that it was found with; arguments and refusals as above."""
+    for case, contacts in _cases(pressed, permittivity, end):
+        state = case.charged(contacts)
+        yield case, state, case.operators(state.radius).exact
+
+
+class Case:
+    """One case of a body: its units, and its contacts under any charges or potentials."""
+
+    def __init__(
+        self, pressed: Pressed, windows: RingWindows | None, place: int, fields: tuple[int, ...],
+        permittivity: float, end: float,
+    ) -> None:  # fmt: skip
+        body = pressed.body
+        self.body, self.fields, self._pressed, self.place = body, fields, pressed, place
+        self._windows = windows
+        self.units = pressed.units[place]
+        self.layered = isinstance(body, Film)
+        self.length = float(body.thickness[place]) if isinstance(body, Film) else 1.0
+        e = body.shape.exponent
+        self._coefficient = float(pressed.coefficient[place] / self.units[0] * self.length ** (e - 1))
+        self._force = float(pressed.force[place] * self.units[0] / self.length**2)
+        vacuum = np.array([VACUUM_PERMITTIVITY * permittivity, VACUUM_PERMEABILITY])
+        self.permittivity = vacuum
+        self._media = (vacuum * self.units[1:] ** 2 / self.units[0])[list(fields)]
+        self._end = end / self.length
+
+    @property
+    def own(self) -> Array:
+        """Units of the charges of the fields [C, Wb]; (field,)."""
+        return np.asarray(self.length**2 / self.units[[1 + f for f in self.fields]])
+
+    def charged(self, contacts: dict[str, Contact]) -> PointState:
+        """With its own charges."""
+        start = contacts["charged"]
+        return self.state(start.pressed.charges[self.place], False, float(start.radius[self.place]))
+
+    def slid(self, state: PointState) -> SlidingPoint | None:
+        """What friction makes of a solution; None where nothing is said of friction."""
+        friction = self._pressed.friction
+        if friction is None:
+            return None
+        layers = shear_kernel(self.body.kind.film.stack()) if isinstance(self.body, Film) else None
+        on = SolvedPoint(state, self.operators(state.radius).exact)
+        return SlidingPoint(on, float(friction.coefficient[self.place]), friction.coupling[self.place], layers)
+
+    def state(self, charges: Array, held: bool, start: float, near: PointState | None = None) -> PointState:
+        """With charges [C, Wb], or with all potentials at zero, from a radius [m] or from another state on.
+
+        charges: (2,), C and Wb.
+        """
+        given = np.zeros(len(self.fields)) if held else charges[list(self.fields)] / self.own
+        at, begin = (start / self.length, None) if near is None else (near.radius, near.unknowns)
+        problem = AirPoint(self.operators(at), self._coefficient, self._force, given, (held,) * len(self.fields),
+                         self._media, self._end, at, begin)  # fmt: skip
+        if found := problem.within:
+            return found
+        for _ in range(LAST - FIRST):
+            problem = replace(problem, operators=self.operators(at, wide=True), start=at, near=begin)
+            state = problem.state
+            if problem.operators.holds(np.log(state.radius)):
+                break
+            at, begin = state.radius, state.unknowns
+        return state
+
+    def operators(self, ratio: float, *, wide: bool = False) -> RingsByRadius:
+        """What the body answers about a radius, and more widely."""
+        if self._windows is not None:
+            return self._windows.wide(ratio) if wide else self._windows.narrow(ratio)
+        assert isinstance(self.body, HalfSpace)
+        return _on_half_space(tuple(self.body.compliance[self.place].ravel().tolist()), self.fields, self.body.shape)
+
+
+def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[Case, dict[str, Contact]]]:
+    conducts, body, windows = np.broadcast_to(pressed.conducts, (pressed.force.size, 2)), pressed.body, None
+    require(lacking_at_point(body, conducts))
+    contacts = {"charged": pressed.charged, "uncharged": pressed.uncharged, "grounded": pressed.grounded}
+    if isinstance(body, Film):
+        radii = np.concatenate([contact.radius / body.thickness for contact in contacts.values()])
+        windows = RingWindows.of(body.kind, radii)
+    for place in range(pressed.force.size):
+        fields = tuple(np.flatnonzero(conducts[place]).tolist())
+        yield Case(pressed, windows, place, fields, float(permittivity[place]), float(end[place])), contacts
+
+
+def _of_case(case: Case, contacts: dict[str, Contact], rim: Rim | None) -> dict[str, float]:
+    place, nothing = case.place, np.zeros(2)
+    charges = contacts["charged"].pressed.charges[place]
+    state = case.charged(contacts)
+    idle = state if not np.any(charges) else case.state(nothing, False, float(contacts["uncharged"].radius[place]))
+    short = case.state(nothing, True, float(contacts["grounded"].radius[place]), idle)
+    tangent = _tangent(case, state.flexibility)
+    free, size = state.flexibility, state.size / state.radius
+    out = {
+        "contact_radius": case.length * state.radius,
+        "depth": -float(state.displacement[0] * state.size) * case.length * float(case.units[0]),
+        "contact_stiffness": float(tangent[0, 0]),
+        "contact_stiffness_open": -case.length / float(free[0, 0] * case.units[0] ** 2),
+    }
+    bounded, slid = finite(state.of.shape), case.slid(state)
+    if bounded:
+        out["peak_pressure"] = largest_within(slid, None, _peak_pressure(state)) * size / float(case.units[0])
+    if slid is not None:
+        out |= {"contact_offset": slid.shift * out["contact_radius"], _REACH: slid.reach}
+        if rim is not None:
+            out["trailing_tension"] = trailing_tension(slid, rim.part(case.place), case.body, case.units)
+    fixed = np.linalg.inv(state.at_fixed_contact)
+    for row, field in enumerate(case.fields):
+        j, unit = 1 + row, float(case.units[1 + field])
+        capacity = tangent[j, j] - tangent[j, 0] * tangent[0, j] / tangent[0, 0]
+        values = (
+            float(state.displacement[j] * state.size) * case.length * unit,
+            float(idle.flexibility[j, 0] * unit * case.units[0]) / case.length,
+            float(short.loads[j] / short.loads[0] * case.units[0] / unit),
+            float(tangent[0, j] / tangent[0, 0]),
+            -float(tangent[0, j]),
+            float(fixed[row, row]) * case.length / unit**2,
+        )
+        out |= dict(zip(RESPONSES[field], values, strict=True))
+        if field == 0:
+            density, gap = size / unit, largest_beside(state, slid, row, gap=True)
+            out |= {
+                "contact_capacitance_at_force": -float(capacity),
+                "gap_field": gap * density / float(case.permittivity[0]),
+            }
+            if bounded:
+                within = largest_within(slid, field, _peak_within(state, row))
+                out["peak_displacement"] = max(within, largest_beside(state, slid, row, gap=False)) * density
+    return out
+
+
+def _tangent(case: Case, flexibility: Array) -> Array:
+    """-d (P, T, J) / d (-depth, V, Psi) of the channels, SI."""
+    units = case.units[[0, *(1 + f for f in case.fields)]]
+    return np.asarray(-np.linalg.inv(flexibility) * case.length / (units[:, None] * units))
+
+
+def _peak_pressure(state: PointState) -> float:
+    """Largest pressure over C a^(e-1)."""
+    samples = state.inside[: SAMPLES.size]
+    both, values = np.concatenate([-SAMPLES[::-1], SAMPLES]), np.concatenate([-samples[::-1], samples])
+    series = np.polynomial.chebyshev.chebfit(both, values, 2 * SAMPLES.size - 1)
+    best = int(np.argmax(samples))
+    if best == SAMPLES.size - 1:
+        return float(samples[best])
+    low, high = SAMPLES[[max(best - 1, 0), best + 1], None]
+    return float(climbed(lambda x: np.asarray(np.polynomial.chebyshev.chebval(x, series)), low, high)[0])
+
+
+def _peak_within(state: PointState, row: int) -> float:
+    first, count = SAMPLES.size, (state.inside.size - SAMPLES.size) // len(state.of.rows.fields)
+    own = state.inside[first + row * count : first + (row + 1) * count]
+    return max(peak_of_panels(own[:-1].reshape(-1, WITHIN)), abs(float(own[-1])))

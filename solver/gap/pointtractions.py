@@ -1,0 +1,188 @@
+"""Tractions of a point contact with air beside it: those below the punch and the rings beside it (points, 6, 7).
+
+Below the punch the density in b is that of a contact without air, its strength what the rings leave at the edge; beside
+it, b > 1, it is (2/pi) S of the rings (:mod:`solver.gap.rings`).
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+
+from approximation.arrays import Indices
+from solver.arrays import Array, BoolArray
+from solver.gap.airpoint import PointState
+from solver.gap.charges import Charges
+from solver.gap.ringoperators import RingOperators
+from solver.gap.rings import Rings, rings
+from solver.gap.spectrum import Spectrum
+from solver.gap.tractions import from_smaller
+from solver.point import hankel
+from solver.point.density import Density
+from solver.point.pressure import added_forms, halfspace_form
+from solver.point.tractions import Tractions
+from solver.stack.layers import Stack
+from solver.stack.wavenumbers import on_panels, panels
+
+
+@dataclass(frozen=True, eq=False)
+class AirPointTractions(Tractions):
+    """Those of one contact, one column."""
+
+    beside: Charges = field(kw_only=True)
+
+    def part(self, columns: Indices) -> Self:
+        """The one column: what is known of it is kept."""
+        return self
+
+    def nodes(self, radius: float, near: float) -> hankel.Nodes:
+        """As without air, and beside the contact as far as charges lie."""
+        return hankel.nodes(radius, near, kinked=self.kinked, beyond=self._ends)
+
+    @cached_property
+    def _ends(self) -> list[float]:
+        return [float(end) for end in np.cosh(self.beside.ends[1:])]
+
+    def vectors(self, b: Array, columns: Indices) -> tuple[Array, Array | None]:
+        """As without air, and at b > 1; (1, 4, b) each.
+
+        b: (b,), over a.
+        """
+        within = b <= 1
+        right, left = self.beside.at(b[~within]), self.beside.at(-b[~within])
+        first, second = super().vectors(b[within], columns)
+        plain = _continued(first, within, right + left)
+        return plain, None if second is None else _continued(second, within, right - left)
+
+    def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:
+        """As without air, with the spectra of the rings; (k, 4, 1) each.
+
+        phases: (k,), k a.
+        """
+        at = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
+        first, second = super().vectors(at.b, columns)
+        spectrum = self._spectrum(float(np.max(phases))).at(phases)
+        cosines = np.cos(phases[:, None] * at.b) * at.weights
+        plain = cosines @ first[0].T
+        plain[:, 2:] += spectrum.real.T
+        if second is None:
+            return plain[..., None], None
+        sines = np.sin(phases[:, None] * at.b) * at.weights
+        turned = np.concatenate([cosines @ second[0, :1].T, sines @ second[0, 1:].T], 1)
+        turned[:, 2:] -= spectrum.imag.T
+        return plain[..., None], turned[..., None]
+
+    def wavenumbers(self, stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
+        """As without air; charges far away count for long waves alone."""
+        ratio = float(self.ratio[0])
+        ends = from_smaller(panels(stack, width), ratio * self._ends[-1])
+        spectrum = self._spectrum(float(ends[-1]) * ratio)
+        far = [reach + ratio * spectrum.reach(start * ratio) for start in ends[:-1].tolist()]
+        return on_panels(ends, np.array(far))
+
+    def _spectrum(self, most: float) -> Spectrum:
+        """One that reaches a wavenumber, shared by all of a power of two."""
+        power = int(np.ceil(np.log2(most)))
+        if power not in self._spectra:
+            self._spectra[power] = Spectrum(self.beside, 2.0**power)
+        return self._spectra[power]
+
+    @cached_property
+    def _spectra(self) -> dict[int, Spectrum]:
+        return {}
+
+
+def _continued(part: Array, within: BoolArray, beside: Array) -> Array:
+    """Densities of (sigma_xy, sigma_yy, D_y, B_y) below the contact, and those beside it; (1, 4, b)."""
+    found = np.zeros((1, 4, within.size))
+    found[..., within] = part
+    found[0][2:, ~within] = beside
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedPoint:
+    """What lies on the surface of a contact with air beside it, found anew at its very radius; units of the body."""
+
+    state: PointState
+    operators: RingOperators
+
+    @property
+    def unit(self) -> float:
+        """Of the tractions, C a^(e-1)."""
+        return self.state.size / self.state.radius
+
+    @property
+    def _rings(self) -> Rings:
+        return self.operators.rings
+
+    @property
+    def _channels(self) -> list[int]:
+        return self.operators.rows.channels
+
+    @cached_property
+    def _series(self) -> Array:
+        """Coefficients of all but the profile's closed part; (channel, n)."""
+        return np.asarray(self.operators.series(self.state.radius) @ self.state.columns)
+
+    @property
+    def _form(self) -> Array:
+        """Sizes of the profile's closed part; (channel,)."""
+        return np.asarray(-2 / np.pi * self.operators.inverse[:, 0])
+
+    @cached_property
+    def density(self) -> Density:
+        """Below the punch, over C a^(e-1)."""
+        form, series = self._of_channels(self._form)[None], self._of_channels(self._series)[None]
+        strengths = series @ (-1.0) ** np.arange(series.shape[2])
+        return Density(self.operators.shape, strengths, form, series)
+
+    def tractions(self, ratio: float, turned: Array | None = None) -> AirPointTractions:
+        """On the whole surface, at rest but for charges beside the contact.
+
+        turned: (field, n), densities of cos(angle) over C a^(e-1) and their size; None: none.
+        """
+        grid, density = self._rings.grid, self.density.times(np.full(3, self.unit))
+        S = self.state.over_size @ self._rings.gathered.T
+        odd = np.zeros_like(S) if turned is None else turned @ rings(1).gathered.T
+        sides = np.zeros((2, 2, grid.count))
+        sides[:, list(self.operators.rows.fields)] = np.stack([S + odd, S - odd]) / grid.size * (self.unit / np.pi)
+        return AirPointTractions(np.array([ratio]), density, np.zeros(1), beside=Charges(grid, sides))
+
+    def at(self, r: Array) -> Array:
+        """sigma_yy, D_y and B_y at r/a, never 1; (3, place)."""
+        away = np.abs(r)
+        within = away < 1
+        inner = away[within]
+        found = np.zeros((3, r.size))
+        x = np.sqrt((1 - inner) * (1 + inner))
+        found[:, within] = self.bounded(inner, self._rings.poisson(x)) + self.left[:, None] / x
+        for field_, own in zip(self.operators.rows.fields, self.state.over_size, strict=True):
+            found[1 + field_, ~within] = self._rings.read(away[~within]) @ own
+        return found * self.unit
+
+    def bounded(self, r: Array, drawn: Array) -> Array:
+        """Below the contact over C a^(e-1), without what is singular at the edge; (3, place).
+
+        r: (place,), r/a, 0 to 1; drawn: (place, n), what rings draw there.
+        """
+        x = np.sqrt((1 - r) * (1 + r))
+        found = self._series @ added_forms(x, self._series.shape[1]).T
+        found += self._form[:, None] * halfspace_form(self.operators.shape, x, r)
+        found[1:] += self.state.over_size @ drawn.T
+        return self._of_channels(found)
+
+    @cached_property
+    def left(self) -> Array:
+        """Strengths at the edge, over C a^(e-1): none but of the emptiest gaps; (3,)."""
+        found = self._series @ (-1.0) ** np.arange(self._series.shape[1])
+        found[0] = 0.0
+        found[1:] -= 2 / np.pi * self.state.over_size @ self._rings.at_edge
+        return self._of_channels(found)
+
+    def _of_channels(self, values: Array) -> Array:
+        """Values of the channels among those of (y, phi, psi), others 0."""
+        found = np.zeros((3, *values.shape[1:]))
+        found[self._channels] = values
+        return found

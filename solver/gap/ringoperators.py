@@ -1,0 +1,297 @@
+"""What point contacts and charges in rings beside them do, at given radii (points, 6).
+
+Everything is linear in the causes u0 = (-depth, V, Psi) and g of the contact and in the densities at the nodes beside
+it. Lengths are in contact radii, displacements over C a^e and tractions over C a^(e-1), as in :mod:`solver.point`: a
+half-space is then the same at every radius. Below the contact chi is given, so that S at Gauss's nodes solves a system
+of the second kind; beside it gap and potentials are what chi leaves from its value at the edge.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.arrays import Array, BoolArray
+from solver.gap.contactrule import ContactRule
+from solver.gap.rings import Rings
+from solver.gap.rules import gauss
+from solver.line.kernel import CHANNEL
+from solver.point.pressure import SAMPLES, added_forms, finite, halfspace_form
+from solver.point.profile import Shape
+from solver.point.surfacekernel import SurfaceKernel
+
+_APART = 4.0  # growth of the distances from the target at which rules break
+#: x = sqrt(1 - r^2) below the contact at which densities are told: panels, graded to the edge, and the centre.
+_ENDS = (0.0, 0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
+WITHIN = 8  # of them a panel
+X_WITHIN = np.append(gauss(np.array(_ENDS), WITHIN)[0], 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Where outputs lie among the rows, channels (y, conducted fields), and causes and densities among the columns."""
+
+    fields: tuple[int, ...]  # Conducted fields, 0 electric and 1 magnetic
+    nodes: int  # Number of nodes beside the contact
+
+    @cached_property
+    def channels(self) -> list[int]:
+        """y and the potentials of the fields among (y, phi, psi)."""
+        return [0, *(1 + f for f in self.fields)]
+
+    @cached_property
+    def causes(self) -> int:
+        """Number of causes: u0 of every channel, then g."""
+        return len(self.fields) + 2
+
+    @cached_property
+    def columns(self) -> int:
+        """Causes, then the densities of every field."""
+        return self.causes + len(self.fields) * self.nodes
+
+    def densities(self, place: int) -> slice:
+        """Columns of the densities of a field, by its place."""
+        return slice(self.causes + place * self.nodes, self.causes + (place + 1) * self.nodes)
+
+    @cached_property
+    def loads(self) -> slice:
+        """-(P, T, J) over C a^(e+1) of the channels."""
+        return slice(0, len(self.channels))
+
+    @cached_property
+    def edges(self) -> slice:
+        """S of the channels just within the edge."""
+        return slice(len(self.channels), 2 * len(self.channels))
+
+    @cached_property
+    def raised(self) -> int:
+        """First of those beside the contact: (channel, node) of u less that at the edge."""
+        return 2 * len(self.channels)
+
+    @cached_property
+    def pressure(self) -> slice:
+        """Pressures at ``SAMPLES``, but for an edge's."""
+        first = self.raised + len(self.channels) * self.nodes
+        return slice(first, first + SAMPLES.size)
+
+    def within(self, place: int) -> slice:
+        """Densities of a field at ``X_WITHIN``."""
+        first = self.pressure.stop + place * X_WITHIN.size
+        return slice(first, first + X_WITHIN.size)
+
+    @cached_property
+    def count(self) -> int:
+        """Number of rows."""
+        return int(self.pressure.stop) + len(self.fields) * X_WITHIN.size
+
+
+@dataclass(frozen=True, eq=False)
+class RingOperators:
+    """Contacts of one shape and conduction on one stack, or on a half-space."""
+
+    rings: Rings
+    fields: tuple[int, ...]
+    compliance: Array
+    shape: Shape
+    layers: SurfaceKernel | None = None
+    width: float = np.inf
+
+    @cached_property
+    def rows(self) -> Rows:
+        """Places of the outputs."""
+        return Rows(self.fields, self.rings.grid.count)
+
+    def at(self, radius: float) -> Array:
+        """Outputs of every cause and density; (row, column)."""
+        rows = self.rows
+        below = ContactRule.of(radius / self.width)
+        count, profile, inverse = below.nodes.size, rows.causes - 1, self.inverse
+        closed = np.einsum("ij,jnc->inc", inverse, self._given(below.nodes))  # S of a half-space
+        S, added = self._layered(radius, below, closed, self.rings.grid.distance)
+        edge = inverse @ (self._given(np.ones(1))[:, 0] - added[:, count])
+        found = np.empty((rows.count, rows.columns))
+        # S of the profile is of_power s^e: of_power (1 - s^e), whose tractions are closed, less than at the edge
+        of_power = inverse[:, 0] * self.shape.rise
+        closed[..., profile] = of_power[:, None]
+        S += closed
+        found[rows.loads] = 4 * np.einsum("n,inc->ic", below.weights, S)
+        found[rows.loads, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
+        found[rows.edges] = edge
+        coefficients = below.series @ S
+        for place in range(len(self.fields)):
+            found[1 + place, rows.densities(place)] += 4 * self.rings.totals
+        raised = self.rings.raised @ self.chi_beside(added[:, count:], edge)
+        found[rows.raised : rows.pressure.start] = raised.reshape(-1, rows.columns)
+        found[rows.pressure] = -added_forms(SAMPLES, count) @ coefficients[0]
+        found[rows.pressure, profile] += inverse[0, 0] * self._form(SAMPLES)
+        for place in range(len(self.fields)):
+            found[rows.within(place)] = added_forms(X_WITHIN, count) @ coefficients[1 + place]
+            found[rows.within(place), rows.densities(place)] += _drawn(self.rings)
+            found[rows.within(place), profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
+        return found
+
+    def over(self, log_radii: Array) -> Array:
+        """The same at several log a (radius,) in the unit of the body's lengths; (radius, row, column)."""
+        return np.stack([self.at(float(np.exp(at))) for at in log_radii])
+
+    def series(self, radius: float) -> Array:
+        """Coefficients in f_n (points, 4) of the tractions but for the profile's closed part; (channel, n, column)."""
+        below = ContactRule.of(radius / self.width)
+        closed = np.einsum("ij,jnc->inc", self.inverse, self._given(below.nodes))
+        S = self._layered(radius, below, closed, np.zeros(0))[0]
+        closed[..., self.rows.causes - 1] = self.inverse[:, :1] * self.shape.rise
+        return np.asarray(np.einsum("mn,inc->imc", below.series, S + closed))
+
+    def _form(self, x: Array) -> Array:
+        """Pressure of a half-space of N^-1 = 1; nothing where it has no largest value, which is then not asked for."""
+        return 2 / np.pi * halfspace_form(self.shape, x) if finite(self.shape) else np.zeros_like(x)
+
+    def _layered(self, radius: float, below: ContactRule, closed: Array, beside_it: Array) -> tuple[Array, Array]:
+        """What layers add to S below the contact, and to N S at its nodes, the edge and places beside it.
+
+        Smooth and even, also where the profile is a power that is not; (channel, node, column) each.
+        """
+        rows, count = self.rows, below.nodes.size
+        size = len(rows.channels)
+        added = np.zeros((size, count + 1 + beside_it.size, rows.columns))
+        if self.layers is None:
+            return np.zeros_like(closed), added
+        targets = np.concatenate([below.nodes, [1.0], beside_it])
+        for place, beside in enumerate(self.beside(radius, targets)):
+            added[..., rows.densities(place)] = beside
+        own = self.within(radius, targets, below)
+        added += summed(own, closed)
+        if self.shape.exponent % 2:
+            fine = ContactRule.of(radius / self.width, even=False)
+            power = self.inverse[:, :1] * self._given(fine.nodes)[0, :, rows.causes - 1]
+            added[..., rows.causes - 1] = np.einsum("ijtn,jn->it", self.within(radius, targets, fine), power)
+        return self.settled(own, added)
+
+    def chi_beside(self, added: Array, edges: Array) -> Array:
+        """Chi at the nodes beside the contact less that at the edge; (channel, n, column), densities the last columns.
+
+        added: (channel, 1 + n, column), what layers add to chi at the edge and at the nodes; edges: (channel,
+        column), S just within the edge.
+        """
+        nodes, fields = self.rows.nodes, len(self.fields)
+        S = np.repeat(-edges[:, None], nodes, axis=1)
+        densities = S[..., edges.shape[1] - fields * nodes :].reshape(1 + fields, nodes, fields, nodes)
+        for place in range(fields):
+            densities[1 + place, :, place] += self.rings.gathered
+        return np.asarray(added[:, 1:] - added[:, :1] + np.tensordot(self.channel_compliance, S, 1))
+
+    def settled(self, own: Array, added: Array) -> tuple[Array, Array]:
+        """S that makes up for what layers add at the nodes below the contact, and what they then add in all.
+
+        own: (channel, channel, target, node), from S at the nodes to targets, these nodes first; added: (channel,
+        target, column), at the targets without that S.
+        """
+        size, count = len(own), own.shape[-1]
+        matrix = np.einsum("ij,mn->imjn", self.channel_compliance, np.eye(count)) + np.moveaxis(own[:, :, :count], 1, 2)
+        S = np.linalg.solve(matrix.reshape(size * count, -1), -added[:, :count].reshape(size * count, -1))
+        S = S.reshape(size, count, -1)
+        return S, added + summed(own, S)
+
+    @cached_property
+    def inverse(self) -> Array:
+        """Of N of the channels; (channel, channel)."""
+        return np.asarray(np.linalg.inv(self.channel_compliance))
+
+    @property
+    def channel_compliance(self) -> Array:
+        """N of the channels; (channel, channel)."""
+        return self.compliance[np.ix_(self.rows.channels, self.rows.channels)]
+
+    def _given(self, nodes: Array) -> Array:
+        """chi below the contact; (channel, node, column)."""
+        rows = self.rows
+        found = np.zeros((len(rows.channels), nodes.size, rows.columns))
+        for place in range(len(rows.channels)):
+            found[place, :, place] = 1.0
+        found[0, :, rows.causes - 1] = self.shape.rise * nodes**self.shape.exponent
+        return found
+
+    @cached_property
+    def _pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Those of the six pairs that the channels have, and the place of each two channels among them."""
+        used, places = np.unique(CHANNEL[np.ix_(self.rows.channels, self.rows.channels)], return_inverse=True)
+        return used, places.reshape(2 * (len(self.rows.channels),))
+
+    @cached_property
+    def _added(self) -> SurfaceKernel:
+        """Of these pairs."""
+        assert self.layers is not None
+        return self.layers.of(self._pairs[0])
+
+    def _paired(self, kernels: Array) -> Array:
+        """Kernels of the channels, from those of their pairs; (channel, channel, target, node)."""
+        return np.moveaxis(kernels[..., self._pairs[1]], (2, 3), (0, 1))
+
+    def within(self, radius: float, targets: Array, below: ContactRule) -> Array:
+        """From S below the contact to what layers add at targets; (channel, channel, target, node).
+
+        targets: (target,), s.
+        """
+        apart = np.stack([np.abs(targets[:, None] - below.nodes), targets[:, None] + below.nodes])
+        near, far = self._added.at(radius * apart)
+        return self._paired(radius / np.pi * (near + self.rings.parity * far) * below.weights[:, None])
+
+    def beside(self, radius: float, targets: Array) -> list[Array]:
+        """The same from densities over their size beside the contact, of every field; (channel, target, node) each.
+
+        One rule a panel serves where kernels are smooth over it, and everywhere those of the opposite place.
+        """
+        grid, (s, share) = self.rings.grid, self.rings.rule
+        breaks = self._breaks(radius, targets)
+        ends = np.cosh(self.rings.ends)
+        broken = np.diff([np.searchsorted(own, ends, side="right") for own in breaks], axis=1) > 0
+        kernels = self.rings.parity * self._added.at(radius * (targets[:, None, None] + s))
+        row, panel = np.nonzero(~broken)
+        kernels[row, panel] += self._added.at(radius * np.abs(targets[row, None] - s[panel]))
+        found = np.swapaxes(np.swapaxes(kernels, -1, -2) @ share, -1, -2)  # (target, panel, node, pair)
+        self._add_pieces(found, radius, targets, breaks, broken)
+        size = self.rings.size.reshape(grid.panels, -1, 1)
+        kernels = self._paired((radius / np.pi * found / size).reshape(targets.size, grid.count, -1))
+        return [kernels[:, 1 + place] @ self.rings.gathered for place in range(len(self.fields))]
+
+    def _breaks(self, radius: float, targets: Array) -> Array:
+        """Where rules break about targets, rising, at the edge where there are fewer; (target, break).
+
+        Farther from a target than it is from the axis, panels are short enough.
+        """
+        far = float(np.cosh(self.rings.ends[-1]))
+        gaps = self.width / radius * _APART ** np.arange(-1, 40.0)
+        gaps = np.concatenate([[0.0], gaps[gaps < far]])
+        both = np.concatenate([-gaps[1:], gaps])
+        there = targets[:, None] + both
+        used = (np.abs(both) < np.maximum(targets, 1.0)[:, None]) & (there > 1) & (there < far)
+        return np.sort(np.where(used, there, 1.0), 1)
+
+    def _add_pieces(self, found: Array, radius: float, targets: Array, breaks: Array, broken: BoolArray) -> None:
+        """Add panels that break, piece by piece."""
+        grid = self.rings.grid
+        ends = self.rings.ends
+        all_ends = np.sort(np.concatenate([np.tile(ends, (targets.size, 1)), np.arccosh(breaks)], 1), 1)
+        start, stop = all_ends[:, :-1], all_ends[:, 1:]
+        panel = np.clip(np.searchsorted(ends, (start + stop) / 2) - 1, 0, grid.panels - 1)
+        row, place = np.nonzero((stop > start) & np.take_along_axis(broken, panel, 1))
+        own = panel[row, place]
+        s, share = self.rings.ruled(own, start[row, place], stop[row, place])
+        pieces = np.swapaxes(share, 1, 2) @ self._added.at(radius * np.abs(targets[row, None] - s))
+        first = np.flatnonzero(np.diff(row * grid.panels + own, prepend=-1))
+        found[row[first], own[first]] += np.add.reduceat(pieces, first)
+
+
+def summed(kernels: Array, S: Array) -> Array:
+    """Kernels of S; (channel, target, column).
+
+    kernels: (channel, channel, target, node); S: (channel, node, column).
+    """
+    return np.asarray(np.tensordot(kernels, S, ((1, 3), (0, 1))))
+
+
+@lru_cache(2)
+def _drawn(rings: Rings) -> Array:
+    """What rings draw below the contact; (x, n)."""
+    return rings.poisson(X_WITHIN)

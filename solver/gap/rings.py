@@ -1,0 +1,175 @@
+"""Charges in rings beside a point contact, in the variable of Abel's transform (points, 6).
+
+With S(s) = int_s^inf t r dr / sqrt(r^2 - s^2) of a traction, lengths in contact radii, a half-space answers
+
+    u(r) = (2/pi) int_0^r chi(s) ds / sqrt(r^2 - s^2),    chi = N S,
+
+and a level punch has chi constant at s < 1. What goes with cos(angle) has s/r more in both integrals (points, 8): the
+order m of a harmonic, 0 or 1, is the power of that. Beside the contact r = cosh(theta): the panels are those of a line
+contact (:mod:`solver.gap.grid`), a density is a polynomial on each of them.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from approximation.arrays import Indices
+from solver.arrays import Array
+from solver.gap.grid import Grid
+from solver.gap.rules import gauss
+
+_FINE = 24  # of the rules in tau, theta' = theta +- tau^2, which has no root at the target
+
+_FARTHEST = 1e5  # end of the finite panels, in contact radii
+_NOTHING = 19.0  # theta beyond which S is nothing
+_RULE = 9  # nodes between two breaks of a rule
+
+
+@dataclass(frozen=True, eq=False)
+class Rings:
+    """Transforms of densities at the nodes of a grid; they are the same for every body and radius."""
+
+    grid: Grid
+    order: int = 0
+
+    @property
+    def parity(self) -> int:
+        """Of S and chi in s: 1 even, -1 odd."""
+        return 1 - 2 * self.order
+
+    @cached_property
+    def size(self) -> Array:
+        """Density over the unknown at the nodes, 1/r^2: in wide gaps densities fall like that; (n,)."""
+        return np.asarray(1 / self.grid.distance**2)
+
+    @cached_property
+    def ends(self) -> Array:
+        """Ends of the panels in theta; (panel + 1,)."""
+        return np.append(self.grid.ends, _NOTHING)
+
+    @cached_property
+    def rule(self) -> tuple[Array, Array]:
+        """As :meth:`ruled` of whole panels."""
+        return self.ruled(np.arange(self.grid.panels), self.ends[:-1], self.ends[1:])
+
+    def ruled(self, panel: Indices, start: Array, stop: Array) -> tuple[Array, Array]:
+        """Nodes s on pieces of panels, and weights of int S ds from S over ``size``; (piece, point) and (..., node)."""
+        x, w = gauss(np.array([0.0, 1.0]), _RULE)
+        theta = start[:, None] + (stop - start)[:, None] * x
+        s = np.cosh(theta)
+        weights = (stop - start)[:, None] * w * np.sinh(theta) / s**2
+        return s, weights[..., None] * self.grid.interpolations_at(panel, theta)
+
+    @property
+    def _last(self) -> float:
+        """Where the infinite panel begins, in u = exp(-theta)."""
+        return float(self.grid.limits[-1, 1])
+
+    @cached_property
+    def gathered(self) -> Array:
+        """S at the nodes, from densities over their size; (n, n)."""
+        grid, theta = self.grid, self.grid.theta
+        found = np.zeros((grid.count, grid.count))
+        for panel in range(grid.panels - 1):
+            low, high = grid.limits[panel]
+            rows = np.flatnonzero(theta < high)
+            at = theta[rows, None]
+            tau, weights = _between(np.sqrt(np.maximum(low - theta[rows], 0)), np.sqrt(high - theta[rows]))
+            other = at + tau**2
+            share = 2 * weights * np.tanh(other) / np.sqrt(np.sinh(other + at) * _sinhc(tau))
+            share *= (np.cosh(at) / np.cosh(other)) ** self.order
+            shape = grid.interpolations(np.full(rows.size, panel), other)
+            found[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", share, shape)
+        v = np.exp(-theta)[:, None]
+        tau, weights = _between(np.sqrt(1 - np.minimum(self._last / v[:, 0], 1)), np.ones(grid.count))
+        u = v * (1 - tau**2)
+        share = 4 * weights * v * (1 - u**2) / (1 + u**2) / np.sqrt((2 - tau**2) * (1 - (u * v) ** 2))
+        share *= ((1 - tau**2) * (1 + v**2) / (1 + u**2)) ** self.order
+        shape = grid.interpolations(np.full(grid.count, grid.panels - 1), u)
+        found[:, grid.slice(grid.panels - 1)] = np.einsum("rp,rpn->rn", share, shape)
+        return found
+
+    @cached_property
+    def at_edge(self) -> Array:
+        """S(1), from densities over their size; (n,)."""
+        return self._integrated(lambda theta: np.cosh(theta) ** -self.order / np.sinh(theta))
+
+    @cached_property
+    def totals(self) -> Array:
+        """int_1^inf S ds of the order 0, from densities over their size; (n,)."""
+        return self._integrated(lambda theta: np.arctan(np.sinh(theta)))
+
+    def poisson(self, x: Array) -> Array:
+        """What densities add to that below the contact at x = sqrt(1 - r^2) beside what S within makes; (x, n)."""
+        at, r = x[:, None], np.sqrt((1 - x) * (1 + x))[:, None]
+
+        def drawn(theta: Array) -> Array:
+            own = 2 / np.pi * at / (np.sinh(theta) * (np.sinh(theta) ** 2 + at**2))
+            return np.asarray(own * (r / np.cosh(theta)) ** self.order)
+
+        return self._integrated(drawn)
+
+    def read(self, r: Array) -> Array:
+        """Densities at r > 1, from those over their size; (place, n)."""
+        return np.asarray(self.grid.at(np.arccosh(r)) / r[:, None] ** 2)
+
+    def _integrated(self, of: Callable[[Array], Array]) -> Array:
+        """int f D r dr of functions f of theta, (..., point); (..., n)."""
+        return self.grid.integrated(lambda theta: of(theta) / (np.cosh(theta) * self.grid.size_at(theta)))
+
+    @cached_property
+    def raised(self) -> Array:
+        """(2/pi) int_1^r F (s/r)^m ds / sqrt(r^2 - s^2) at the nodes r, from F at the nodes; (n, n)."""
+        grid, found = self.grid, np.zeros((self.grid.count, self.grid.count))
+        for panel, rows, other, share in self._rules():
+            shape = grid.interpolations_at(np.full(rows.size, panel), other)
+            found[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", share, shape)
+        return found
+
+    def power(self, exponent: float) -> Array:
+        """(2/pi) int_1^r (s^exponent - 1) (s/r)^m ds / sqrt(r^2 - s^2) at the nodes r; (n,)."""
+        if exponent not in self._powers:
+            self._powers[exponent] = self._power(exponent)
+        return self._powers[exponent]
+
+    @cached_property
+    def _powers(self) -> dict[float, Array]:
+        return {}
+
+    def _power(self, exponent: float) -> Array:
+        found = np.zeros(self.grid.count)
+        for _, rows, other, share in self._rules():
+            found[rows] += np.sum(share * np.expm1(exponent * np.log1p(2 * np.sinh(other / 2) ** 2)), -1)
+        return found
+
+    def _rules(self) -> Iterator[tuple[int, Indices, Array, Array]]:
+        """Of every panel: targets beyond its beginning, theta and weights of their rules; (target, point)."""
+        grid, theta = self.grid, self.grid.theta
+        ends = np.append(grid.ends, np.inf)
+        for panel in range(grid.panels):
+            low, high = ends[panel], ends[panel + 1]
+            rows = np.flatnonzero(theta > low)
+            at = theta[rows, None]
+            tau, weights = _between(np.sqrt(np.maximum(theta[rows] - high, 0)), np.sqrt(theta[rows] - low))
+            other = at - tau**2
+            share = 4 / np.pi * weights * np.sinh(other) / np.sqrt(np.sinh(at + other) * _sinhc(tau))
+            yield panel, rows, other, share * (np.cosh(other) / np.cosh(at)) ** self.order
+
+
+@lru_cache(2)
+def rings(order: int = 0) -> Rings:
+    """Rings as far as the gaps of punches are long, the same for every contact."""
+    return Rings(Grid.up_to(_FARTHEST), order)
+
+
+def _sinhc(tau: Array) -> Array:
+    """sinh(tau^2) / tau^2."""
+    return np.where(tau > 0, np.sinh(tau**2) / np.where(tau > 0, tau, 1.0) ** 2, 1.0)
+
+
+def _between(low: Array, high: Array) -> tuple[Array, Array]:
+    """Gauss's rule between each pair of ends; (row, point) each."""
+    x, w = gauss(np.array([0.0, 1.0]), _FINE)
+    return low[:, None] + (high - low)[:, None] * x, (high - low)[:, None] * w

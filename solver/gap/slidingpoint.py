@@ -1,0 +1,233 @@
+"""A point contact with air beside it that slides: what its state at rest becomes to the first order in friction.
+
+The gap's law of points, 6, about the state at rest: with D = D_0 + D_1 cos(angle) and the gap g_0 + g_1 cos(angle),
+lengths in contact radii, end the punch's radius, c the shift,
+
+    D_1 g_0 + D_0 [g_1 + g_0 2 c r / (end^2 + r^2)] = eps0 end^2 / (end^2 + r^2) phi_1,
+
+and the same with B, mu0 and psi. Linear in c and D_1, with a smooth edge of the pressure.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from approximation.arrays import Indices
+from solver.arrays import Array
+from solver.gap.airpoint import PointState
+from solver.gap.pointtractions import AirPointTractions, SolvedPoint
+from solver.gap.ringharmonic import CAUSES, RUBBED, SHIFT, HarmonicOutputs, RingHarmonic
+from solver.gap.ringoperators import RingOperators
+from solver.gap.rings import Rings, rings
+from solver.gap.rules import gauss
+from solver.point import hankel
+from solver.point.density import Density
+from solver.point.profile import Shape
+from solver.point.response import Response, legendre
+from solver.point.slidingpressure import ray_of, turned_pressures
+from solver.point.surfacekernel import SurfaceKernel
+
+_PART = 2 / np.pi  # a density per S
+_PARTS = 6.0  # panels in b per radius over the distance that layers vary over
+_ENDS, _RULE = np.append(0.0, 0.4 ** np.arange(9, -1, -1.0)), 12  # of pieces in x below the contact, and their nodes
+
+
+@dataclass(frozen=True, eq=False)
+class SlidingPoint:
+    """The first order of one contact, in the units of the body."""
+
+    on: SolvedPoint
+    friction: float
+    coupling: Array
+    sheared: SurfaceKernel | None = None
+
+    @cached_property
+    def response(self) -> Response:
+        """Of the half-space of the top."""
+        return Response(self._operators.compliance, self.coupling, self._operators.shape)
+
+    @property
+    def _operators(self) -> RingOperators:
+        return self.on.operators
+
+    @property
+    def _carried(self) -> list[int]:
+        """Conducted fields among the channels (sigma_yy, D_y, B_y)."""
+        return self._operators.rows.channels[1:]
+
+    @property
+    def _state(self) -> PointState:
+        return self.on.state
+
+    @property
+    def rings(self) -> Rings:
+        """Of the part of cos(angle)."""
+        return rings(1)
+
+    @property
+    def pressed(self) -> Density:
+        """At rest, over C a^(e-1)."""
+        return self.on.density
+
+    @cached_property
+    def _columns(self) -> RingHarmonic:
+        return RingHarmonic(replace(self._operators, rings=self.rings), self.response, self.sheared)
+
+    @cached_property
+    def _turned(self) -> HarmonicOutputs:
+        return self._columns.at(self._state.radius, self.pressed)
+
+    @cached_property
+    def _weights(self) -> Array:
+        """Of the columns, per eta; (column,)."""
+        state, of, columns = self._state, self._turned, self._columns
+        rows, profile = self._operators.rows, state.of.profile
+        law = np.empty((1 + len(rows.fields) * rows.nodes, of.edges.shape[1]))
+        law[0] = of.edges[0]
+        for place, at_rest in enumerate(state.over_size):
+            own = law[1 + place * rows.nodes : 1 + (place + 1) * rows.nodes]
+            own[:] = (
+                -(at_rest / profile)[:, None] * of.raised[0] - state.conductance[place, :, None] * of.raised[1 + place]
+            )
+            own[:, SHIFT] += at_rest * state.gap / profile * self._widened
+            own[:, columns.densities(place)][np.diag_indices(rows.nodes)] += state.gap / profile
+        unknown = np.delete(np.arange(law.shape[1]), RUBBED)
+        found = np.ones(law.shape[1])
+        found[unknown] = np.linalg.solve(law[:, unknown], -law[:, RUBBED])
+        return found
+
+    @property
+    def _slides(self) -> bool:
+        return self.friction != 0
+
+    @property
+    def _widened(self) -> Array:
+        """What a unit shift adds to 1 + r^2/end^2 of the gap's law, over itself; (n,)."""
+        return np.asarray(2 * (1 - self._state.thinned) / self.rings.grid.distance)
+
+    @property
+    def shift(self) -> float:
+        """c over the contact radius."""
+        return float(self.friction * self._weights[SHIFT]) if self._slides else 0.0
+
+    @cached_property
+    def over_size(self) -> Array:
+        """D_y and B_y of cos(angle) over C a^(e-1) at the nodes, over their size; (field, n)."""
+        rows = self._operators.rows
+        own = self.friction * self._weights[CAUSES:] if self._slides else np.zeros(len(rows.fields) * rows.nodes)
+        return own.reshape(len(rows.fields), rows.nodes)
+
+    @cached_property
+    def beside(self) -> tuple[Array, Array]:
+        """Over C a^(e-1) at the nodes: D_y and B_y of cos(angle), and these times what the end does to the gap's field.
+
+        (field, n) each.
+        """
+        own, thinned = self.over_size * self.rings.size, self._state.thinned
+        return own, own / thinned + self._state.densities / thinned * self.shift * self._widened
+
+    @property
+    def reach(self) -> float:
+        """Largest field in the gap over that at which the surface gives way to its charge, 1/r of half-spaces.
+
+        A gap's field cannot go beyond it, which the first order does not know.
+        """
+        N, channels, (_, turned) = self._operators.compliance, self._carried, self.beside
+        at_rest = self._state.densities / self._state.thinned
+        yielding = -self.on.unit * N[0, channels] / N[channels, channels] / self._state.of.media
+        return float(max(np.max(yielding[:, None] * (at_rest + sign * turned)) for sign in (1.0, -1.0)))
+
+    # -- tractions -----------------------------------------------------------------------------------------------------
+    @cached_property
+    def series(self) -> Array:
+        """Coefficients of P_n(2 b - 1) in psi but for what is closed, over C a^(e-1); (3, n)."""
+        if not self._slides:
+            return np.zeros((3, 1))
+        found = np.zeros((3, 2 * self._turned.below.nodes.size))
+        S = self._turned.smooth @ (self.friction * self._weights)
+        found[self._operators.rows.channels] = S @ self._turned.below.odd_series.T
+        return found
+
+    def sines(self, b: Array) -> Array:
+        """psi over C a^(e-1) below the contact; (3, b).
+
+        b: (b,), 0 to 1.
+        """
+        closed = self.response.closed(self.friction * self.pressed.turned(b)[0, 0], b, np.array(self.shift))
+        return np.asarray(closed + self.series @ legendre(b, self.series.shape[1]).T)
+
+    def tractions(self, ratio: float) -> AirPointTractions:
+        """On the whole surface."""
+        if not self._slides:
+            return self.on.tractions(ratio)
+
+        def sines(b: Array, columns: Indices) -> Array:
+            return self.on.unit * np.broadcast_to(self.sines(b), (columns.size, 3, b.size))
+
+        at_rest = self.on.tractions(ratio, self.over_size)
+        return replace(at_rest, friction=np.array([self.friction]), sines=sines)
+
+    # -- what quantities are made of, over C a^(e-1) -------------------------------------------------------------------
+    def along(self, field: int | None) -> Array:
+        """A traction along the ray of :mod:`solver.point.slidingpressure`: at rest, and of cos(angle); (2, place).
+
+        Without what is singular at the edge.
+        """
+        shape, channel = self._operators.shape, 0 if field is None else 1 + field
+        ray, shift, pressed = ray_of(shape), np.array([self.shift]), self.pressed.times(np.full(3, self.friction))
+        turned = turned_pressures(self.response, pressed, shift, self.series[None, channel], channel)[0]
+        at_rest = self.on.bounded(ray.r, _drawn(self.on.operators.rings, shape))[channel]
+        if field is None:
+            return np.stack([-at_rest, turned])
+        own = self.over_size[self._operators.rows.fields.index(field)]
+        edge = self.sines(np.ones(1))[channel, 0]
+        return np.stack([at_rest, edge * ray.x / ray.r - turned + _drawn(self.rings, shape) @ own])
+
+    @property
+    def weighted(self) -> tuple[Array, Array, Array]:
+        """Nodes b, below the contact and beside it; weights times phi, and times eta phi_sigma and psi.
+
+        (b,), (3, b) and (4, b).
+        """
+        reach = self._state.radius / self._operators.width
+        at = hankel.nodes(parts=4 + int(_PARTS * reach), kinked=True)
+        far, share = self.rings.rule
+        within = np.concatenate([self.pressed.at(at.b)[0], self.sines(at.b)])
+        beside = np.zeros((2, 3, far.size))
+        at_rest, turned = (self.on.operators.rings, self._state.over_size), (self.rings, self.over_size)
+        for number, (of, own) in enumerate((at_rest, turned)):
+            S = (own @ of.gathered.T / of.size).reshape(len(own), of.grid.panels, -1)
+            beside[number, self._carried] = np.einsum("psn,fpn->fps", share, S).reshape(len(own), -1)
+        both = np.concatenate([within * at.weights, _PART * beside.reshape(6, -1)], 1)
+        return np.append(at.b, far), both[:3], np.concatenate([self.friction * both[:1], both[3:]])
+
+    @property
+    def moments(self) -> Array:
+        """int_0^1 (t s + t_1 s^2) ds of (sigma_yy, D_y, B_y) below the contact; (3,)."""
+        at = hankel.nodes(kinked=True)
+        found = (self.pressed.at(at.b)[0] + 2 * at.b * self.sines(at.b)) @ at.weights
+        found[self._carried] += self._state.over_size @ _held(self.on.operators.rings)
+        found[self._carried] += self.over_size @ _held(self.rings)
+        return np.asarray(found)
+
+    @property
+    def just_beside(self) -> Array:
+        """(0, D_y, B_y) just outside the trailing edge; (3,)."""
+        found = np.zeros(3)
+        found[self._carried] = (self._state.over_size + self.over_size) @ self.rings.grid.edge
+        return found
+
+
+@lru_cache(64)
+def _drawn(of: Rings, shape: Shape) -> Array:
+    """What rings draw along the ray; (place, n)."""
+    return of.poisson(ray_of(shape).x)
+
+
+@lru_cache(2)
+def _held(of: Rings) -> Array:
+    """What rings add to the moments below the contact: what they draw there, less the strength of S within; (n,)."""
+    x, weights = gauss(_ENDS, _RULE)
+    r = np.sqrt((1 - x) * (1 + x))
+    return np.asarray((weights * x * r**of.order) @ of.poisson(x) - _PART * (2 / 3) ** of.order * of.at_edge)

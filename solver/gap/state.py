@@ -1,0 +1,301 @@
+"""A contact with air beside it at given unknowns: residual, linear system, tangents, outputs (theory section 10)."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.gap.equilibration import Factored, solved
+from solver.gap.opening import reopened
+from solver.gap.operators import BALANCE, DISPLACEMENT, LOAD
+from solver.gap.problem import Problem
+from solver.gap.refusal import require_open
+from solver.gap.table import SOLVING, Near
+from solver.line.contact import mean_power
+
+_FIELDS = ("voltage", "magnetic potential")
+_EXTENT = 2  # unknowns before the charges: log h, c/h
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Residual, tangents and outputs of ``Problem`` at unknowns (log h, c/h, T, J, densities)."""
+
+    of: Problem
+    unknowns: Array
+    known: Near | None = None
+
+    def moved(self, unknowns: Array) -> "State":
+        """The same contact at other unknowns."""
+        return State(self.of, unknowns, self.near)
+
+    @property
+    def half(self) -> float:
+        """h."""
+        return float(np.exp(self.unknowns[0]))
+
+    @property
+    def centre(self) -> float:
+        """c/h."""
+        return float(self.unknowns[1])
+
+    @property
+    def _densities(self) -> Array:
+        """Unknowns of the densities; (field, n)."""
+        return self.unknowns[_EXTENT + 2 :].reshape(len(self.of.fields), -1)
+
+    @cached_property
+    def loads(self) -> Array:
+        """P, T, J; (3,)."""
+        return np.array([self.of.contact.loading.loads[0, 0], *self.unknowns[_EXTENT : _EXTENT + 2]])
+
+    @cached_property
+    def near(self) -> Near:
+        """Operators about the half-length."""
+        log_half = float(self.unknowns[0])
+        return self.known if self.known and self.known.holds(log_half) else self.of.table.near(log_half)
+
+    @cached_property
+    def _causes(self) -> tuple[Array, Array]:
+        """Slope a_0, causes, and their derivatives in log h and c/h; (3, m) and (3, cause)."""
+        loading = replace(self.of.contact.loading, loads=self.loads[None])
+        c = loading.at(np.array([self.half]), np.array([self.centre]))
+        values = np.stack([c.values[0], c.by_width[0], c.by_centre[0]])
+        constants = np.array([c.constant[0], c.constant_by_width[0], c.constant_by_centre[0]])
+        count = loading.slope.shape[-1] - 1
+        return np.concatenate([constants[:, None], values[:, :count]], 1), values
+
+    @cached_property
+    def _solved(self) -> tuple[Array, Array]:
+        """Rows that the equations need, and their derivatives in log h; (row,) each."""
+        return self.near.products(float(self.unknowns[0]), self._columns)
+
+    @cached_property
+    def outputs(self) -> Array:
+        """Rows of :mod:`solver.gap.operators`; (row,)."""
+        return self.of.table.outputs(float(self.unknowns[0]), self._columns)
+
+    @cached_property
+    def _columns(self) -> Array:
+        return np.concatenate([self._causes[1][0], self._densities.ravel()])
+
+    @cached_property
+    def _rates(self) -> Array:
+        """Derivatives of the rows in (log h, c/h, T, J, densities); (row, unknown)."""
+        return self._rates_of(slice(None))
+
+    def _rates_of(self, rows: slice) -> Array:
+        value = self.near.matrix(float(self.unknowns[0]), rows)
+        causes = self._causes[1]
+        first = causes.shape[1] - 2
+        extent = value[:, : causes.shape[1]] @ causes[1:].T
+        extent[:, 0] += self._solved[1][rows]
+        return np.concatenate([extent, value[:, first : first + 2] / self.half, value[:, first + 2 :]], 1)
+
+    def _beside(self, rows: Array) -> tuple[Array, Array]:
+        """u_y and potentials beside the contact, from rows (row, ...): (n, ...) and (field, n, ...)."""
+        n, count = self.of.nodes, len(self.of.fields)
+        part = rows[SOLVING : SOLVING + n * (1 + count)].reshape(1 + count, n, *rows.shape[1:])
+        return part[0], part[1:]
+
+    @cached_property
+    def gap(self) -> Array:
+        """Gap over h at the nodes; (n,)."""
+        return np.asarray(self.of.powers[0] @ self._causes[0][0] - self._beside(self._solved[0])[0])
+
+    @cached_property
+    def _gap_rates(self) -> Array:
+        rates = -self._beside(self._rates)[0]
+        rates[:, :_EXTENT] += self.of.powers[0] @ self._causes[0][1:].T
+        return rates
+
+    @property
+    def densities(self) -> Array:
+        """D_y and B_y at the nodes; (field, n)."""
+        return self._densities * self.of.powers[1]
+
+    @property
+    def densities_at_its_gap(self) -> Array:
+        """Densities that potentials make where the gap does not move; (field n,)."""
+        n, fields = self.of.nodes, len(self.of.fields)
+        potentials = self._beside(self._solved[0])[1]
+        by_density = self._beside(self.near.matrix(float(self.unknowns[0])))[1][..., self._causes[1].shape[1] :]
+        size = self.of.powers[1]
+        matrix = (
+            -(self.of.media[:, None, None] * by_density).reshape(n * fields, n * fields)
+            / np.tile(size, fields)[:, None]
+        )
+        matrix[np.diag_indices(n * fields)] += np.tile(self.gap, fields)
+        right = (self.of.media[:, None] * potentials / size).ravel()
+        return solved(matrix, right)
+
+    @property
+    def reopened(self) -> Array:
+        """Unknowns with densities that open a gap which is closed next to an edge; (unknown,)."""
+        sides, start = self.of.table.operators.sides, _EXTENT + 2
+        densities = self.unknowns[start:].reshape(len(self.of.fields), sides, -1)
+        gaps = self.gap.reshape(sides, -1)
+        opened = np.stack([reopened(densities[:, side], gap) for side, gap in enumerate(gaps)], 1)
+        return np.concatenate([self.unknowns[:start], opened.ravel()])
+
+    @property
+    def unknowns_of_held_potentials(self) -> Array:
+        """Those with the charges that make held potentials zero where neither the contact nor a density changes."""
+        held = [f for f in self.of.fields if self.of.held[f]]
+        rows, columns = [1 + f for f in held], [_EXTENT + f for f in held]
+        found = np.array(self.unknowns)
+        found[columns] -= np.linalg.solve(self.response_rates[np.ix_(rows, columns)], self.response[rows])
+        return found
+
+    @cached_property
+    def sizes(self) -> Array:
+        """What steps of the unknowns are small against; (unknown,)."""
+        largest_density = np.max(np.abs(self._densities), 1, initial=1e-300)
+        largest_density = np.maximum(largest_density, 1e-4 * self.loads[0] / self.half)
+        charge = np.maximum(np.abs(self.loads[1:]), np.max(largest_density) * self.half)
+        return np.concatenate([np.ones(_EXTENT), charge, np.repeat(largest_density, self.of.nodes)])
+
+    @cached_property
+    def residual(self) -> Array:
+        """Zero where it is a contact: load, balance, charges or potentials, and the gap's law at the nodes."""
+        load = self.half * self._solved[0][LOAD] / self.loads[0] - 1
+        balance = self._causes[0][0, 0] - self._solved[0][BALANCE]
+        closings = [self._closing(f) for f in (0, 1)]
+        potentials = self._beside(self._solved[0])[1]
+        law = self._densities * self.gap - self.of.media[:, None] * potentials / self.of.powers[1]
+        return np.concatenate([[load, balance], closings, (law / self._reference).ravel()])
+
+    def _closing(self, f: int) -> float:
+        if f in self.of.fields and self.of.held[f]:
+            return float(self.response[1 + f])
+        return float(self.loads[1 + f] - self.of.contact.loading.loads[0, 1 + f])
+
+    @cached_property
+    def _reference(self) -> Array:
+        """Gap of the profile alone, which scales the law; (n,)."""
+        X = np.cosh(np.tile(self.of.table.operators.grid.theta, self.of.table.operators.sides))
+        return np.asarray((X - 1) ** 1.5 / np.sqrt(X) * np.max(np.abs(self._causes[0][0])))
+
+    @cached_property
+    def jacobian(self) -> Array:
+        """Derivatives of the residual where charges are given; (unknown, unknown)."""
+        count = self.unknowns.size
+        matrix = np.zeros((count, count))
+        matrix[0] = self.half * self._rates[LOAD] / self.loads[0]
+        matrix[0, 0] += self.half * self._solved[0][LOAD] / self.loads[0]
+        matrix[1] = -self._rates[BALANCE]
+        matrix[1, :_EXTENT] += self._causes[0][1:, 0]
+        matrix[_EXTENT, _EXTENT] = matrix[_EXTENT + 1, _EXTENT + 1] = 1.0
+        n = self.of.nodes
+        potentials = self._beside(self._rates)[1]
+        for place in range(len(self.of.fields)):
+            rows = slice(_EXTENT + 2 + place * n, _EXTENT + 2 + (place + 1) * n)
+            law = self._densities[place][:, None] * self._gap_rates
+            law -= self.of.media[place] * potentials[place] / self.of.powers[1][:, None]
+            law[:, rows][np.diag_indices(n)] += self.gap
+            matrix[rows] = law / self._reference[:, None]
+        return matrix
+
+    @cached_property
+    def chord(self) -> "Chord":
+        """The linear system at this state."""
+        return Chord(Factored.of(self.jacobian))
+
+    @property
+    def held(self) -> list[int]:
+        """Fields whose potentials are held."""
+        return [f for f in self.of.fields if self.of.held[f]]
+
+    @property
+    def open(self) -> bool:
+        """Whether the gap is open all along."""
+        return bool(np.all(self.gap > 0))
+
+    def require_gap(self) -> None:
+        """Refuse a gap that closes, as :func:`solver.gap.refusal.require_open`."""
+        of = self.of.table.operators
+        X = np.concatenate([of.grid.distance, -of.grid.distance])[: of.beside]
+        held = " and ".join(name for name, is_held in zip(_FIELDS, self.of.held, strict=True) if is_held)
+        require_open(self.gap, self._reference, X, "(x - c)/h", held)
+
+    # -- outputs -------------------------------------------------------------------------------------------------------
+    @cached_property
+    def response(self) -> Array:
+        """Depth, V and Psi in the units of the stack; (3,)."""
+        u = self.half * self._solved[0][DISPLACEMENT] - self.of.contact.far[0] @ self.loads
+        return np.concatenate([[self._rise[0] - u[0]], u[1:]])
+
+    @cached_property
+    def _rise(self) -> Array:
+        """Mean of g over the contact and its derivatives in log h and c/h; (3,)."""
+        slope, centre = self.of.contact.loading.slope[0], np.array([self.centre])
+        found = np.zeros(3)
+        for i, coefficient in enumerate(slope):
+            size, mean = coefficient * self.half ** (i + 1), float(mean_power(centre, i + 1)[0])
+            found += size * np.array([mean / (i + 1), mean, float(mean_power(centre, i)[0])])
+        return found
+
+    @cached_property
+    def response_rates(self) -> Array:
+        """Derivatives of depth, V and Psi in the unknowns, P held; (3, unknown)."""
+        rates = self.half * self._rates_of(DISPLACEMENT)
+        rates[:, 0] += self.half * self._solved[0][DISPLACEMENT]
+        rates[:, _EXTENT : _EXTENT + 2] -= self.of.contact.far[0][:, 1:]
+        rates[0] *= -1
+        rates[0, :_EXTENT] += self._rise[1:]
+        return rates
+
+    @cached_property
+    def tangents(self) -> Array:
+        """d (depth, V, Psi) / d (P, T, J) with moving edges, SI; (3, 3)."""
+        moved = np.array(self.chord.causes)
+        moved[:, 0] *= self.half * self._solved[0][LOAD] / self.loads[0] ** 2
+        whole = self.response_rates @ moved
+        whole[:, 0] += self._by_load
+        scale = self.of.contact.scale[1:]
+        return np.asarray(whole * scale[:, None] * scale)
+
+    @property
+    def _by_load(self) -> Array:
+        """What P adds to depth, V and Psi by the datum; (3,)."""
+        own = -self.of.contact.far[0][:, 0]
+        return np.asarray(own * np.array([-1.0, 1.0, 1.0]))
+
+    @cached_property
+    def at_fixed_contact(self) -> Array:
+        """d (depth, V, Psi) / d (T, J) at a fixed contact: the load and the gap follow, SI; (3, 2)."""
+        causes = self.chord.causes
+        load = -causes[0, 1:] / causes[0, 0]  # that keeps log h
+        moved = causes[:, 1:] + causes[:, :1] * load
+        whole = self.response_rates @ moved + self._by_load[:, None] * (self.loads[0] * load)
+        scale = self.of.contact.scale[1:]
+        return np.asarray(whole * scale[:, None] * scale[1:])
+
+
+@dataclass(frozen=True, eq=False)
+class Chord:
+    """LU factors of the equations at one state, charges given, which serve states next to it."""
+
+    system: Factored
+
+    @cached_property
+    def causes(self) -> Array:
+        """What the unknowns do where the residual of the load, of T or of J falls by one; (unknown, 3)."""
+        right = np.zeros((self.system.columns.size, 3))
+        right[0, 0] = right[_EXTENT, 1] = right[_EXTENT + 1, 2] = 1.0
+        return self.system.solve(right)
+
+    def step(self, state: State) -> Array:
+        """Newton's step back from a state; rows of held potentials are those of the state itself; (unknown,)."""
+        right = np.array(state.residual)
+        held = state.held
+        rows = [_EXTENT + f for f in held]
+        asked = right[rows]
+        right[rows] = 0.0
+        step = self.system.solve(right)
+        if held:
+            own = state.response_rates[[1 + f for f in held]]
+            by_charge = self.causes[:, [1 + f for f in held]]
+            step += by_charge @ np.linalg.solve(own @ by_charge, asked - own @ step)
+        return step

@@ -1,0 +1,163 @@
+"""What a contact along a line brings to an electrode below it, and to strips of it (films, section 11).
+
+With q(k) the rows of an electrode times the transforms of the tractions, a strip of width w in the distance d collects
+(1/pi) Re int q exp(ikd) 2 sin(kw/2) dk/k. On top a part of q is v of the tractions at the same place, which the
+antiderivatives F of these give: Im F of what presses, Re F of what is sheared.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from functools import cached_property, partial
+from typing import ClassVar
+
+import numpy as np
+
+from approximation.arrays import Indices
+from solver.arrays import Array, ComplexArray, joined
+from solver.line.contact import FilmContact
+from solver.line.similar import Films
+from solver.line.windows import Kind, traction_window
+from solver.stack.electrodereading import Reading
+from solver.stack.electrodes import Electrode, FarError, octave_of, transfers
+from solver.stack.floating import Strips, strips
+from solver.stack.layers import StackError
+
+_BLOCK = 200_000  # transforms of cases at wavenumbers held at once
+
+
+def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
+    """Requested electrode and strip quantities of `solver.names`, SI; (case,)."""
+    reading.refused(conducts=films.kind.conducts[0])
+    reading, parts = reading.over(films.thickness), list[tuple[Indices, dict[str, Array]]]()
+    for places, window, contact in films.parts:
+        own = reading.part(places)
+        read = partial(_OfLine, films.kind, window, contact, own, films.thickness[places])
+        parts.append((places, together(own, read, contact.half_width)))
+    return joined(parts, films.load.size)
+
+
+def together(reading: Reading, read: Callable[[Indices, int, int], "Collected"], extent: Array) -> dict[str, Array]:
+    """Outputs of cases by electrode and by octave of distances, those that all have."""
+    octaves, parts = octave_of(reading.reach + extent), list[tuple[Indices, dict[str, Array]]]()
+    for number in np.unique(reading.collector).tolist():
+        for octave in np.unique(octaves).tolist():
+            some = np.flatnonzero((reading.collector == number) & (octaves == octave))
+            if not some.size:
+                continue
+            try:
+                parts.append((some, read(some, int(number), octave).quantities()))
+            except FarError as error:
+                size = "" if reading.size is None else f"{reading.size[some].max():.3g} thicknesses of the top layer; "
+                raise StackError(f"patch_size: {size}{error}") from None
+    return joined(parts, extent.size)
+
+
+class Collected(ABC):
+    """What contacts of either kind bring to one electrode and to patches of it; (case,) each."""
+
+    #: Names of the capacitance of a patch that floats, and of its voltage per force.
+    floats: ClassVar[tuple[str, str]]
+
+    def __init__(self, electrode: Electrode, reading: Reading, force: Array, loads: Array) -> None:
+        self.electrode, self.reading, self.force, self.scale = electrode, reading, force, electrode.stack.scale
+        self._whole = -np.einsum("j,cj->c", electrode.whole, loads * self.scale[1:]) / self.scale[2]
+
+    def quantities(self) -> dict[str, Array]:
+        """Those of ``solver.names.ELECTRODE_QUANTITIES``, and of patches that float; by name, SI."""
+        reading, force = self.reading, self.force
+        out = {
+            "electrode_charge_per_force": self._whole / force,
+            "electrode_stroke_per_volt": np.full_like(force, self.electrode.stroke),
+        }
+        if not self.electrode.on_top:
+            out["electrode_pressure"] = self._pressure()
+        if reading.size is not None:
+            out["patch_charge_per_force"] = self._patch(reading.position) / force
+        if reading.pitch is not None:
+            out["crosstalk"] = self._patch(reading.pitch) / self._patch(np.zeros_like(reading.pitch))
+            out["patch_charge_gradient"] = -2 * self._gradient(reading.pitch / 2) / force
+        if reading.floating is not None:
+            capacitance, voltage = self.floats
+            out[capacitance] = self._capacitance()
+            out[voltage] = -out["patch_charge_per_force"] / out[capacitance]
+        return out
+
+    @abstractmethod
+    def _pressure(self) -> Array:
+        """On the electrode below the middle of the contact [Pa]."""
+
+    @abstractmethod
+    def _patch(self, distance: Array) -> Array:
+        """Charges of patches whose middles are at distances (case,) over the top layer's thickness."""
+
+    @abstractmethod
+    def _gradient(self, distance: Array) -> Array:
+        """Their derivatives by the distance [m]."""
+
+    @abstractmethod
+    def _capacitance(self) -> Array:
+        """Of patches beside others that float."""
+
+
+class _OfLine(Collected):
+    """Cases of one window and electrode whose distances are of like size; lengths over the top layer's thickness."""
+
+    floats = ("patch_capacitance", "patch_voltage_per_load")
+
+    def __init__(
+        self, kind: Kind, window: int, contact: FilmContact, reading: Reading, thickness: Array,
+        some: Indices, number: int, octave: int,
+    ) -> None:  # fmt: skip
+        stack, loads = kind.stack(), np.concatenate([contact.load[:, None], contact.charges], -1)[some]
+        super().__init__(Electrode(stack, number), reading.part(some), contact.load[some], loads)
+        self.thickness = thickness[some]
+        if self.electrode.on_top and reading.size is None:
+            return
+        self.k, self.weights, rows = transfers(stack, number, octave)
+        self.tractions = traction_window(kind, window).read(contact).part(some)
+        self.carried: ComplexArray = np.empty((some.size, 2, self.k.size), np.complex128)
+        step = max(_BLOCK // self.k.size, 1)
+        for start in range(0, some.size, step):
+            here = slice(start, start + step)
+            transforms = self.tractions.part(here).in_fourier_space(self.k)[..., 0]
+            self.carried[here] = np.einsum("ckt,krt->crk", transforms, rows) / stack.scale[2]
+
+    def _pressure(self) -> Array:
+        pressure = -np.sum(self.carried[:, 1].real * self.weights, -1) / np.pi
+        return np.asarray(pressure * self.scale[2] / self.scale[1])
+
+    def _patch(self, distance: Array) -> Array:
+        return self._strip(distance, 0)
+
+    def _gradient(self, distance: Array) -> Array:
+        return self._strip(distance, 1) / self.thickness
+
+    def _capacitance(self) -> Array:
+        of_case, rows = self._rows
+        return np.array([row.capacitance for row in rows])[of_case]
+
+    def _strip(self, distance: Array, order: int) -> Array:
+        """Charges of strips, or their derivatives by the distance; (case,)."""
+        size = np.zeros_like(distance) if self.reading.size is None else self.reading.size
+        wave = (1j * self.k) ** order * np.exp(1j * self.k * distance[:, None])
+        if self.reading.floating is None:
+            share = 2 * np.sin(self.k * size[:, None] / 2) / self.k
+        else:
+            of_case, rows = self._rows
+            share = np.array([row.wave(self.k) for row in rows])[of_case]
+        charge = np.asarray(np.sum((self.carried[:, 0] * wave).real * share * self.weights, -1)) / np.pi
+        return charge + self._local(distance, size, order) if self.electrode.on_top else charge
+
+    @cached_property
+    def _rows(self) -> tuple[Indices, list[Strips]]:
+        """Rows of strips that float, and which of them is that of each case."""
+        return self.reading.gapped(lambda *row: strips(self.electrode.stack, self.electrode.number, *row))
+
+    def _local(self, distance: Array, size: Array, order: int) -> Array:
+        """What strips on top get of the tractions on them; (case,)."""
+        half = self.tractions.half_lengths
+        ends = (distance[:, None] + size[:, None] * [-0.5, 0.5]) / half[:, None]
+        at = self.tractions.on_plane(ends.astype(np.complex128), integrated=order == 0)[..., 0]  # (4, case, end)
+        parts = np.concatenate([at[:1].real, at[1:].imag])
+        charge = np.einsum("t,tc->c", self.electrode.local, parts[..., 1] - parts[..., 0]) / self.scale[2]
+        return np.asarray(charge if order else charge * half)

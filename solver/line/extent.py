@@ -1,0 +1,147 @@
+"""Extent of the contact under a load, read from a table (films, section 4): brackets, then Newton's iteration.
+
+Between smooth edges the half-length and the centre are unknown, with one corner the half-length. Cases are vectors;
+what is not one contact without tension within the resolved range is refused by name.
+"""
+
+import numpy as np
+
+from solver.arrays import Array, dot
+from solver.halfplane.pressing import ContactError
+from solver.line.loading import Loading
+from solver.line.outputs import BALANCE, LOAD, PRESSURE
+from solver.line.table import LengthsError, RangeError, Table
+
+_STEPS = 40
+_CLOSE = 1e-13
+_TENSION = 1e-8  # of the largest pressure over its weight: rounding of the terms at the edges
+_CHUNK = 16384  # cases at a time: bounded memory
+
+
+class TensionError(ContactError):
+    """A contact that would need tension between punch and surface."""
+
+
+def extent(table: Table, loading: Loading, half_width: Array | None) -> tuple[Array, Array]:
+    """Half-length [m] and c/h of every case; (case,) each."""
+    count = len(loading.loads)
+    half, centre = np.empty(count), np.empty(count)
+    for start in range(0, count, _CHUNK):
+        some = slice(start, start + _CHUNK)
+        part = loading.part(some)
+        if half_width is None:
+            half[some], centre[some] = _searched(table, part)
+        else:
+            _require_within(table, half_width[some])
+            half[some], centre[some] = half_width[some], 0.0
+        _refuse_tension(table, part, half[some], centre[some])
+    return half, centre
+
+
+def _searched(table: Table, loading: Loading) -> tuple[Array, Array]:
+    log_half, centre, lower, upper = _start(table, loading)
+    value, rate = (c[:, [LOAD, BALANCE]] for c in (table.series, table.rates))
+    load, smooth = loading.loads[:, 0], loading.order == 1
+    for _ in range(_STEPS):
+        causes = loading.at(np.exp(log_half), centre)
+        polynomials = table.polynomials(log_half)
+        now, moved = (np.tensordot(polynomials, c, 1) for c in (value, rate))
+        carried, balance = (dot(now[:, i], causes.values) for i in (0, 1))
+        widened, balance_width = (dot(moved[:, i], causes.values) + dot(now[:, i], causes.by_width) for i in (0, 1))
+        carried = np.where(carried > 0, carried, 1e-3 * load / np.exp(log_half))  # the bracket's upper end carries it
+        miss = np.log(np.exp(log_half) * carried / load)
+        by_width = 1 + widened / carried
+        if smooth:
+            shifted, balance_centre = (dot(now[:, i], causes.by_centre) for i in (0, 1))
+            by_centre = shifted / carried
+            off = causes.constant - balance
+            off_width = causes.constant_by_width - balance_width
+            off_centre = causes.constant_by_centre - balance_centre
+            determinant = by_width * off_centre - by_centre * off_width
+            step = (miss * off_centre - by_centre * off) / determinant
+            move = (by_width * off - off_width * miss) / determinant
+            centre = centre - np.clip(move, -0.5, 0.5)
+        else:
+            step, move = miss / by_width, np.zeros(())
+        log_half = np.clip(log_half - step, lower, upper)
+        if np.all(np.abs(step) + np.abs(move) < _CLOSE):
+            break
+        if not np.all(np.isfinite(step)):
+            raise ContactError("contact: no contact of this punch carries the load")
+    _require_within(table, np.exp(log_half))
+    return np.exp(log_half), centre
+
+
+def _start(table: Table, loading: Loading) -> tuple[Array, Array, Array, Array]:
+    """log h and c/h by interpolation between the half-lengths of the table, and the bracket of log h of every case."""
+    carried = load_at_nodes(table, loading)
+    asked, logs = loading.loads[:, :1], np.log(table.half_lengths)
+    enough = carried >= asked
+    changes = np.sum(enough[:, 1:] != enough[:, :-1], -1)
+    if np.any(changes > 1):
+        raise LengthsError("contact: contacts of more than one length carry the load (charges too large for it)")
+    if np.any(enough[:, 0]):
+        raise RangeError(_beyond(table, "narrower"))
+    if np.any(changes == 0):
+        raise RangeError(_beyond(table, "wider"))
+    upper = np.argmax(enough, -1)[:, None]
+    low, high = (np.take_along_axis(carried, i, -1) for i in (upper - 1, upper))
+    share = np.log(asked / np.maximum(low, 1e-3 * asked)) / np.log(high / np.maximum(low, 1e-3 * asked))
+    bracket = logs[upper[:, 0] - 1], logs[upper[:, 0]]
+    log_half = bracket[0] + share[:, 0] * (bracket[1] - bracket[0])
+    half = np.exp(log_half)
+    if loading.order == 1:
+        balance = np.tensordot(table.polynomials(log_half), table.series[:, BALANCE], 1)
+        return log_half, _centred(loading, half, balance), *bracket
+    return log_half, _corner(loading, half), *bracket
+
+
+def load_at_nodes(table: Table, loading: Loading) -> Array:
+    """Load that each half-length of the table carries; (case, node)."""
+    h, load = table.half_lengths, table.at_nodes[:, LOAD]
+    if loading.order == 1 and loading.slope.shape[-1] == 2:  # the slope of a cylinder knows no centre
+        weights = np.stack([h**2 * load[:, 0], load[:, 1], load[:, 2]])
+        return np.asarray(np.concatenate([loading.slope[:, 1:], loading.loads[:, 1:]], -1) @ weights)
+    half = np.broadcast_to(h, (len(loading.loads), h.size))
+    centred = loading.order == 1
+    centre = _centred(loading, half, table.at_nodes[:, BALANCE]) if centred else _corner(loading, half)
+    return half * dot(load, loading.at(half, centre).values)
+
+
+def _corner(loading: Loading, half: Array) -> Array:
+    """c/h of a contact whose corner is the origin."""
+    return np.full(half.shape, float(loading.smooth[0]) - float(loading.smooth[1]))
+
+
+def _centred(loading: Loading, half: Array, balance: Array) -> Array:
+    """c/h that balances two smooth edges at given half-lengths: Newton's iteration, exact at once for a cylinder."""
+    centre = np.zeros(half.shape)
+    for _ in range(_STEPS):
+        causes = loading.at(half, centre)
+        off = causes.constant - dot(balance, causes.values)
+        move = off / (causes.constant_by_centre - dot(balance, causes.by_centre))
+        centre = centre - np.clip(move, -1.0, 1.0)
+        if loading.slope.shape[-1] == 2 or not np.any(np.abs(move) > 1e-6):
+            break
+    return centre
+
+
+def _require_within(table: Table, half: Array) -> None:
+    if np.any(half < table.lower * (1 - 1e-12)):
+        raise RangeError(_beyond(table, "narrower"))
+    if np.any(half > table.upper * (1 + 1e-12)):
+        raise RangeError(_beyond(table, "wider"))
+
+
+def _beyond(table: Table, how: str) -> str:
+    top = table.system.kernel.stack.top.thickness
+    least, most = table.lower / top, table.upper / top
+    return f"contact: {how} than the resolved range, {least:g} to {most:g} of half-length over top layer's thickness"
+
+
+def _refuse_tension(table: Table, loading: Loading, half: Array, centre: Array) -> None:
+    samples = table.series[:, PRESSURE][:, ::8]
+    pressures = np.tensordot(table.polynomials(np.log(half)), samples, 1)
+    pressure = np.einsum("cpq,cq->cp", pressures, loading.at(half, centre).values)
+    if np.any(np.min(pressure, -1) < -_TENSION * np.max(np.abs(pressure), -1)):
+        raise TensionError("contact: it would need tension between punch and surface (charges or tilt too large)")

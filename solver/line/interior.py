@@ -1,0 +1,245 @@
+"""Fields inside films and their bases (films, section 6).
+
+In the top layer the half-plane's part of the field is closed (theory section 5); what the layers below reflect, and
+everything below the top layer, decays at least like exp(-k h1 g) and is integrated over the wavenumbers k. Inside, a
+graded layer is two staircases of homogeneous ones, extrapolated, loaded by the tractions of the graded film.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.arrays import Array, BoolArray, ComplexArray
+from solver.halfplane.interior import LINEAR, field_rows
+from solver.halfplane.potentials import POTENTIALS
+from solver.line.tractions import Tractions
+from solver.stack.fourier import Medium
+from solver.stack.grading import Graded, staircase
+from solver.stack.layers import Stack, StackError
+from solver.stack.layerwaves import TURN, below, layer_waves, modal
+from solver.stack.reflection import LayerWaves, held, waves
+from solver.stack.wavenumbers import strip
+
+SUBLAYERS = 24  # of a graded layer, and half of them, extrapolated
+FARTHEST = 2000.0  # distance over the width of the strip: bounded time
+
+_STEP = 512  # wavenumbers at a time
+_MOST = 1 << 20  # entries of a block of waves: bounded memory
+_ON = 1 + 1e-12  # a depth on an interface belongs to the layer above it
+
+
+@dataclass(frozen=True, eq=False)
+class Interior:
+    """Fields under tractions."""
+
+    tractions: Tractions
+    sublayers: int = SUBLAYERS
+
+    @cached_property
+    def body(self) -> Stack:
+        """The stack; a graded layer as sublayers of the materials at their middles."""
+        stack = self._stack
+        return staircase(stack, self.sublayers) if stack.top.graded else stack
+
+    @property
+    def _stack(self) -> Stack:
+        return self.tractions.system.kernel.stack
+
+    def fields(self, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
+        """Fields of ``solver.halfplane.interior.LINEAR``, SI; (member, field, y, x, column)."""
+        which = [LINEAR.index(name) for name in names]
+        depth = -Y * self.tractions.half_lengths[:, None]
+        body = self._body_at(depth)
+        if len(which) < 8 and not self._stack.top.graded:  # less to sum than the whole state
+            return np.moveaxis(self._summed(X, Y, [self._rows_of(medium, which) for medium in self._media]), 2, 1)
+        states = self._summed(X, Y, [np.eye(8) for _ in self._media])
+        rows = self._rows(depth, body, which)
+        flat = states.reshape(*states.shape[:3], -1)
+        return np.moveaxis((rows @ flat).reshape(*rows.shape[:3], *states.shape[3:]), 2, 1)
+
+    def potentials(self, X: Array, Y: Array, datum: Array) -> Array:
+        """Electric [V] and magnetic [A] potential; (member, 2, y, x, column).
+
+        Notes
+        -----
+        The magnetic potential over a base that insulates the magnetic field has no such datum: it means nothing here.
+        """
+        stack, tractions = self.body, self.tractions
+        out = self._summed(X, Y, [np.eye(8)[2:4]] * len(self._media), integrated=True)
+        h, width = tractions.half_lengths, strip(stack)
+        k, weights = self._wavenumbers(X)
+        near = float(weights / k @ np.exp(-k * width))  # the datum of the integrals is the width
+        totals = tractions.totals.real
+        to_datum = np.log(np.broadcast_to(datum, h.shape) / width)[:, None, None]
+        body = self._body_at(-Y * h[:, None])
+        for number, far in enumerate(_far(stack, totals)):
+            constant = (to_datum - near) * far
+            if number == 0:  # the closed form's datum is h
+                constant += (near - np.log(h / width)[:, None, None]) * (stack.media[0].compliance @ totals)[:, 2:]
+            out += np.where((body == number)[:, :, None, None, None], constant[:, None, :, None] / np.pi, 0)
+        return np.moveaxis(out * stack.scale[2:, None, None], 2, 1)
+
+    @property
+    def _media(self) -> list[Medium]:
+        return [*self.body.media, *filter(None, [self.body.base_medium])]
+
+    def _body_at(self, depth: Array) -> NDArray[np.intp]:
+        """Number of the layer at every depth, that of the base last; as ``depth``."""
+        ends = np.cumsum([layer.thickness for layer in self.body.layers]) * _ON
+        return np.searchsorted(ends, depth)
+
+    def _rows(self, depth: Array, body: NDArray[np.intp], which: list[int]) -> Array:
+        """What the fields take of the state; (member, y, field, 8)."""
+        rows = np.full((*depth.shape, len(which), 8), np.nan)
+        layer, own = self._stack.top, np.ones_like(depth, dtype=bool)
+        if isinstance(layer, Graded):  # strain and traction meet at sublayers, the material is that of the depth
+            own = body >= self.sublayers
+            if not np.all(own):
+                share = np.minimum(depth[~own] / layer.thickness, 1.0)
+                rows[~own] = self._rows_of(Medium(layer.profile(share), self.body.scale, self._stack.speed), which)
+        media = self._media
+        for number in np.unique(body[own]).tolist():
+            if number < len(media):
+                rows[own & (body == number)] = self._rows_of(media[number], which)
+        return rows
+
+    def _rows_of(self, medium: Medium, which: list[int]) -> Array:
+        half, scale = medium.halfplane, self.body.scale
+        units = np.concatenate([scale, 1 / scale]) / np.concatenate([half.scale, 1 / half.scale], -1)
+        return np.asarray(field_rows(half)[..., which, :] * units[..., None, :])
+
+    def _wavenumbers(self, X: Array) -> tuple[Array, Array]:
+        """Nodes and weights in k for positions."""
+        tractions, width = self.tractions, strip(self.body) / 2
+        sizes = tractions.longest if len(X) == 1 else tractions.half_lengths[:, None]
+        reach = float(np.max(np.abs(X) * sizes, initial=0.0)) + tractions.longest
+        if reach > FARTHEST * width:
+            raise StackError(
+                f"x: {np.max(np.abs(X)):g} is farther from the contact than the fields inside this film are resolved, "
+                f"{FARTHEST * width / tractions.longest - 1:.3g}"
+            )
+        return tractions.wavenumbers(self.body, reach, width)
+
+    def _summed(self, X: Array, Y: Array, rows: list[Array], *, integrated: bool = False) -> Array:
+        """Rows, those of each body, of [u,x; t] in the units of the body; (member, y, row, x, column).
+
+        ``integrated``: of what these are the derivatives of, up to a constant in every body.
+        """
+        stack, h = self.body, self.tractions.half_lengths
+        depth = -Y * h[:, None]
+        body, columns, count = self._body_at(depth), self.tractions.pressures.shape[-1], len(rows[0])
+        out: Array = np.zeros((h.size, depth.shape[1], count, X.shape[1], columns))
+        k, weights = self._wavenumbers(X)
+        shares = weights / np.pi / (1j * k if integrated else 1)
+        share = max(_MOST // (min(k.size, _STEP) * depth.shape[1] * count * columns), 1)
+        for first in range(0, k.size, _STEP):
+            here = slice(first, first + _STEP)
+            layers = waves(stack, k[here])
+            for start in range(0, h.size, share):
+                some = slice(start, start + share)
+                top = self.tractions.part(some).in_fourier_space(k[here])
+                own_waves = self._waves(layers, k[here], top, depth[some], body[some], rows)
+                own_waves *= shares[here, None, None, None]
+                x = X[some] if len(X) > 1 else X
+                _add(out[some], x * h[some, None], k[here], own_waves)
+        if np.any(inside := np.any(body == 0, 0)):
+            upper = (body[:, inside] == 0)[:, :, None, None, None]
+            own = self._halfplane(X, Y[:, inside], rows[0], integrated=integrated)
+            out[:, inside] += np.where(upper, own * h[:, None, None, None, None] if integrated else own, 0)
+        if stack.rigid:
+            out[body == len(stack.layers)] = np.nan
+        return out
+
+    def _waves(
+        self, layers: list[LayerWaves], k: Array, top: ComplexArray, depth: Array, body: NDArray[np.intp],
+        rows: list[Array],
+    ) -> ComplexArray:  # fmt: skip
+        """Rows of [u,x; t] in Fourier space, in the top layer without the half-plane's; (member, k, y, row, column).
+
+        ``top``: (i sigma_xy, sigma_yy, D_y, B_y) at the surface; (member, k, 4, column).
+        """
+        out: ComplexArray = np.zeros((*top.shape[:2], depth.shape[1], len(rows[0]), top.shape[-1]), np.complex128)
+        start, every = 0.0, np.arange(k.size)
+        for number, layer in enumerate(layers):
+            amplitude = layer.amplitude @ top
+            for members, places, those in _blocks(body == number):
+                zeta = np.clip(depth[np.ix_(members, places)] - start, 0.0, layer.thickness)
+                own = layer_waves(layer, k, zeta, amplitude[members], rows[number], reflected=number == 0)
+                out[np.ix_(members, every, places)] += np.where(those[:, None, :, None, None], own, 0)
+            start += layer.thickness
+            top = below(layer, k, amplitude, self.body.grounded[number])
+        base = self.body.base_medium
+        if base is not None:
+            for members, places, those in _blocks(body == len(layers)):
+                zeta = np.maximum(depth[np.ix_(members, places)] - start, 0.0)
+                own = modal(base, k, zeta, top[members], rows[-1])
+                out[np.ix_(members, every, places)] += np.where(those[:, None, :, None, None], own, 0)
+        return out
+
+    def _halfplane(self, X: Array, Y: Array, rows: Array, *, integrated: bool) -> Array:
+        """Rows of [u,x; t] of the half-plane of the top material; (member, y, row, x, column)."""
+        medium, shape = self.body.media[0], (max(len(X), len(Y)), Y.shape[1], X.shape[1])
+        own = rows @ (TURN[:, None] * np.concatenate([medium.compliance, np.eye(4)]))
+        out = np.zeros(())
+        for rate, part in zip(*medium.modes, strict=True):
+            z = np.empty(shape, np.complex128)  # x - c and the rate times the depth, over h
+            z.real = X[:, None, :] + rate.imag * Y[..., None]
+            z.imag = np.abs(rate.real * Y)[..., None]
+            H = self.tractions.on_plane(z.reshape(shape[0], -1), integrated=integrated)
+            H[0] *= 1j
+            out = out + ((-1j * own @ part) @ H.reshape(4, -1)).real
+        whole = out.reshape(len(rows), -1, *shape[1:], self.tractions.pressures.shape[-1])
+        return np.moveaxis(whole, 0, 2)
+
+
+def _far(stack: Stack, totals: Array) -> list[Array]:
+    """What k (phi, psi) tends to in every body as k -> 0, of totals of the tractions; (member, 2, column) each."""
+    response = [np.zeros((4, 4)) if stack.base_medium is None else stack.base_medium.compliance]
+    for held_below in reversed(stack.grounded):
+        response.append(held(response[-1], held_below))
+    *under, Y = response
+    parts, t = [(Y @ totals)[:, 2:]], totals
+    for Y, components in zip(under[::-1], stack.grounded, strict=True):
+        free, there = [i for i in range(4) if i not in components], list(components)
+        t = np.array(t)
+        t[:, there] = -np.linalg.pinv(Y[np.ix_(there, there)]) @ Y[np.ix_(there, free)] @ t[:, free]
+        parts.append((Y @ t)[:, 2:])
+    return parts
+
+
+def _blocks(inside: BoolArray) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], BoolArray]]:
+    """Members and depths of which some are inside a body, and which of their pairs are; nothing if none is."""
+    if np.any(inside):
+        members, places = np.flatnonzero(inside.any(1)), np.flatnonzero(inside.any(0))
+        yield members, places, inside[np.ix_(members, places)]
+
+
+def _add(out: Array, x: Array, k: Array, transforms: ComplexArray) -> None:
+    """Add waves (member, k, y, 8, column) at positions x (member, x) to ``out`` (member, y, 8, x, column)."""
+    phase = x[..., None] * k
+    flat = transforms.reshape(*transforms.shape[:2], -1)
+    real, imaginary = (np.ascontiguousarray(part) for part in (flat.real, flat.imag))
+    summed = np.cos(phase) @ real - np.sin(phase) @ imaginary
+    out += np.moveaxis(summed.reshape(*phase.shape[:2], *transforms.shape[2:]), 1, 3)
+
+
+def fields_of(tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...], datum: Array) -> Array:
+    """Fields inside films and bases under tractions of one column; (member, field, y, x), SI."""
+    if "magnetic_potential" in names and tractions.system.kernel.stack.insulated:
+        raise StackError("magnetic_potential: is not given inside a film on a base that insulates the magnetic field")
+    linear = tuple(name for name in names if name in LINEAR)
+
+    def parts(sublayers: int) -> Array:
+        inside = Interior(tractions, sublayers)
+        parts = [inside.fields(X[None], Y[None], linear)] if linear else []
+        parts += [inside.potentials(X[None], Y[None], datum)] if len(linear) < len(names) else []
+        return np.concatenate(parts, 1)[..., 0]
+
+    whole = parts(SUBLAYERS)
+    if tractions.system.kernel.graded is not None:  # of second order in the thickness of the sublayers
+        whole = whole + (whole - parts(SUBLAYERS // 2)) / 3
+    given = (*linear, *POTENTIALS)
+    return whole[:, [given.index(name) for name in names]]

@@ -1,0 +1,149 @@
+"""Every quantity of films by its name: those of a half-plane that a contact has, and those that only a film has."""
+
+from collections.abc import Iterator, Sequence, Set
+from dataclasses import replace
+
+import numpy as np
+
+from approximation.arrays import Indices
+from solver.arrays import Array, joined
+from solver.halfplane.quantities import at_edges
+from solver.line.contact import FilmContact
+from solver.line.peakpressure import peak_pressure
+from solver.line.peaks import PEAKS_OF, PeakTable
+from solver.line.similar import Films
+from solver.line.stressnets import DEPTH
+from solver.line.table import RangeError
+from solver.line.windows import Kind, peak_window
+from solver.names import RESPONSES
+from solver.stack.layers import StackError
+
+_STEPS = 20
+_CLOSE = 1e-9  # of a charge: the next step is of its square
+
+#: Cases, a table of their stresses, and their contacts in it.
+PeakTables = Iterator[tuple[Indices, PeakTable, FilmContact]]
+
+
+def quantities(films: Films) -> dict[str, Array]:
+    """Quantities of ``solver.names.QUANTITIES`` and ``FILM_QUANTITIES`` that the cases have; (case,) each.
+
+    Left out are the response of a field that the punch does not conduct, and what is infinite at a corner.
+    """
+    films.require_one_length()
+    h, gather = films.thickness, films.gather
+    out = {
+        "contact_trailing": h * gather(lambda c: c.trailing),
+        "contact_leading": h * gather(lambda c: c.leading),
+        "contact_offset": h * gather(lambda c: c.offset),
+        "pressure_exponent": gather(lambda c: np.full(c.load.shape, c.exponent)),
+        "depth": h * gather(lambda c: c.depth),
+    }
+    smooth = films.kind.smooth
+    if all(smooth):
+        out["peak_pressure"] = gather(peak_pressure)
+    out |= at_edges(
+        smooth,
+        None if films.kind.electroded else lambda edge: gather(lambda c: c.edge_stress(edge)),
+        lambda edge: np.sqrt(h)[:, None] * gather(lambda c: c.edge_intensity(edge)),
+    )
+    for field, conducts in enumerate(films.kind.conducts):
+        if conducts:
+            out |= _responses(films, field)
+    if "voltage" in out:
+        out["nominal_field"] = np.abs(out["voltage"]) / (h * films.kind.above_ground)
+    return out
+
+
+def _responses(films: Films, field: int) -> dict[str, Array]:
+    """Response of a field that the punch conducts."""
+    j = 1 + field
+    t = films.gather(lambda c: c.tangents)
+    uncharged = films.with_charges(np.zeros_like(films.charges)) if np.any(films.charges) else films
+    values = (
+        films.thickness * films.gather(lambda c: c.potential(field)),
+        uncharged.gather(lambda c: c.tangents[:, j, 0]),
+        _short_circuit(uncharged, field),
+        *driven(t, j),
+        1 / films.gather(lambda c: c.at_fixed_contact[:, j, field]),
+    )
+    return dict(zip(RESPONSES[field], values, strict=True))
+
+
+def driven(tangents: Array, j: int) -> tuple[Array, Array]:
+    """Depth per potential at a fixed load, and load per potential at a fixed depth; (...) each."""
+    t = np.moveaxis(tangents, (-2, -1), (0, 1))
+    return t[0, j] / t[j, j], 1 / (t[j, 0] - t[j, j] * t[0, 0] / t[0, j])
+
+
+def _short_circuit(uncharged: Films, field: int) -> Array:
+    """Charge per load that makes the potential 0, the other charge 0 [C/N, Wb/N]."""
+    j, state = 1 + field, uncharged
+    for _ in range(_STEPS):
+        potential = state.thickness * state.gather(lambda c: c.potential(field))
+        step = potential / state.gather(lambda c: c.tangents[:, j, j])
+        charges = np.array(state.charges)
+        charges[:, field] -= step
+        state = state.with_charges(charges)
+        if np.all(np.abs(step) <= _CLOSE * np.abs(charges[:, field])):
+            break
+    return np.asarray(state.charges[:, field] / state.load)
+
+
+def peaks(films: Films, asked: Set[str], tables: PeakTables | None = None) -> dict[str, Array]:
+    """Quantities of ``solver.names.FILM_PEAKS`` that are asked for and the cases have; (case,) each.
+
+    A film of several layers has those of its lowest interface and of its base.
+    """
+    regions = [region for region in _regions(films.kind) if asked & set(PEAKS_OF[region])]
+    if not regions:
+        return {}
+    parts = [
+        (places, {name: peak for region in regions for name, peak in table.peaks(contacts, region).items()})
+        for places, table, contacts in tables or _peak_tables(films)
+    ]
+    return {name: values for name, values in joined(parts, films.load.size).items() if name in asked}
+
+
+def curves(films: Films, regions: Sequence[str], tables: PeakTables | None = None) -> dict[str, Array]:
+    """Sizes of the contacts, and the curves of regions that the cases have, see ``solver.curves``; (case, ...) each.
+
+    Raises as :func:`peaks`.
+    """
+    films.require_one_length()
+    parts = []
+    for places, table, contacts in tables or _peak_tables(films):
+        load, thickness = films.load[places], films.thickness[places]
+        half_length = thickness * contacts.half_width
+        out = {"mean_pressure": load / (2 * half_length), "half_length": half_length}
+        out["load_over_thickness"] = load / thickness
+        for region in regions:
+            if region in _regions(films.kind):
+                out |= table.curves(contacts, region)
+        parts.append((places, out))
+    return joined(parts, films.load.size)
+
+
+def _peak_tables(films: Films) -> PeakTables:
+    """Cases with the table of stresses of their window, and their contacts in it."""
+    if films.kind.stack().top.graded:
+        raise StackError("peaks: are not given of a film that is graded")
+    for places, number, contact in films.parts:
+        require_depth(films.kind, contact.half_width)
+        of = peak_window(films.kind, number)
+        yield places, of, replace(contact, table=of.table)
+
+
+def require_depth(kind: Kind, half_lengths: Array) -> None:
+    """Refuse contacts so wide that the film has no depth below 0.1 h."""
+    thickness = kind.stack().thickness
+    if np.any(half_lengths > 0.99 / DEPTH * thickness):
+        widest = np.max(half_lengths) / thickness
+        raise RangeError(
+            f"contact: half-length over thickness {widest:g} is too wide for peaks; must be < {1 / DEPTH:g}"
+        )
+
+
+def _regions(kind: Kind) -> list[str]:
+    """Regions whose largest stresses are given: panels through several layers would meet their jumps."""
+    return ["interface"] + ["film"] * kind.uniform + ["base"] * (kind.base is not None)

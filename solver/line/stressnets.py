@@ -1,0 +1,165 @@
+"""Nets of Chebyshev panels tied to the contact, over which the stresses of films are tabulated (film surrogates, 2).
+
+Five panels lie side by side: under the contact, beside its edges, and far, even in the logarithm of the distance from
+the edge. The far ones end where nothing larger can be: beyond, the film carries no bending, the base feels a line force
+and its stresses fall as 1/r. In the depth points are even in its logarithm. Panels have the points that 1e-7 at worst
+takes, less at the tops.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from approximation.chebyshev import gauss_points
+from approximation.panels import line
+from solver.arrays import Array
+from solver.stack.layers import Stack
+
+#: Ends of the panels across in their own coordinate t.
+ENDS = (-5.0, -3.0, -1.0, 1.0, 3.0, 5.0)
+
+DEPTH = 0.1  # of the half-length: the least depth of the film's peaks
+
+_BELOW = 1 + 1e-9  # of the thickness: the top of the base
+_BESIDE = 0.4  # width of the film's panels beside the edges, of the half-length
+_NEAR = 2.0  # the same on the interface and in the base, of the thickness
+_TAIL = 8.0  # how much farther the interface is searched: where its tension dies out its sign still changes
+_FARTHEST = 8.0  # thicknesses, or lengths over which a base bends a film that is stiffer
+_ERROR = 1e-7  # of a panel's interpolant at its worst point
+_ANGLE = 1.1  # the largest that is reckoned with
+_FEWEST, _MOST = 12, 128  # points of a panel
+
+
+@dataclass(frozen=True)
+class Net:
+    """Points over a region of films of one stack, for half-lengths from ``least`` to ``most`` [m]."""
+
+    # Width of the panels beside the edges: these shares of h and of the thickness together
+    half_share: float
+    thickness_share: float
+    farthest: float  # Distance from the edges at which the far panels end [m]
+    # Where fields are singular about an edge: the distance from a level line over its depth, and the angle
+    rate: float
+    angle: float
+    # Least and largest depth, as shares of (h, thickness of all layers)
+    top: tuple[float, float]
+    bottom: tuple[float, float]
+    thickness: float  # H: thickness of all layers [m]
+    # Half-lengths [m]
+    least: float
+    most: float
+
+    @property
+    def across(self) -> tuple[int, ...]:
+        """Number of points of every panel across."""
+        ends = (self.least, self.most)
+        far = max(self._even(self.farthest / self._near(h)) for h in ends)
+        beside = max(self._linear(self._near(h) / self._sharp(h)) for h in ends)
+        return far, beside, max(self._linear(2 * h / self._sharp(h)) for h in ends), beside, far
+
+    @property
+    def down(self) -> int:
+        """Number of points down; 1 of an interface."""
+        if self.top == self.bottom:
+            return 1
+        ends = (self.least, self.most)
+        return max(self._even(_at(self.bottom, h, self.thickness) / self._sharp(h)) for h in ends)
+
+    def _near(self, h: float) -> float:
+        """Width of the panels beside the edges [m]."""
+        return self.half_share * h + self.thickness_share * self.thickness
+
+    def _sharp(self, h: float) -> float:
+        """Least distance of the net from the edges [m]."""
+        return _at(self.top, h, self.thickness)
+
+    def _even(self, ratio: float) -> int:
+        """Points of a panel between lengths of a ratio, even in the logarithm: singularities lie at an angle."""
+        return _points(np.arcsinh(2 * self.angle / np.log(ratio)))
+
+    def _linear(self, width: float) -> int:
+        """Points of a panel that ends above an edge, its width over the depth."""
+        return _points(np.arccosh(1 + 2j * self.rate / width).real)
+
+    def positions(self, half_lengths: Array, t: Array) -> Array:
+        """X = (x - c)/h at coordinates along the surface; (case, point).
+
+        half_lengths: (case,), h [m]; t: (point,) or (case, point), in -5 to 5.
+        """
+        h = half_lengths[:, None]
+        near = self.half_share * h + self.thickness_share * self.thickness
+        beside = np.clip((np.abs(t) - 1) / 2, 0.0, 1.0)
+        far = np.clip((np.abs(t) - 3) / 2, 0.0, 1.0)
+        away = near * beside * (self.farthest / near) ** far
+        return np.asarray(np.clip(t, -1.0, 1.0) + np.sign(t) * away / h)
+
+    def depths(self, half_lengths: Array) -> Array:
+        """-y/h of the points down; (case, point)."""
+        return np.array([self.depth_at(h, gauss_points(self.down)) for h in half_lengths.tolist()])
+
+    def depth_at(self, h: float, t: Array) -> Array:
+        """-y/h at coordinates down; as t."""
+        low, high = (np.log(_at(share, h, self.thickness)) for share in (self.top, self.bottom))
+        return np.asarray(np.exp((low + high) / 2 + (high - low) / 2 * t) / h)
+
+    @property
+    def line(self) -> Array:
+        """Coordinates t of the points across."""
+        return line(self.across, ENDS)
+
+
+@dataclass(frozen=True, eq=False)
+class Nets:
+    """The nets of a stack, for half-lengths from ``least`` to ``most`` [m]."""
+
+    stack: Stack
+    least: float
+    most: float
+
+    @property
+    def interface(self) -> Net:
+        """Points on the upper side of the lowest interface."""
+        return replace(self._net((0.0, _NEAR), (0.0, 1.0), (0.0, 1.0)), farthest=_TAIL * _farthest(self.stack))
+
+    @property
+    def film(self) -> Net:
+        """Points of the film from depth 0.1 h to the interface."""
+        return self._net((_BESIDE, 0.0), (DEPTH, 0.0), (0.0, 1.0))
+
+    @property
+    def base(self) -> Net:
+        """Points of the base from the interface to two half-lengths and a thickness below it."""
+        return self._net((0.0, _NEAR), (0.0, _BELOW), (2.0, 2.0))
+
+    def _net(self, near: tuple[float, float], top: tuple[float, float], bottom: tuple[float, float]) -> Net:
+        stack = self.stack
+        return Net(*near, _farthest(stack), *singular(stack), top, bottom, stack.thickness, self.least, self.most)
+
+
+def of_whole(stack: Stack, half: float, bottom: float, farthest: float) -> Net:
+    """Points of one body, layers alike, below depth 0.1 h."""
+    ends = (DEPTH, 0.0), (bottom, 0.0)
+    return Net(_BESIDE, 0.0, farthest * half, *singular(stack), *ends, stack.thickness, half, half)
+
+
+def _farthest(stack: Stack) -> float:
+    """Distance [m] from the edges beyond which nothing is larger: a stiff film bends a soft base over cube roots."""
+    stiffness = max(float(layer.material.c11) for layer in stack.layers)
+    base = stiffness if isinstance(stack.base, str) else float(stack.base.c11)
+    return float(_FARTHEST * stack.thickness * np.cbrt(max(1.0, stiffness / base)))
+
+
+def singular(stack: Stack) -> tuple[float, float]:
+    """Least rate and angle of the waves of all layers and the base, see :class:`Net`."""
+    media = [*stack.media, *filter(None, [stack.base_medium])]
+    rates = np.concatenate([np.linalg.eigvals(medium.decay) for medium in media])
+    return float(np.min(rates.real)), min(float(np.pi / 2 - np.max(np.abs(np.angle(rates)))), _ANGLE)
+
+
+def _points(decay: float) -> int:
+    """Points from the decay of Chebyshev coefficients."""
+    return int(np.clip(np.ceil(-np.log(_ERROR) / decay), _FEWEST, _MOST))
+
+
+def _at(share: tuple[float, float], h: float, thickness: float) -> float:
+    return share[0] * h + share[1] * thickness

@@ -1,0 +1,132 @@
+"""Fields along the surface of a film, on both sides of the contact (films, section 3; theory section 5).
+
+At fixed positions X the fields are functions of log h, linear in the causes: a table of their own, then a product.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from approximation.chebyshev import coefficients
+from solver.arrays import Array
+from solver.fields import FIELDS
+from solver.line.assembly import Assembly
+from solver.line.contact import FilmContact
+from solver.line.kernel import kernel
+from solver.line.similar import Films
+from solver.line.system import System
+from solver.line.table import Table, batches
+from solver.line.windows import Kind, window
+
+_TRACTIONS = slice(0, 3)  # sigma_yy, D_y, B_y
+_GRADIENTS = slice(3, 6)  # d(phi, psi, u_x)/dx
+_POSITIONS = 512  # at a time
+_VALUES = 1 << 17  # positions times cases at a time: bounded memory
+_TABLES = 32  # kept: 2 MB each at most
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceTable:
+    """Fields at positions over the half-lengths of a table."""
+
+    table: Table
+    positions: Array
+
+    @cached_property
+    def series(self) -> Array:
+        """Chebyshev coefficients in log h of tractions and gradients; (node, 6, position, cause)."""
+        system, h = self.table.system, self.table.half_lengths
+        farthest = float(np.max(np.abs(self.positions), initial=1.0)) + 1
+        wide = System(
+            kernel(system.kernel.stack, farthest * self.table.upper) if farthest > 2 else system.kernel,
+            system.sliding, system.smooth, system.degree, system.accuracy,
+        )  # fmt: skip
+        values: Array = np.empty((h.size, 6, self.positions.size, system.causes))
+        for basis, members in batches(wide, h, self.positions.size):
+            assembly = Assembly(wide, basis, h[members], self.positions)
+            values[members] = np.einsum("hfpu,huc->hfpc", local_fields(assembly), assembly.unknowns)
+        return coefficients(values)
+
+    def fields(self, contact: FilmContact) -> dict[str, Array]:
+        """As :func:`fields`, of contacts that were read from the same table."""
+        read = np.tensordot(self.table.polynomials(np.log(contact.half_width)), self.series, 1)
+        whole = np.einsum("cfpq,cq->cfp", read, contact.causes.values)
+        return of_local(self.table.system, whole)
+
+
+def of_local(system: System, whole: Array) -> dict[str, Array]:
+    """Fields of ``solver.fields.FIELDS`` from what :func:`local_fields` tells; (case, position) each, SI.
+
+    whole: (case, 6, position), sums over the unknowns, in the units of the stack.
+    """
+    half, scale = system.sliding.halfplane, system.kernel.stack.scale
+    t = whole[:, _TRACTIONS] / scale[1:, None]
+    gradient = whole[:, _GRADIENTS] * np.array([scale[2], scale[3], scale[0]])[:, None]
+    shear = system.coefficients.friction * t[:, 0]
+    flux = -np.einsum("fg,cgp->cfp", half.transverse_permittivity, gradient[:, :2])
+    flux = flux + half.transverse_shear_share[:, None] * shear[:, None]
+    stretch = half.in_plane_stiffness * gradient[:, 2] + np.einsum("f,cfp->cp", half.in_plane_share, t)
+    return {
+        "contact_pressure": -t[:, 0],
+        "shear_traction": shear,
+        "electric_displacement_y": t[:, 1],
+        "magnetic_induction_y": t[:, 2],
+        "stress_xx": stretch,
+        "electric_displacement_x": flux[:, 0],
+        "magnetic_induction_x": flux[:, 1],
+    }
+
+
+def local_fields(assembly: Assembly) -> Array:
+    """(sigma_yy, D_y, B_y) and d(phi, psi, u_x)/dx at the points, of every unknown; (half, 6, point, unknown)."""
+    system, basis, X = assembly.system, assembly.basis, assembly.points
+    c, inside = system.coefficients, np.abs(X) < 1
+    count = system.unknowns(basis)
+    t, H = np.zeros((3, X.size, count)), np.zeros((3, X.size, count))
+    pressed, charged = np.zeros((2, X.size, basis.pressures)), np.zeros((2, X.size, basis.terms + 1))
+    within, beyond = X[inside], X[~inside]
+    angle = np.arccos(within)[:, None]
+    orders = np.arange(basis.terms + 1)
+    pressed[0, inside] = basis.weight(within)[:, None] * basis.pressure_factor(within)
+    pressed[1, inside] = -np.tan(np.pi * c.delta) * pressed[0, inside] - basis.local(within)
+    charged[0, inside] = np.cos(angle * orders) / np.sin(angle)
+    charged[1, inside] = np.sin(angle * orders) / np.sin(angle)  # U_(n-1)
+    pressed[1, ~inside], charged[1, ~inside] = basis.transforms(beyond)
+    for columns, _, rule, carried in assembly.sources():
+        own = pressed if rule.shape[1] == basis.pressures and columns.start == 0 else charged
+        t[..., columns] = carried[:, None, None] * own[0]
+        H[..., columns] = carried[:, None, None] * own[1]
+    fields = np.empty((assembly.half_lengths.size, 6, X.size, count))
+    fields[:, _TRACTIONS] = t
+    smooth = assembly.gradients[:, 1:]
+    own = np.tensordot(c.compliance[1:], H, 1) + c.friction * c.coupling[1:, None, None] * t[0]
+    along = c.tangential * c.friction * H[0] - np.tensordot(c.coupling, t, 1)
+    fields[:, _GRADIENTS] = smooth + np.concatenate([own, along[None]])
+    for f in c.fields:
+        fields[:, 3 + f, inside] = 0.0  # an equipotential
+    return fields
+
+
+@lru_cache(_TABLES)
+def _surface_window(kind: Kind, number: int, positions: tuple[float, ...]) -> SurfaceTable:
+    return SurfaceTable(window(kind, number), np.array(positions))
+
+
+def fields(films: Films, positions: Array) -> dict[str, Array]:
+    """Fields of ``solver.fields.FIELDS``; (case, position) each.
+
+    positions: (position,), X = (x - c)/h, finite and never exactly +-1.
+    """
+    count = films.load.size
+    out = {name: np.empty((count, positions.size)) for name in FIELDS}
+    block = _VALUES // min(positions.size, _POSITIONS)
+    for start in range(0, count, block):
+        part = films.part(slice(start, start + block))
+        for first in range(0, positions.size, _POSITIONS):
+            X = positions[first : first + _POSITIONS]
+            for places, number, contact in part.parts:
+                values = _surface_window(films.kind, number, tuple(X.tolist())).fields(contact)
+                for name, whole in out.items():
+                    whole[np.ix_(start + places, np.arange(first, first + X.size))] = values[name]
+    return out

@@ -1,0 +1,226 @@
+"""The contact as a linear system at given half-lengths (films, section 4).
+
+At one half-length everything is linear in the slope of the punch, the charges and, between corners, the load. The
+unknowns are the terms of the pressure, those of the conducted fields and, between smooth edges, the constant slope
+that balances them: the centre of the contact is one more linear unknown. The kernels are sampled at differences of
+Gauss nodes, whose rules are exact for the smooth parts to the order of the basis.
+
+Units are those of the stack; the half-length is taken out: ``P = h load``, ``T = h charge``.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.halfplane.sliding import Sliding
+from solver.line.basis import Basis
+from solver.line.kernel import Kernel
+
+#: Positions at which the pressure over its weight is sampled, edges included: tension shows there.
+SAMPLES: Array = np.cos(np.pi * np.arange(193) / 192)
+
+_SAMPLES = 13.5  # half the logarithm of the error of the rules that integrate the kernels
+_GRADED_TERMS = 2.5  # under a graded layer, over those of a homogeneous one
+_NO_COUPLING = 1e-6  # of lam: a friction coupling kap below this is replaced by it (films, section 4)
+
+
+@dataclass(frozen=True, eq=False)
+class Coefficients:
+    """Sliding of the top material in the units of a stack, for one friction and conduction."""
+
+    friction: float  # eta
+    fields: tuple[int, ...]  # Conducted fields among (0 electric, 1 magnetic)
+    delta: float  # Friction angle over pi
+    # Compliance and friction coupling under the punch
+    lam: float
+    kap: float
+    # r and d over both fields, 0 where not conducted; (2,)
+    screening: Array
+    friction_screening: Array
+    inverse: Array  # M^-1 over the conducted fields; (fields, fields)
+    # N (3, 3), k (3,) and (L^-1)_xx of the body
+    compliance: Array
+    coupling: Array
+    tangential: float
+    # N_p and -k_p, which an elastic punch adds to N11 and k1 in the contact conditions
+    punch: tuple[float, float] = (0.0, 0.0)
+
+    @classmethod
+    def of(cls, sliding: Sliding, scale: Array) -> "Coefficients":
+        """From a sliding without case axes.
+
+        scale: (4,), that of the stack.
+        """
+        half, units = sliding.halfplane, scale[1:]
+        both = units[:, None] * units
+        fields = tuple(int(f) for f in np.flatnonzero(sliding.conducts))
+        N = half.compliance / both
+        conducted = np.array(fields, dtype=int) + 1
+        lam = float(sliding.lam) / units[0] ** 2
+        kap = float(sliding.kap) / units[0] ** 2
+        if abs(kap) < _NO_COUPLING * lam:
+            kap = float(np.copysign(_NO_COUPLING * lam, kap))
+        return cls(
+            friction=float(sliding.friction),
+            fields=fields,
+            delta=float(np.arctan(float(sliding.friction) * kap / lam) / np.pi),
+            lam=lam,
+            kap=kap,
+            screening=sliding.screening * units[1:] / units[0],
+            friction_screening=sliding.friction_screening * units[1:] / units[0],
+            inverse=np.linalg.inv(N[np.ix_(conducted, conducted)]),
+            compliance=N,
+            coupling=half.friction_coupling / (units * scale[0]),
+            tangential=float(half.tangential_compliance) / float(scale[0]) ** 2,
+            punch=(float(sliding.punch.compliance) / units[0] ** 2, -float(sliding.punch.coupling) / units[0] ** 2),
+        )
+
+    @property
+    def follower(self) -> Array:
+        """D1 = (lam / kap) d - r: what the conducted fields take of the pressure; (2,)."""
+        return np.asarray(self.lam / self.kap * self.friction_screening - self.screening)
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """Contacts of one stack, friction, conduction and kind of edges at any half-length."""
+
+    kernel: Kernel
+    sliding: Sliding
+    smooth: tuple[bool, bool]
+    degree: int
+    accuracy: float = 1.0
+
+    @cached_property
+    def coefficients(self) -> Coefficients:
+        """The sliding in the units of the stack."""
+        return Coefficients.of(self.sliding, self.kernel.stack.scale)
+
+    @property
+    def fields(self) -> tuple[int, ...]:
+        """Conducted fields."""
+        return self.coefficients.fields
+
+    @property
+    def powers(self) -> range:
+        """Powers of X that are given; between smooth edges the constant is found."""
+        return range(1 if all(self.smooth) else 0, self.degree + 1)
+
+    @property
+    def causes(self) -> int:
+        """Number of right sides: powers of the slope, T, J and, between corners, P."""
+        return len(self.powers) + 2 + (not any(self.smooth))
+
+    def basis(self, half_length: float) -> Basis:
+        """Basis whose terms resolve contacts up to a half-length [m]."""
+        terms = self.terms(half_length)
+        samples = terms // 2 + 6 + int(_SAMPLES / np.arcsinh(self.kernel.width / half_length))
+        if self.kernel.graded is not None:  # the remainder is rough at a distance of 0
+            samples *= 2
+        return Basis(self.coefficients.delta, self.smooth, terms, samples)
+
+    def terms(self, half_length: float) -> int:
+        """M for 1e-8 or better, by the ratio of half-length and reach of the kernel; even."""
+        stack = self.kernel.stack
+        ratio = half_length / (stack.top.thickness * min(float(stack.media[0].slowest), 1.0))
+        count = self.accuracy * 0.8 * (16 + 7 * np.sqrt(ratio) + 0.2 * ratio) + self.degree
+        if self.kernel.graded is not None:  # they converge like M^-4
+            count *= _GRADED_TERMS
+        return max(2 * int(np.ceil(count / 2)), 8)
+
+    def solve(
+        self,
+        basis: Basis,
+        gradients: Array,
+        rough: tuple[Array, Array] | None = None,
+        sources: Array | None = None,
+    ) -> Array:
+        """Unknowns for every right side; (half, unknown, cause and source)."""
+        matrix = self._matrix(basis, gradients, rough)
+        right = np.zeros((matrix.shape[-1], self.causes))
+        slopes = basis.nodes[:, None] ** np.array(self.powers)
+        projected = basis.projection @ slopes
+        start = self.starts(basis)
+        count = len(self.powers)
+        first = max(basis.order, 0)
+        pressures = slice(max(-basis.order, 0), basis.pressures)
+        right[pressures, :count] = projected[first:]
+        if basis.order == 1:
+            right[-1, :count] = projected[0]
+        if basis.order == -1:
+            right[0, -1] = 1.0
+        c = self.coefficients
+        for f in self.fields:
+            rows = slice(start[f] + 1, start[f] + 1 + basis.terms)
+            right[rows, :count] = -c.friction_screening[f] / c.kap * (basis.charge_projection @ slopes)
+            right[start[f], count + f] = -1.0
+        whole = np.broadcast_to(right, (*matrix.shape[:-1], self.causes))
+        if sources is not None:
+            whole = np.concatenate([whole, self._answering(basis, sources)], -1)
+        return np.asarray(np.linalg.solve(matrix, whole), dtype=np.float64)
+
+    def _answering(self, basis: Basis, sources: Array) -> Array:
+        """Right sides that answer given slopes and gradients of the conducted fields; (half, unknown, source)."""
+        pressed, charged = self.eliminated(sources)
+        projected, series = basis.projection @ pressed, basis.charge_projection @ charged
+        right = np.zeros((sources.shape[0], self.unknowns(basis), sources.shape[-1]))
+        right[:, max(-basis.order, 0) : basis.pressures] = -projected[:, max(basis.order, 0) :]
+        if basis.order == 1:
+            right[:, -1] = -projected[:, 0]
+        for place, start in enumerate(self.starts(basis).values()):
+            right[:, start + 1 : start + 1 + basis.terms] = -series[:, place]
+        return right
+
+    def starts(self, basis: Basis) -> dict[int, int]:
+        """First unknown of each conducted field."""
+        return {f: basis.pressures + j * (basis.terms + 1) for j, f in enumerate(self.fields)}
+
+    def unknowns(self, basis: Basis) -> int:
+        """Number of unknowns."""
+        return basis.pressures + len(self.fields) * (basis.terms + 1) + (basis.order == 1)
+
+    def split(self, basis: Basis, unknowns: Array) -> tuple[Array, Array]:
+        """Terms s, (..., pressures), and c, (..., 2, M + 1), 0 where not conducted.
+
+        unknowns: (..., unknown).
+        """
+        charges = np.zeros((*unknowns.shape[:-1], 2, basis.terms + 1))
+        for f, start in self.starts(basis).items():
+            charges[..., f, :] = unknowns[..., start : start + basis.terms + 1]
+        return unknowns[..., : basis.pressures], charges
+
+    def eliminated(self, gradients: Array) -> tuple[Array, Array]:
+        """Minus the right sides of the equations for the pressure and, (half, field, ...), for the fields."""
+        c, flux = self.coefficients, gradients[:, [1 + f for f in self.fields]]
+        pressed = gradients[:, 0] - np.einsum("f,hfmz->hmz", c.screening[list(self.fields)], flux)
+        ratio = c.friction_screening[list(self.fields), None, None] / c.kap
+        return pressed, np.einsum("fg,hgmz->hfmz", c.inverse, flux) - ratio * pressed[:, None]
+
+    def _matrix(self, basis: Basis, smooth: Array, rough: tuple[Array, Array] | None) -> Array:
+        c, start, h = self.coefficients, self.starts(basis), smooth.shape[0]
+        pressed, charged = self.eliminated(smooth)
+        projected, series = basis.projection @ pressed, basis.charge_projection @ charged
+        if rough is not None:
+            projected, series = projected + self.eliminated(rough[0])[0], series + self.eliminated(rough[1])[1]
+        matrix = np.zeros((h, self.unknowns(basis), self.unknowns(basis)))
+        first, offset = max(-basis.order, 0), max(basis.order, 0)
+        matrix[:, first : basis.pressures] = projected[:, offset:]
+        diagonal = np.arange(first, basis.pressures)
+        matrix[:, diagonal, diagonal] -= c.lam * basis.gain
+        if basis.order == 1:
+            matrix[:, -1] = projected[:, 0]
+            matrix[:, -1, -1] = -1.0
+        if basis.order == -1:
+            matrix[:, 0, 0] = -basis.total
+        for j, f in enumerate(self.fields):
+            ratio = c.friction_screening[f] / c.kap
+            rows = np.arange(start[f] + 1, start[f] + 1 + basis.terms)
+            matrix[:, rows] = series[:, j]
+            matrix[:, rows, rows] += 1.0
+            if basis.order == 1:
+                matrix[:, rows[0], -1] += ratio
+            matrix[:, start[f], start[f]] = np.pi
+            matrix[:, start[f], 0] = c.follower[f] * basis.total
+        return matrix

@@ -1,0 +1,150 @@
+"""Outputs of every cause over contact half-lengths: Chebyshev in log h (films, section 4).
+
+One table serves every punch of a kind, load and charge of a stack and friction: a case costs microseconds. By
+dimension only P R/h1^2, T/P and J/P matter, so that no more than this one axis is needed.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from approximation.chebyshev import coefficients
+from approximation.piecewise import Interval
+from solver.arrays import Array
+from solver.halfplane.pressing import ContactError
+from solver.halfplane.punch import RIGID_PUNCH, Punch
+from solver.halfplane.sliding import Sliding
+from solver.line import outputs
+from solver.line.assembly import Assembly
+from solver.line.basis import Basis
+from solver.line.kernel import kernel
+from solver.line.system import System
+from solver.stack.electroded import met
+from solver.stack.layers import Stack
+
+#: Half-lengths over the thickness of the top layer that a table may hold.
+LEAST, MOST = 1e-4, 60.0
+
+_NO_FILM = 0.1  # m: a thickness from here on has lost its unit
+_PER_DECADE = 15.0  # nodes: 1e-8 between them, up to 30 thicknesses
+BATCH = 50_000_000  # bytes of kernels held at once
+_ALIKE, _GRADED_ALIKE = 0.75, 0.4  # of the number of terms: half-lengths that share one basis, dear if graded
+
+
+class RangeError(ContactError):
+    """A contact narrower or wider than the range of half-lengths that is resolved."""
+
+
+class LengthsError(ContactError):
+    """A load that contacts of more than one size carry, or none of one size: charges too large for it."""
+
+
+def told(thickness: Array) -> str:
+    """Thicknesses in the words of a message: one that has lost its unit shows."""
+    least, most = float(np.min(thickness)), float(np.max(thickness))
+    size = f"{least:g}{'' if least == most else f' to {most:g}'}"
+    return f"thickness {size} m" + (f"; did you mean {size} um?" if least >= _NO_FILM else "")
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Outputs over a range of half-lengths."""
+
+    system: System
+    lower: float
+    upper: float
+    nodes: int
+
+    @cached_property
+    def interval(self) -> Interval:
+        """Range of log h, with its Chebyshev points."""
+        return Interval(float(np.log(self.lower)), float(np.log(self.upper)), self.nodes)
+
+    @cached_property
+    def half_lengths(self) -> Array:
+        """Chebyshev points of log h [m], rising; (node,)."""
+        return np.exp(self.interval.points)
+
+    @cached_property
+    def at_nodes(self) -> Array:
+        """Outputs at the half-lengths; (node, output, cause)."""
+        return at(self.system, self.half_lengths)
+
+    @cached_property
+    def series(self) -> Array:
+        """Chebyshev coefficients of the outputs in log h; (node, output, cause)."""
+        return coefficients(self.at_nodes)
+
+    @cached_property
+    def rates(self) -> Array:
+        """Chebyshev coefficients of the derivatives in log h; (node, output, cause)."""
+        return self.interval.derived(self.series)
+
+    @property
+    def resolved(self) -> float:
+        """Last coefficients over the largest one, the worst output: the error of reading between half-lengths."""
+        size = np.max(np.abs(self.series), axis=0)
+        tail = np.max(np.abs(self.series[-2:]), axis=0)
+        return float(np.max(tail / np.where(size > 0, size, 1.0)))
+
+    def polynomials(self, log_half: Array) -> Array:
+        """Chebyshev polynomials at log h; (case, node): times ``series`` they are the outputs."""
+        return self.interval.polynomials(log_half)
+
+    def narrowed(self, half_length: float, ratio: float = 1.2, nodes: int = 10) -> "Table":
+        """A table of the same system about one half-length: as exact as the system itself."""
+        if half_length * ratio > self.system.kernel.reach / 2:
+            raise RangeError(f"contact: half-length {half_length:g} m is beyond the resolved range")
+        return replace(self, lower=half_length / ratio, upper=half_length * ratio, nodes=nodes)
+
+
+def at(system: System, half_lengths: Array) -> Array:
+    """Outputs, batched over half-lengths of like size; (half, output, cause).
+
+    half_lengths: (half,), m.
+    """
+    out: Array = np.empty((half_lengths.size, outputs.COUNT, system.causes))
+    for basis, members in batches(system, half_lengths):
+        out[members] = outputs.outputs(Assembly(system, basis, half_lengths[members]))
+    return out
+
+
+def batches(system: System, half_lengths: Array, points: int = 2) -> list[tuple[Basis, NDArray[np.intp]]]:
+    """Half-lengths whose numbers of terms are alike, with a basis for the largest of each; a few groups."""
+    order = np.argsort(half_lengths)
+    terms = np.array([system.terms(h) for h in half_lengths[order]])
+    groups, share = [], _ALIKE if system.kernel.graded is None else _GRADED_ALIKE
+    end = len(order)
+    while end > 0:
+        basis = system.basis(float(half_lengths[order[end - 1]]))
+        room = max(BATCH // (8 * 19 * basis.samples * (basis.terms + points)), 1)
+        alike = int(np.searchsorted(terms, share * basis.terms))
+        start = min(max(alike, end - room), end - 1)
+        groups.append((basis, order[start:end]))
+        end = start
+    return groups
+
+
+def table(
+    stack: Stack,
+    friction: float = 0.0,
+    conducts: tuple[bool, bool] = (True, True),
+    *,
+    smooth: tuple[bool, bool] = (True, True),
+    degree: int = 1,
+    least: float = 0.01,
+    most: float = 3.0,
+    nodes: int | None = None,
+    accuracy: float = 1.0,
+    punch: Punch = RIGID_PUNCH,
+) -> Table:
+    """Table of a stack over half-lengths from ``least`` to ``most`` thicknesses of its top layer."""
+    if not LEAST <= least < most <= MOST:
+        raise RangeError(f"contact: range {least:g} to {most:g} of hc/h1 is not within {LEAST:g} to {MOST:g}")
+    top = stack.top.thickness
+    sliding = Sliding(met(stack), np.array(friction), np.array(conducts), punch)
+    system = System(kernel(stack, 2 * most * top), sliding, smooth, degree, accuracy)
+    count = nodes or 10 + int(np.ceil(_PER_DECADE * np.log10(most / least)))
+    return Table(system, least * top, most * top, count)

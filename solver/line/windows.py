@@ -1,0 +1,176 @@
+"""Kinds of films and the tables of each, over windows of half-lengths that are half a decade wide."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Self
+
+import numpy as np
+
+from approximation.arrays import Indices
+from solver.arrays import Array
+from solver.halfplane.punch import Punch
+from solver.line.peaks import PeakTable
+from solver.line.powerlaw import Constants, constants_of, material_from
+from solver.line.stressnets import DEPTH
+from solver.line.table import LEAST, MOST, LengthsError, RangeError, Table, table, told
+from solver.line.tractions import TractionTable
+from solver.material.constants import Material
+from solver.stack.grading import Graded
+from solver.stack.layers import RIGID, Layer, Stack
+from solver.stack.speed import critical_speed
+
+_A_DECADE = 2  # windows
+_OVERLAP = 1.3  # of a window with its neighbours
+_NODES = 20  # half-lengths of a window
+FIRST = int(np.floor(_A_DECADE * np.log10(LEAST)))
+LAST = int(np.ceil(_A_DECADE * np.log10(MOST))) - 1
+_ACCURACY = 1.25  # factor on the number of terms: 1e-9 of tractions that are next to zero, too
+_ROUGH_NODES, _ROUGH_ACCURACY = 8, 0.5  # of their tables: 1e-3 of the load, for a fifth of the time
+_TABLES, _PEAK_TABLES, _TRACTION_TABLES = 512, 32, 64  # kept: 0.4 MB, some MB and 0.1 MB each
+_STACKS = 256
+
+
+@dataclass(frozen=True)
+class Coat:
+    """One layer, as what tables are told apart by."""
+
+    of: Constants | Callable[[Array], Material]  # Constants of a homogeneous layer, or the profile of a graded one
+    thickness: float = 1.0  # Over that of the top layer
+    # What the interface below is to each field; None for the default
+    electric: str | None = None
+    magnetic: str | None = None
+
+    @classmethod
+    def like(cls, layer: Layer, unit: float) -> Self:
+        """Of a layer."""
+        of = layer.profile if isinstance(layer, Graded) else constants_of(layer.material)
+        return cls(of, layer.thickness / unit, layer.electric, layer.magnetic)
+
+    def layer(self) -> Layer:
+        """The layer."""
+        if callable(self.of):
+            return Graded(self.of, self.thickness, self.electric, self.magnetic)
+        return Layer(material_from(self.of, "film"), self.thickness, self.electric, self.magnetic)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What cases share that one set of tables answers."""
+
+    layers: tuple[Coat, ...]  # From the top down
+    base: Constants | None  # Constants of the base; none: rigid
+    friction: float  # Coulomb coefficient
+    conducts: tuple[bool, bool]  # Whether the punch conducts (electric, magnetic)
+    smooth: tuple[bool, bool]  # Whether the trailing and the leading edge of the contact are smooth
+    degree: int  # Largest power of x in the slope of the punch
+    speed: float = 0.0  # Steady sliding speed [m/s]
+    punch: tuple[float, float] = (0.0, 0.0)  # N_p and k_p of the punch [1/Pa], 0 of a rigid one
+    electroded: bool = False  # Whether the surface is a grounded electrode without stiffness
+
+    @property
+    def elastic(self) -> Punch:
+        """Elasticity of the punch."""
+        return Punch(*(np.array(value) for value in self.punch))
+
+    def stack(self) -> Stack:
+        """The film, its top layer of unit thickness, on its base."""
+        return _stack(self.layers, self.base, self.speed, self.electroded)
+
+    @property
+    def graded(self) -> bool:
+        """Whether the material of the top layer varies with depth."""
+        return callable(self.layers[0].of)
+
+    @property
+    def uniform(self) -> bool:
+        """Whether the film is one homogeneous layer."""
+        return len(self.layers) == 1 and not self.graded
+
+    @property
+    def above_ground(self) -> float:
+        """Thickness above the first grounded electrode, or of all layers, over that of the top layer."""
+        stack, total = self.stack(), 0.0
+        for layer, held in zip(stack.layers, stack.grounded, strict=True):
+            total += layer.thickness
+            if 2 in held:
+                break
+        return total
+
+
+@lru_cache(_STACKS)
+def _stack(layers: tuple[Coat, ...], base: Constants | None, speed: float, electroded: bool) -> Stack:
+    """One stack for all tables of it: what is found once for a stack, is found once."""
+    made = tuple(coat.layer() for coat in layers)
+    return Stack(made, RIGID if base is None else material_from(base, "base"), speed, electroded)
+
+
+@lru_cache(_STACKS)
+def critical(kind: Kind) -> float:
+    """First critical speed [m/s] of films of a kind, whatever their thickness."""
+    return critical_speed(kind.stack(), kind.conducts)
+
+
+@lru_cache(_TABLES)
+def window(kind: Kind, number: int, *, rough: bool = False) -> Table:
+    """Table of a film of unit thickness over one window of half-lengths, counted in half decades from 1."""
+    ends = 10.0 ** (np.array([number, number + 1]) / _A_DECADE) * np.array([1 / _OVERLAP, _OVERLAP])
+    least, most = np.clip(ends, LEAST, MOST)
+    nodes, accuracy = (_ROUGH_NODES, _ROUGH_ACCURACY) if rough else (_NODES, _ACCURACY)
+    return table(
+        kind.stack(), kind.friction, kind.conducts,
+        smooth=kind.smooth, degree=kind.degree, least=float(least), most=float(most), nodes=nodes, accuracy=accuracy,
+        punch=kind.elastic,
+    )  # fmt: skip
+
+
+@lru_cache(_TRACTION_TABLES)
+def traction_window(kind: Kind, number: int) -> TractionTable:
+    """Tractions over one window."""
+    return TractionTable(window(kind, number))
+
+
+@lru_cache(_PEAK_TABLES)
+def peak_window(kind: Kind, number: int) -> PeakTable:
+    """Stresses over one window; of a film no wider than it has a depth below 0.1 h."""
+    whole = window(kind, number)
+    return PeakTable(replace(whole, upper=min(whole.upper, 0.99 / DEPTH * kind.stack().thickness)))
+
+
+def number_of(ratio: Array) -> Indices:
+    """The window that holds half-lengths over the thickness; any shape."""
+    number = np.floor(_A_DECADE * np.log10(ratio))
+    return np.asarray(np.clip(number, FIRST, LAST), dtype=np.intp)
+
+
+def searched(
+    guess: Array, beside: Callable[[Indices, int], Indices], thickness: Array, size: str, load: str
+) -> Indices:
+    """The window of every contact, from a guess on; (case,).
+
+    guess: (case,), half-length or radius over the thickness; thickness: (case,), of the top layers [m].
+    """
+    numbers = number_of(guess)
+    asked = np.arange(numbers.size)
+    for _ in range(LAST - FIRST + 2):
+        moved = np.zeros(asked.size, dtype=np.intp)
+        for number in np.unique(numbers[asked]).tolist():
+            here = numbers[asked] == number
+            moved[here] = beside(asked[here], number)
+        asked, moved = asked[moved != 0], moved[moved != 0]
+        if not asked.size:
+            return numbers
+        numbers[asked] += moved
+        if np.any((numbers < FIRST) | (numbers > LAST)):
+            raise beyond(bool(np.any(numbers < FIRST)), thickness, size)
+    raise LengthsError(
+        f"contact: no contact of one {size.split('-')[-1]} carries the {load} (charges too large for it)"
+    )
+
+
+def beyond(narrower: bool, thickness: Array, size: str) -> RangeError:
+    """What refuses contacts that are narrower, or else wider, than what is resolved."""
+    how = "narrower" if narrower else "wider"
+    return RangeError(
+        f"contact: {how} than the resolved range, {LEAST:g} to {MOST:g} of {size} over thickness ({told(thickness)})"
+    )

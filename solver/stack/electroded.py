@@ -1,0 +1,145 @@
+"""The surface of a stack as a punch meets it: bare, or a grounded electrode without stiffness (films, section 11).
+
+Under the electrode phi = 0 at the surface, and D_y is what the electrode takes: Y of the surface loses phi as at a
+grounded interface. With ``Y = Y0 + Delta``, p = Y0_ff and v = Y0_f / p, what the layers add keeps its digits:
+
+    Delta' = D - D_f D_f^T / (p + D_ff),   D = P Delta P^T,  P = I - (v - e) e^T.
+
+The electrode's charge is ``Y_f t / Y_ff``, v of the tractions at the same place and what decays with k.
+"""
+
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.halfplane.surface import HalfPlane
+from solver.stack.layers import Stack
+from solver.stack.reflection import held, low, waves
+
+_PHI = 2  # of (x, y, phi, psi)
+
+
+class Electroded(HalfPlane):
+    """A half-plane whose surface is a grounded electrode; phi is kept apart, with its own entry alone."""
+
+    @cached_property
+    def _bare(self) -> HalfPlane:
+        return HalfPlane(self.material, self.speed)
+
+    @cached_property
+    def compliance(self) -> Array:
+        """N of (y, phi, psi); (..., 3, 3)."""
+        own = self._bare.compliance
+        bare = own - self._shares[..., 1:, None] * own[..., None, 1, :]
+        bare[..., 1, :] = bare[..., :, 1] = 0.0
+        bare[..., 1, 1] = own[..., 1, 1]
+        return np.asarray(bare)
+
+    @cached_property
+    def friction_coupling(self) -> Array:
+        """k of (y, phi, psi); (..., 3)."""
+        own = self._bare.friction_coupling
+        bare = own - self._shares[..., 1:] * own[..., 1:2]
+        bare[..., 1] = 0.0
+        return np.asarray(bare)
+
+    @cached_property
+    def tangential_compliance(self) -> Array:
+        """(L^-1)_xx; (...)."""
+        return np.asarray(
+            self._bare.tangential_compliance + self._shares[..., 0] * self._bare.friction_coupling[..., 1]
+        )
+
+    @cached_property
+    def _shares(self) -> Array:
+        """v of (x, y, phi, psi); (..., 4)."""
+        N, k = self._bare.compliance, self._bare.friction_coupling
+        return np.concatenate([-k[..., 1:2], N[..., 1]], -1) / N[..., 1, 1, None]
+
+
+def met(stack: Stack) -> HalfPlane:
+    """The half-plane of the top layer as a punch meets it."""
+    half = stack.media[0].halfplane
+    return Electroded(half.material, half.speed) if stack.electroded else half
+
+
+def surface(stack: Stack) -> Array:
+    """Y0 of the top layer as a punch meets it, in the units of the stack; (4, 4)."""
+    own = stack.media[0].compliance
+    if not stack.electroded:
+        return own
+    Y = held(own, (_PHI,))
+    Y[_PHI, _PHI] = own[_PHI, _PHI]
+    return Y
+
+
+def difference(stack: Stack, k: Array) -> Array:
+    """What the layers and the base add to :func:`surface`; (k, 4, 4).
+
+    k: (k,), wavenumbers [1/m].
+    """
+    added = waves(stack, k)[0].difference
+    if not stack.electroded:
+        return added
+    return grounded(stack, added)
+
+
+def grounded(stack: Stack, added: Array) -> Array:
+    """Delta' of a surface that is grounded, from Delta of the bare one; (k, 4, 4).
+
+    added: (k, 4, 4), Delta.
+    """
+    D, own = _shared(stack, added), stack.media[0].compliance[_PHI, _PHI]
+    return _without_phi(D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (own + D[:, _PHI, _PHI])[:, None, None])
+
+
+def grounded_tails(stack: Stack, tails: Array) -> Array:
+    """Those of Delta' in powers of 1/k, from those of Delta; (order, 4, 4).
+
+    tails: (order, 4, 4), Y1, Y2, ....
+    """
+    D, own = _shared(stack, tails), stack.media[0].compliance[_PHI, _PHI]
+    inverse, added = [1 / own], np.array(D)  # of p + D_ff, from order 0 on
+    for order in range(1, len(D)):
+        inverse.append(-sum(D[i - 1, _PHI, _PHI] * inverse[order - i] for i in range(1, order + 1)) / own)
+    for first, second in product(range(1, len(D) + 1), repeat=2):
+        for third in range(len(D) + 1 - first - second):
+            both = np.outer(D[first - 1, _PHI], D[second - 1, _PHI])
+            added[first + second + third - 1] -= both * inverse[third]
+    return _without_phi(added)
+
+
+def _shared(stack: Stack, added: Array) -> Array:
+    """D = P Delta P^T; (..., 4, 4)."""
+    share = np.eye(4)
+    share[:, _PHI] -= local(stack)
+    return np.asarray(share @ added @ share.T)
+
+
+def _without_phi(values: Array) -> Array:
+    values[:, _PHI, :] = values[:, :, _PHI] = 0.0
+    return values
+
+
+def lowest(stack: Stack) -> Array:
+    """Finite part of Y of the surface as k goes to 0, as a punch meets it; (4, 4)."""
+    return held(low(stack), (_PHI,)) if stack.electroded else low(stack)
+
+
+def local(stack: Stack) -> Array:
+    """v: charge of the electrode per traction on it, of the top layer's half-plane, itself 0 for phi; (4,)."""
+    own = stack.media[0].compliance[_PHI]
+    return np.asarray(np.where(np.arange(4) == _PHI, 0.0, own / own[_PHI]))
+
+
+def beyond_local(stack: Stack, k: Array) -> Array:
+    """What the layers and the base add to it, ``(Delta_f - v Delta_ff) / (p + Delta_ff)``; (k, 4).
+
+    k: (k,), wavenumbers [1/m].
+    """
+    own, row = stack.media[0].compliance[_PHI, _PHI], waves(stack, k)[0].difference[:, _PHI]
+    shares = (row - local(stack) * row[:, _PHI, None]) / (own + row[:, _PHI, None])
+    shares[:, _PHI] = 0.0
+    return np.asarray(shares)

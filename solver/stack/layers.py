@@ -1,0 +1,248 @@
+"""Layers on a base: materials, thicknesses and what the interfaces do to the electric and the magnetic field."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from solver.arrays import Array, is_finite
+from solver.material.constants import VACUUM_PERMEABILITY, Material, MaterialError
+from solver.material.library import find
+from solver.stack.fourier import Medium
+from solver.units import in_si
+
+RIGID: Literal["rigid"] = "rigid"
+
+#: What an interface may be to each field: at zero potential, transparent, or without normal induction.
+CONDITIONS: dict[str, tuple[str, ...]] = {
+    "electric": ("grounded", "bonded"),
+    "magnetic": ("grounded", "bonded", "insulated"),
+}
+
+
+class StackError(MaterialError):
+    """A layer, a base or an interface that is malformed or not allowed."""
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Layer:
+    """A homogeneous layer and the interface below it.
+
+    Parameters
+    ----------
+    material
+        An admissible material without case axes, or the name of a built-in one.
+    thickness
+        Thickness > 0 [m], or with its unit, as ``"20 um"``.
+    electric
+        ``grounded`` (a thin electrode at phi = 0) or ``bonded`` (phi and D_y continuous). By default grounded above
+        the base and bonded between layers; above a rigid base it is grounded, and so it is beside a conductor.
+    magnetic
+        ``grounded`` (psi = 0), ``bonded``, or ``insulated`` (B_y = 0; above a rigid base only). By default grounded
+        above a rigid base and bonded elsewhere.
+
+    Raises
+    ------
+    StackError
+        Naming the entry, its value and what is allowed.
+
+    Examples
+    --------
+    >>> import solver
+    >>> Layer(solver.find("PZT-4"), 2e-4, electric="grounded").thickness
+    0.0002
+    >>> Layer("copper", "20 um").thickness
+    2e-05
+    """
+
+    material: Material
+    thickness: float
+    electric: str | None = None
+    magnetic: str | None = None
+
+    #: Whether the material varies with depth.
+    graded: ClassVar[bool] = False
+
+    def __init__(
+        self,
+        material: Material | str,
+        thickness: float | str,
+        electric: str | None = None,
+        magnetic: str | None = None,
+    ) -> None:
+        values = {
+            "material": find(material) if isinstance(material, str) else material,
+            "thickness": _metres(thickness) if isinstance(thickness, str) else thickness,
+            "electric": electric,
+            "magnetic": magnetic,
+        }
+        for name, given in values.items():
+            object.__setattr__(self, name, given)
+        if not is_finite(self.thickness) or not self.thickness > 0:
+            raise StackError(f"thickness: {self.thickness!r} is not allowed; a finite number > 0 [m]")
+        _require_single(self.material, "material")
+        for name, allowed in CONDITIONS.items():
+            value = getattr(self, name)
+            if value is not None and value not in allowed:
+                raise StackError(f"interface_{name}: {value!r} is unknown; allowed are {', '.join(allowed)}")
+
+
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """Layers, the top one first, on a base.
+
+    Parameters
+    ----------
+    layers
+        At least one.
+    base
+        ``rigid`` (u = 0, phi = 0, bonded) or the material of the half-plane below, or its name.
+    speed
+        Steady speed V >= 0 of the contact along x [m/s]; any but 0 needs the densities.
+    electroded
+        Whether the surface is a grounded electrode without stiffness, which the punch then presses.
+    unit
+        The material whose units the stack has; None: that of the top layer.
+
+    Examples
+    --------
+    >>> import solver
+    >>> titanate = Layer(solver.find("BaTiO3"), 0.5e-3, electric="grounded")  # a metal conducts
+    >>> film = Stack([titanate, Layer("copper", "0.1 mm")], "silicon")
+    >>> film.name
+    'BaTiO3 0.0005 m | copper 0.0001 m | silicon'
+    >>> film.top.material.name, round(film.thickness, 6), film.rigid, film.insulated
+    ('BaTiO3', 0.0006, False, False)
+    >>> round(float(solver.solve({"body": film, "radius": 0.05, "load": 1e4})["voltage"]), 2)
+    -53.72
+
+    Raises
+    ------
+    StackError
+        No layer, an unknown base, or an interface that its base does not have.
+    """
+
+    layers: Sequence[Layer]
+    base: Material | str = RIGID
+    speed: float = 0.0
+    electroded: bool = False
+    unit: Material | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "layers", tuple(self.layers))
+        if not self.layers:
+            raise StackError("layers: none; a stack has at least one layer")
+        if isinstance(self.base, str) and self.base != RIGID:
+            object.__setattr__(self, "base", _base(self.base))
+        if not isinstance(self.base, str):
+            _require_single(self.base, "base")
+        *upper, lowest = self.layers
+        if any(layer.graded for layer in self.layers[1:]):
+            raise StackError("layers: only the top layer can be graded")
+        for layer in upper:
+            if layer.magnetic == "insulated":
+                raise StackError("interface_magnetic: 'insulated' is allowed above a rigid base only")
+        if self.rigid:
+            if lowest.electric == "bonded":
+                raise StackError("interface_electric: 'bonded' is not allowed above a rigid base: it is grounded")
+            if lowest.magnetic == "bonded":
+                raise StackError("interface_magnetic: 'bonded' is not allowed above a rigid base; grounded, insulated")
+        elif lowest.magnetic == "insulated":
+            raise StackError("interface_magnetic: 'insulated' is allowed above a rigid base only; grounded, bonded")
+
+    @property
+    def name(self) -> str:
+        """Materials and thicknesses in words."""
+        base = self.base if isinstance(self.base, str) else self.base.name
+        return " | ".join([*(f"{layer.material.name} {layer.thickness:g} m" for layer in self.layers), base])
+
+    @property
+    def rigid(self) -> bool:
+        """Whether the base is rigid."""
+        return isinstance(self.base, str)
+
+    @property
+    def top(self) -> Layer:
+        """The layer under the punch."""
+        return self.layers[0]
+
+    @property
+    def thickness(self) -> float:
+        """H: thickness of all layers [m]."""
+        return float(sum(layer.thickness for layer in self.layers))
+
+    @property
+    def insulated(self) -> bool:
+        """Whether B_y = 0 on a rigid base, so that all magnetic flux leaves sideways."""
+        return self.rigid and self.layers[-1].magnetic == "insulated"
+
+    @cached_property
+    def conductors(self) -> tuple[bool, ...]:
+        """Whether each layer, and the base last, is a conductor.
+
+        One potential fills it: away from k = 0 that of a conductor without end is zero at both its faces, whatever its
+        charge.
+        """
+        bodies = [layer.material for layer in self.layers]
+        base = () if isinstance(self.base, str) else (self.base,)
+        return (*(bool(m.conductor) for m in (*bodies, *base)), *([False] if self.rigid else []))
+
+    @cached_property
+    def grounded(self) -> tuple[tuple[int, ...], ...]:
+        """Components (2: phi, 3: psi) held at zero by the interface below each layer."""
+        last = len(self.layers) - 1
+        metal = self.conductors
+        held = []
+        for number, layer in enumerate(self.layers):
+            electric = layer.electric or ("grounded" if number == last else "bonded")
+            electric = "grounded" if metal[number] or metal[number + 1] else electric
+            magnetic = layer.magnetic or ("grounded" if number == last and self.rigid else "bonded")
+            held.append(tuple(c for c, kind in ((2, electric), (3, magnetic)) if kind == "grounded"))
+        return tuple(held)
+
+    @cached_property
+    def scale(self) -> Array:
+        """Units of the stack, those of its unit; (4,)."""
+        return Medium(self.unit or self.top.material, np.ones(4)).halfplane.scale
+
+    @cached_property
+    def media(self) -> tuple[Medium, ...]:
+        """The layers' materials in the units of the stack."""
+        return tuple(Medium(layer.material, self.scale, self.speed) for layer in self.layers)
+
+    @cached_property
+    def base_medium(self) -> Medium | None:
+        """The base's material in the units of the stack; none if it is rigid."""
+        base = self.base
+        if isinstance(base, str):
+            return None
+        if base.conductor and 3 in self.grounded[-1] and not (base.f31 or base.f33 or base.f15):
+            vacuum = np.array(VACUUM_PERMEABILITY)  # no flux gets there: its permeability has no part, not by a bit
+            base = replace(base, mu11=vacuum, mu33=vacuum)
+        return Medium(base, self.scale, self.speed)
+
+
+def _metres(thickness: str) -> float:
+    """A thickness with its unit, in metres."""
+    try:
+        return in_si(thickness, "m")
+    except ValueError as error:
+        raise StackError(f"thickness: {error}") from None
+
+
+def _base(name: str) -> Material:
+    """The material of a base by its name."""
+    try:
+        return find(name)
+    except MaterialError as error:
+        raise StackError(f"base: {error}") from None
+
+
+def _require_single(material: object, name: str) -> None:
+    if not isinstance(material, Material):
+        raise StackError(f"{name}: {material!r} is not a Material")
+    if material.shape:
+        raise StackError(f"{name}: {material.name} has case axes {material.shape}; a stack has one material a layer")
+    material.check()

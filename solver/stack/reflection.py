@@ -1,0 +1,156 @@
+"""Surface response of a stack at every wavenumber: recursion from the base up (films, section 2).
+
+Under each layer the body below answers ``k u = Y_below t``; the layer's own upward wave is ``Gamma`` times what its
+downward wave leaves at the bottom. With ``E = exp(-G k h)`` and ``F = (S E S) Gamma E``,
+
+    Gamma = (S Y0 S + Y_below)^-1 (Y0 - Y_below),    Y_top - Y0 = -(Y0 + S Y0 S) F (I + F)^-1.
+
+Only decaying exponentials occur, and the difference to the layer's own half-plane has full relative accuracy. Above an
+insulated base ``Y_psi,psi ~ c_B / k``: there ``I + F`` is singular as k goes to 0 and loses 1/(kH) of its digits. Long
+waves take the layers by the exponential of their system instead, in which nothing cancels.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.stack.fourier import FLIP, Medium, falling
+from solver.stack.layers import Stack, StackError
+
+_LONG = 0.1  # kH below which waves above an insulated base are long
+_DEGREE = 24  # of the Taylor polynomial of a layer's transfer at kH = 0.1, whatever its roots
+
+
+@dataclass(frozen=True, eq=False)
+class LayerWaves:
+    """Waves of one layer at wavenumbers (k,)."""
+
+    # The layer
+    medium: Medium
+    thickness: float
+    below: Array  # Y of the body below, before the interface's rules; (k, 4, 4)
+    reflection: Array  # Gamma; (k, 4, 4)
+    round_trip: Array  # F; (k, 4, 4)
+    difference: Array  # Y_top - Y0, with full relative accuracy; (k, 4, 4), symmetric
+
+    @property
+    def amplitude(self) -> Array:
+        """(I + F)^-1: the downward wave at the top, per traction there; (k, 4, 4)."""
+        return np.asarray(np.linalg.inv(np.eye(4) + self.round_trip), dtype=np.float64)
+
+
+def waves(stack: Stack, k: Array) -> list[LayerWaves]:
+    """Waves of every layer, the top one first; (k,).
+
+    k: (k,), wavenumbers > 0 [1/m].
+    """
+    if stack.top.graded:
+        raise StackError("layers: fields outside the contact and below the surface need layers that are not graded")
+    return _recursion(stack, k, 0)[1]
+
+
+def body_below(stack: Stack, k: Array) -> Array:
+    """Y of what lies below the top layer, under the rules of its interface; (k, 4, 4).
+
+    k: (k,), wavenumbers > 0 [1/m].
+    """
+    return held(_recursion(stack, k, 1)[0], stack.grounded[0])
+
+
+def _recursion(stack: Stack, k: Array, first: int) -> tuple[Array, list[LayerWaves]]:
+    """Y on the top of the layer ``first``, and the waves of this and the layers below."""
+    Y = np.zeros((k.size, 4, 4))
+    if stack.base_medium is not None:
+        Y += stack.base_medium.compliance
+    waves = []
+    long = (k * stack.thickness < _LONG) & stack.insulated
+    for number in range(len(stack.layers) - 1, first - 1, -1):
+        medium, thickness = stack.media[number], stack.layers[number].thickness
+        before, Y = Y, held(Y, stack.grounded[number])
+        own = medium.compliance
+        A, B = FLIP * own + Y, own - Y
+        if stack.insulated and number == len(stack.layers) - 1:
+            A[:, 3], B[:, 3] = np.eye(4)[3], -np.eye(4)[3]
+        reflection: Array = np.asarray(np.linalg.solve(A, B), dtype=np.float64)
+        E = falling(medium.decay, k * thickness)
+        round_trip = (FLIP * E) @ reflection @ E
+        added = _difference(own, round_trip)
+        if np.any(long):
+            lowest = number == len(stack.layers) - 1
+            through = _transfer(medium, k[long] * thickness)
+            added[long] = (_above_insulated(through) if lowest else _above(through, Y[long])) - own
+        waves.append(LayerWaves(medium, thickness, before, reflection, round_trip, added))
+        Y = own + added
+    return Y, waves[::-1]
+
+
+def _difference(own: Array, round_trip: Array) -> Array:
+    """Y_top - Y0 = -(Y0 + S Y0 S) F (I + F)^-1, from the transposed system; (k, 4, 4), symmetric."""
+    both = np.swapaxes(round_trip, -1, -2)
+    answer = np.swapaxes(np.linalg.solve(np.eye(4) + both, both), -1, -2)
+    Y = -(own + FLIP * own) @ answer
+    return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
+
+
+def _transfer(medium: Medium, s: Array) -> Array:
+    """(k u, t) at the top of a layer from those at its bottom, every entry to full accuracy, s = k h; (k, 8, 8)."""
+    own = medium.halfplane.scale / medium.scale  # in units of its own, entries of the system are of the order of one
+    units = np.concatenate([own, 1 / own])
+    system = medium.system / units[:, None] * units
+    part: Array = np.eye(8) + np.zeros((s.size, 1, 1))
+    for degree in range(_DEGREE, 0, -1):
+        part = np.eye(8) + (s[:, None, None] / degree) * (system @ part)
+    return np.asarray(part * units[:, None] / units)
+
+
+def _above_insulated(through: Array) -> Array:
+    """Y on top of a layer with u = 0, phi = 0 and B_y = 0 below; (k, 4, 4)."""
+    free = through[..., [4, 5, 6, 3]]  # by t_x, t_y, D_y and k psi at the bottom
+    return _quotient(free[:, :4], free[:, 4:])
+
+
+def _above(through: Array, Y: Array) -> Array:
+    """Y on top of a layer on a body of response Y; (k, 4, 4)."""
+    displaced, pulled = through[:, :4], through[:, 4:]
+    return _quotient(displaced[..., :4] @ Y + displaced[..., 4:], pulled[..., :4] @ Y + pulled[..., 4:])
+
+
+def _quotient(displacement: Array, traction: Array) -> Array:
+    """Y of k u = Y t from both by the same unknowns; (k, 4, 4), symmetric."""
+    Y = np.swapaxes(np.linalg.solve(np.swapaxes(traction, -1, -2), np.swapaxes(displacement, -1, -2)), -1, -2)
+    return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
+
+
+def held(Y: Array, components: tuple[int, ...]) -> Array:
+    """The body below an interface that holds components of u at zero: its Y for the others; (..., 4, 4).
+
+    Y: (..., 4, 4), of the body.
+    """
+    for c in components:
+        pivot = Y[..., c, c]
+        share = Y[..., :, c] / np.where(pivot == 0, 1.0, pivot)[..., None]
+        Y = Y - share[..., :, None] * Y[..., None, c, :]
+        Y[..., c, :] = Y[..., :, c] = 0.0
+    return Y
+
+
+def low(stack: Stack) -> Array:
+    """Y_low: finite part of Y at the smallest wavenumbers, the base under all rules of the interfaces; (4, 4)."""
+    Y = np.zeros((4, 4)) if stack.base_medium is None else stack.base_medium.compliance
+    for components in reversed(stack.grounded):
+        Y = held(Y, components)
+    return Y
+
+
+def sideways(stack: Stack) -> float:
+    """c_B of Y_psi,psi ~ c_B / k: a stack insulated below passes its flux on sideways [1/m]; else 0."""
+    if not stack.insulated:
+        return 0.0
+    carried = 0.0
+    for number in range(len(stack.layers) - 1, -1, -1):
+        if 3 in stack.grounded[number]:
+            carried = np.inf
+        m = stack.layers[number].material
+        carried += stack.layers[number].thickness * float(m.mu11 + m.f15**2 / m.c44)
+    return -1 / carried / float(stack.scale[3]) ** 2

@@ -1,0 +1,176 @@
+"""Points with air beside the contact: finite elements of somebody else, the theorem, no air, twins, neighbours."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solver
+from solver.gap.ringoperators import RingOperators
+from solver.gap.rings import rings
+from solver.line.windows import number_of
+from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
+from solver.point.profile import Shape
+from solver.point.surfacekernel import normal_kernel
+from solver.point.table import PointKind, window
+from solver.stack.wavenumbers import strip
+from tests.solver.point.points import film
+from verification.cases import constants
+from verification.oracles.fem_film import ELECTRIC, Layer
+from verification.oracles.fem_point import PointContact
+
+BTO = solver.find("BaTiO3")
+_POLYMER: dict[str, Any] = {
+    "c11": 3.6e9, "c12": 1.6e9, "c13": 1.6e9, "c33": 1.7e9, "c44": 0.55e9, "e31": 0.024, "e33": -0.027,
+    "eps11": 7 * VACUUM_PERMITTIVITY, "eps33": 7.5 * VACUUM_PERMITTIVITY, "name": "polymer",
+}  # fmt: skip
+POLYMER = Material(**_POLYMER)
+SPHERE = {"profile": "sphere", "radius": 5e-3, "magnetic": "insulating", "surroundings": "air"}
+FILM = SPHERE | {"material": BTO, "thickness": 1e-4, "base": "steel", "interface_electric": "grounded", "force": 37.0}
+HALF = SPHERE | {"material": BTO, "force": 10.0}
+MIXED = {"composite": "fibrous", "volume_fraction": 0.6, "magnetic": "conducting", "total_flux": 1e-9}
+
+
+def _own(case: dict[str, Any]) -> dict[str, Any]:
+    """A composite has no material."""
+    return {name: value for name, value in case.items() if not ("composite" in case and name == "material")}
+
+
+def answer(case: Mapping[str, Any]) -> dict[str, float]:
+    """Every quantity of one case."""
+    return {str(name): float(value) for name, value in solver.solve(case).data_vars.items()}
+
+
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize(
+    ("material", "thickness", "radius", "charge"), [(BTO, 1e-4, 1e-4, 1e-9), (POLYMER, 5e-5, 2e-4, 0.0)]
+)
+def test_finite_elements_of_body_and_gap_agree(
+    material: Material, thickness: float, radius: float, charge: float
+) -> None:
+    """On a rigid base, order 8, single nodes good to 4e-5; on steel and half-spaces, in half a minute, as well."""
+    own = constants(material) | {"c12": float(material.c12)}
+    other = PointContact([Layer(own, thickness)], None, 5e-3, radius, charge)
+    given = {"material": material, "thickness": thickness, "base": "rigid", "total_charge": charge}
+    found = answer(SPHERE | given | {"force": other.force})
+    expected = [radius, other.depth, other.voltage]
+    np.testing.assert_allclose([found[name] for name in ("contact_radius", "depth", "voltage")], expected, rtol=1e-6)
+    r, phi = other.beside(ELECTRIC)
+    some = np.flatnonzero((r > 1.02) & (r < 6))[::7]
+    inside = solver.solve_interior(
+        SPHERE | given | {"force": other.force}, r[some], [0.0], fields=["electric_potential"]
+    )
+    np.testing.assert_allclose(inside["electric_potential"][0], phi[some], rtol=0, atol=1e-4 * abs(other.voltage))
+    assert np.max(np.abs(phi[some] - other.voltage)) > 0.3 * abs(other.voltage)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize(("power", "tolerance"), [((1.0, 0.05), 1e-6), ((4.0, 1e9), 3e-8)])
+def test_finite_elements_below_a_cone_and_a_power_agree(power: tuple[float, float], tolerance: float) -> None:
+    """With the gap's end given; a cone's kinked apex is harder on the elements."""
+    own = constants(BTO) | {"c12": float(BTO.c12)}
+    other = PointContact([Layer(own, 1e-4)], None, 5e-3, 5e-5, power=power)
+    profile = {"profile": "power", "exponent": power[0], "coefficient": power[1]}
+    if power[0] == 1:
+        profile = {"profile": "cone", "slope": power[1]}
+    case = {name: value for name, value in FILM.items() if name not in ("radius", "interface_electric")}
+    found = answer(case | profile | {"base": "rigid", "gap_radius": 5e-3, "force": other.force})
+    expected = [5e-5, other.depth, other.voltage]
+    np.testing.assert_allclose(
+        [found[name] for name in ("contact_radius", "depth", "voltage")], expected, rtol=tolerance
+    )
+    assert ("peak_pressure" in found) == ("peak_displacement" in found) == (power[0] > 1)
+
+
+def test_a_gap_s_end_is_a_sphere_s_radius_unless_it_is_said() -> None:
+    """A power of 2 is a sphere; four times the end adds 4 pi eps0 R log 4 to the capacitance."""
+    sphere = answer(HALF)
+    bare = {name: value for name, value in HALF.items() if name != "radius"}
+    power = answer(bare | {"profile": "power", "exponent": 2.0, "coefficient": 100.0, "gap_radius": 5e-3})
+    for name, value in sphere.items():
+        assert power[name] == pytest.approx(value, rel=1e-12), name
+    wide = answer(HALF | {"gap_radius": 2e-2})
+    more = wide["contact_capacitance"] - sphere["contact_capacitance"]
+    assert more == pytest.approx(4 * np.pi * VACUUM_PERMITTIVITY * 5e-3 * np.log(4), rel=0.02)
+
+
+def test_a_gap_that_ends_within_the_contact_is_refused() -> None:
+    radius = answer(HALF)["contact_radius"]
+    assert answer(HALF | {"gap_radius": 1.1 * radius})["contact_radius"] == pytest.approx(radius, rel=1e-3)
+    with pytest.raises(solver.FactorError, match=r"^gap_radius: .* is less than the contact's radius [0-9.e-]+ m: "):
+        answer(HALF | {"gap_radius": 0.9 * radius})
+
+
+def test_friction_leaves_what_is_even_in_it() -> None:
+    with_friction, at_rest = (answer(HALF | {"friction": eta}) for eta in (0.2, 0.0))
+    moved = {"contact_offset", "trailing_tension", "peak_pressure", "peak_displacement", "gap_field"}
+    assert all(at_rest[name] == value for name, value in with_friction.items() if name not in moved)
+    assert all(value > at_rest[name] for name, value in with_friction.items() if name in moved)
+
+
+@pytest.mark.parametrize("case", [HALF, HALF | {"punch": "steel"}, HALF | MIXED | {"total_flux": 0.0}])
+def test_grounded_on_a_half_space_it_does_not_see_the_air(case: dict[str, Any]) -> None:
+    """Theorem: the whole surface is at zero, and the charge per force is -r_1 whatever is beside the contact."""
+    case = _own(case)
+    bare, air = answer(case | {"surroundings": "insulated"}), answer(case)
+    for name in ("contact_radius", "charge_sensitivity", "stroke_per_volt", "peak_pressure", "contact_stiffness"):
+        assert air[name] == pytest.approx(bare[name], rel=1e-11, abs=0)
+    assert air["contact_capacitance"] > 1.2 * bare["contact_capacitance"]
+
+
+@pytest.mark.parametrize("own", [FILM, FILM | MIXED | {"force": 5.0}, HALF])
+def test_tangents_are_those_of_neighbouring_cases(own: dict[str, Any]) -> None:
+    """At fixed charges; those of held potentials follow, as without air."""
+    case = _own(own)
+    step = 1e-4
+    low, high = (answer(case | {"force": case["force"] * (1 + s), "total_flux": 0.0}) for s in (-step, step))
+    here, change = answer(case | {"total_flux": 0.0}), 2 * step * case["force"]
+    assert here["contact_stiffness_open"] == pytest.approx(change / (high["depth"] - low["depth"]), rel=1e-6)
+    assert here["voltage_per_force"] == pytest.approx((high["voltage"] - low["voltage"]) / change, rel=1e-6)
+    charge = abs(here["voltage"] * here["contact_capacitance"])
+    low, high = (answer(case | {"total_charge": s * charge}) for s in (-step, step))
+    if "composite" not in case:
+        capacity = 2 * step * charge / (high["voltage"] - low["voltage"])
+        assert here["contact_capacitance_at_force"] == pytest.approx(capacity, rel=1e-6)
+
+
+def test_magnetic_gap_is_the_electric_one_s_twin() -> None:
+    """Magnetic constants in the ratio of the vacuum's to the electric ones: the same contact in other units."""
+    ratio = VACUUM_PERMEABILITY / VACUUM_PERMITTIVITY
+    root = float(np.sqrt(ratio))
+    own = constants(BTO)
+    changed: dict[str, Any] = {name: own[name] for name in ("c11", "c13", "c33", "c44")}
+    changed |= {f"f{place}": root * own[f"e{place}"] for place in ("31", "33", "15")}
+    changed |= {f"mu{place}": ratio * own[f"eps{place}"] for place in ("11", "33")}
+    twin = Material(**changed, eps11=np.array(1e-9), eps33=np.array(1e-9), name="twin")
+    case = FILM | {"thickness": 2e-4, "base": "rigid", "interface_magnetic": "grounded"}
+    one = answer(case | {"friction": 0.2})
+    two = answer(case | {"friction": 0.2, "material": twin, "electric": "insulating", "magnetic": "conducting"})
+    for name in ("contact_radius", "contact_offset"):
+        assert two[name] == pytest.approx(one[name], rel=1e-11, abs=0)
+    assert two["flux_sensitivity"] == pytest.approx(root * one["charge_sensitivity"], rel=1e-9)
+    assert two["magnetic_potential"] == pytest.approx(one["voltage"] / root, rel=1e-9)
+    assert two["contact_permeance"] == pytest.approx(ratio * one["contact_capacitance"], rel=1e-9)
+
+
+def test_air_changes_what_theory_says_it_changes() -> None:
+    """BaTiO3 of 0.1 mm on steel at a/h = 1: 1.05 % less charge; a half-space's voltage falls to two thirds."""
+    bare, air = (answer(FILM | {"surroundings": one}) for one in ("insulated", "air"))
+    assert air["charge_sensitivity"] / bare["charge_sensitivity"] == pytest.approx(135.02 / 136.46, rel=1e-4)
+    assert air["nominal_field"] == pytest.approx(abs(air["voltage"]) / 1e-4, rel=1e-12)
+    assert "electric_edge_intensity" not in air
+    assert air["gap_field"] * VACUUM_PERMITTIVITY <= air["peak_displacement"] * (1 + 1e-12)
+    oil = answer(FILM | {"gap_permittivity": 2.2})
+    assert oil["contact_capacitance"] > air["contact_capacitance"] > bare["contact_capacitance"]
+
+
+@pytest.mark.parametrize(("ratio", "exponent"), [(0.3, 2.0), (40.0, 2.0), (0.3, 1.0), (3.0, 1.5)])
+def test_loads_are_those_of_the_galerkin_tables(ratio: float, exponent: float) -> None:
+    """Two discretisations, one in distances and Gauss's nodes, one in wavenumbers and Legendre functions."""
+    kind = PointKind(film(BTO), (True, False), Shape(exponent))
+    stack = kind.film.stack()
+    own = RingOperators(rings(), (0,), kind.compliance, kind.shape, normal_kernel(stack), strip(stack))
+    found = own.at(ratio)[own.rows.loads, : own.rows.causes]
+    read = kind.stiffness(window(kind, int(number_of(np.array([ratio]))[0])).read(np.log([ratio]))).loads[0]
+    np.testing.assert_allclose(found, read[np.ix_([0, 1], [0, 1, 3])], rtol=1e-10)

@@ -1,0 +1,93 @@
+"""Points that slide with air beside them, to first order: by collocation, no air, no coupling, one body, the edge."""
+
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solver
+from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
+from solver.point.sliding import FirstOrderWarning
+from tests.solver.gap.test_pointfields import FIBROUS
+from tests.solver.gap.test_points import FILM, HALF, answer
+
+SLID = {"friction": 0.3}
+POSITIONS, DEPTHS = np.array([-1.05, -0.5, 0.95, 2.0]), np.array([-0.02, -0.7])
+TURNED = ("contact_offset", "trailing_tension", "peak_pressure", "peak_displacement", "gap_field")
+
+
+def test_no_friction_is_no_sliding_and_little_is_a_little() -> None:
+    """First orders are proportions; what is largest beside the centre or at the edge need not be."""
+    rests, still, little, more = (answer(HALF | own) for own in ({}, *({"friction": eta} for eta in (0.0, 0.1, 0.2))))
+    assert set(still) - set(rests) == {"contact_offset", "trailing_tension"}
+    assert all(still[name] == value for name, value in rests.items())
+    assert still["contact_offset"] == 0
+    assert more["contact_offset"] == pytest.approx(2 * little["contact_offset"], rel=1e-13)
+    by_one, by_two = (one["trailing_tension"] - still["trailing_tension"] for one in (little, more))
+    assert by_two == pytest.approx(2 * by_one, rel=1e-12)
+
+
+def test_a_dielectric_under_its_own_elasticity_feels_nothing_of_it() -> None:
+    """Equal bodies do not shift, and no stress makes a charge: Hamilton's tension, and charges as at rest."""
+    poisson = 0.3
+    body = Material.isotropic(200e9, poisson, name="dielectric")
+    case = HALF | {"material": body, "punch": body, "total_charge": 1e-10}
+    still, slid = answer(case | {"friction": 0.0}), answer(case | SLID)
+    for name in ("contact_radius", "peak_displacement", "gap_field"):
+        assert slid[name] == pytest.approx(still[name], rel=1e-12)
+    hamilton = slid["peak_pressure"] * ((1 - 2 * poisson) / 3 + 0.3 * np.pi * (4 + poisson) / 8)
+    assert slid["trailing_tension"] == pytest.approx(hamilton, rel=1e-12)
+    shifted = answer(case | SLID | {"punch": "rigid"})
+    assert abs(shifted["contact_offset"]) > 1e-3 * shifted["contact_radius"]
+    assert shifted["peak_displacement"] > still["peak_displacement"]
+
+
+@pytest.mark.parametrize("case", [HALF, FILM | {"base": "rigid"}, FIBROUS | {"magnetic": "conducting"}])
+def test_tension_beside_the_trailing_edge_is_that_of_the_fields_inside(case: dict[str, Any]) -> None:
+    """Sums over b and waves, extrapolated to the edge, against moments and rates."""
+    gaps = np.array([4e-4, 8e-4, 1.6e-3, 3.2e-3, 6.4e-3])
+    beside = solver.solve_interior(case | SLID, 1 + gaps, [0.0], fields=["stress_xx"])["stress_xx"].values.ravel()
+    rows = gaps[:, None] ** np.array([0.0, 0.5, 1.0, 1.5, 2.0])
+    assert np.linalg.solve(rows, beside)[0] == pytest.approx(answer(case | SLID)["trailing_tension"], rel=1e-3)
+
+
+def test_electric_and_magnetic_charges_see_one_gap_that_friction_tilts() -> None:
+    """D g = eps0 (phi - V) to the first order: what it says of g_1 from D and phi is what B and psi say."""
+    case = FIBROUS | SLID | {"magnetic": "conducting", "total_flux": 1e-9}
+    r = np.array([1.1, 1.6, 2.5, 5.0])
+    punch, names = solver.solve(case), ["electric_potential", "magnetic_potential"]
+    inside = solver.solve_interior(case, np.concatenate([r, -r]), [0.0], fields=names)
+    surface, gaps = solver.solve(case, np.concatenate([r, -r])), []
+    for potential, density, level, vacuum in (
+        ("electric_potential", "electric_displacement", "voltage", VACUUM_PERMITTIVITY),
+        ("magnetic_potential", "magnetic_induction", "magnetic_potential", VACUUM_PERMEABILITY),
+    ):
+        both = inside[potential].values.reshape(2, -1) - float(punch[level]), surface[density].values.reshape(2, -1)
+        (phi, phi_1), (D, D_1) = (((own[0] + own[1]) / 2, (own[0] - own[1]) / 2) for own in both)
+        gap = vacuum * phi / D
+        gaps.append((gap, (vacuum * phi_1 - D_1 * gap) / D))
+    for one, other in zip(*gaps, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-5)
+    assert np.all(np.abs(gaps[0][1]) > 1e-3 * gaps[0][0])
+
+
+def test_largest_values_are_those_of_the_fields() -> None:
+    """Beside the edge of a contact whose charge is below what the surface gives way to; inside the edge D is steep."""
+    case = HALF | {"friction": 0.02, "total_charge": 1.6e-9}
+    found = answer(case)
+    at = np.concatenate([np.linspace(-0.99, 0.99, 23), 1 + np.geomspace(1e-3, 3, 9), -1 - np.geomspace(1e-3, 3, 9)])
+    fields = solver.solve(case, at)
+    D = np.abs(fields["electric_displacement"].values.ravel())
+    assert np.max(D) <= found["peak_displacement"] * (1 + 1e-9)
+    np.testing.assert_allclose(np.max(D), found["peak_displacement"], rtol=0.1)
+
+
+def test_a_field_beyond_what_the_surface_carries_is_told() -> None:
+    grounded = HALF | {"total_charge": 1.68e-9}
+    with pytest.warns(FirstOrderWarning, match=r"^friction: to its first order the field in the gap .* 4\.5 times"):
+        answer(grounded | SLID)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        answer(grounded | {"friction": 0.05})
+        answer(HALF | SLID)

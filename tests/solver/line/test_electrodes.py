@@ -1,0 +1,263 @@
+"""Electrodes in a stack: identities that hold whatever presses, and patches against fields and other ways to them."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.interpolate import BarycentricInterpolator
+
+import solver
+from solver.arrays import Array
+from solver.stack.electrodes import Electrode, electrodes
+from solver.stack.layers import Layer, Stack
+from tests.solver.line.films import BTO, FIBROUS, SILICON, by_exponentials
+
+PVDF, PZT, PDMS, GLASS, COPPER = (solver.find(name) for name in ("PVDF", "PZT-4", "PDMS", "glass", "copper"))
+BARE: dict[str, Any] = {"surroundings": "insulated"}
+BALL = BARE | {"profile": "sphere", "radius": 0.01, "force": [0.1, 1.0], "magnetic": "insulating"}
+ROLLER = BARE | {"radius": 0.05, "load": 2e4, "friction": 0.3, "datum": 0.1}
+COVERS = {"rubber": Layer(PDMS, 1e-3, "grounded"), "ceramic": Layer(FIBROUS, 2e-4, "grounded")}
+ACTIVE = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4, "grounded"), Layer(FIBROUS, 2e-4)], SILICON)
+
+
+def charge(found: xr.Dataset, name: str = "electrode_charge_per_force") -> Array:
+    return np.asarray(found[name].values)
+
+
+@pytest.mark.parametrize("cover", COVERS)
+@pytest.mark.parametrize("punch", [BALL, ROLLER], ids=["ball", "roller"])
+def test_full_electrodes_have_e33_over_c33_under_any_cover(cover: str, punch: dict[str, Any]) -> None:
+    own = punch | ({"load": 1e3} if cover == "rubber" and "load" in punch else {})
+    body = Stack([COVERS[cover], Layer(PVDF, 5e-5)])
+    found = solver.solve(own | {"body": body, "collector": [1, 2]}).transpose(..., "collector")
+    exact = float(PVDF.e33 / PVDF.c33)
+    assert charge(found).size
+    np.testing.assert_allclose(charge(found) / [exact, -exact], 1.0, rtol=1e-12)
+
+
+@pytest.mark.parametrize("punch", [BALL, ROLLER], ids=["ball", "roller"])
+def test_a_bare_film_between_electrodes_has_it_too(punch: dict[str, Any]) -> None:
+    film = {"material": "PZT-4", "thickness": 2e-4, "base": "rigid", "electrode": "top", "collector": [1, 2]}
+    found = solver.solve(punch | film).transpose(..., "collector")
+    exact = float(PZT.e33 / PZT.c33)
+    np.testing.assert_allclose(charge(found) / [exact, -exact], 1.0, rtol=1e-12)
+    assert "voltage" not in found
+
+
+@pytest.mark.parametrize("punch", [BALL, ROLLER], ids=["ball", "roller"])
+def test_a_driven_electrode_moves_the_surface_and_changes_nothing_else(punch: dict[str, Any]) -> None:
+    """By e33/c33 a volt: what thickens between two planes that are held, free of stress across (on a rigid base)."""
+    film = {"material": "PZT-4", "thickness": 2e-4, "base": "rigid", "electrode": "top", "magnetic": "insulating"}
+    still = solver.solve(punch | film | {"collector": 1})
+    driven = solver.solve(punch | film | {"collector": 1, "electrode_voltage": [-300.0, 0.0, 300.0]})
+    moved = driven["depth"] - still["depth"]
+    exact = driven["electrode_voltage"] * float(PZT.e33 / PZT.c33) + 0 * moved
+    np.testing.assert_allclose(moved, exact.transpose(*moved.dims), rtol=1e-9, atol=1e-20)
+    np.testing.assert_allclose(still["electrode_stroke_per_volt"], still["electrode_charge_per_force"], rtol=1e-12)
+    for name in still.data_vars:
+        if name != "depth":
+            np.testing.assert_allclose(driven[name] - still[name], 0.0, atol=1e-14 * float(abs(still[name]).max()))
+
+
+def test_electrodes_and_punch_have_no_charge_together() -> None:
+    """The punch's charge, whatever it is, stands on the electrodes with the other sign."""
+    body = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4), Layer(COPPER, 2e-5), Layer(PZT, 1e-4)], SILICON)
+    assert electrodes(body) == [(0,), (1, 2), (3,)]
+    for case, own in ((BALL | {"force": 1.0}, "total_charge"), (ROLLER, "charge")):
+        q = 1e-11 * float(case.get("load", 1.0))
+        found = charge(solver.solve(case | {own: q, "body": body, "collector": [1, 2, 3]}))
+        assert np.sum(found) == pytest.approx(-1e-11, rel=1e-10)
+        assert np.min(np.abs(found)) > 1e-13
+
+
+def test_what_small_waves_carry_tends_to_the_whole() -> None:
+    """Y = A + k C in closed form against the recursion at k H = 1e-6, over bases that are rigid, dielectric, active."""
+    for base in ("rigid", SILICON, BTO):
+        body = Stack([Layer(FIBROUS, 1e-4, "grounded"), Layer(BTO, 1e-4, "grounded"), Layer(PVDF, 2e-4)], base)
+        for number in range(1, len(electrodes(body)) + 1):
+            electrode = Electrode(body, number)
+            small = electrode.rows(np.array([1e-6 / body.thickness]))[0, 0, 1:]
+            np.testing.assert_allclose(electrode.whole, small, atol=1e-5 * np.max(np.abs(small)))
+
+
+@pytest.mark.parametrize("punch", [BALL | {"force": 0.3}, ROLLER], ids=["ball", "roller"])
+def test_strips_sum_to_the_electrode(punch: dict[str, Any]) -> None:
+    """Of 41 strips side by side, and one of all their width; that is all of it but for what lies beyond."""
+    body = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)])
+    width = 5e-5
+    case = punch | {"body": body, "collector": 2, "patch": "strip"}
+    places = width * np.arange(-20, 21)
+    parts = charge(solver.solve(case | {"patch_size": width, "patch_position": places}), "patch_charge_per_force")
+    one = solver.solve(case | {"patch_size": 41 * width})
+    assert np.sum(parts) == pytest.approx(float(one["patch_charge_per_force"]), rel=1e-10)
+    assert float(one["patch_charge_per_force"]) == pytest.approx(float(one["electrode_charge_per_force"]), rel=1e-3)
+    endless = solver.solve(case | {"patch_size": 0.02})
+    assert charge(endless, "patch_charge_per_force") == pytest.approx(charge(endless), rel=1e-10)
+
+
+def test_a_rectangle_below_a_roller_has_of_the_force_on_its_length_what_a_strip_has() -> None:
+    case = ROLLER | {"body": ACTIVE, "collector": 2, "patch_size": 2e-4, "patch_position": 5e-5}
+    found = solver.solve(case | {"patch": "rectangle", "patch_length": [1e-3, 1.0]})
+    strip = float(solver.solve(case)["patch_charge_per_force"])
+    np.testing.assert_allclose(charge(found, "patch_charge_per_force"), strip, rtol=1e-14)
+
+
+def test_strips_below_a_roller_collect_the_jump_of_the_field_inside() -> None:
+    plain = solver.solve(ROLLER | {"body": ACTIVE})
+    half = float(plain["contact_trailing"] + plain["contact_leading"]) / 2
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    for depth, number in ((1e-4, 1), (2e-4, 2)):
+        size, place = 2e-4, 5e-5
+        along = (place + size / 2 * nodes) / half
+        sides = [-(depth - 1e-13) / half, -(depth + 1e-13) / half]
+        inside = solver.solve_interior(ROLLER | {"body": ACTIVE}, along, sides, fields=["electric_displacement_y"])
+        above, below = inside["electric_displacement_y"].values
+        read = {"collector": number, "patch_size": size, "patch_position": place}
+        found = solver.solve(ROLLER | {"body": ACTIVE} | read)
+        expected = weights @ (above - below) * size / 2 / 2e4
+        assert float(found["patch_charge_per_force"]) == pytest.approx(expected, rel=1e-7)
+        middle = solver.solve_interior(ROLLER | {"body": ACTIVE}, [0.0], sides[:1], fields=["stress_yy"])
+        assert float(found["electrode_pressure"]) == pytest.approx(-float(middle["stress_yy"].squeeze()), rel=1e-7)
+
+
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("number", [2, 1])
+def test_discs_below_a_ball_that_slides_collect_the_jump_of_the_field_inside(number: int) -> None:
+    """D_y of the plane of symmetry at x and -x, whose mean is even about the middle and whose difference turns."""
+    ball = {"profile": "sphere", "radius": 2e-3, "force": 4.0, "friction": 0.4, "magnetic": "insulating"}
+    plain, size, place = solver.solve(ball | {"body": ACTIVE}), 1.2e-4, 7e-5
+    radius = float(plain["contact_radius"])
+    x, w = np.polynomial.legendre.leggauss(16)
+    turn = 2 * np.pi * (np.arange(32) + 0.5) / 32
+    own = size / 4 * (1 + x)
+    across = np.hypot(place + own[:, None] * np.cos(turn), own[:, None] * np.sin(turn))
+    cosine = (place + own[:, None] * np.cos(turn)) / across
+    ends = np.linspace(place - size / 2, place + size / 2, 2)
+    r = (ends[1] + ends[0]) / 2 + (ends[1] - ends[0]) / 2 * np.cos(np.pi * (np.arange(14) + 0.5) / 14)
+    along = np.concatenate([-r[::-1], r[::-1]])
+    sides = [-(number * 1e-4 - 1e-13) / radius, -(number * 1e-4 + 1e-13) / radius]
+    inside = solver.solve_interior(
+        ball | {"body": ACTIVE}, np.sort(along) / radius, sides, fields=["electric_displacement_y"]
+    )
+    above, below = inside["electric_displacement_y"].values
+    behind, ahead = np.split(above - below, 2)
+    even, odd = (ahead + behind[::-1]) / 2, (ahead - behind[::-1]) / 2
+    at = np.sort(r)
+    density = sum(BarycentricInterpolator(at, part)(across) * share for part, share in ((even, 1.0), (odd, cosine)))
+    expected = np.sum(w[:, None] * own[:, None] * density) * size / 4 * 2 * np.pi / 32 / 4.0
+    read = {"collector": number, "patch_size": size, "patch_position": [place, -place]}
+    found = charge(solver.solve(ball | {"body": ACTIVE} | read), "patch_charge_per_force")
+    assert abs(found[0] / found[1] - 1) > 1e-3
+    assert found[0] == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_patch_s_charge_is_reciprocal_to_what_its_voltage_moves() -> None:
+    """u_y of the surface per phi of an electrode, by matrix exponentials of each layer, is the charge per sigma_yy."""
+    k = np.array([1e3, 3e3, 1e4])
+    rows = Electrode(ACTIVE, 2).rows(k)[:, 0]
+    for wave, row in zip(k.tolist(), rows, strict=True):
+        columns, phi = by_exponentials(ACTIVE, wave)
+        system = np.concatenate([columns[4:], phi])  # no traction on top, and phi of electrodes 3, 2, 1
+        driven = np.eye(7)[5]  # of electrode 2: k phi in these units
+        moved = columns[1] @ np.linalg.solve(system, driven)
+        assert abs(moved) > 1e-6
+        assert moved == pytest.approx(row[1], rel=1e-8)
+
+
+def test_discs_strips_and_neighbours_below_a_ball() -> None:
+    """A disc that holds all is the electrode; discs of one place fill a strip; the gradient is the difference's."""
+    body = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)])
+    case = BALL | {"force": 0.3, "body": body, "collector": 2}
+    whole = solver.solve(case | {"patch_size": 0.05})
+    assert charge(whole, "patch_charge_per_force") == pytest.approx(charge(whole), rel=1e-10)
+    step, pitch = 1e-6, 3e-4
+    read = {"patch_size": 2e-4, "patch_pitch": pitch}
+    for patch in ("disc", "strip"):
+        found = solver.solve(case | read | {"patch": patch})
+        near = charge(
+            solver.solve(
+                case
+                | {
+                    "patch_size": 2e-4,
+                    "patch": patch,
+                    "patch_position": [0.0, pitch, pitch / 2 - step, pitch / 2 + step],
+                }
+            ),
+            "patch_charge_per_force",
+        )
+        assert float(found["crosstalk"]) == pytest.approx(near[1] / near[0], rel=1e-9)
+        assert float(found["patch_charge_gradient"]) == pytest.approx((near[2] - near[3]) / step, rel=1e-4)
+    # rings of discs about the middle against the strip: int over the strip of the density by discs' differences
+    radii = np.linspace(1e-7, 3e-3, 4001)
+    inside = charge(solver.solve(case | {"patch_size": 2 * radii}), "patch_charge_per_force")
+    middle, density = (radii[1:] + radii[:-1]) / 2, np.diff(inside)
+    share = np.where(middle < 1e-4, 1.0, 2 / np.pi * np.arcsin(np.minimum(1e-4 / middle, 1.0)))
+    strip = solver.solve(case | {"patch_size": 2e-4, "patch": "strip"})
+    assert inside[0] + density @ share == pytest.approx(float(strip["patch_charge_per_force"]), rel=1e-4)
+    # the share of a circle that lies in a rectangle of 2e-4 x 3e-4
+    sides = [np.minimum(half / middle, 1.0) for half in (1e-4, 1.5e-4)]
+    share = np.maximum(2 / np.pi * (np.arcsin(sides[1]) - np.arccos(sides[0])), 0.0)
+    rectangle = case | {"patch_size": 2e-4, "patch": "rectangle"}
+    square = charge(solver.solve(rectangle | {"patch_length": 3e-4}), "patch_charge_per_force")
+    assert inside[0] + density @ share == pytest.approx(float(square), rel=1e-4)
+    endless = charge(solver.solve(rectangle | {"patch_length": 0.05}), "patch_charge_per_force")
+    assert endless == pytest.approx(charge(strip, "patch_charge_per_force"), rel=1e-9)
+    ring = solver.solve(case | {"patch": "ring", "patch_size": 4e-4, "patch_hole": 2e-4, "patch_position": 1e-4})
+    discs = solver.solve(case | {"patch_size": [4e-4, 2e-4], "patch_position": 1e-4})
+    outer, inner = charge(discs, "patch_charge_per_force")
+    assert charge(ring, "patch_charge_per_force") == pytest.approx(outer - inner, rel=1e-12)
+
+
+def test_rectangles_side_by_side_are_one_and_have_its_gradient() -> None:
+    body = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)])
+    case = BALL | {"force": 0.3, "body": body, "collector": 2, "patch": "rectangle", "patch_length": 7e-4}
+    places = [-2e-4, 0.0, 2e-4, 4e-4]
+    parts = charge(solver.solve(case | {"patch_size": 2e-4, "patch_position": places}), "patch_charge_per_force")
+    one = charge(solver.solve(case | {"patch_size": 8e-4, "patch_position": 1e-4}), "patch_charge_per_force")
+    assert np.sum(parts) == pytest.approx(float(one), rel=1e-10)
+    step, pitch = 1e-6, 3e-4
+    read = solver.solve(case | {"patch_size": 2e-4, "patch_pitch": pitch})
+    near = solver.solve(case | {"patch_size": 2e-4, "patch_position": [pitch / 2 - step, pitch / 2 + step]})
+    before, after = charge(near, "patch_charge_per_force")
+    assert float(read["patch_charge_gradient"]) == pytest.approx((before - after) / step, rel=1e-4)
+
+
+def test_what_a_base_stretches_leads_on_to_the_free_slab_s_d33() -> None:
+    """The charge goes straight with the stretch along the film, k_1 of its base: on to that of a slab nothing holds.
+
+    A half-space widens by -1/(c11 + c12) per pressure (isotropic), a rigid one by nothing, the free slab by -2 s13.
+    """
+    # of stresses along and across by strains along, both alike, and across
+    compliance = np.linalg.inv([[PZT.c11 + PZT.c12, PZT.c13], [2 * PZT.c13, PZT.c33]])
+    along, across = compliance @ [0.0, 1.0]
+    free = float(2 * PZT.e31 * along + PZT.e33 * across)
+    assert free == pytest.approx(291e-12, rel=2e-3)  # of the printed set
+    stiff = [Stack([Layer(PZT, 1e-4)], base, electroded=True) for base in ("rigid", GLASS, solver.find("polyimide"))]
+    charges = [-float(Electrode(one, 2).whole[0]) * one.scale[1] / one.scale[2] for one in stiff]
+    stretch = np.array([0.0, *(-1 / float(base.c11 + base.c12) for base in (GLASS, solver.find("polyimide")))])
+    slopes = np.diff(charges) / np.diff(stretch)
+    assert slopes[1] == pytest.approx(slopes[0], rel=1e-9)
+    reached = charges[0] + slopes[0] * float(-2 * along)
+    assert abs(reached) == pytest.approx(free, rel=1e-9)
+
+
+def test_aluminium_nitride_on_silicon_nearly_stands_still() -> None:
+    """e33/c33 less what the film's pull along itself, e31 - e33 c13/c33, does to a half-space: 1/(c11 + c12) of it."""
+    film, case = solver.find("AlN"), {"material": "AlN", "thickness": 1e-6, "base": "silicon", "electrode": "top"}
+    found = solver.solve(BALL | case | {"force": 0.1, "collector": 1})["electrode_stroke_per_volt"]
+    pull = float(film.e31 - film.e33 * film.c13 / film.c33)
+    exact = float(film.e33 / film.c33) + pull / float(SILICON.c11 + SILICON.c12)
+    assert float(found) == pytest.approx(exact, rel=1e-10)
+    assert 1e12 * exact == pytest.approx(-0.26, abs=0.005)
+
+
+def test_a_thin_metal_on_top_tends_to_the_electrode_without_stiffness() -> None:
+    film = {"material": "PZT-4", "thickness": 1e-4, "base": "silicon", "electrode": "top"}
+    for punch in (BALL | {"force": 0.1}, ROLLER | {"load": 1e3, "magnetic": "insulating"}):
+        name = "contact_radius" if "force" in punch else "contact_trailing"
+        soft = solver.Material(**{**vars(solver.Material.isotropic(60e9, 0.3)), "conductor": np.array(True)})
+        coated = (Stack([Layer(soft, t), Layer(PZT, 1e-4)], SILICON) for t in (2e-6, 1e-6))
+        widths = [float(solver.solve(punch | {"body": body})[name]) for body in coated]
+        ideal = float(solver.solve(punch | film)[name])
+        assert abs(widths[1] / ideal - 1) < abs(widths[0] / ideal - 1) < 0.1

@@ -1,0 +1,280 @@
+"""Films graded with depth: exact exponents, homogeneous limits, staircases, the rough parts of their kernels."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.linalg import expm
+from scipy.special import gammaln, jv
+
+import solver
+from solver.arrays import Array
+from solver.halfplane.profile import Profile
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
+from solver.line.basis import Basis
+from solver.line.interior import Interior
+from solver.line.kernel import graded_response, kernel
+from solver.line.rough import Rough
+from solver.line.system import System
+from solver.line.table import Table, at, table
+from solver.line.tractions import TractionTable
+from solver.material.constants import UNITS
+from solver.stack.electroded import surface as surface_of
+from solver.stack.electrodes import Electrode
+from solver.stack.floating import stiffness
+from solver.stack.fourier import Medium
+from solver.stack.grading import Graded, GradedMedium
+from solver.stack.layers import Layer, Stack, StackError
+from solver.stack.reflection import held, waves
+from tests.layers import SOAK
+from tests.solver.cases import assert_alike
+from tests.solver.line.films import BTO, CFO, FIBROUS, STEEL, contact, interior_fields, surface_fields
+from tests.solver.line.test_surface import FIELDS
+
+
+def linear(depth: Array) -> solver.Material:
+    return solver.fibrous(BTO, CFO, 0.2 + 0.6 * depth)
+
+
+END = (None, "grounded")
+CYLINDER = Profile.cylinder(np.array(0.05))
+
+
+def narrow(stack: Stack, layers: int = 1) -> Table:
+    """A table about the contacts of these tests, of a film 0.2 mm thick."""
+    return table(stack, 0.3, least=0.5 * layers, most=1.6 * layers, nodes=6)
+
+
+def exponential(depth: Array) -> solver.Material:
+    """Every constant of the fibrous composite falls like exp(-0.8 depth)."""
+    factor = np.exp(-0.8 * depth)
+    return solver.Material(**{name: getattr(FIBROUS, name) * factor for name in UNITS if name != "rho"})
+
+
+#: Whose tables are kept from test to test, as those of one stack.
+FALLING = {covered: Stack((Graded(exponential, 1.0),), electroded=covered) for covered in (False, True)}
+LINEAR = Stack((Graded(linear, 1.0),))
+ON_STEEL = Stack((Graded(linear, 2e-4, *END),), STEEL)
+
+
+def at_half_lengths(stack: Stack, half: Array, accuracy: float = 1.0) -> Array:
+    sliding = Sliding(HalfPlane(stack.top.material), np.array(0.3), np.array([True, True]))
+    return at(System(kernel(stack, 2.1 * float(np.max(half))), sliding, (True, True), 1, accuracy), half)
+
+
+def test_exponential_grading_has_its_exact_exponents() -> None:
+    stack = FALLING[False]
+    medium = GradedMedium(stack.top, stack.scale)  # type: ignore[arg-type]
+    surface = Medium(FIBROUS, stack.scale)
+    k = np.array([0.03, 0.3, 1.0, 3.0])
+    found = surface.compliance + medium.difference(k, np.zeros((k.size, 4, 4)))
+    bend = 0.4 * np.diag([1.0] * 4 + [-1.0] * 4)
+    for wavenumber, Y in zip(k, found, strict=True):
+        whole = expm(wavenumber * surface.system + bend)
+        exact = whole[:4, 4:] @ np.linalg.inv(whole[4:, 4:])
+        np.testing.assert_allclose(Y, exact, atol=1e-8 * np.max(np.abs(exact)))
+
+
+@pytest.mark.parametrize("covered", [False, True])
+def test_electrodes_get_what_exact_exponents_say(*, covered: bool) -> None:
+    """What that on the base gets per traction at the surface, and how the surface answers where one covers it."""
+    stack, k = FALLING[covered], np.array([0.03, 0.3, 1.0, 3.0])
+    rows, response = Electrode(stack, 1 + covered).rows(k), graded_response(stack).difference(k) + surface_of(stack)
+    surface, bend = Medium(FIBROUS, stack.scale), 0.4 * np.diag([1.0] * 4 + [-1.0] * 4)
+    for wavenumber, row, found in zip(k, rows, response, strict=True):
+        whole = expm(wavenumber * surface.system + bend)
+        down, exact = np.exp(-0.4) * np.linalg.inv(whole[4:, 4:]), whole[:4, 4:] @ np.linalg.inv(whole[4:, 4:])
+        if covered:  # D_y at the surface is what keeps phi at zero
+            onto = np.eye(4)
+            onto[2] = np.where(np.arange(4) == 2, 0.0, -exact[2] / exact[2, 2])
+            down, exact = down @ onto, held(exact, (2,))
+            found[2, 2] = 0.0  # kept apart
+        np.testing.assert_allclose(row, down[[2, 1]], atol=1e-8 * np.max(np.abs(down)))
+        np.testing.assert_allclose(found, exact, atol=1e-8 * np.max(np.abs(exact)))
+
+
+def test_electrodes_without_end_have_what_the_depth_averages() -> None:
+    """Of (u', phi', psi') = A (sigma, D, 0), with no voltage between both: D = -int A_ps / int A_pp sigma."""
+    stack = Stack((Graded(linear, 1.0),), electroded=True)
+
+    def inverse(depth: float, column: int) -> float:
+        return float(np.linalg.inv(linear(np.array(depth)).generalised_stiffness()[2][1:, 1:])[1, column])
+
+    exact = -quad(inverse, 0, 1, (0,), epsabs=0, epsrel=1e-12)[0] / quad(inverse, 0, 1, (1,), epsabs=0, epsrel=1e-12)[0]
+    charges = [Electrode(stack, number).whole[0] * stack.scale[1] / stack.scale[2] for number in (1, 2)]
+    assert [charges[1], -charges[0]] == pytest.approx([exact, exact], rel=1e-11)
+
+
+COVER = {"electrode": "top", "magnetic": "insulating", "collector": 2, "patch_size": 1e-4, "patch_position": 3e-5}
+
+
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("own", [{"interface_magnetic": "grounded", "charge": 2e-5}, COVER], ids=["bare", "covered"])
+def test_a_roller_on_a_film_graded_by_nothing_has_all_that_one_on_a_layer_has(own: dict[str, object]) -> None:
+    film: dict[str, object] = {"radius": 0.05, "load": 2e4, "friction": 0.3, "datum": 0.1, "thickness": 2e-4}
+    film |= {"volume_fraction": 0.5, "base": "steel", "surroundings": "insulated"} | own
+    X = None if own is COVER else [-9.0, -1.3, -1.0001, -0.999, 0.4, 0.9, 1.02, 4.0]
+    exact, found = solver.solve(film, X), solver.solve(film | {"base_volume_fraction": 0.5}, X)
+    assert set(exact) == set(found)
+    quantities = [name for name in map(str, exact) if not exact[name].ndim]
+    assert_alike(found, exact, 1e-9, quantities)
+    assert_alike(found, exact, 1e-8)
+
+
+@pytest.mark.parametrize("covered", [False, True])
+def test_tails_are_those_of_the_response(*, covered: bool) -> None:
+    response = graded_response(FALLING[covered])
+    k = np.array([200.0, 400.0])
+    left = response.difference(k) - sum(response.tails[j] / k[:, None, None] ** (j + 1) for j in range(3))
+    size = np.max(np.abs(left), axis=(1, 2)) * k**4
+    assert size[1] == pytest.approx(size[0], rel=0.1)
+
+
+@pytest.mark.soakable
+def test_surface_fields_of_a_graded_film_are_nearly_those_of_a_staircase() -> None:
+    X = np.array([-4.0, -1.3, -0.5, 0.4, 1.2, 3.0])
+    count = 24 if SOAK else 12
+    middles = (np.arange(count) + 0.5) / count
+    stairs = tuple(Layer(linear(np.array(z)), 2e-4 / count, *(END if z == middles[-1] else ())) for z in middles)
+    graded = contact(narrow(ON_STEEL), CYLINDER, 1e5)
+    one = surface_fields(graded, X)
+    of = narrow(Stack(stairs, STEEL), count)
+    other = surface_fields(contact(of, CYLINDER, 1e5), X)
+    for field in FIELDS:
+        values = other[field][0]
+        # the layer at the top is not the surface, by the first order: e15/c44 of 24 layers differs there by 6 %
+        size = 24 / count * (5e-2 if field.endswith("_x") else 6e-3) * np.max(np.abs(values))
+        np.testing.assert_allclose(one[field][0], values, atol=size, err_msg=field)
+    stretch = surface_fields(graded, 1 + np.array([1e-12, 1e-4]))["stress_xx"][0]
+    # beside the edge the field is that of M terms, at the edge that of all
+    assert stretch[0] == pytest.approx(graded.edge_stress(1.0)[0], rel=5e-4)
+
+
+def test_linear_grading_converges() -> None:
+    half = np.array([0.3, 1.0])
+    found, finer = at_half_lengths(LINEAR, half), at_half_lengths(LINEAR, half, 1.4)
+    np.testing.assert_allclose(found[:, [0, 3, 4], 0], finer[:, [0, 3, 4], 0], rtol=1e-8)
+    np.testing.assert_allclose(found[:, [0, 3, 4], 1:], finer[:, [0, 3, 4], 1:], rtol=5e-7)  # their small couplings
+    size = np.max(np.abs(finer[:, 6:10]), axis=1, keepdims=True)
+    assert np.all(np.abs(found - finer)[:, 6:10] < 5e-7 * size)  # edge intensities
+    size = np.max(np.abs(finer[:, 10:12]), axis=1, keepdims=True)
+    miss = np.max(np.abs(found - finer)[:, 10:12] / size, axis=(0, 1))  # edge stress, by slope, T and J
+    assert np.all(miss < [5e-7, 1e-5, 5e-7]), miss
+
+
+def uncoupled(depth: Array) -> solver.Material:
+    """BaTiO3 without its piezoelectricity; every constant falls like exp(-0.8 depth)."""
+    factor = np.exp(-0.8 * depth)
+    constants = {name: getattr(BTO, name) * factor for name in UNITS if name != "rho"}
+    return solver.Material(**constants | dict.fromkeys(("e31", "e33", "e15"), 0 * factor))
+
+
+def test_edge_intensity_of_a_graded_dielectric_is_that_of_bessel_functions() -> None:
+    """Its Y(k) is closed: int Y(k) J_2m J_2n dk/k of many terms, whose sum misses by M^-2 and is extrapolated."""
+    half = np.array([0.3, 1.0])
+    stack = Stack((Graded(uncoupled, 1.0),))
+    sliding = Sliding(HalfPlane(stack.top.material), np.array(0.0), np.array([True, True]))
+    found = at(System(kernel(stack, 2.1), sliding, (True, True), 1), half)[:, 6, 1]
+    ratio = float(BTO.eps33 / BTO.eps11)
+    x, w = np.polynomial.legendre.leggauss(12)
+    starts = np.concatenate([np.arange(8) / 4, np.arange(2.0, 300.0)])
+    width = np.where(starts < 2, 0.25, 1.0)[:, None] / 2
+    z, weights = (starts[:, None] + width * (1 + x)).ravel(), (width * w).ravel()
+    bessel = jv(2 * np.arange(50)[:, None], z)
+    m, n = np.arange(1, 201)[:, None], np.arange(201)
+    # int J_2m J_2n z^-2 dz
+    tail = np.exp(gammaln(m + n - 0.5) - gammaln(m + n + 1.5)) * (-1.0) ** (m - n) / (4 * np.pi * (0.25 - (m - n) ** 2))
+    for h, intensity in zip(half, found, strict=True):
+        root = np.sqrt(0.64 + 4 * (z / h) ** 2 / ratio)
+        fall = np.exp(-root)
+        response = z / h * (1 - fall) / ((root - 0.8) / 2 + (root + 0.8) / 2 * fall)
+        matrix = 0.4 * ratio * h * tail
+        matrix[:49, :50] += ((response - np.sqrt(ratio)) / z - 0.4 * ratio * h / z**2) * weights * bessel[1:] @ bessel.T
+        matrix[m[:, 0] - 1, m[:, 0]] += np.sqrt(ratio) / (4 * m[:, 0])
+        matrix *= (-1.0) ** (m + n)
+        sums = 1 + np.cumsum(np.linalg.solve(matrix[:, 1:], -matrix[:, 0]))
+        assert -np.sqrt(np.pi) * intensity == pytest.approx((4 * sums[199] - sums[99]) / 3, rel=1e-7)
+
+
+def test_staircases_tend_to_the_graded_film() -> None:
+    half, loads = np.array([0.3]), []
+    for count in (8, 16, 32):
+        middles = (np.arange(count) + 0.5) / count
+        stack = Stack(tuple(Layer(linear(np.array(z)), 1.0 / count) for z in middles))
+        read = at_half_lengths(stack, half)[0]
+        loads.append(read[0, 0] / stack.scale[1] ** 2)
+    exact = at_half_lengths(LINEAR, np.array([0.3, 1.0]))[0, 0, 0] / LINEAR.scale[1] ** 2
+    first, second = loads[1] - loads[0], loads[2] - loads[1]
+    limit = loads[2] + second / (first / second - 1)  # the middle of the top layer is not the surface: first order
+    assert limit == pytest.approx(exact, rel=1e-4)
+    assert abs(loads[2] / exact - 1) < 6e-4
+
+
+def test_contact_on_a_graded_film_is_read_from_a_table() -> None:
+    film = contact(narrow(ON_STEEL), CYLINDER, 1e5, (2e-5, 1e-2), 0.1)
+    step = 10.0
+    ends = [
+        type(film)(film.table, film.profile, film.load + s * step, film.charges, film.datum).response[0]
+        for s in (1, -1)
+    ]
+    np.testing.assert_allclose(film.tangents[0][:, 0], (ends[0] - ends[1]) / (2 * step), rtol=1e-6)
+    # inside, by extrapolated sublayers: up to the surface, and through the film as its sublayers grow thinner
+    h, names = float(film.half_width[0]), ("stress_xx", "stress_yy", "stress_xy")
+    X, Y = np.array([-0.4, 0.5]), -np.array([1e-9, 1e-4, 1.99e-4]) / h
+    inside, surface = interior_fields(film, X, Y, names)[0], surface_fields(film, X)
+    np.testing.assert_allclose(inside[1, 0], -surface["contact_pressure"][0], rtol=2e-4)
+    np.testing.assert_allclose(inside[0, 0], surface["stress_xx"][0], rtol=2e-4)
+    finer = Interior(TractionTable(film.table).read(film), 36).fields(X[None], Y[None, 1:], names)[0, ..., 0]
+    np.testing.assert_allclose(inside[:, 1:], finer, atol=1e-4 * float(np.max(np.abs(finer))))
+
+
+@pytest.mark.filterwarnings("ignore::scipy.integrate.IntegrationWarning")  # of edges that are singular
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize("smooth", [(True, True), (False, True), (False, False)])
+def test_rough_integrals_are_those_of_quadrature(smooth: tuple[bool, bool]) -> None:
+    basis = Basis(0.07, smooth, 12, 40)
+    A, B = basis.exponents
+    X = np.array([0.3])
+    kernels = (np.sign, lambda d: np.log(abs(d)), lambda d: 1.0)
+
+    def source(s: float, j: int, *, charged: bool) -> float:
+        if charged:
+            return float(np.cos(j * np.arccos(s)) / np.sqrt(1 - s * s))
+        return float((1 - s) ** A * (1 + s) ** B * basis.pressure_factor(np.array([s]))[0, j])
+
+    def integrand(s: float, j: int, charged: bool, number: int, power: int) -> float:
+        return float(source(s, j, charged=charged) * (0.3 - s) ** power * kernels[number](0.3 - s))
+
+    rough = Rough(basis)
+    found = rough.pressures(X, 1 - X, 1 + X), rough.charges(1 - X, 1 + X)
+    for j, charged, number, power in product((0, 3), (False, True), range(3), range(3)):
+        source_of = (j, charged, number, power)
+        exact = quad(integrand, -1.0, 0.3, source_of)[0] + quad(integrand, 0.3, 1.0, source_of)[0]
+        assert found[charged][3 * number + power, 0, j] == pytest.approx(exact, abs=2e-7)
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: Stack((Layer(BTO, 1.0), Graded(linear, 1.0))), "only the top layer can be graded"),
+        (lambda: Graded(linear, -1.0), "thickness: -1.0 is not allowed"),
+        (lambda: Graded(linear, 1.0, magnetic="insulated"), "'insulated' is not allowed below a graded layer"),
+        (lambda: Graded(lambda z: solver.fibrous(BTO, CFO, 0.5 + 0.6 * z), 1.0), None),
+        (lambda: Graded(lambda z: solver.fibrous(BTO, CFO, np.where(z < 0.3, 0.2, 0.8)), 1.0), "not a smooth function"),
+    ],
+)
+def test_bad_gradings_are_refused_by_name(make: object, said: str | None) -> None:
+    assert callable(make)
+    with pytest.raises(solver.MaterialError, match=said or "volume_fraction: .* is not within 0 to 1"):
+        kernel(Stack((made,)) if isinstance(made := make(), Layer) else made, 1.0)
+
+
+def test_what_is_not_given_of_graded_layers_is_refused() -> None:
+    with pytest.raises(StackError, match="not graded"):
+        waves(LINEAR, np.ones(1))
+    with pytest.raises(StackError, match="patch_size: of the electrode on top of a film that is graded is not given"):
+        Electrode(FALLING[True], 1).rows(np.ones(1))
+    with pytest.raises(StackError, match="floating_neighbours: of a film that is graded are not given"):
+        stiffness(LINEAR, 1, np.ones(1))

@@ -1,0 +1,61 @@
+"""What the default resolution resolves, and the limits of thin films."""
+
+import numpy as np
+import pytest
+
+import solver
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
+from solver.line import outputs
+from solver.line.kernel import kernel
+from solver.line.system import System
+from solver.line.table import at, table
+from solver.stack.layers import Layer, Stack, StackError
+from tests.solver.line.films import BTO, CFO, FIBROUS, STEEL
+
+SOFT = solver.Material.isotropic(5e9, 0.35)
+STEEP = "roots with a large real part"
+STACKS = {
+    "fibrous on rigid": Stack((Layer(FIBROUS, 1.0),)),
+    "BaTiO3 on a base 32 times softer": Stack((Layer(BTO, 1.0),), SOFT),
+    STEEP: Stack((Layer(solver.find("PMN-PT 67:33"), 1.0, "grounded"),), STEEL),
+    "permittivities 140 times apart": Stack((Layer(BTO, 1.0), Layer(CFO, 1.0)), STEEL),
+}
+
+
+def system(stack: Stack, friction: float, most: float, accuracy: float = 1.0) -> System:
+    sliding = Sliding(HalfPlane(stack.top.material), np.array(friction), np.array([True, True]))
+    return System(kernel(stack, 2.01 * most * stack.top.thickness), sliding, (True, True), 1, accuracy)
+
+
+@pytest.mark.sampled(4)
+@pytest.mark.parametrize("friction", [0.0, 1.0])
+@pytest.mark.parametrize("name", STACKS)
+def test_default_resolution_is_1e_8_up_to_30_thicknesses(name: str, friction: float) -> None:
+    """Load, displacement and potentials; edge intensities 3e-8, edge stresses 1e-6; at steep roots 100 times that."""
+    slack = 100.0 if name == STEEP else 1.0
+    half = np.array([0.01, 0.3, 30.0])
+    found, finer = (at(system(STACKS[name], friction, 30.0, accuracy), half) for accuracy in (1.0, 1.5))
+    for which, error in ((slice(0, 1), 1e-9), (outputs.DISPLACEMENT, 1e-9), (outputs.INTENSITY, 3e-8),
+                         (outputs.EDGE_STRESS, 1e-6)):  # fmt: skip
+        miss = np.max(np.abs(found[:, which, 0] - finer[:, which, 0]), -1)
+        assert np.all(miss <= slack * error * np.max(np.abs(finer[:, which, 0]), -1)), (which, miss)
+
+
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("most", [30.0, 3.0])
+def test_default_tables_are_read_to_1e_8(most: float) -> None:
+    """Between the half-lengths of the table, against the system itself; load to 1e-9, the others over their range."""
+    of = table(STACKS["fibrous on rigid"], 0.3, most=most)
+    half = np.exp(np.linspace(np.log(0.0102), np.log(0.98 * most), 7))
+    read = np.tensordot(of.polynomials(np.log(half)), of.series, 1)
+    exact = at(of.system, half)
+    size = np.max(np.abs(exact), axis=0)
+    assert np.all(np.abs(read - exact)[:, : outputs.EDGE_STRESS.start] <= 3e-8 * size[: outputs.EDGE_STRESS.start])
+    assert np.max(np.abs(read[:, 0, 0] / exact[:, 0, 0] - 1)) < 1e-9
+
+
+def test_stack_beyond_what_is_resolved_is_refused() -> None:
+    stack = Stack((Layer(BTO, 1e-9), Layer(FIBROUS, 1.0)))
+    with pytest.raises(StackError, match="beyond the range"):
+        kernel(stack, 1.0)

@@ -1,0 +1,84 @@
+"""Surface fields of films: figures, the closed form, the integral equations and balances by another quadrature."""
+
+import numpy as np
+import pytest
+
+from solver.arrays import Array
+from solver.line.contact import FilmContact
+from solver.line.table import table
+from solver.stack.layers import Layer, Stack, StackError
+from solver.stack.reflection import waves
+from tests.solver.line.films import BTO, FIBROUS, ON_STEEL, STEEL, contact, cylinder, surface_fields
+from tests.solver.line.test_contact import PROFILES
+from tests.solver.quadrature import rule
+
+FIELDS = (
+    "contact_pressure", "shear_traction", "electric_displacement_y", "magnetic_induction_y", "stress_xx",
+    "electric_displacement_x", "magnetic_induction_x",
+)  # fmt: skip
+POSITIONS = np.array([-30.0, -1.2, -1.001, -0.99, -0.5, 0.0, 0.3, 0.9, 1.01, 2.5, 100.0])
+
+
+CASES = {
+    "rigid": (Stack((Layer(FIBROUS, 0.2e-3),)), 0.3, (2e-5, 1e-2)),
+    "flux sideways": (Stack((Layer(FIBROUS, 0.1e-3, magnetic="insulated"),)), 0.3, (2e-5, 1e-4)),
+    "two layers on steel": (Stack((Layer(BTO, 0.1e-3), Layer(FIBROUS, 0.1e-3, "bonded")), STEEL), 0.6, (2e-5, 0.0)),
+}
+
+
+@pytest.fixture(scope="module", params=CASES)
+def state(request: pytest.FixtureRequest) -> tuple[FilmContact, dict[str, Array]]:
+    stack, friction, charges = CASES[request.param]
+    found = cylinder(stack, friction, 1e5, charges)
+    return found, surface_fields(found, rule().X)
+
+
+def test_integral_equations_hold_by_another_quadrature(state: tuple[FilmContact, dict[str, Array]]) -> None:
+    """A double exponential rule in X and one of equal panels in k; the principal value with its pole taken out."""
+    film, fields = state
+    stack, h = film.table.system.kernel.stack, film.half_width[0]
+    points = np.array([-0.83, -0.31, 0.12, 0.77])
+    at = surface_fields(film, points)
+    half, scale = film.table.system.sliding.halfplane, film.scale
+    nodes = rule()
+
+    def tractions(of: dict[str, Array]) -> Array:
+        rows = (
+            of["shear_traction"],
+            -of["contact_pressure"],
+            of["electric_displacement_y"],
+            of["magnetic_induction_y"],
+        )
+        return np.array([row[0] for row in rows]) * scale[:, None]
+
+    root = np.sqrt((1 - nodes.X) * (1 + nodes.X))  # rounded as that by which the fields were divided
+    t, own = tractions(fields) * root, tractions(at) * np.sqrt(1 - points**2)
+    gap = nodes.X - points[:, None]
+    H = np.einsum("s,jps->jp", nodes.weight / np.pi, (t[:, None] - own[..., None]) / gap)
+    far = 40 / (2 * stack.top.thickness * float(stack.media[0].slowest))
+    x, w = np.polynomial.legendre.leggauss(40)
+    edges = np.concatenate([[0.0], np.geomspace(1e-7, 1e-3, 12), np.linspace(1e-3, 1.0, 60)[1:]]) * far
+    k = ((edges[1:] + edges[:-1])[:, None] / 2 + (edges[1:] - edges[:-1])[:, None] / 2 * x).ravel()
+    weights = ((edges[1:] - edges[:-1])[:, None] / 2 * w).ravel()
+    Delta = waves(stack, k)[0].difference[:, 1:] * weights[:, None, None]
+    residual, size = np.zeros((3, points.size)), np.zeros(3)
+    both = scale[1:, None] * scale[1:]
+    for p, X0 in enumerate(points):
+        kx = k[:, None] * h * (X0 - nodes.X)
+        total = h * nodes.weight
+        sines, cosines = np.sin(kx) @ (total * t[1:]).T, np.cos(kx) @ (total * t[0])
+        smooth = -(np.einsum("koj,kj->o", Delta[..., 1:], sines) + Delta[..., 0].T @ cosines) / np.pi
+        local = half.compliance / both @ H[1:, p] + half.friction_coupling / (scale[1:] * scale[0]) * (
+            own[0, p] / np.sqrt(1 - X0**2)
+        )
+        slope = np.array([(film.offset[0] + h * X0) / 0.05 / scale[1], 0.0, 0.0])
+        residual[:, p] = local + smooth - slope
+        size = np.maximum(size, np.abs(half.compliance / both) @ np.abs(H[1:, p]))
+    error = np.max(np.abs(residual) / size[:, None])
+    assert error < 1e-9, error
+
+
+def test_positions_beyond_what_can_be_resolved_are_refused() -> None:
+    film = contact(table(ON_STEEL, nodes=12), PROFILES["cylinder"][0], 1e5)
+    with pytest.raises(StackError, match="beyond the range"):
+        surface_fields(film, np.array([1e7]))
