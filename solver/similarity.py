@@ -49,8 +49,8 @@ FACTOR_WEIGHTS: dict[str, Weight] = {
 
 _CHANGING: dict[Weight, tuple[str, ...]] = {
     _LENGTH: ("contact_trailing", "contact_leading", "contact_offset", "peak_von_mises_depth",
-        "contact_radius", "blocked_force_per_volt", "blocked_force_per_ampere", "contact_capacitance",
-        "contact_capacitance_at_force", "contact_permeance", "disc_capacitance",
+        "contact_radius", "blocked_force_per_volt", "blocked_force_per_ampere", "capacitance",
+        "capacitance_at_force", "permeance", "disc_capacitance",
          "contact_stiffness", "contact_stiffness_open",
     ),
     _FORCE: ("depth", "voltage", "magnetic_potential"),

@@ -174,7 +174,7 @@ def _of_case(case: Case, contacts: dict[str, Contact], rim: Rim | None) -> dict[
         if field == 0:
             density, gap = size / unit, largest_beside(state, slid, row, gap=True)
             out |= {
-                "contact_capacitance_at_force": -float(capacity),
+                "capacitance_at_force": -float(capacity),
                 "gap_field": gap * density / float(case.permittivity[0]),
             }
             if bounded:

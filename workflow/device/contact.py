@@ -120,9 +120,9 @@ def response(
         if "disc_capacitance" in answer:
             plates = float(answer["disc_capacitance"].max())
         return charge, np.full(forces.shape, plates)
-    if "charge_sensitivity" not in answer:
+    if "charge_per_force" not in answer:
         raise FactorError("electric: a punch that does not conduct has no charge to be read")
-    charge = np.broadcast_to(answer["charge_sensitivity"].values, forces.shape)
+    charge = np.broadcast_to(answer["charge_per_force"].values, forces.shape)
     with np.errstate(all="ignore"):
         capacitance = -charge * forces / np.broadcast_to(answer["voltage"].values, forces.shape)
     if not (np.isfinite(capacitance) & (capacitance > 0)).all():

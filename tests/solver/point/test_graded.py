@@ -202,7 +202,7 @@ def test_two_ways_to_a_graded_film_are_one() -> None:
     found = solver.solve(GRADED | {"force": [2.0, 5.0]})
     profile = solver.Graded(PowerLaw("fibrous", (constants_of(BTO), constants_of(CFO)), 0.2, 0.8, 1.0), 1e-4)
     other = solver.solve(BALL | {"force": [2.0, 5.0], "body": solver.Stack((profile,), solver.find("steel"))})
-    assert {"voltage", "charge_sensitivity", "contact_stiffness", "nominal_field"} <= set(found)
+    assert {"voltage", "charge_per_force", "contact_stiffness", "nominal_field"} <= set(found)
     for name in found:
         np.testing.assert_allclose(found[name], other[name], rtol=1e-12, err_msg=str(name))
     assert "trailing_tension" not in solver.solve(GRADED | {"friction": 0.0})
