@@ -44,7 +44,7 @@ def test_a_ball_on_a_film_is_compared_too() -> None:
     assert list(found["quantities"]) == ["voltage", "capacitance", "charge_per_force"]
     air, bare = found["quantities"]["capacitance"]
     assert air > 10 * bare
-    told = "contact capacitance 2.34 pF instead of 38.2 pF and charge per force 204 pC/N instead of 166 pC/N"
+    told = "capacitance 2.34 pF instead of 38.2 pF and charge per force 204 pC/N instead of 166 pC/N"
     assert told in other_surroundings.told(found)
 
 
