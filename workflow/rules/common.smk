@@ -11,11 +11,13 @@ from workflow.dataset import batches, casecache, infill
 from workflow.design.told import unreached
 from workflow.report import sections as page_sections
 from workflow.run import configuration, crate, lock, provenance, sources
+from workflow.run.interpreter import quote_interpreter
 from workflow.study import coupling, location, partition, planned
 from workflow.study import model as studies
 from workflow.study.digest import BOX, PHYSICS
 from workflow.study.sections import CHECK_GROUPS
 
+quote_interpreter()
 # jobs look for modules where this process does
 sys.path.insert(0, str(provenance.ROOT))
 
