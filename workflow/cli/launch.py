@@ -9,8 +9,7 @@ from pathlib import Path
 from workflow.cli import progress
 from workflow.design.told import unreached
 from workflow.language.spelling import nearest
-from workflow.run import configuration
-from workflow.study import location, partition
+from workflow.study import configuration, location, partition
 from workflow.study import model as studies
 from workflow.study.model import Study
 from workflow.study.reading import InputError

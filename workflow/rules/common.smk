@@ -10,9 +10,9 @@ from itertools import count
 from workflow.dataset import batches, casecache, infill
 from workflow.design.told import unreached
 from workflow.report import sections as page_sections
-from workflow.run import configuration, crate, lock, provenance, sources
+from workflow.run import crate, lock, provenance, sources
 from workflow.run.interpreter import quote_interpreter
-from workflow.study import coupling, location, partition, planned
+from workflow.study import configuration, coupling, location, partition, planned
 from workflow.study import model as studies
 from workflow.study.digest import BOX, PHYSICS
 from workflow.study.sections import CHECK_GROUPS

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from tests.workflow.conftest import Copy
-from workflow.run import configuration
+from workflow.study import configuration
 from workflow.study.reading import InputError
 
 
