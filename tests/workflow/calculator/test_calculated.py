@@ -1,7 +1,6 @@
 """What the calculator's scripts calculate in JavaScript is what the solver does: every material, profile and film."""
 
 import json
-import shutil
 import subprocess
 from collections.abc import Iterator
 from typing import Any
@@ -18,7 +17,7 @@ from workflow.calculator import films
 from workflow.calculator.library import library
 from workflow.calculator.page import script
 
-pytestmark = pytest.mark.skipif(not shutil.which("node"), reason="no Node.js (Debian: nodejs)")
+pytestmark = pytest.mark.needs("node")
 
 LIBRARY = library()
 EVERY = [one for material in materials().values() for one in (material, *material.variants())]
