@@ -111,7 +111,9 @@ HALF_PLANE_IN_AIR = Kind(
     "half-plane with air beside the contact",
     "line",
     "relative",
-    _OF_A_LINE | {name: FILM_QUANTITIES[name] for name in ("capacitance", "permeance")} | GAP_QUANTITIES,
+    _OF_A_LINE
+    | {name: FILM_QUANTITIES[name] for name in ("capacitance_per_length", "permeance_per_length")}
+    | GAP_QUANTITIES,
     PEAKS,
     ("body",),
     air=True,

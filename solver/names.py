@@ -138,10 +138,10 @@ QUANTITIES: dict[str, Described] = {
     "magnetic_edge_intensity_leading": Described("T m1/2", "edge intensity of B_y at the leading edge"),
     "trailing_tension": Described("Pa", "sigma_xx just outside the trailing edge", _OUTSIDE),
     "leading_compression": Described("Pa", "sigma_xx just outside the leading edge", _OUTSIDE),
-    "voltage_sensitivity": on_datum("V m N-1", "d voltage / d load without charges"),
-    "magnetic_sensitivity": on_datum("A m N-1", "d magnetic potential / d load without charges"),
-    "charge_sensitivity": on_datum("C N-1", "electric charge per load that makes the voltage 0, J = 0"),
-    "flux_sensitivity": on_datum("Wb N-1", "magnetic charge per load that makes the magnetic potential 0, T = 0"),
+    "voltage_per_load": on_datum("V m N-1", "d voltage / d load without charges"),
+    "magnetic_potential_per_load": on_datum("A m N-1", "d magnetic potential / d load without charges"),
+    "charge_per_force": on_datum("C N-1", "electric charge per load that makes the voltage 0, J = 0"),
+    "flux_per_force": on_datum("Wb N-1", "magnetic charge per load that makes the magnetic potential 0, T = 0"),
     "stroke_per_volt": Described("m V-1", "depth per voltage at fixed load and magnetic charge"),
     "stroke_per_ampere": Described("m A-1", "depth per magnetic potential at fixed load and electric charge"),
     "blocked_load_per_volt": on_datum(
@@ -155,9 +155,10 @@ QUANTITIES: dict[str, Described] = {
 #: Of each field, electric and magnetic: potential, sensitivity, charge per load that makes the potential zero, stroke,
 #: blocked load; on a film its store, too.
 RESPONSES = (
-    ("voltage", "voltage_sensitivity", "charge_sensitivity", "stroke_per_volt", "blocked_load_per_volt", "capacitance"),
-    ("magnetic_potential", "magnetic_sensitivity", "flux_sensitivity", "stroke_per_ampere", "blocked_load_per_ampere",
-     "permeance"),
+    ("voltage", "voltage_per_load", "charge_per_force", "stroke_per_volt", "blocked_load_per_volt",
+     "capacitance_per_length"),
+    ("magnetic_potential", "magnetic_potential_per_load", "flux_per_force", "stroke_per_ampere",
+     "blocked_load_per_ampere", "permeance_per_length"),
 )  # fmt: skip
 
 #: Quantities of the body below depth 0.1 h, which are searched for and given when asked for.
@@ -173,8 +174,10 @@ EVERY_QUANTITY = {**QUANTITIES, **PEAKS}
 #: Quantities that a film has beside those of a half-plane.
 FILM_QUANTITIES: dict[str, Described] = {
     "contact_offset": Described("m", "centre of the contact, (a - b)/2"),
-    "capacitance": Described("F m-1", "d charge / d voltage at a fixed contact and magnetic charge"),
-    "permeance": Described("Wb A-1 m-1", "d magnetic charge / d magnetic potential at a fixed contact and charge"),
+    "capacitance_per_length": Described("F m-1", "d charge / d voltage at a fixed contact and magnetic charge"),
+    "permeance_per_length": Described(
+        "Wb A-1 m-1", "d magnetic charge / d magnetic potential at a fixed contact and charge"
+    ),
     "nominal_field": Described(
         "V m-1", "abs(voltage)/thickness: the field away from the edges", formula="abs(voltage)/thickness"
     ),
@@ -224,16 +227,16 @@ POINT_QUANTITIES: dict[str, Described] = {
     **{name: QUANTITIES[name] for name in ("peak_pressure", "depth", "voltage", "magnetic_potential")},
     "electric_edge_intensity": Described("C m-3/2", "edge intensity of D_y around a point contact"),
     "magnetic_edge_intensity": Described("T m1/2", "edge intensity of B_y around a point contact"),
-    "charge_sensitivity": QUANTITIES["charge_sensitivity"],
-    "flux_sensitivity": QUANTITIES["flux_sensitivity"],
+    "charge_per_force": QUANTITIES["charge_per_force"],
+    "flux_per_force": QUANTITIES["flux_per_force"],
     "stroke_per_volt": QUANTITIES["stroke_per_volt"],
     "stroke_per_ampere": QUANTITIES["stroke_per_ampere"],
     "voltage_per_force": Described("V N-1", "d voltage / d force without charges"),
     "magnetic_potential_per_force": Described("A N-1", "d magnetic potential / d force without charges"),
     "blocked_force_per_volt": Described("N V-1", "force per voltage at fixed depth"),
     "blocked_force_per_ampere": Described("N A-1", "force per magnetic potential at fixed depth"),
-    "contact_capacitance": Described("F", "d charge / d voltage at a fixed contact"),
-    "contact_permeance": Described("Wb A-1", "d magnetic charge / d magnetic potential at a fixed contact"),
+    "capacitance": Described("F", "d charge / d voltage at a fixed contact"),
+    "permeance": Described("Wb A-1", "d magnetic charge / d magnetic potential at a fixed contact"),
     "contact_stiffness": Described("N m-1", "d force / d depth at held potentials"),
     "contact_stiffness_open": Described("N m-1", "d force / d depth at fixed charges"),
 }
@@ -251,7 +254,7 @@ POINT_SLIDING: dict[str, Described] = {
 
 #: Quantities that a point contact has where a gap beside it carries charge, in place of edge intensities.
 POINT_GAP_QUANTITIES: dict[str, Described] = {
-    "contact_capacitance_at_force": Described("F", "d charge / d voltage at fixed force and magnetic potential"),
+    "capacitance_at_force": Described("F", "d charge / d voltage at fixed force and magnetic potential"),
     **{name: GAP_QUANTITIES[name] for name in ("peak_displacement", "gap_field")},
 }
 

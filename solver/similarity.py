@@ -47,8 +47,8 @@ FACTOR_WEIGHTS: dict[str, Weight] = {
 
 _CHANGING: dict[Weight, tuple[str, ...]] = {
     _LENGTH: ("contact_trailing", "contact_leading", "contact_offset", "peak_von_mises_depth",
-        "contact_radius", "blocked_force_per_volt", "blocked_force_per_ampere", "contact_capacitance",
-        "contact_capacitance_at_force", "contact_permeance",
+        "contact_radius", "blocked_force_per_volt", "blocked_force_per_ampere", "capacitance",
+        "capacitance_at_force", "permeance",
          "contact_stiffness", "contact_stiffness_open",
     ),
     _FORCE: ("depth", "voltage", "magnetic_potential"),

@@ -143,7 +143,7 @@ def test_the_table_of_alternatives_is_what_they_give() -> None:
         material = solver.find(name)
         out = solver.solve({"material": [material, *material.variants()], "radius": 0.05, "load": 1e4, "friction": 0.3})
         width = out["contact_trailing"] + out["contact_leading"]
-        for cell, values in zip(cells, (width, out["voltage"], out["charge_sensitivity"]), strict=True):
+        for cell, values in zip(cells, (width, out["voltage"], out["charge_per_force"]), strict=True):
             assert cell == "; ".join(f"{float(one / values[0]):.2f}" for one in values[1:]), name
 
 

@@ -112,9 +112,9 @@ def response(
         area = size * length if kind.contact == "line" else np.pi * size**2 / 4
         plates = Electrode(body, int(case["collector"])).capacitance * area
         return charge, np.full(forces.shape, plates)
-    if "charge_sensitivity" not in answer:
+    if "charge_per_force" not in answer:
         raise FactorError("electric: a punch that does not conduct has no charge to be read")
-    charge = np.broadcast_to(answer["charge_sensitivity"].values, forces.shape)
+    charge = np.broadcast_to(answer["charge_per_force"].values, forces.shape)
     with np.errstate(all="ignore"):
         capacitance = -charge * forces / np.broadcast_to(answer["voltage"].values, forces.shape)
     if not (np.isfinite(capacitance) & (capacitance > 0)).all():

@@ -120,8 +120,8 @@ def _moved_by_hand(case: dict[str, Any]) -> float:
     ]
     moved = [{"material": replace(film, **constants)} for constants in scaled]
     moved += [{"base": replace(steel, **{name: getattr(base, name) for name in families[0]})} for base in bases]
-    start = float(solver.solve(case)["charge_sensitivity"])
-    changes = [float(solver.solve(case | one)["charge_sensitivity"]) / start - 1 for one in moved]
+    start = float(solver.solve(case)["charge_per_force"])
+    changes = [float(solver.solve(case | one)["charge_per_force"]) / start - 1 for one in moved]
     return float(np.linalg.norm(changes)) / step
 
 
@@ -140,7 +140,7 @@ def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path
         "punch": "steel",  # a device's default
     }
     exact = solver.solve({**ball, "force": 0.05})
-    charge = 0.05 * float(exact["charge_sensitivity"])
+    charge = 0.05 * float(exact["charge_per_force"])
     assert float(shown["contact_charge"]) == pytest.approx(charge, rel=1e-9)
     write_whole(shown, tmp_path / "signal.nc")
     told = tables.signal(tmp_path)
