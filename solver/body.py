@@ -17,7 +17,6 @@ from solver.names import (
     BODY,
     CHOICES,
     CONTACTS,
-    DISC_QUANTITIES,
     ELECTRODE_QUANTITIES,
     ENDS,
     FILM_PEAKS,
@@ -31,7 +30,6 @@ from solver.names import (
     POINT_SLIDING,
     PROFILES,
     QUANTITIES,
-    STRIP_QUANTITIES,
     TABLED,
 )
 from solver.stack.layers import Stack
@@ -98,7 +96,7 @@ FILM = Kind(
     "film",
     "line",
     "by_base",
-    QUANTITIES | FILM_QUANTITIES | ELECTRODE_QUANTITIES | STRIP_QUANTITIES,
+    QUANTITIES | FILM_QUANTITIES | ELECTRODE_QUANTITIES,
     FILM_PEAKS,
     ("interface", "film", "base"),
     layered=True,
@@ -135,11 +133,7 @@ POINT_FILM = Kind(
     "film under a point",
     "point",
     "absolute",
-    POINT_QUANTITIES
-    | POINT_SLIDING
-    | {"nominal_field": FILM_QUANTITIES["nominal_field"]}
-    | ELECTRODE_QUANTITIES
-    | DISC_QUANTITIES,
+    POINT_QUANTITIES | POINT_SLIDING | {"nominal_field": FILM_QUANTITIES["nominal_field"]} | ELECTRODE_QUANTITIES,
     FILM_PEAKS,
     (),
     layered=True,

@@ -30,14 +30,9 @@ FACTORS: dict[str, Factor] = {
     "grading_exponent": Factor("1", "exponent of a graded film's depth", None, 1.0, optional=True),
     "collector": Factor("1", "number of the electrode that is read, from the top", None, 1.0),
     "electrode_voltage": Factor("V", "of the whole electrode that is read, all others at zero", None),
-    "patch_size": positive("m", "of the patch along x: diameter of a disc or ring, width of a strip or rectangle"),
-    "patch_hole": positive("m", "inner diameter of a patch that is a ring"),
-    "patch_length": positive("m", "of a patch that is a rectangle, across x"),
+    "patch_size": positive("m", "of the patch along x: diameter of a disc, width of a strip"),
     "patch_position": Factor("m", "of the patch's middle from that of the contact", 0.0),
     "patch_pitch": positive("m", "distance of the middles of neighbouring patches"),
-    "floating_neighbours": Factor(
-        "1", "strips or discs that float on each side of that which is read, bare gaps between", None, 0.0, high=20.0
-    ),
     "base_modulus": positive("Pa", "Young's modulus of a film's base", optional=True),
     "base_poisson": poisson("a film's base"),
     "punch_modulus": positive("Pa", "Young's modulus of the punch", optional=True),
@@ -74,7 +69,7 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "magnetic": ("conducting", "insulating"),
     "surroundings": ("insulated", "air"),
     "electrode": ("none", "top"),
-    "patch": ("disc", "strip", "ring", "rectangle"),
+    "patch": ("disc", "strip"),
     "interface_electric": ("grounded", "bonded"),
     "interface_magnetic": ("grounded", "bonded", "insulated"),
 }
@@ -86,11 +81,8 @@ OF_AN_ELECTRODE = (
     "electrode_voltage",
     "patch",
     "patch_size",
-    "patch_hole",
-    "patch_length",
     "patch_position",
     "patch_pitch",
-    "floating_neighbours",
 )
 
 #: Factors that name materials.
@@ -205,18 +197,6 @@ ELECTRODE_QUANTITIES: dict[str, Described] = {
     ),
 }
 
-#: Those of strips of it that float, below lines alone.
-STRIP_QUANTITIES: dict[str, Described] = {
-    "patch_capacitance": Described("F m-1", "of a strip beside strips that float, to all that is at zero volts"),
-    "patch_voltage_per_load": Described("V m N-1", "voltage per load of a strip that floats as its neighbours do"),
-}
-
-#: Those of discs of it that float, below points alone.
-DISC_QUANTITIES: dict[str, Described] = {
-    "disc_capacitance": Described("F", "of a disc beside discs that float, to all that is at zero volts"),
-    "disc_voltage_per_force": Described("V N-1", "voltage per force of a disc that floats as its neighbours do"),
-}
-
 #: Quantities that a contact has where a gap beside it carries charge, in place of edge intensities.
 GAP_QUANTITIES: dict[str, Described] = {
     "capacitance_at_load": on_datum("F m-1", "d charge / d voltage at fixed load and magnetic charge"),
@@ -299,7 +279,7 @@ LIMITED: dict[str, tuple[str, ...]] = {
 #: Every quantity of any body.
 ALL_QUANTITIES = {
     **EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **GAP_QUANTITIES, **POINT_QUANTITIES, **POINT_GAP_QUANTITIES,
-    **ELECTRODE_QUANTITIES, **STRIP_QUANTITIES, **DISC_QUANTITIES,
+    **ELECTRODE_QUANTITIES,
 }  # fmt: skip
 
 #: Those that are searched for over a body.
