@@ -173,7 +173,7 @@ def _of_case(case: Case, contacts: dict[str, Contact], rim: Rim | None) -> dict[
         if field == 0:
             density, gap = size / unit, largest_beside(state, slid, row, gap=True)
             out |= {
-                "contact_capacitance_at_force": float(port.capacitance(j)),
+                "capacitance_at_force": float(port.capacitance(j)),
                 "gap_field": gap * density / float(case.permittivity[0]),
             }
             if bounded:

@@ -19,12 +19,12 @@ _ENDS = tuple((f"{name}_trailing", f"{name}_leading") for name in _INTENSITIES)
 #: Of each field: potential, per force, charge per force at zero potential, stroke, blocked force, store.
 RESPONSES = (
     (
-        "voltage", "voltage_per_force", "charge_sensitivity", "stroke_per_volt", "blocked_force_per_volt",
-        "contact_capacitance",
+        "voltage", "voltage_per_force", "charge_per_force", "stroke_per_volt", "blocked_force_per_volt",
+        "capacitance",
     ),
     (
-        "magnetic_potential", "magnetic_potential_per_force", "flux_sensitivity", "stroke_per_ampere",
-        "blocked_force_per_ampere", "contact_permeance",
+        "magnetic_potential", "magnetic_potential_per_force", "flux_per_force", "stroke_per_ampere",
+        "blocked_force_per_ampere", "permeance",
     ),
 )  # fmt: skip
 
