@@ -120,8 +120,8 @@ def test_a_design_is_solved_again_exactly(ran: Project) -> None:
     values = {str(name): float(data["value"].sel(factor=name)) for name in data["factor"].values}
     friction = np.linspace(0.1, 0.4, 301)
     exact = solve({**values, "friction": friction, "composite": "fibrous"})
-    assert float(data["exact"].sel(term="abs(voltage_sensitivity)")) == pytest.approx(
-        float(abs(exact["voltage_sensitivity"]).min()), rel=1e-9
+    assert float(data["exact"].sel(term="abs(voltage_per_load)")) == pytest.approx(
+        float(abs(exact["voltage_per_load"]).min()), rel=1e-9
     )
     assert float(exact["trailing_tension"].max()) <= 50e6
     assert str(data["status"].values).startswith("feasible; binding: trailing_tension <= 50 MPa")

@@ -57,6 +57,7 @@ def learn(options: argparse.Namespace) -> None:
     from surrogate.transforms.measured.corrected import CorrectedGP
     from workflow.cli import questions
     from workflow.cli.measuredtable import read_measured
+    from workflow.language.renamed import renamed
     from workflow.learning import correction
     from workflow.study import uncertainty
 
@@ -67,7 +68,7 @@ def learn(options: argparse.Namespace) -> None:
         raise InputError(f"{options.on}: is corrected already; learn from all rows at once, on the surrogate before")
     rows = read_measured(options.measured, study, model)
     asked = uncertainty.uncertain(study, _uncertain(options.uncertain))
-    instruments = _instruments(options.instrument, study)
+    instruments = _instruments(renamed(options.instrument, study.outputs), study)
     try:
         corrected, summary = correction.learn(study, model, rows, asked, say, instruments)
     except InputError as error:
