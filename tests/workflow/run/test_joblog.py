@@ -3,6 +3,7 @@
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -60,9 +61,10 @@ def test_a_file_answers_what_its_path_and_study_say() -> None:
         (foreign, "holds other/fields/slab_0.nc, not own/fields/slab_0.nc"),
     ):
         shutil.copy(source, first)
+        options: dict[str, Any]
         for options in ({}, {"lazy": True}, {"names": ["x"]}):
             with pytest.raises(FormatError, match=message):
-                netcdf.read_whole(first, **options)  # type: ignore[arg-type]  # options of several types
+                netcdf.read_whole(first, **options)
 
 
 def test_a_file_of_another_state_of_the_study_is_refused() -> None:
