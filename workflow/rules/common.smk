@@ -23,6 +23,7 @@ sys.path.insert(0, str(provenance.ROOT))
 
 SOURCES = sources.digests()  # as they are planned with: a job that finds others refuses
 STUDIES = set()  # those that this run needs
+SECTIONS = set()  # names of sections in the rules' parameters
 DESIGNED = set()  # those whose designs it needs
 RESULTS = workflow.modifier.path_modifier.replace_prefix("results")  # where a module's `prefix:` puts them
 
@@ -64,7 +65,16 @@ def sections(*names):
 
     Wildcards in the names are filled in.
     """
+    SECTIONS.add(names)
     return lambda wildcards: planned.parameter(study_of(wildcards), *(name.format(**wildcards) for name in names))
+
+
+def states_of(name):
+    """The parameters of all rules of a study, by which jobs know the files that they read."""
+    study = study_named(name)
+    labels = [*study.design, *study.readout, ""]
+    filled = {tuple(part.format(name=label, group="") for part in names) for names in SECTIONS for label in labels}
+    return {planned.parameter(study, *names) for names in filled}
 
 
 def final_files_of(name):
