@@ -5,26 +5,53 @@ from typing import Any
 
 from solver.units import in_si
 from workflow.language.expressions import units_of
-from workflow.language.factors import FACTORS
+from workflow.language.factors import FACTORS, own_kind
 
 _NUMBERS = ("low", "high", "choices", "uniform", "normal", "triangular")  # of a range or a distribution
-#: Bare numbers of a device from which a forgotten unit is more likely than a meant number, and the unit that is meant.
-_USUAL = {
-    "input_capacitance": (1e-3, "pF"),
-    "cable_capacitance": (1e-3, "pF"),
-    "feedback_capacitance": (1e-3, "pF"),
-    "charge_noise": (1e-6, "fC"),
-    "voltage_noise": (1.0, "uV"),
+#: Sizes, in SI, below and above which a bare number has probably lost its unit, and the unit that was meant.
+_USUAL: dict[str, tuple[float, float, str]] = {
+    "radius": (1e-10, 10.0, "mm"),
+    "width": (1e-10, 10.0, "mm"),
+    "thickness": (1e-11, 1.0, "um"),
+    "patch_size": (1e-10, 1.0, "mm"),
+    "patch_pitch": (1e-10, 1.0, "mm"),
+    "load": (1e-9, 1e9, "mN/m"),
+    "force": (1e-15, 1e8, "mN"),
+    "charge": (1e-18, 1e-2, "uC/m"),
+    "total_charge": (1e-21, 1e-3, "nC"),
+    "magnetic_charge": (1e-15, 10.0, "mWb/m"),
+    "total_flux": (1e-18, 1.0, "uWb"),
+    "electrode_voltage": (1e-12, 1e6, "mV"),
+    "speed": (1e-15, 1e5, "mm/s"),
+    "base_modulus": (1e3, 1e14, "GPa"),
+    "punch_modulus": (1e3, 1e14, "GPa"),
+    "electrode_length": (1e-9, 100.0, "mm"),
+    "drive_voltage": (1e-9, 1e6, "mV"),
+    "temperature": (1e-3, 1e5, "mK"),
+    "input_capacitance": (1e-18, 1e-3, "pF"),
+    "cable_capacitance": (1e-18, 1e-3, "pF"),
+    "feedback_capacitance": (1e-18, 1e-3, "pF"),
+    "input_resistance": (1e2, 1e21, "GOhm"),
+    "feedback_resistance": (1e2, 1e21, "GOhm"),
+    "charge_noise": (1e-24, 1e-6, "fC"),
+    "voltage_noise": (1e-15, 1.0, "uV"),
+    "press": (1e-9, 1e6, "ms"),
+    "hold": (1e-9, 1e9, "ms"),
 }
 
 
-def number(name: str, given: float | str) -> float:
-    """The value in SI of a number of a factor or device."""
+def number(name: str, given: float | str, units: str = "") -> float:
+    """Return the value in SI of a number of a factor or device.
+
+    ValueError for a bare number orders of magnitude outside of what such a quantity has; a text has its unit, and
+    passes.
+    """
+    units = units or units_of(name)
     if isinstance(given, str):
-        return in_si(given, units_of(name))
-    most, usual = _USUAL.get(name, (float("inf"), ""))
-    if given >= most:
-        said = f"{given:g} {units_of(name)}"
+        return in_si(given, units)
+    least, most, usual = _USUAL.get(own_kind(name) or name, (0.0, float("inf"), ""))
+    if given and not least <= abs(given) < most and abs(given) < float("inf"):
+        said = f"{given:g} {units}"
         raise ValueError(f"{given:g} is {said}; did you mean {given:g} {usual}? {said!r} is read as it stands")
     return given
 
@@ -37,7 +64,7 @@ def entries(section: Any) -> Any:
 
 
 def _read(name: str, given: Any, place: tuple[str, ...]) -> Any:
-    if isinstance(given, str):
+    if isinstance(given, str | int | float) and not isinstance(given, bool):
         try:
             return number(name, given)
         except ValueError as error:

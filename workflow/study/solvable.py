@@ -25,6 +25,7 @@ from workflow.study.sections import MOST_CASES, MOST_CORNERS, MOST_LEARNED, MOST
 _SCOUTS_OF_TABLES, _SCOUTS, _DEVIATIONS = 16, 64, 3.0
 _REFUSED = f"factors: the solver refuses more than {100 * MOST:.0f} % of the box"
 _PATIENCE = 30.0  # seconds of the processor after which no more places of the box are tried
+_HARDEST = 3e9  # pressure [Pa] that no piezoelectric material bears
 _SLOW = 20.0  # seconds of the processor from which on a case is told before the run starts
 
 
@@ -164,6 +165,7 @@ def lacked(study: Contents) -> frozenset[str]:
         if study.groups:
             _solve_stored(study, representatives.ends(study))
     _tell_time(study, process_time() - began)
+    _tell_pressure(study, solved)
     if REFUSAL in solved:
         _check_share(study)
     peaks = set(study.kind.peaks)
@@ -186,6 +188,17 @@ def _answered(study: Contents, factors: Mapping[str, Any]) -> xr.Dataset:
     """Exact cases with those masked that the solver refuses; a cross approximation has no place for such."""
     whole = partial(study.solved, solve)
     return whole(factors) if study.crossed else answered(whole, factors)
+
+
+def _tell_pressure(study: Contents, solved: xr.Dataset) -> None:
+    """Report contacts that are pressed beyond every material in all corners of the box: a unit may have been lost."""
+    lowest = float(solved["peak_pressure"].min()) if "peak_pressure" in solved else 0.0
+    if lowest > _HARDEST:
+        names = [name for name in (study.kind.loads.force, "radius", "width") if name in {*study.factors, *study.fixed}]
+        study.tell_default(
+            f"pressure: {lowest / 1e9:.3g} GPa or more in every corner of the box, beyond any material's strength; "
+            f"check {' and '.join(names)}: bare numbers are in SI"
+        )
 
 
 def _tell_time(study: Contents, seconds: float) -> None:
