@@ -16,7 +16,7 @@ from storage.files import output, write_text
 from workflow.cli.casetable import TEXT_FACTORS, read_cases
 from workflow.cli.words import named, quantity, say, written_as
 from workflow.device.circuit import Circuit
-from workflow.device.contact import Contact, film
+from workflow.device.contact import ContactCurves, film
 from workflow.device.signal import DROP, Figures, History, Signal, read
 from workflow.language.numbers import shown
 from workflow.study.device import Amplifier, Device
@@ -65,14 +65,14 @@ def signal(options: argparse.Namespace) -> None:
     most = float(history.forces.max())
     material = material_of(Cases(checked({**case, kind.loads.force: most}), own, ("BaTiO3", "CoFe2O4")))
     body = film(case, material) if "collector" in case and "thickness" in case else None
-    contact = Contact.of(case, most, length=length, materials=own, body=body)
+    contact = ContactCurves.from_case(case, most, length=length, materials=own, body=body)
     if contact.roughness > _ROUGH:
         say(f"the contact's curves are not smooth over these forces: they are met to {contact.roughness:.1g} only")
     try:
         circuit = Circuit.of(numbers, material)
     except ValueError as error:
         raise InputError(f"--device: {error}") from None
-    history = history.finer(options.parts)
+    history = history.divided(options.parts)
     reading = read(history, contact, circuit)
     _write(path, history, reading)
     print("\n".join(_figures(history, reading, contact, circuit, temperature)))
@@ -159,23 +159,25 @@ def _write(path: Path, history: History, reading: Signal) -> None:
     write_text(path, "\n".join(["time [s],force [N],charge [C],voltage [V],output [V]", *rows]) + "\n")
 
 
-def _figures(history: History, reading: Signal, contact: Contact, circuit: Circuit, temperature: float) -> list[str]:
+def _figures(
+    history: History, reading: Signal, contact: ContactCurves, circuit: Circuit, temperature: float
+) -> list[str]:
     """What is told of a signal."""
-    told = Figures.of(contact, circuit, temperature)
-    noise, at_output, as_force = told.noise
+    figures = Figures.of_contact(contact, circuit, temperature)
+    noise, at_output, as_force = figures.noise
     constant = "is held: nothing leaks"
-    if np.isfinite(told.lasting):
+    if np.isfinite(figures.time_constant):
         constant = (
-            f"decays with the time constant {shown(told.lasting, 's', 3)}: {shown(told.drop(DROP), '%', 3)} less after "
-            f"{DROP:g} s"
+            f"decays with the time constant {shown(figures.time_constant, 's', 3)}: "
+            f"{shown(figures.drop(DROP), '%', 3)} less after {DROP:g} s"
         )
     return [
         f"{name}: {shown(float(values[place]), 'V', 3)} at {shown(float(history.times[place]), 's', 3)}"
         for name, values in (("peak voltage of the punch", reading.voltage), ("peak output", reading.output))
         for place in [int(np.abs(values).argmax())]
     ] + [
-        f"contact at {shown(contact.most, 'N', 3)}: {shown(told.charge, 'C', 3)} at zero volts, "
-        f"{shown(told.capacitance, 'F', 3)}",
+        f"contact at {shown(contact.largest_force, 'N', 3)}: {shown(figures.charge, 'C', 3)} at zero volts, "
+        f"{shown(figures.capacitance, 'F', 3)}",
         f"a constant force {constant}",
         f"noise floor: {shown(noise, 'C', 3)}, {shown(at_output, 'V', 3)} at the output, {shown(as_force, 'N', 3)}",
     ]
