@@ -330,10 +330,9 @@ def _force_scale(path: Path, columns: _Columns, line: bool, scale: str | None) -
     newton, per_metre = units.parse("N"), units.parse("N/m")
     if scale is not None:
         try:
-            value, _, of_scale = scale.strip().partition(" ")
-            unit = units.parse(of_scale)
-            volt = (_unit_of(text) if text else None) or units.parse("V")
-            product = unit * volt
+            match = re.fullmatch(r"\s*([-+.\d]*(?:[eE][-+]?\d+)?)\s*(\S.*)", scale)
+            value, unit_text = match.groups() if match else (scale, "")
+            product = units.parse(unit_text) * ((_unit_of(text) if text else None) or units.parse("V"))
             factor = number(value) * product.scale
         except ValueError as error:
             raise InputError(f"--scale: {scale!r}: {error}") from None
