@@ -4,7 +4,6 @@ import csv
 from array import array
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from itertools import chain, islice
 from pathlib import Path
 from types import MappingProxyType
@@ -18,7 +17,8 @@ from solver.names import CHOICES, MATERIALS
 from workflow.cli.textfile import LONGEST_CELL, Sheet, heading, is_number, is_unit, missing, refused, sheet, with_point
 from workflow.language.factors import FACTORS, own_kind
 from workflow.language.given import UnitlessError, asked
-from workflow.language.spelling import meant
+from workflow.language.renamed import renamed
+from workflow.language.spelling import suggested
 from workflow.study.reading import InputError, number
 
 _LARGEST = 1 << 28  # bytes
@@ -148,6 +148,7 @@ class _Reader:
         for cell in row[: len(known) + 1]:  # one of them is unknown or occurs twice
             shown = " ".join(cell.split())[:LONGEST_CELL]
             name, unit = heading(shown, known)
+            name = renamed(name, known)
             if name not in known and own_kind(name) is None:
                 raise InputError(f"{path}: column {shown!r}: {self.unknown(cell, name, unit, rows)}")
             if name in columns:
@@ -170,9 +171,8 @@ class _Reader:
             if len(row) > 1 and all(heading(cell, self.known)[0] in self.known for cell in row):
                 return f"is no heading; the header is line {line}: begin the lines above it with #, or remove them"
         kind = "column" if self.measured else "factor"
-        near = get_close_matches(name.casefold(), self.known, 1, 0.6)
-        if called := near or [*filter(None, [meant(name, self.known)])]:
-            return f"unknown {kind}; did you mean {called[0] + (f' [{unit}]' if unit else '')!r}?"
+        if near := suggested(name.casefold(), self.known):
+            return f"unknown {kind}; did you mean {near + (f' [{unit}]' if unit else '')!r}?"
         return f"unknown {kind}; all names: meecontact list factors"
 
     def units_row(self, header: list[str], row: list[str]) -> dict[str, str]:

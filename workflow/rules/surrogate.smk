@@ -156,6 +156,7 @@ rule sensitivity:
     output:
         "results/{study}/sensitivity.nc",
     params:
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation.tolerance"),
         code=provenance.code("workflow/scripts/sensitivity.py"),
     log:
         "logs/{study}/sensitivity.log",

@@ -133,3 +133,27 @@ def test_a_box_that_has_grown_takes_the_random_cases_of_before(film: Study, tmp_
     axis, beyond = (next(iter(grown.factors)), 4e4) if "load" in grows else ("volume_fraction", 0.55)
     assert (cases[axis][20:] > beyond).all()
     xr.testing.assert_equal(cases, held_out(grown, tmp_path / "none")[1])
+
+
+def test_an_answer_to_another_case_is_solved_again(film: Study, tmp_path: Path) -> None:
+    _, whole = slab(film, tmp_path)
+    first, second = sorted((tmp_path / casecache.FOLDER).rglob("*.nc"))
+    contents = first.read_bytes(), second.read_bytes()
+    poisons = {
+        "swapped": (contents[1], contents[0]),
+        "copied": (contents[0], contents[0]),
+        "truncated": (contents[0][:-1], contents[1]),
+        "empty": (b"", contents[1]),
+    }
+    for kind, (one, other) in poisons.items():
+        first.write_bytes(one)
+        second.write_bytes(other)
+        again, bytes_ = slab(film, tmp_path)
+        assert (again.taken, bytes_) == (0 if kind == "swapped" else 18, whole), kind
+    unnamed = xr.load_dataset(first)  # of an earlier version
+    del unnamed.attrs[casecache.CASE]
+    write_whole(unnamed, first)
+    assert slab(film, tmp_path)[0].taken == 18
+    tally = next((tmp_path / casecache.FOLDER / "taken").rglob("*.json"))
+    tally.write_text("[]", encoding="utf-8")
+    assert casecache.taken(tmp_path, "film") == {"cases": 0, "taken": 0}
