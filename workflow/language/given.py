@@ -7,7 +7,7 @@ from solver.units import in_si
 from workflow.language.expressions import units_of
 from workflow.language.factors import FACTORS
 
-_NUMBERS = ("low", "high", "kinks", "choices", "uniform", "normal", "triangular")  # of a range or a distribution
+_NUMBERS = ("low", "high", "choices", "uniform", "normal", "triangular")  # of a range or a distribution
 #: Bare numbers from which a lost unit is more likely than the number as it is, and the unit that is probably meant.
 _LARGEST = {
     "input_capacitance": (1e-3, "pF"),
