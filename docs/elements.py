@@ -39,7 +39,7 @@ def exact() -> float:
     case = {"profile": "sphere", "radius": SPHERE, **film}
     force = 40.0
     for _ in range(_STEPS):
-        charge = force * float(solver.solve(case | {"force": force})["charge_sensitivity"])
+        charge = force * float(solver.solve(case | {"force": force})["charge_per_force"])
         at_zero_volts = solver.solve(case | {"force": force, "total_charge": charge})
         force *= float((THICKNESS / at_zero_volts["contact_radius"]) ** _POWER)
     return charge / force

@@ -18,14 +18,14 @@ def numbers() -> dict[str, float]:
     """What the page says, by name; SI."""
     data = np.array([0.01, 0.1, 1.0, 10.0])
     at = solver.solve({**CASE, "datum": data})
-    free = ("charge_sensitivity", "stroke_per_volt", "contact_trailing", "peak_pressure", "trailing_tension")
+    free = ("charge_per_force", "stroke_per_volt", "contact_trailing", "peak_pressure", "trailing_tension")
     conduction = ["conducting", "insulating"]
     conducts = solver.solve({**CASE, "electric": conduction, "magnetic": conduction})
     width, pressure = conducts["contact_trailing"] + conducts["contact_leading"], conducts["peak_pressure"]
     elastic = solver.solve({**CASE, "punch": ["rigid", "steel"]})
     under_steel = (elastic["contact_trailing"] + elastic["contact_leading"]).values
     errors = {"charge per load of PZT-4 on copper": _on_copper()} | {
-        f"volts per load, datum {d:g} m": abs(v) for d, v in zip(data, at["voltage_sensitivity"].values, strict=True)
+        f"volts per load, datum {d:g} m": abs(v) for d, v in zip(data, at["voltage_per_load"].values, strict=True)
     }
     return errors | {
         "free of the datum within": max(
@@ -46,7 +46,7 @@ def _on_copper() -> float:
     body = solver.Stack([film, copper], solver.find("silicon"))
     return abs(
         float(
-            solver.solve({"body": body, "surroundings": "insulated", "radius": 0.05, "load": 2e4})["charge_sensitivity"]
+            solver.solve({"body": body, "surroundings": "insulated", "radius": 0.05, "load": 2e4})["charge_per_force"]
         )
     )
 
@@ -59,7 +59,7 @@ DESIGNS: dict[str, dict[str, float | str]] = {
 }
 _GROUNDED = {"interface_electric": "grounded", "interface_magnetic": "grounded", "punch": "steel"}
 _TOLD = {
-    "charge_sensitivity": 1e12,
+    "charge_per_force": 1e12,
     "circuit_capacitance - input_capacitance - cable_capacitance": 1e12,
     "signal_voltage": 1.0,
     "smallest_force": 1e6,

@@ -27,7 +27,7 @@ def numbers() -> dict[tuple[str, float, str], dict[str, float]]:
     for name, punch in _PUNCHES.items():
         values = _pressed(*punch)
         scaled = {
-            "charge per force": values["charge_sensitivity"] * 1e12,
+            "charge per force": values["charge_per_force"] * 1e12,
             "stroke per volt": values["stroke_per_volt"] * 1e12,
             "depth": values["depth"] * RADIUS / a**2,
             "largest pressure": values["peak_pressure"] * RADIUS / a / 1e9,
@@ -70,12 +70,12 @@ _WORK = 0.05  # of adhesion [J/m^2], metals in humid air
 def left_out() -> dict[str, float]:
     """What limits.md says of points that the solver leaves out, by name."""
     disc: dict[str, Any] = {"profile": "disc", "width": 1e-4, "force": 1.0, "magnetic": "insulating"}
-    fringe = {name: _FRINGE * 1e-4 / 2 / float(solver.solve(disc | {"material": name})["contact_capacitance"])
+    fringe = {name: _FRINGE * 1e-4 / 2 / float(solver.solve(disc | {"material": name})["capacitance"])
               for name in ("BaTiO3", "PVDF")}  # fmt: skip
     ball: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": RADIUS}
     thick = numbers()["BaTiO3", 0.2, "charge per force"]["ball"], numbers()["BaTiO3", 0.2, "depth"]["ball"]
     alone = solver.solve(ball | {"force": 1.0})
-    constant = abs(float(alone["charge_sensitivity"])) * 1e12
+    constant = abs(float(alone["charge_per_force"])) * 1e12
     depth = float(alone["depth"] * RADIUS / alone["contact_radius"] ** 2)
     return {
         "pull-off of a ball [mN]": 1.5e3 * np.pi * _WORK * RADIUS,

@@ -22,8 +22,8 @@ import surrogate
 from docs import picture, rooms, tutorial
 from tests.workflow import nursery
 from tests.workflow.conftest import Project
-from workflow.design.told import words
 from workflow.design.verdict import netcdf
+from workflow.design.wording import words
 from workflow.run.provenance import ROOT
 from workflow.study.model import load
 

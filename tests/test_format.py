@@ -112,8 +112,9 @@ def test_the_example_by_hand_is_the_file_s(files: dict[str, Path]) -> None:
 def test_what_the_reader_cannot_read_is_refused(tmp_path: Path, files: dict[str, Path]) -> None:
     levels = surrogate.chebyshev_levels(0.0, 1.0, 4)
     data = xr.Dataset({"y": ("x", levels**2)}, coords={"x": levels})
-    surrogate.save(surrogate.GridGP("rbf", inputs=[surrogate.Input("x", 0.0, 1.0)]).fit(data), tmp_path / "rbf.nc")
-    assert 'kernel "rbf" is not read here' in told(tmp_path / "rbf.nc", []).stderr
+    cases = xr.Dataset({"x": ("case", data["x"].values), "y": ("case", data["y"].values)})
+    surrogate.save(surrogate.ScatterGP("rbf", outputs=["y"]).fit(cases), tmp_path / "rbf.nc")
+    assert 'engine "scatter" is not read here' in told(tmp_path / "rbf.nc", []).stderr
     assert "x is from 1 to 4" in told(files["root"], [{"x": 5.0}]).stderr
 
 

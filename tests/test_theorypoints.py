@@ -61,10 +61,10 @@ def test_the_tests_that_the_page_names_exist() -> None:
 def test_figures_of_the_page_are_the_solver_s(material: str) -> None:
     found = solver.solve(BALL | {"material": material})
     # the charge that a short circuit takes away leaves no voltage
-    grounded = solver.solve(BALL | {"material": material, "total_charge": 10.0 * float(found["charge_sensitivity"])})
+    grounded = solver.solve(BALL | {"material": material, "total_charge": 10.0 * float(found["charge_per_force"])})
     assert abs(float(grounded["voltage"])) < 1e-10 * abs(float(found["voltage"]))
     ours = [
-        abs(float(found["charge_sensitivity"])) * 1e12,
+        abs(float(found["charge_per_force"])) * 1e12,
         float(found["contact_radius"]) * 1e6,
         float(grounded["depth"]) * 1e6,
         float(found["peak_pressure"]) / 1e6,
@@ -110,9 +110,9 @@ def test_figures_of_a_ball_in_air_are_the_solver_s(name: str, own: dict[str, Any
     case = BALL | own | {"material": "BaTiO3", "magnetic": "insulating"}
     bare, air = (solver.solve(case | {"surroundings": one}) for one in ("insulated", "air"))
     charge, capacitance, voltage = next(row for row in rows(PAGE) if row[0] == name)[1:]
-    pico = [abs(float(one["charge_sensitivity"])) * 1e12 for one in (bare, air)]
+    pico = [abs(float(one["charge_per_force"])) * 1e12 for one in (bare, air)]
     assert charge == f"{pico[0]:.2f}, air {pico[1]:.2f}"
-    stored = [float(one["contact_capacitance"]) * 1e12 for one in (bare, air)]
+    stored = [float(one["capacitance"]) * 1e12 for one in (bare, air)]
     assert capacitance == f"{stored[0]:.3f}, air {stored[1]:.3f}"
     assert voltage == f"x {float(air['voltage'] / bare['voltage']):.3f}"
 

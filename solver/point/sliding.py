@@ -20,15 +20,11 @@ from solver.arrays import Array
 from solver.halfplane.precision import PrecisionWarning
 from solver.point import hankel
 from solver.point.body import Film
-from solver.point.density import Density
-from solver.point.gradedterms import pieces_below
-from solver.point.pieces import Pieces
-from solver.point.pressed import Contact, Friction, Pressed
-from solver.point.response import Response
-from solver.point.rim import Rim, edge_sums
-from solver.point.slidingtable import sliding_window, turns
+from solver.point.contact import Contact, Friction, Pressed
+from solver.point.friction import Response, Rim, edge_sums, legendre
+from solver.point.slidingtable import sliding_window
 from solver.point.table import Window
-from solver.point.tractions import Tractions
+from solver.point.tractions import Density, Tractions
 
 _MOST_FRICTION, _MOST_ANGLE = 0.6, 0.2  # beyond which a warning tells the size of what is neglected
 _EDGE = np.ones(1)
@@ -55,13 +51,7 @@ class Rubbed:
         if isinstance(body, Film):
             series = body.gathered(contact.radius, lambda of, at, places: of.tractions(at, causes[places]))
         unit = self._unit[:, None]
-        own = self._pieces(odd=False)
-        return Density(body.shape, contact.state.strengths * unit, form * unit, series * unit[..., None], own)
-
-    def _pieces(self, *, odd: bool) -> Pieces | None:
-        """On which densities stand where the top is graded."""
-        body = self.contact.pressed.body
-        return pieces_below(body.kind.film.stack(), body.shape, odd=odd) if isinstance(body, Film) else None
+        return Density(body.shape, contact.state.strengths * unit, form * unit, series * unit[..., None])
 
     @property
     def ratio(self) -> Array:
@@ -119,7 +109,7 @@ class Rubbed:
         (shift, series), unit = self._added, self._unit
         turned = self.density.part(some).turned(b)[:, 0]
         own = self._response.part(some).closed(turned, b, (shift * unit)[some])
-        own = own + series[some] @ turns(self._pieces(odd=True), b, series.shape[-1]).T
+        own = own + series[some] @ legendre(b, series.shape[-1]).T
         return np.asarray(self._friction.coefficient[some, None, None] * own)
 
     @property

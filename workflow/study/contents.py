@@ -32,7 +32,7 @@ class Contents(Keys):
     """Everything that a run can be asked for, and what follows from it."""
 
     _origin: Origin = PrivateAttr()
-    _absent: frozenset[str] = PrivateAttr()
+    _absent: frozenset[str] = PrivateAttr(default=frozenset())
     _hanging: frozenset[str] = PrivateAttr(default=frozenset())
     _defaults: tuple[str, ...] = PrivateAttr(default=())
 
@@ -57,7 +57,7 @@ class Contents(Keys):
 
     @property
     def absent(self) -> frozenset[str]:
-        """Names of the quantities that some cases lack."""
+        """Names of the quantities that some cases lack; none before the solver was asked for them."""
         return self._absent
 
     @property
@@ -159,13 +159,8 @@ class Contents(Keys):
     @property
     def cases(self) -> int:
         """Number of cases of the factorial; 0 while some of its levels are open."""
-        levels = prod(axis.count for axis in self.axes.values()) if self.factors else 0
+        levels = prod(axis.levels or 0 for axis in self.axes.values()) if self.factors else 0
         return levels * len(self.combinations)
-
-    @property
-    def kinks(self) -> dict[str, list[float]]:
-        """Where quantities have kinks, by factor; none of a factor that has none."""
-        return {name: list(axis.kinks) for name, axis in self.factors.items() if axis.kinks}
 
     @property
     def block(self) -> int:

@@ -39,8 +39,8 @@ CASES: list[dict[str, Any]] = [
 ]
 #: Of a film, whose tables know no magnetic field.
 MAGNETIC = (
-    "magnetic_edge_intensity", "magnetic_potential", "magnetic_potential_per_force", "flux_sensitivity",
-    "stroke_per_ampere", "blocked_force_per_ampere", "contact_permeance",
+    "magnetic_edge_intensity", "magnetic_potential", "magnetic_potential_per_force", "flux_per_force",
+    "stroke_per_ampere", "blocked_force_per_ampere", "permeance",
 )  # fmt: skip
 DRIVER = """
 const told = JSON.parse(require("fs").readFileSync(0, "utf8"));

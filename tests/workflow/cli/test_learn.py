@@ -82,7 +82,7 @@ def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, caps
         ("voltage [kV]", "voltage [km]", "column 'voltage': unit mismatch: 'km' does not measure what 'V' measures"),
         ("composite,", "composite [1],", "column 'composite': holds names, which have no unit"),
         ("voltage [kV]", "volts", "column 'volts': unknown column; did you mean"),
-        ("voltage [kV]", "capacitance", "column 'capacitance': unknown column"),
+        ("voltage [kV]", "capacitance_per_length", "column 'capacitance_per_length': unknown column"),
         ("voltage [kV]", "thickness", "thickness: neither an input of the surrogate nor learned by it"),
         ("radius [cm]", "radius", "is outside the trained box [0.02, 0.1] m"),
         (",depth,", ",contact_trailing,", "depth_std: without a column depth"),
@@ -114,7 +114,7 @@ fixed: {surroundings: insulated,
         material: PZT-4, profile: sphere, punch: tungsten_carbide, radius: 500 um, thickness: 700 nm, base: silicon,
         magnetic: insulating}
 factors: {force: {low: 0.1 N, high: 2 N, levels: 6, scale: log}}
-surrogate: {outputs: [charge_sensitivity]}
+surrogate: {outputs: [charge_per_force]}
 """
 
 
@@ -127,7 +127,7 @@ def test_one_row_of_a_film_tells_e33_over_c33_and_not_the_two_apart(
     _, model = study_of(SOL_GEL, tmp_path / "config")
     save(model, tmp_path / "results/study/surrogate.nc")
     (tmp_path / "row.csv").write_text(
-        "force,charge_sensitivity [pC/N],charge_sensitivity_std [pC/N]\n0.5,42,3\n", encoding="utf-8"
+        "force,charge_per_force [pC/N],charge_per_force_std [pC/N]\n0.5,42,3\n", encoding="utf-8"
     )
     words = ["learn", str(tmp_path / "row.csv"), "--on", str(tmp_path / "results/study/surrogate.nc"), "--json"]
     assert main.main([*words, "--uncertain", "PZT-4 e33=50%,PZT-4 c33=30%"]) == 0
@@ -165,58 +165,6 @@ def test_errors_that_are_not_positive_and_no_rows_are_refused(
         (project / "bad.csv").write_text(text, encoding="utf-8")
         assert asked(project, rows="bad.csv") == 2
         assert reason in capsys.readouterr().err
-
-
-def test_a_plan_says_which_measurements_tell_most(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    out = str(project / "planned.nc")
-    words = ("--plan", "4", "--errors", "depth=0.1%,voltage=5%", "--within", "load=2e4:0.05 MN/m", "-o", out)
-    assert asked(project, "--json", *words) == 0
-    plan = json.loads(capsys.readouterr().out)["plan"]
-    (stiffness,) = plan["constants"]
-    assert stiffness["name"] == "BaTiO3 stiffness"
-    assert stiffness["planned"] < stiffness["random"] < stiffness["now"] < 1
-    assert len(plan["rows"]) == 4
-    assert all(2e4 <= row["load"] <= 5e4 and row["output"].startswith("depth[") for row in plan["rows"])
-    wanted = ("--plan", "4", "--for", "voltage[laminate]", "--at", "radius=3 cm,load=9e4", "-o", out)
-    assert asked(project, "--json", *wanted) == 0
-    plan = json.loads(capsys.readouterr().out)["plan"]
-    (answer,) = plan["answers"]
-    assert (plan["constants"], answer["units"]) == ([], "V")
-    assert answer["planned"] < answer["random"] < answer["now"]
-    model = load(project / "planned.nc")
-    assert isinstance(model, CorrectedGP)
-    lower, upper = model.interval_array(np.array([[0.03, 9e4]]), 0.95)
-    k = model.outputs_.index("voltage[laminate]")
-    own = float(model.nominal_.predict_array(np.array([[0.03, 9e4]]), return_std=True)[1][0, k])
-    spread = float((upper - lower)[0, k]) / 2 / 1.96  # of the surrogates' own errors, too, and of all draws
-    assert np.sqrt(answer["now"] ** 2 + own**2 + model.effect_std_[k] ** 2) == pytest.approx(spread, rel=0.1)
-    for bad, reason in (
-        (("--plan", "3", "--for", "voltage"), "--for: 'voltage' is not among the outputs depth[fibrous], "),
-        (("--plan", "3", "--for", "depth[fibrous]"), "--at: radius: missing; depth[fibrous] is wanted at one place of"),
-        (
-            ("--plan", "3", "--for", "depth[fibrous]", "--at", "radius=3,load=9e4"),
-            "--at: radius: 3; must be within [0.02, 0.1]",
-        ),
-        (("--plan", "3", "--at", "radius=3 cm"), "--at: says where an answer is wanted; --for names none"),
-        (("--plan", "0"), "--plan: 0 measurements; must be 1 to 100"),
-        (("--plan", "3", "--for", "steel e33"), "--for: 'steel e33' is not among the unknowns BaTiO3 stiffness"),
-        (("--plan", "3", "--errors", "charge=1%"), "--errors: 'charge' is none of depth, contact_trailing, voltage"),
-        (
-            ("--plan", "3", "--within", "load=1e3:2e4"),
-            "--within: load: 1000 to 20000; must ascend within [10000, 100000]",
-        ),
-        (("--plan", "3", "--within", "load=3"), "--within: load=3: is not of the form FACTOR=LOW:HIGH"),
-        (
-            (
-                "--for",
-                "BaTiO3 stiffness",
-            ),
-            "--plan is not given",
-        ),
-    ):
-        assert asked(project, *bad, "-o", str(project / "none.nc")) == 2
-        assert reason in capsys.readouterr().err
-    assert not (project / "none.nc").exists()
 
 
 def test_instruments_that_do_not_fit_are_refused(project: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,9 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from surrogate.search.optimise import Optimum, Problem, improve
-from workflow.design.asking.designs import Designs
-from workflow.design.asking.question import ask
-from workflow.design.asking.sources import Factors, shape
+from workflow.design.question.pilot import ask
+from workflow.design.question.sources import Factors, shape
 from workflow.design.search import candidate as candidates
 from workflow.design.search import polish
 from workflow.design.search.candidate import Candidate
@@ -28,12 +27,12 @@ STUDY = Study.model_validate(
             "radius": {"low": 0.01, "high": 0.1, "levels": 4},
             "friction": {"low": 0.1, "high": 0.4, "levels": 4},
         },
-        "surrogate": {"outputs": ["voltage_sensitivity", "trailing_tension"]},
+        "surrogate": {"outputs": ["voltage_per_load", "trailing_tension"]},
     }
 )
 TARGET = Target.model_validate(
     {
-        "maximise": "voltage_sensitivity",
+        "maximise": "voltage_per_load",
         "over": ["radius"],
         "worst_case": {"friction": [0.1, 0.4]},
         "subject_to": ["trailing_tension <= 50 MPa"],
@@ -56,7 +55,7 @@ class Closed:
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         radius, friction = (factors[name] + np.zeros(shape(factors)) for name in ("radius", "friction"))
-        found = {"voltage_sensitivity": radius, "trailing_tension": self.tension(radius, friction)}
+        found = {"voltage_per_load": radius, "trailing_tension": self.tension(radius, friction)}
         return {name: found[name] for name in names}
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
@@ -66,8 +65,7 @@ class Closed:
 def found(exact: Closed | None = None, choice: str = "PZT-4") -> Candidate:
     """The best design by a source in closed form, to be polished on another."""
     predicted, other = cast(Any, Closed()), cast(Any, exact or Closed())
-    question = ask(STUDY, "test", TARGET, predicted)
-    made = Candidate({"material": choice}, Designs(question, predicted, other, np.empty((0, 1))))
+    made = Candidate({"material": choice}, ask(STUDY, "test", TARGET, predicted, other))
     return made.sought(predicted)
 
 

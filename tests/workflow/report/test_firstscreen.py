@@ -11,9 +11,9 @@ from matplotlib.textpath import TextPath
 from storage.netcdf import read_whole
 from tests.studies import shipped
 from tests.workflow.conftest import Project
-from workflow.design.told import asides
-from workflow.design.told.words import verdict
 from workflow.design.verdict import netcdf
+from workflow.design.wording import asides
+from workflow.design.wording.words import verdict
 from workflow.language.numbers import shown
 from workflow.language.titles import title
 from workflow.report import datum_effect, device, exact, firstscreen, ranked, sentences, svg, tornado
@@ -256,7 +256,7 @@ def test_every_section_says_what_its_numbers_say() -> None:
 
 
 def test_what_a_goal_depends_on_is_told_of_every_goal_and_category() -> None:
-    outputs = ["charge_sensitivity[rigid]", "charge_sensitivity[steel]", "voltage[rigid]", "voltage[steel]"]
+    outputs = ["charge_per_force[rigid]", "charge_per_force[steel]", "voltage[rigid]", "voltage[steel]"]
     totals = [[0.95, 0.1, 0.0], [0.97, 0.1, 0.0], [0.1, 0.9, 0.2], [0.1, 0.2, 0.8]]
     inputs = ["volume_fraction", "load", "radius"]
     assert told_of(totals, outputs, inputs) == (
