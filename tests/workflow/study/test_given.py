@@ -69,7 +69,7 @@ BALL = {"radius": "0.01", "low": "1.0", "high": "2.0"}
             {"radius": "0.01, punch_modulus: 200, punch_poisson: 0.3"},
             "punch_modulus: 200 is 200 Pa; did you mean 200 GPa?",
         ),
-        ({"radius": "0.01, total_charge: 1"}, "total_charge: 1 is 1 C; did you mean 1 nC?"),
+        ({"radius": "0.01, total_charge: 1"}, "total_charge: 1 is 1 C; did you mean 1 pC?"),
     ],
 )
 def test_a_bare_number_that_has_probably_lost_its_unit_asks(entries: dict[str, str], told: str) -> None:
