@@ -7,7 +7,7 @@ BIN    := .venv/bin
 export PYTHONDONTWRITEBYTECODE :=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: run check test tests coverage soak kernels slurm referees lint docs bench lock schema clean help
+.PHONY: run check test tests outside coverage soak kernels slurm referees lint docs bench lock schema clean help
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -23,6 +23,9 @@ check: .venv/dev.stamp  ## linters, types, import contracts and the tests of mom
 
 test: .venv/dev.stamp .venv/referees.stamp  ## linters, types, import contract and every test; eight minutes on two fast cores, thirteen on slow ones
 	@$(MAKE) --no-print-directory --jobs=2 lint tests
+
+outside: .venv/dev.stamp .venv/referees.stamp  ## the tests that need Chromium, Node.js, ncdump or ncks
+	$(BIN)/python -m pytest -n auto -m "needs and not soak and not slurm"
 
 tests: .venv/dev.stamp  ## every test, without the linters
 	$(BIN)/python -m pytest -n auto $(LAYERS)
@@ -76,12 +79,15 @@ docs: .venv/dev.stamp  ## run the quickstart, draw the figures and the calculato
 schema: .venv/run.stamp  ## write the JSON schema and the documented default of a study from the model
 	$(BIN)/python -m workflow.study.schema
 
-.venv/bin/python:
+# a Python without venv or pip leaves half an environment: the next `make` mends it, since the stamp is missing
+.venv/python.stamp:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Python >= 3.11 is needed; set PYTHON=/path/to/one"; exit 2; }
-	@$(PYTHON) -m venv .venv
+	@$(PYTHON) -m venv .venv || { echo "$(PYTHON) cannot make an environment (Debian: python3-venv), or this path cannot hold one; set PYTHON=/path/to/another"; exit 2; }
+	@$(BIN)/python -c 'import pip' || { echo "the environment has no pip (Debian: python3-venv); set PYTHON=/path/to/another"; exit 2; }
+	@touch $@
 
 # the run's own, and the rivals of its surrogates
-.venv/bench.stamp: requirements/bench.txt pyproject.toml | .venv/bin/python
+.venv/bench.stamp: requirements/bench.txt pyproject.toml | .venv/python.stamp
 	@echo "installing the rivals ($<) into .venv/bench"
 	@$(PYTHON) -m venv .venv/bench
 	@.venv/bench/bin/python -m pip install -q --require-hashes -r $<
@@ -89,13 +95,16 @@ schema: .venv/run.stamp  ## write the JSON schema and the documented default of 
 	@touch $@
 
 # their needs and ours differ: an environment of their own
-.venv/referees.stamp: requirements/referees.txt | .venv/bin/python
+.venv/referees.stamp: requirements/referees.txt | .venv/python.stamp
 	@echo "installing the referees ($<) into .venv/referees"
 	@$(PYTHON) -m venv .venv/referees
 	@.venv/referees/bin/python -m pip install -q --require-hashes -r $<
 	@touch $@
 
-.venv/%.stamp: requirements/%.txt pyproject.toml | .venv/bin/python
+# one installation at a time into one environment, also under `make -j`
+.venv/dev.stamp: | .venv/run.stamp
+
+.venv/%.stamp: requirements/%.txt pyproject.toml | .venv/python.stamp
 	@echo "installing the pinned dependencies ($<) into .venv"
 	@$(BIN)/python -m pip install -q --require-hashes -r $<
 	@$(BIN)/python -m pip install -q --no-deps --no-build-isolation -e .

@@ -18,7 +18,7 @@ BARIUM_TITANATE = solver.find("BaTiO3 (alternative 1)")
 SPECIMENS = 12
 LOADS = (1e4, 2.2e4, 4.6e4, 1e5)  # N/m
 #: Standard deviations of errors, over the value.
-ERRORS = {"voltage": 0.005, "capacitance": 0.01, "depth": 0.005}
+ERRORS = {"voltage": 0.005, "capacitance_per_length": 0.01, "depth": 0.005}
 
 
 def rows() -> list[dict[str, float | str]]:

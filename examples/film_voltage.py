@@ -12,7 +12,7 @@ punch = {"radius": 0.05, "load": 1e5}
 figure, (upper, lower) = plt.subplots(2, sharex=True, figsize=(6, 6), layout="constrained")
 for base in ("rigid", "silicon", "steel"):
     answer = solver.solve(film | punch | {"base": base})
-    charge = 1e12 * answer["charge_sensitivity"].values
+    charge = 1e12 * answer["charge_per_force"].values
     upper.loglog(thickness * 1e3, abs(answer["voltage"]) / answer["load"], label=base)
     lower.semilogx(thickness * 1e3, charge)
     best = charge.argmax()

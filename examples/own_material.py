@@ -11,5 +11,5 @@ answer = solver.solve(cases)
 
 for name in (own, "PZT-4"):
     case = answer.sel(material=name)
-    charge, voltage = (float(case[what]) for what in ("charge_sensitivity", "voltage_sensitivity"))
+    charge, voltage = (float(case[what]) for what in ("charge_per_force", "voltage_per_load"))
     print(f"{name}: {charge * 1e12:.1f} pC/N, {voltage * 1e3:.2f} mV m/N")

@@ -10,7 +10,7 @@ levels = {
     "radius": surrogate.chebyshev_levels(0.02, 0.2, 6, "log"),
     "load": surrogate.chebyshev_levels(5e3, 5e4, 6, "log"),
 }
-outputs = ["voltage_sensitivity", "trailing_tension"]
+outputs = ["voltage_per_load", "trailing_tension"]
 indices = sobol(surrogate.GridGP(outputs=outputs).fit(solver.solve(levels)))
 
 print(indices["total"].to_pandas().T.to_string(float_format="{:.3f}".format))

@@ -9,7 +9,7 @@ figure, axes = plt.subplots(figsize=(6, 3.2), layout="constrained")
 fractions = np.linspace(0.05, 0.95, 91)
 for composite in ("fibrous", "laminate"):
     answer = solver.solve({"composite": composite, "volume_fraction": fractions, "radius": 0.05, "load": 1e4})
-    voltage = abs(answer["voltage_sensitivity"])
+    voltage = abs(answer["voltage_per_load"])
     best, most = float(voltage.idxmax("volume_fraction")), 1e3 * float(voltage.max())
     print(f"{composite}: most volts per load, {most:.2f} mV m/N, with {100 * best:.0f} % of BaTiO3")
     axes.plot(100 * fractions, 1e3 * voltage.values, label=composite)

@@ -6,7 +6,7 @@ Examples
 --------
 >>> import meecontact as mee
 >>> case = {"volume_fraction": 0.5, "composite": "fibrous", "friction": 0.3, "radius": 0.05, "load": 5e4}
->>> round(float(mee.solve(case)["voltage_sensitivity"]), 4)
+>>> round(float(mee.solve(case)["voltage_per_load"]), 4)
 -0.0472
 >>> import meecontact.solver.names, solver
 >>> meecontact.solver.names is solver.names

@@ -17,7 +17,6 @@ from solver.names import (
     BODY,
     CHOICES,
     CONTACTS,
-    DISC_QUANTITIES,
     ELECTRODE_QUANTITIES,
     ENDS,
     FILM_PEAKS,
@@ -31,7 +30,6 @@ from solver.names import (
     POINT_SLIDING,
     PROFILES,
     QUANTITIES,
-    STRIP_QUANTITIES,
     TABLED,
 )
 from solver.stack.layers import Stack
@@ -98,7 +96,7 @@ FILM = Kind(
     "film",
     "line",
     "by_base",
-    QUANTITIES | FILM_QUANTITIES | ELECTRODE_QUANTITIES | STRIP_QUANTITIES,
+    QUANTITIES | FILM_QUANTITIES | ELECTRODE_QUANTITIES,
     FILM_PEAKS,
     ("interface", "film", "base"),
     layered=True,
@@ -113,7 +111,9 @@ HALF_PLANE_IN_AIR = Kind(
     "half-plane with air beside the contact",
     "line",
     "relative",
-    _OF_A_LINE | {name: FILM_QUANTITIES[name] for name in ("capacitance", "permeance")} | GAP_QUANTITIES,
+    _OF_A_LINE
+    | {name: FILM_QUANTITIES[name] for name in ("capacitance_per_length", "permeance_per_length")}
+    | GAP_QUANTITIES,
     PEAKS,
     ("body",),
     air=True,
@@ -133,11 +133,7 @@ POINT_FILM = Kind(
     "film under a point",
     "point",
     "absolute",
-    POINT_QUANTITIES
-    | POINT_SLIDING
-    | {"nominal_field": FILM_QUANTITIES["nominal_field"]}
-    | ELECTRODE_QUANTITIES
-    | DISC_QUANTITIES,
+    POINT_QUANTITIES | POINT_SLIDING | {"nominal_field": FILM_QUANTITIES["nominal_field"]} | ELECTRODE_QUANTITIES,
     FILM_PEAKS,
     (),
     layered=True,

@@ -30,14 +30,9 @@ FACTORS: dict[str, Factor] = {
     "grading_exponent": Factor("1", "exponent of a graded film's depth", None, 1.0, optional=True),
     "collector": Factor("1", "number of the electrode that is read, from the top", None, 1.0),
     "electrode_voltage": Factor("V", "of the whole electrode that is read, all others at zero", None),
-    "patch_size": positive("m", "of the patch along x: diameter of a disc or ring, width of a strip or rectangle"),
-    "patch_hole": positive("m", "inner diameter of a patch that is a ring"),
-    "patch_length": positive("m", "of a patch that is a rectangle, across x"),
+    "patch_size": positive("m", "of the patch along x: diameter of a disc, width of a strip"),
     "patch_position": Factor("m", "of the patch's middle from that of the contact", 0.0),
     "patch_pitch": positive("m", "distance of the middles of neighbouring patches"),
-    "floating_neighbours": Factor(
-        "1", "strips or discs that float on each side of that which is read, bare gaps between", None, 0.0, high=20.0
-    ),
     "base_modulus": positive("Pa", "Young's modulus of a film's base", optional=True),
     "base_poisson": poisson("a film's base"),
     "punch_modulus": positive("Pa", "Young's modulus of the punch", optional=True),
@@ -74,7 +69,7 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "magnetic": ("conducting", "insulating"),
     "surroundings": ("insulated", "air"),
     "electrode": ("none", "top"),
-    "patch": ("disc", "strip", "ring", "rectangle"),
+    "patch": ("disc", "strip"),
     "interface_electric": ("grounded", "bonded"),
     "interface_magnetic": ("grounded", "bonded", "insulated"),
 }
@@ -86,11 +81,8 @@ OF_AN_ELECTRODE = (
     "electrode_voltage",
     "patch",
     "patch_size",
-    "patch_hole",
-    "patch_length",
     "patch_position",
     "patch_pitch",
-    "floating_neighbours",
 )
 
 #: Factors that name materials.
@@ -146,10 +138,10 @@ QUANTITIES: dict[str, Described] = {
     "magnetic_edge_intensity_leading": Described("T m1/2", "edge intensity of B_y at the leading edge"),
     "trailing_tension": Described("Pa", "sigma_xx just outside the trailing edge", _OUTSIDE),
     "leading_compression": Described("Pa", "sigma_xx just outside the leading edge", _OUTSIDE),
-    "voltage_sensitivity": on_datum("V m N-1", "d voltage / d load without charges"),
-    "magnetic_sensitivity": on_datum("A m N-1", "d magnetic potential / d load without charges"),
-    "charge_sensitivity": on_datum("C N-1", "electric charge per load that makes the voltage 0, J = 0"),
-    "flux_sensitivity": on_datum("Wb N-1", "magnetic charge per load that makes the magnetic potential 0, T = 0"),
+    "voltage_per_load": on_datum("V m N-1", "d voltage / d load without charges"),
+    "magnetic_potential_per_load": on_datum("A m N-1", "d magnetic potential / d load without charges"),
+    "charge_per_force": on_datum("C N-1", "electric charge per load that makes the voltage 0, J = 0"),
+    "flux_per_force": on_datum("Wb N-1", "magnetic charge per load that makes the magnetic potential 0, T = 0"),
     "stroke_per_volt": Described("m V-1", "depth per voltage at fixed load and magnetic charge"),
     "stroke_per_ampere": Described("m A-1", "depth per magnetic potential at fixed load and electric charge"),
     "blocked_load_per_volt": on_datum(
@@ -163,9 +155,10 @@ QUANTITIES: dict[str, Described] = {
 #: Of each field, electric and magnetic: potential, sensitivity, charge per load that makes the potential zero, stroke,
 #: blocked load; on a film its store, too.
 RESPONSES = (
-    ("voltage", "voltage_sensitivity", "charge_sensitivity", "stroke_per_volt", "blocked_load_per_volt", "capacitance"),
-    ("magnetic_potential", "magnetic_sensitivity", "flux_sensitivity", "stroke_per_ampere", "blocked_load_per_ampere",
-     "permeance"),
+    ("voltage", "voltage_per_load", "charge_per_force", "stroke_per_volt", "blocked_load_per_volt",
+     "capacitance_per_length"),
+    ("magnetic_potential", "magnetic_potential_per_load", "flux_per_force", "stroke_per_ampere",
+     "blocked_load_per_ampere", "permeance_per_length"),
 )  # fmt: skip
 
 #: Quantities of the body below depth 0.1 h, which are searched for and given when asked for.
@@ -181,8 +174,10 @@ EVERY_QUANTITY = {**QUANTITIES, **PEAKS}
 #: Quantities that a film has beside those of a half-plane.
 FILM_QUANTITIES: dict[str, Described] = {
     "contact_offset": Described("m", "centre of the contact, (a - b)/2"),
-    "capacitance": Described("F m-1", "d charge / d voltage at a fixed contact and magnetic charge"),
-    "permeance": Described("Wb A-1 m-1", "d magnetic charge / d magnetic potential at a fixed contact and charge"),
+    "capacitance_per_length": Described("F m-1", "d charge / d voltage at a fixed contact and magnetic charge"),
+    "permeance_per_length": Described(
+        "Wb A-1 m-1", "d magnetic charge / d magnetic potential at a fixed contact and charge"
+    ),
     "nominal_field": Described(
         "V m-1", "abs(voltage)/thickness: the field away from the edges", formula="abs(voltage)/thickness"
     ),
@@ -200,18 +195,6 @@ ELECTRODE_QUANTITIES: dict[str, Described] = {
     "patch_charge_gradient": Described(
         "C N-1 m-1", "change of the difference of two neighbours' charges per force, by the position between them"
     ),
-}
-
-#: Those of strips of it that float, below lines alone.
-STRIP_QUANTITIES: dict[str, Described] = {
-    "patch_capacitance": Described("F m-1", "of a strip beside strips that float, to all that is at zero volts"),
-    "patch_voltage_per_load": Described("V m N-1", "voltage per load of a strip that floats as its neighbours do"),
-}
-
-#: Those of discs of it that float, below points alone.
-DISC_QUANTITIES: dict[str, Described] = {
-    "disc_capacitance": Described("F", "of a disc beside discs that float, to all that is at zero volts"),
-    "disc_voltage_per_force": Described("V N-1", "voltage per force of a disc that floats as its neighbours do"),
 }
 
 #: Quantities that a contact has where a gap beside it carries charge, in place of edge intensities.
@@ -244,16 +227,16 @@ POINT_QUANTITIES: dict[str, Described] = {
     **{name: QUANTITIES[name] for name in ("peak_pressure", "depth", "voltage", "magnetic_potential")},
     "electric_edge_intensity": Described("C m-3/2", "edge intensity of D_y around a point contact"),
     "magnetic_edge_intensity": Described("T m1/2", "edge intensity of B_y around a point contact"),
-    "charge_sensitivity": QUANTITIES["charge_sensitivity"],
-    "flux_sensitivity": QUANTITIES["flux_sensitivity"],
+    "charge_per_force": QUANTITIES["charge_per_force"],
+    "flux_per_force": QUANTITIES["flux_per_force"],
     "stroke_per_volt": QUANTITIES["stroke_per_volt"],
     "stroke_per_ampere": QUANTITIES["stroke_per_ampere"],
     "voltage_per_force": Described("V N-1", "d voltage / d force without charges"),
     "magnetic_potential_per_force": Described("A N-1", "d magnetic potential / d force without charges"),
     "blocked_force_per_volt": Described("N V-1", "force per voltage at fixed depth"),
     "blocked_force_per_ampere": Described("N A-1", "force per magnetic potential at fixed depth"),
-    "contact_capacitance": Described("F", "d charge / d voltage at a fixed contact"),
-    "contact_permeance": Described("Wb A-1", "d magnetic charge / d magnetic potential at a fixed contact"),
+    "capacitance": Described("F", "d charge / d voltage at a fixed contact"),
+    "permeance": Described("Wb A-1", "d magnetic charge / d magnetic potential at a fixed contact"),
     "contact_stiffness": Described("N m-1", "d force / d depth at held potentials"),
     "contact_stiffness_open": Described("N m-1", "d force / d depth at fixed charges"),
 }
@@ -271,7 +254,7 @@ POINT_SLIDING: dict[str, Described] = {
 
 #: Quantities that a point contact has where a gap beside it carries charge, in place of edge intensities.
 POINT_GAP_QUANTITIES: dict[str, Described] = {
-    "contact_capacitance_at_force": Described("F", "d charge / d voltage at fixed force and magnetic potential"),
+    "capacitance_at_force": Described("F", "d charge / d voltage at fixed force and magnetic potential"),
     **{name: GAP_QUANTITIES[name] for name in ("peak_displacement", "gap_field")},
 }
 
@@ -296,7 +279,7 @@ LIMITED: dict[str, tuple[str, ...]] = {
 #: Every quantity of any body.
 ALL_QUANTITIES = {
     **EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **GAP_QUANTITIES, **POINT_QUANTITIES, **POINT_GAP_QUANTITIES,
-    **ELECTRODE_QUANTITIES, **STRIP_QUANTITIES, **DISC_QUANTITIES,
+    **ELECTRODE_QUANTITIES,
 }  # fmt: skip
 
 #: Those that are searched for over a body.

@@ -40,8 +40,6 @@ FACTOR_WEIGHTS: dict[str, Weight] = {
     "thickness": _LENGTH,
     "gap_radius": _LENGTH,
     "patch_size": _LENGTH,
-    "patch_hole": _LENGTH,
-    "patch_length": _LENGTH,
     "patch_position": _LENGTH,
     "patch_pitch": _LENGTH,
     "electrode_voltage": _FORCE,
@@ -49,13 +47,13 @@ FACTOR_WEIGHTS: dict[str, Weight] = {
 
 _CHANGING: dict[Weight, tuple[str, ...]] = {
     _LENGTH: ("contact_trailing", "contact_leading", "contact_offset", "peak_von_mises_depth",
-        "contact_radius", "blocked_force_per_volt", "blocked_force_per_ampere", "contact_capacitance",
-        "contact_capacitance_at_force", "contact_permeance", "disc_capacitance",
+        "contact_radius", "blocked_force_per_volt", "blocked_force_per_ampere", "capacitance",
+        "capacitance_at_force", "permeance",
          "contact_stiffness", "contact_stiffness_open",
     ),
     _FORCE: ("depth", "voltage", "magnetic_potential"),
     _INTENSITY: tuple(name for name in ALL_QUANTITIES if "_edge_intensity" in name),
-    Weight(-1.0): ("voltage_per_force", "magnetic_potential_per_force", "disc_voltage_per_force",
+    Weight(-1.0): ("voltage_per_force", "magnetic_potential_per_force",
         "patch_charge_gradient"),
     _STRESS: (
         "peak_pressure", "trailing_tension", "leading_compression", "nominal_field", "peak_von_mises",

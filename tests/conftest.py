@@ -22,7 +22,7 @@ from hypothesis import settings
 from xdist.scheduler import LoadScopeScheduling
 
 from storage import quarantine
-from tests import layers
+from tests import layers, programs
 from tests.closing import closing
 from tests.workflow.conftest import Copy, Project, copy
 from workflow.study import model
@@ -109,6 +109,10 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Say each test's layer; bring the longest groups to the front; refuse a run made once more, in another group."""
     layers.leave_to_soak(items)
+    for item in items:
+        names = {name for mark in item.iter_markers("needs") for name in mark.args}
+        if reason := programs.missing(sorted(names)):
+            item.add_marker(pytest.mark.skip(reason=reason))
     for item in items:
         fixtures = set(getattr(item, "fixturenames", ()))
         item.add_marker(layers.layer(item.location[0], [mark.name for mark in item.iter_markers()], fixtures))

@@ -10,6 +10,7 @@ import tokenize
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote
 
 import nbformat
@@ -53,9 +54,16 @@ def project(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -
     return project
 
 
-@pytest.mark.parametrize(
-    ("page", "text"), [*blocks("sh", SHOWN)], ids=lambda part: part if part.endswith(".md") else ""
-)
+def commands() -> list[Any]:
+    """Blocks of commands; those of Node.js read files by ncdump, too."""
+    needs = pytest.mark.needs("node", "ncdump")
+    return [
+        pytest.param(page, text, marks=[needs] if re.search(r"^node ", text, re.MULTILINE) else [], id=page)
+        for page, text in blocks("sh", SHOWN)
+    ]
+
+
+@pytest.mark.parametrize(("page", "text"), commands())
 def test_every_command_runs(page: str, text: str, project: Project) -> None:
     for line in text.strip().replace("\\\n", " ").splitlines():
         command = shlex.split(line, comments=True)

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import shutil
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -16,13 +15,12 @@ import xarray as xr
 import surrogate
 from storage.sealed import SEAL, seal
 from surrogate.face.model import GaussianProcess
+from tests import programs
 from tests.surrogate.grouped import GROUPING, cases, factorial
 from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT
 
-pytestmark = pytest.mark.skipif(
-    not (shutil.which("node") and shutil.which("ncdump")), reason="no Node.js or no ncdump (Debian: nodejs netcdf-bin)"
-)
+pytestmark = pytest.mark.needs("node", "ncdump")  # examples/surrogate.mjs reads files by ncdump
 PAGE = (ROOT / "docs/format.md").read_text(encoding="utf-8")
 READER = """
   const [path, points] = process.argv.slice(1), { read, predict } = await import(process.env.READER), file = read(path);
@@ -120,7 +118,7 @@ def test_what_the_reader_cannot_read_is_refused(tmp_path: Path, files: dict[str,
 
 
 def command(path: Path, *point: str) -> subprocess.CompletedProcess[str]:
-    reader = [shutil.which("node") or "node", "--max-old-space-size=512", str(ROOT / "examples/surrogate.mjs")]
+    reader = [programs.path("node"), "--max-old-space-size=512", str(ROOT / "examples/surrogate.mjs")]
     return subprocess.run([*reader, str(path), *point], capture_output=True, text=True, check=False)
 
 

@@ -14,7 +14,6 @@ from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
 from solver.names import (
     CHOICES,
-    DISC_QUANTITIES,
     ELECTRODE_QUANTITIES,
     EVERY_FILM_QUANTITY,
     EVERY_QUANTITY,
@@ -28,7 +27,6 @@ from solver.names import (
     POINT_SLIDING,
     PROFILES,
     QUANTITIES,
-    STRIP_QUANTITIES,
 )
 from workflow.cli.casetable import TEXT_FACTORS, read_cases
 from workflow.run.provenance import ROOT
@@ -87,7 +85,7 @@ def test_the_table_of_quantities_with_air_is_the_code_s() -> None:
 
 
 def test_the_table_of_an_electrode_s_quantities_is_the_code_s() -> None:
-    every = ELECTRODE_QUANTITIES | STRIP_QUANTITIES | DISC_QUANTITIES
+    every = ELECTRODE_QUANTITIES
     assert rows("of an electrode") == {name: [its.units, its.long_name] for name, its in every.items()}
 
 
@@ -145,7 +143,7 @@ def test_the_table_of_alternatives_is_what_they_give() -> None:
         material = solver.find(name)
         out = solver.solve({"material": [material, *material.variants()], "radius": 0.05, "load": 1e4, "friction": 0.3})
         width = out["contact_trailing"] + out["contact_leading"]
-        for cell, values in zip(cells, (width, out["voltage"], out["charge_sensitivity"]), strict=True):
+        for cell, values in zip(cells, (width, out["voltage"], out["charge_per_force"]), strict=True):
             assert cell == "; ".join(f"{float(one / values[0]):.2f}" for one in values[1:]), name
 
 

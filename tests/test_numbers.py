@@ -48,10 +48,9 @@ CASE = {"volume_fraction": 0.5, "radius": 0.05, "load": 1e5, "friction": 0.3}
 
 def test_datum_conduction_and_punch_change_a_contact_as_stated() -> None:
     datum = solver.solve({**CASE, "datum": [0.01, 0.1, 1.0, 10.0]})
-    (name,) = {"voltage_sensitivity", "voltage_per_load"} & set(map(str, datum))
-    volts = ", ".join(f"{abs(value):.3f}" for value in datum[name].values)
+    volts = ", ".join(f"{abs(value):.3f}" for value in datum["voltage_per_load"].values)
     assert f"voltage per load {volts} V m/N" in LIMITS
-    for name in ("charge_sensitivity", "stroke_per_volt", "contact_trailing", "peak_pressure", "trailing_tension"):
+    for name in ("charge_per_force", "stroke_per_volt", "contact_trailing", "peak_pressure", "trailing_tension"):
         assert np.ptp(datum[name].values) < 1e-5 * abs(datum[name].values).mean()
     conduction = ["conducting", "insulating"]
     conducted = solver.solve({**CASE, "electric": conduction, "magnetic": conduction})
@@ -70,7 +69,7 @@ def test_a_film_on_copper_has_the_stated_charge() -> None:
     layers = [solver.Layer(solver.find("PZT-4"), 2e-4), solver.Layer(solver.find("copper"), 2e-5)]
     body = solver.Stack(layers, solver.find("silicon"))
     charge = solver.solve({"body": body, "surroundings": "insulated", "radius": 0.05, "load": 2e4})
-    assert f"20 kN/m: {abs(float(charge['charge_sensitivity'])) * 1e12:.0f} pC/N" in LIMITS
+    assert f"20 kN/m: {abs(float(charge['charge_per_force'])) * 1e12:.0f} pC/N" in LIMITS
 
 
 #: Designs of ``config/film_sensor.yaml``, rounded, in the case that decides.
@@ -80,7 +79,7 @@ DESIGNS: dict[str, dict[str, float | str]] = {
     "quiet": {"volume_fraction": 0.8325, "thickness": 3.3e-3, "radius": 0.102, "load": 1e4, "base": "steel"},
 }
 FIGURES = {
-    "charge_sensitivity": 1e12,
+    "charge_per_force": 1e12,
     "circuit_capacitance - input_capacitance - cable_capacitance": 1e12,
     "signal_voltage": 1.0,
     "smallest_force": 1e6,
@@ -133,7 +132,7 @@ def pressed(profile: str, loading: str, extent: str) -> dict[str, Array]:
         previous, miss, log_load = log_load, residual, log_load - residual * slope
     answer = solved(log_load)
     return {
-        "charge per force": answer["charge_sensitivity"].values * 1e12,
+        "charge per force": answer["charge_per_force"].values * 1e12,
         "stroke per volt": answer["stroke_per_volt"].values * 1e12,
         "depth": answer["depth"].values * RADIUS / a**2,
         "largest pressure": answer["peak_pressure"].values * RADIUS / a / 1e9,
@@ -182,12 +181,12 @@ def test_what_points_leave_out_is_as_large_as_stated(ball: dict[str, Array]) -> 
     assert f"pressure {100 * (pressure - 1):.3g} % more, mean radius {100 * (1 - radius):.3g} % less" in LIMITS
     disc: dict[str, Any] = {"profile": "disc", "width": 1e-4, "force": 1.0, "magnetic": "insulating"}
     fringe = [
-        4 * 8.8541878188e-12 * 5e-5 / float(solver.solve(disc | {"material": name})["contact_capacitance"])
+        4 * 8.8541878188e-12 * 5e-5 / float(solver.solve(disc | {"material": name})["capacitance"])
         for name in ("BaTiO3", "PVDF")
     ]
     assert f"adds {100 * fringe[0]:.3g} % to the capacitance of a disc on BaTiO3, {100 * fringe[1]:.3g} % on" in LIMITS
     alone = solver.solve({"material": "BaTiO3", "profile": "sphere", "radius": RADIUS, "force": 1.0})
-    charge = 1 - ball["charge per force"][1, 0] / (abs(float(alone["charge_sensitivity"])) * 1e12)
+    charge = 1 - ball["charge per force"][1, 0] / (abs(float(alone["charge_per_force"])) * 1e12)
     depth = 1 - ball["depth"][1, 0] / float(alone["depth"] * RADIUS / alone["contact_radius"] ** 2)
     assert f"charge per force {100 * charge:.3g} % less, depth {100 * depth:.3g} % less" in LIMITS
 
@@ -204,10 +203,10 @@ def stated(name: str) -> list[float]:
 def test_a_ball_on_a_half_space_has_the_stated_figures(material: str) -> None:
     case: dict[str, Any] = {"profile": "sphere", "radius": 5e-3, "force": 10.0, "material": material}
     opened = solver.solve(case)
-    grounded = solver.solve(case | {"total_charge": 10.0 * float(opened["charge_sensitivity"])})
+    grounded = solver.solve(case | {"total_charge": 10.0 * float(opened["charge_per_force"])})
     assert abs(float(grounded["voltage"])) < 1e-10 * abs(float(opened["voltage"]))
     figures = [
-        abs(float(opened["charge_sensitivity"])) * 1e12,
+        abs(float(opened["charge_per_force"])) * 1e12,
         float(opened["contact_radius"]) * 1e6,
         float(grounded["depth"]) * 1e6,
         float(opened["peak_pressure"]) / 1e6,
@@ -232,8 +231,8 @@ def test_a_ball_in_air_has_the_stated_figures(layered: bool) -> None:
     case: dict[str, Any] = {"profile": "sphere", "radius": 5e-3, "force": 10.0, "material": "BaTiO3"}
     case |= body | {"magnetic": "insulating"}
     bare, air = (solver.solve(case | {"surroundings": kind}) for kind in ("insulated", "air"))
-    charge = [abs(float(answer["charge_sensitivity"])) * 1e12 for answer in (bare, air)]
-    stored = [float(answer["contact_capacitance"]) * 1e12 for answer in (bare, air)]
+    charge = [abs(float(answer["charge_per_force"])) * 1e12 for answer in (bare, air)]
+    stored = [float(answer["capacitance"]) * 1e12 for answer in (bare, air)]
     voltage = float(air["voltage"] / bare["voltage"])
     name = "BaTiO3 of 0.1 mm on steel, grounded" if layered else "half-space of BaTiO3"
     row = f"| {name} | {charge[0]:.2f}, air {charge[1]:.2f} | {stored[0]:.3f}, air {stored[1]:.3f} | x {voltage:.3f} |"

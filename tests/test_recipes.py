@@ -146,7 +146,7 @@ study = {
     "title": "all", "fixed": {"composite": "inverse", "profile": "quartic"},
     "factors": {"volume_fraction": {"low": 0.4, "high": 0.8, "levels": 4},
                 "radius": {"low": 0.02, "high": 0.2, "levels": 4}, "load": {"low": 1e4, "high": 2e4, "levels": 4}},
-    "design": {"sensor": {"maximise": "abs(voltage_sensitivity)", "over": ["volume_fraction"], "robust":
+    "design": {"sensor": {"maximise": "abs(voltage_per_load)", "over": ["volume_fraction"], "robust":
                "worst 25 % on average", "uncertain": {"load": {"normal": [1.5e4, 1e3]}}, "at": {"radius": 0.05},
                "subject_to": ["peak_pressure <= 100 MPa"]}},
 }

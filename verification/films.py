@@ -98,7 +98,7 @@ def _thin_charge() -> float:
     """Error of the charge per load of a thin film of BaTiO3 on a rigid base at zero volts."""
     material = solver.find("BaTiO3")
     ratios, found = _thin({"material": material}, [2 / 3 * float(material.c33) * ratio**3 for ratio in (7.5, 15, 30)])
-    return off(_limit(ratios, found.charge_sensitivity.values), float(material.e33 / material.c33))
+    return off(_limit(ratios, found.charge_per_force.values), float(material.e33 / material.c33))
 
 
 def _incompressible() -> float:

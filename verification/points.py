@@ -152,7 +152,7 @@ def _thin() -> float:
         solver.solve({"material": body, "force": forces} | film),
     )
     of_force = np.pi / 4 * float(_BODY.c33) * stiff["contact_radius"].values ** 4 / (R * h * forces)
-    of_charge = np.abs(charged["charge_sensitivity"].values) * float(body.c33 / body.e33)
+    of_charge = np.abs(charged["charge_per_force"].values) * float(body.c33 / body.e33)
     errors = []
     for found, wide in ((of_force, stiff["contact_radius"].values), (of_charge, charged["contact_radius"].values)):
         errors.append(abs((found[1] * wide[1] - found[0] * wide[0]) / (wide[1] - wide[0]) - 1))
@@ -165,7 +165,7 @@ def _alike() -> float:
         solver.solve({"material": "BaTiO3", "force": force} | punch)[name]
         for punch, *_ in _PROFILES
         for force in (1e-3, 10.0)
-        for name in ("charge_sensitivity", "stroke_per_volt")
+        for name in ("charge_per_force", "stroke_per_volt")
     ]
     return off_each(values, np.full(len(values), float(values[0])))
 
@@ -174,7 +174,7 @@ def _fixed_edge() -> float:
     """Relative difference of charge per force and stroke per volt of a disc on films of both bases."""
     disc = {key: value for key, value in _FILM.items() if key not in _BALL} | _DISC
     solutions = [solver.solve(disc | {"base": base}) for base in _BASES]
-    return max(off_each(solution["charge_sensitivity"], solution["stroke_per_volt"]) for solution in solutions)
+    return max(off_each(solution["charge_per_force"], solution["stroke_per_volt"]) for solution in solutions)
 
 
 def _tangents() -> float:

@@ -59,7 +59,7 @@ def raised(case: Case, friction: float, cells: int) -> tuple[float, float]:
 
 def _on_grids(case: Case, friction: float, cells: int) -> tuple[Case, float, tuple[dict[str, float], dict[str, float]]]:
     """The case without voltage, its contact radius at rest [m], and grids at its depth: sliding and at rest."""
-    grounded = case | {"total_charge": float(solver.solve(case)["charge_sensitivity"]) * case["force"]}
+    grounded = case | {"total_charge": float(solver.solve(case)["charge_per_force"]) * case["force"]}
     at_rest = solver.solve(grounded)
     a, depth = float(at_rest["contact_radius"]), float(at_rest["depth"])
     base = None if case.get("base", "rigid") == "rigid" else constants(solver.find(case["base"]))

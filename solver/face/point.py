@@ -13,7 +13,6 @@ from solver.face.refusal import CaseError, FactorError
 from solver.fields import POINT_NEED_C12, POINT_SINGULAR
 from solver.halfplane.potentials import POTENTIALS
 from solver.halfplane.pressing import ContactError
-from solver.point.gradedinside import GradedInside
 from solver.point.inside import Inside
 from solver.point.peaks import peaks
 from solver.point.pressed import Pressed
@@ -117,8 +116,8 @@ class OnPoints(Body):
         """Cases of one body each, lengths apart."""
         return self._parts
 
-    def _within(self, places: Indices, pressed: Pressed) -> Inside | GradedInside:
-        """What fields are asked of: the body, or what stands for one that is graded."""
+    def _within(self, places: Indices, pressed: Pressed) -> Inside:
+        """The body whose fields are solved."""
         return self._inside(places, pressed)
 
     @abstractmethod

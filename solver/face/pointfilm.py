@@ -13,7 +13,6 @@ from solver.face.punches import punch_of
 from solver.line.windows import Kind
 from solver.point.body import Film
 from solver.point.electrodes import electrode_quantities
-from solver.point.gradedinside import GradedInside
 from solver.point.inside import Inside
 from solver.point.pressed import Friction, Pressed
 from solver.point.response import contact_coupling
@@ -70,24 +69,15 @@ class OnPointFilm(OnPoints):
     def _rim(self, places: Indices) -> Rim | None:
         """Of the half-plane of the top of cases of one body, where it tells the surface beside their contacts."""
         stack = next(_stack(pressed) for own, pressed in self._parts if own is places)
-        told = self._lacks_c12 is None and not stack.electroded and not stack.top.graded
+        told = self._lacks_c12 is None and not stack.electroded
         return Rim.of(stack.media[0].halfplane) if told else None
 
-    def _within(self, places: Indices, pressed: Pressed) -> Inside | GradedInside:
+    def _within(self, places: Indices, pressed: Pressed) -> Inside:
         self._refuse_electroded("fields")
-        stack = _stack(pressed)
-        return GradedInside(stack) if stack.top.graded else self._inside(places, pressed)
+        return self._inside(places, pressed)
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         return Inside(_stack(pressed))
-
-    def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
-        values = super()._surface(positions, regular)
-        graded = any(_stack(pressed).top.graded for _, pressed in self._parts)
-        if self._lacks_c12 is None and graded and not np.any(self._friction):  # else all fields are those inside
-            values |= self._at_surface(positions, ["radial_stress", "hoop_stress"])
-            values = self._with_regular(values, positions) if regular else values
-        return values
 
 
 def _stack(pressed: Pressed) -> Stack:

@@ -26,6 +26,7 @@ from solver.point.profile import Shape
 from solver.point.quantities import RESPONSES
 from solver.point.rim import Rim
 from solver.point.surfacekernel import shear_kernel
+from solver.twoport import Stiffness
 
 _MATERIALS = 64
 _REACH = "reach"  # among the quantities of a case: of the gap's field
@@ -143,13 +144,12 @@ def _of_case(case: Case, contacts: dict[str, Contact], rim: Rim | None) -> dict[
     state = case.charged(contacts)
     idle = state if not np.any(charges) else case.state(nothing, False, float(contacts["uncharged"].radius[place]))
     short = case.state(nothing, True, float(contacts["grounded"].radius[place]), idle)
-    tangent = _tangent(case, state.flexibility)
-    free, size = state.flexibility, state.size / state.radius
+    port, size = Stiffness.of(_compliance(case, state)), state.size / state.radius
     out = {
         "contact_radius": case.length * state.radius,
         "depth": -float(state.displacement[0] * state.size) * case.length * float(case.units[0]),
-        "contact_stiffness": float(tangent[0, 0]),
-        "contact_stiffness_open": -case.length / float(free[0, 0] * case.units[0] ** 2),
+        "contact_stiffness": float(port.closed),
+        "contact_stiffness_open": float(port.open),
     }
     bounded, slid = finite(state.of.shape), case.slid(state)
     if bounded:
@@ -161,20 +161,19 @@ def _of_case(case: Case, contacts: dict[str, Contact], rim: Rim | None) -> dict[
     fixed = np.linalg.inv(state.at_fixed_contact)
     for row, field in enumerate(case.fields):
         j, unit = 1 + row, float(case.units[1 + field])
-        capacity = tangent[j, j] - tangent[j, 0] * tangent[0, j] / tangent[0, 0]
         values = (
             float(state.displacement[j] * state.size) * case.length * unit,
-            float(idle.flexibility[j, 0] * unit * case.units[0]) / case.length,
+            -float(_compliance(case, idle)[j, 0]),
             float(short.loads[j] / short.loads[0] * case.units[0] / unit),
-            float(tangent[0, j] / tangent[0, 0]),
-            -float(tangent[0, j]),
+            float(port.stroke(j)),
+            float(port.blocked_force(j)),
             float(fixed[row, row]) * case.length / unit**2,
         )
         out |= dict(zip(RESPONSES[field], values, strict=True))
         if field == 0:
             density, gap = size / unit, largest_beside(state, slid, row, gap=True)
             out |= {
-                "contact_capacitance_at_force": -float(capacity),
+                "capacitance_at_force": float(port.capacitance(j)),
                 "gap_field": gap * density / float(case.permittivity[0]),
             }
             if bounded:
@@ -183,10 +182,10 @@ def _of_case(case: Case, contacts: dict[str, Contact], rim: Rim | None) -> dict[
     return out
 
 
-def _tangent(case: Case, flexibility: Array) -> Array:
-    """-d (P, T, J) / d (-depth, V, Psi) of the channels, SI."""
+def _compliance(case: Case, state: PointState) -> Array:
+    """-d (-depth, V, Psi) / d (P, T, J) of the channels, SI; (channel, channel)."""
     units = case.units[[0, *(1 + f for f in case.fields)]]
-    return np.asarray(-np.linalg.inv(flexibility) * case.length / (units[:, None] * units))
+    return np.asarray(-state.flexibility * units[:, None] * units / case.length)
 
 
 def _peak_pressure(state: PointState) -> float:

@@ -13,11 +13,11 @@ from solver.gap.operators import EDGE
 from solver.gap.refusal import lacking, require
 from solver.gap.state import State
 from solver.gap.table import AirTable, farthest, grid_of
-from solver.line.quantities import driven
 from solver.line.similar import Films
 from solver.line.windows import Kind, window
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.names import RESPONSES
+from solver.twoport import Compliance
 
 _NODES = 12  # half-lengths of a window: 1e-7 between them
 _TABLES = 16  # kept: 10 MB each at most
@@ -84,7 +84,7 @@ def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[s
             out |= dict(zip(RESPONSES[field], _responses(h, field, state, idle, bare), strict=True))
     if films.kind.conducts[0]:
         out["nominal_field"] = abs(out["voltage"]) / (h * films.kind.above_ground)
-        out["capacitance_at_load"] = 1 / float(state.tangents[1, 1])
+        out["capacitance_at_load"] = float(Compliance.of(state.tangents, 0).capacitance)
         out["peak_displacement"] = peak_density(state, 0)
         out["gap_field"] = gap_field(state, 0)
     return out
@@ -92,11 +92,13 @@ def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[s
 
 def _responses(h: float, field: int, state: State, idle: State, bare: AirContact) -> tuple[float, ...]:
     j, scale = 1 + field, state.of.contact.scale
+    port = Compliance.of(state.tangents, field)
     short = replace(bare, held=(field == 0, field == 1), idle=idle).state
     return (
         h * float(state.response[j] * scale[j + 1]),
         float(idle.tangents[j, 0]),
         float(short.loads[j] / short.loads[0] * scale[1] / scale[j + 1]),
-        *map(float, driven(state.tangents, j)),
+        float(port.stroke),
+        float(port.blocked_force),
         1 / float(state.at_fixed_contact[j, field]),
     )

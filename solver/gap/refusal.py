@@ -50,8 +50,6 @@ def lacking_at_point(body: HalfSpace | Film, conducts: BoolArray) -> str | None:
         return _IDLE
     if shape.flat:
         return _ALL_TOUCHES
-    if isinstance(body, Film) and body.kind.film.graded:
-        return _GRADED
     if isinstance(body, Film) and body.kind.conducts[1] and body.kind.film.stack().insulated:
         return _SIDEWAYS
     return None

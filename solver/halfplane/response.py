@@ -17,6 +17,7 @@ import numpy as np
 from solver.arrays import Array, dot
 from solver.halfplane.contact import Contact
 from solver.halfplane.shape import Shape
+from solver.twoport import Compliance
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,13 +115,20 @@ class Response:
         N = self.contact.sliding.compliance
         return -np.pi * self._load_part(1 + field) / (N[..., 1 + field, 1 + field] * self.log_width)
 
-    def stroke(self, field: int) -> Array:
-        """(d depth/d charge) / (d potential/d charge) at fixed load [m/V, m/A]; a constant of the material."""
+    def two_port(self, field: int) -> Compliance:
+        """Compliance of a field; its derivatives in the charge lack log_width/pi, on which no ratio of them depends."""
         N = self.contact.sliding.compliance
-        return -N[..., 0, 1 + field] / N[..., 1 + field, 1 + field]
+        return Compliance(
+            self._depth_tangent,
+            -N[..., 0, 1 + field],
+            self._load_tangent(1 + field, charged=True),
+            N[..., 1 + field, 1 + field],
+        )
+
+    def stroke(self, field: int) -> Array:
+        """Depth per potential at fixed load and other charge [m/V, m/A]; a constant of the material."""
+        return self.two_port(field).stroke
 
     def blocked_load(self, field: int) -> Array:
-        """d load / d potential at fixed depth and other charge [N/(m V), N/(m A)]."""
-        N = self.contact.sliding.compliance
-        cross, own = N[..., 0, 1 + field], N[..., 1 + field, 1 + field]
-        return cross / (self._load_tangent(1 + field, charged=True) * cross + own * self._depth_tangent)
+        """Load per potential at fixed depth and other charge [N/(m V), N/(m A)]."""
+        return self.two_port(field).blocked_force

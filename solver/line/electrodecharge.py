@@ -7,8 +7,7 @@ antiderivatives F of these give: Im F of what presses, Re F of what is sheared.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from functools import cached_property, partial
-from typing import ClassVar
+from functools import partial
 
 import numpy as np
 
@@ -19,7 +18,6 @@ from solver.line.similar import Films
 from solver.line.windows import Kind, traction_window
 from solver.stack.electrodereading import Reading
 from solver.stack.electrodes import Electrode, FarError, octave_of, transfers
-from solver.stack.floating import Strips, strips
 from solver.stack.layers import StackError
 
 _BLOCK = 200_000  # transforms of cases at wavenumbers held at once
@@ -55,15 +53,12 @@ def together(reading: Reading, read: Callable[[Indices, int, int], "Collected"],
 class Collected(ABC):
     """What contacts of either kind bring to one electrode and to patches of it; (case,) each."""
 
-    #: Names of the capacitance of a patch that floats, and of its voltage per force.
-    floats: ClassVar[tuple[str, str]]
-
     def __init__(self, electrode: Electrode, reading: Reading, force: Array, loads: Array) -> None:
         self.electrode, self.reading, self.force, self.scale = electrode, reading, force, electrode.stack.scale
         self._whole = -np.einsum("j,cj->c", electrode.whole, loads * self.scale[1:]) / self.scale[2]
 
     def quantities(self) -> dict[str, Array]:
-        """Those of ``solver.names.ELECTRODE_QUANTITIES``, and of patches that float; by name, SI."""
+        """Quantities of ``solver.names.ELECTRODE_QUANTITIES`` that the reading has; by name, SI."""
         reading, force = self.reading, self.force
         out = {
             "electrode_charge_per_force": self._whole / force,
@@ -76,10 +71,6 @@ class Collected(ABC):
         if reading.pitch is not None:
             out["crosstalk"] = self._patch(reading.pitch) / self._patch(np.zeros_like(reading.pitch))
             out["patch_charge_gradient"] = -2 * self._gradient(reading.pitch / 2) / force
-        if reading.floating is not None:
-            capacitance, voltage = self.floats
-            out[capacitance] = self._capacitance()
-            out[voltage] = -out["patch_charge_per_force"] / out[capacitance]
         return out
 
     @abstractmethod
@@ -94,15 +85,9 @@ class Collected(ABC):
     def _gradient(self, distance: Array) -> Array:
         """Their derivatives by the distance [m]."""
 
-    @abstractmethod
-    def _capacitance(self) -> Array:
-        """Of patches beside others that float."""
-
 
 class _OfLine(Collected):
     """Cases of one window and electrode whose distances are of like size; lengths over the top layer's thickness."""
-
-    floats = ("patch_capacitance", "patch_voltage_per_load")
 
     def __init__(
         self, kind: Kind, window: int, contact: FilmContact, reading: Reading, thickness: Array,
@@ -132,26 +117,13 @@ class _OfLine(Collected):
     def _gradient(self, distance: Array) -> Array:
         return self._strip(distance, 1) / self.thickness
 
-    def _capacitance(self) -> Array:
-        of_case, rows = self._rows
-        return np.array([row.capacitance for row in rows])[of_case]
-
     def _strip(self, distance: Array, order: int) -> Array:
         """Charges of strips, or their derivatives by the distance; (case,)."""
         size = np.zeros_like(distance) if self.reading.size is None else self.reading.size
         wave = (1j * self.k) ** order * np.exp(1j * self.k * distance[:, None])
-        if self.reading.floating is None:
-            share = 2 * np.sin(self.k * size[:, None] / 2) / self.k
-        else:
-            of_case, rows = self._rows
-            share = np.array([row.wave(self.k) for row in rows])[of_case]
+        share = 2 * np.sin(self.k * size[:, None] / 2) / self.k
         charge = np.asarray(np.sum((self.carried[:, 0] * wave).real * share * self.weights, -1)) / np.pi
         return charge + self._local(distance, size, order) if self.electrode.on_top else charge
-
-    @cached_property
-    def _rows(self) -> tuple[Indices, list[Strips]]:
-        """Rows of strips that float, and which of them is that of each case."""
-        return self.reading.gapped(lambda *row: strips(self.electrode.stack, self.electrode.number, *row))
 
     def _local(self, distance: Array, size: Array, order: int) -> Array:
         """What strips on top get of the tractions on them; (case,)."""

@@ -17,6 +17,7 @@ from solver.line.table import RangeError
 from solver.line.windows import Kind, peak_window
 from solver.names import RESPONSES
 from solver.stack.layers import StackError
+from solver.twoport import Compliance
 
 _STEPS = 20
 _CLOSE = 1e-9  # of a charge: the next step is of its square
@@ -58,22 +59,17 @@ def quantities(films: Films) -> dict[str, Array]:
 def _responses(films: Films, field: int) -> dict[str, Array]:
     """Response of a field that the punch conducts."""
     j = 1 + field
-    t = films.gather(lambda c: c.tangents)
+    port = Compliance.of(films.gather(lambda c: c.tangents), field)
     uncharged = films.with_charges(np.zeros_like(films.charges)) if np.any(films.charges) else films
     values = (
         films.thickness * films.gather(lambda c: c.potential(field)),
         uncharged.gather(lambda c: c.tangents[:, j, 0]),
         _short_circuit(uncharged, field),
-        *driven(t, j),
+        port.stroke,
+        port.blocked_force,
         1 / films.gather(lambda c: c.at_fixed_contact[:, j, field]),
     )
     return dict(zip(RESPONSES[field], values, strict=True))
-
-
-def driven(tangents: Array, j: int) -> tuple[Array, Array]:
-    """Depth per potential at a fixed load, and load per potential at a fixed depth; (...) each."""
-    t = np.moveaxis(tangents, (-2, -1), (0, 1))
-    return t[0, j] / t[j, j], 1 / (t[j, 0] - t[j, j] * t[0, 0] / t[0, j])
 
 
 def _short_circuit(uncharged: Films, field: int) -> Array:

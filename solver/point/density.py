@@ -11,7 +11,6 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.point.pieces import Pieces
 from solver.point.profile import Shape
 
 _HALF = 40  # nodes of the integral that a kink leaves beside the logarithm
@@ -25,27 +24,24 @@ class Density:
     strengths: Array
     form: Array
     series: Array
-    pieces: Pieces | None = None
 
     @property
     def kinked(self) -> bool:
         """Whether the profile is no polynomial of r^2."""
-        return self.pieces is not None or (not self.shape.flat and self.shape.exponent % 2 != 0)
+        return not self.shape.flat and self.shape.exponent % 2 != 0
 
     def part(self, columns: Indices) -> "Density":
         """Some of the columns."""
-        return Density(self.shape, self.strengths[columns], self.form[columns], self.series[columns], self.pieces)
+        return Density(self.shape, self.strengths[columns], self.form[columns], self.series[columns])
 
     def times(self, units: Array) -> "Density":
         """In other units of the channels; (3,)."""
         form, series = self.form * units, self.series * units[:, None]
-        return Density(self.shape, self.strengths * units, form, series, self.pieces)
+        return Density(self.shape, self.strengths * units, form, series)
 
     def at(self, b: Array) -> Array:
         """phi; (column, 3, b)."""
         own = self.strengths[..., None] + self._rise * self.form[..., None] * (1 - self._power(b))
-        if self.pieces is not None:
-            return np.asarray(own + self.series[..., :-1] @ self.pieces.shares(b).T - self.series[..., -1:])
         legendre = np.polynomial.legendre.legvander(b, 2 * max(self._count - 1, 0))[:, ::2][:, : self._count]
         return np.asarray(own + self._signed @ (legendre - 1).T)
 
@@ -64,8 +60,7 @@ class Density:
         """(1/pi) PV int_-1^1 phi(s) / (b - s) ds; (column, 3, b).
 
         What friction makes of a density: its Hilbert transform. That of the strengths, which has a logarithm at the
-        edge, is there below a disc alone: the pressure of other punches has none. Without what stands on pieces, see
-        :mod:`solver.point.gradedsliding`.
+        edge, is there below a disc alone: the pressure of other punches has none.
         """
         steep = np.arctanh(np.minimum(b, 1 - 1e-16))
         if self.shape.flat:
@@ -76,7 +71,7 @@ class Density:
     def _turned_series(self, b: Array, steep: Array) -> Array:
         """pi/2 of what the layers add; (column, 3, b)."""
         count = self._count
-        if count and self.pieces is None:
+        if count:
             degree = 2 * count - 2
             P = np.polynomial.legendre.legvander(b, max(degree, 1))
             D = np.zeros((max(degree, 1) + 1, b.size))  # Q_n - P_n artanh, of the same recurrence

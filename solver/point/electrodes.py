@@ -1,17 +1,15 @@
 """What a point contact brings to an electrode below it, and to patches of it (films, section 11).
 
 With q(k) = 2 pi a sum_n c_n . rows j_2n(ka), in the units of the stack, a disc of radius b in the distance d collects
-b int q J0(kd) J1(kb) dk, a strip of width w across x (1/pi) int q cos(kd) 2 sin(kw/2) dk/k. A ring is a disc less
-another, a rectangle four times two triangles with a corner below the contact, each an integral over discs. A disc
-beside others that float is that of :mod:`solver.point.floating`. On top a part of q is v of the tractions at the same
-place (:mod:`solver.point.patchcover`).
+b int q J0(kd) J1(kb) dk, a strip of width w across x (1/pi) int q cos(kd) 2 sin(kw/2) dk/k. On top a part of q is v
+of the tractions at the same place (:mod:`solver.point.patchcover`).
 
 A ball that slides adds waves J1(kr) cos(angle). These are -1/k times the derivatives of J0(kr) along x: what a patch
 makes of them is -1/k times the derivative by the distance of what it makes of those.
 """
 
-from collections.abc import Callable, Iterator
-from functools import cached_property, partial
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from scipy.special import j0, j1
@@ -22,7 +20,6 @@ from solver.line.electrodecharge import Collected, together
 from solver.point import hankel
 from solver.point.bessel import even_orders
 from solver.point.body import Film
-from solver.point.floating import Discs, discs
 from solver.point.galerkin import halfspace_terms
 from solver.point.patchcover import Covered
 from solver.point.pressed import Contact
@@ -30,18 +27,16 @@ from solver.point.sliding import Rubbed
 from solver.point.surface import BelowPunch
 from solver.point.table import Window
 from solver.point.tractions import Tractions
-from solver.stack.electrodereading import RECTANGLE, RING, STRIP, Reading
+from solver.stack.electrodereading import STRIP, Reading
 from solver.stack.electrodes import Electrode, transfers
 from solver.stack.layers import StackError
 
 _PHASE = 8.0  # of a wave over a panel of densities
 _BLOCK = 1_000_000  # values of the Bessel functions held at once
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
-_TINY = 1e-12  # side of a rectangle over the other, from which on it is none
 
 
 def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict[str, Array]:
-    """Those of ``ELECTRODE_QUANTITIES`` and ``DISC_QUANTITIES`` of ``solver.names`` that are asked for, SI; (case,)."""
+    """Requested quantities of ``solver.names.ELECTRODE_QUANTITIES``, SI; (case,) each."""
     reading.refused(conducts=film.kind.conducts[0])
     reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, window, _ in film.windows(contact.radius):
@@ -55,33 +50,8 @@ def _slides(contact: Contact) -> bool:
     return friction is not None and bool(np.any(friction.coefficient))
 
 
-def _corners(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
-    """Radii and weights by which charges of discs make twice that of the rectangle from (0, 0) to (x, y), y > 0.
-
-    A triangle with corners in (0, 0), (x, 0) and (x, y) has int F(x cosh u) / cosh u du / 2 pi of 0 to asinh(y/x),
-    F the charge of a disc about (0, 0) by its radius.
-    """
-    away = np.maximum(np.abs(x), _TINY * y)
-    for leg, other in ((away, y), (y, away)):
-        most = np.arcsinh(other / leg)
-        for node, weight in zip(_NODES, _WEIGHTS, strict=True):
-            stretch = np.cosh(most * (1 + node) / 2)
-            yield leg * stretch, np.where(x == 0, 0.0, np.sign(x) * weight * most / (2 * np.pi * stretch))
-
-
-def _along(x: Array, y: Array, scale: float) -> Iterator[tuple[Array, Array]]:
-    """Radii and weights of an integral along the line from (x, 0) to (x, y), of what is smooth over the scale."""
-    size = np.hypot(x, scale)
-    most = np.arcsinh(y / size)
-    for node, weight in zip(_NODES, _WEIGHTS, strict=True):
-        place = most * (1 + node) / 2
-        yield np.hypot(x, size * np.sinh(place)), weight * most / 2 * size * np.cosh(place)
-
-
 class _OfPoint(Collected):
     """Cases of one window and electrode whose distances are of like size; lengths over the top layer's thickness."""
-
-    floats = ("disc_capacitance", "disc_voltage_per_force")
 
     def __init__(
         self, contact: Contact, film: Film, window: Window, reading: Reading, window_places: Indices,
@@ -99,11 +69,7 @@ class _OfPoint(Collected):
         if slides and self.electrode.on_top:
             raise StackError("friction: of a point contact on patches of the electrode on top; must be 0")
         self.k, self.weights, self.rows = transfers(stack, number, octave)
-        whole = Rubbed(contact).tractions.part(places) if slides or stack.top.graded else None
-        self.rubbed = whole if slides else None
-        self.dense = whole.density if whole is not None and stack.top.graded else None
-        if self.dense is not None:
-            return
+        self.rubbed = Rubbed(contact).tractions.part(places) if slides else None
         causes, shape = contact.state.causes[places], film.shape
         added = window.tractions(np.log(self.radius), causes)
         count = added.shape[-1]
@@ -116,24 +82,6 @@ class _OfPoint(Collected):
     def _pressure(self) -> Array:
         pressure = self._integrated(1, lambda some: self.k / (2 * np.pi) * np.ones((some.size, 1)))
         return np.asarray(-pressure / self.thickness**2 * self.scale[2] / self.scale[1])
-
-    def _capacitance(self) -> Array:
-        of_case, found = self._discs
-        return np.array([electrode.capacitance for electrode in found])[of_case] * self.thickness
-
-    @cached_property
-    def _discs(self) -> tuple[Indices, list[Discs]]:
-        """Discs that float, and which of them are those of each case."""
-        return self.reading.gapped(lambda *row: discs(self.electrode.stack, self.electrode.number, *row))
-
-    def _floating(self, some: Indices, distance: Array, *, slope: bool) -> Array:
-        """What discs beside others that float make of waves, or its derivative by their distance; (case, k)."""
-        of_case, found = self._discs
-        out = np.empty((some.size, self.k.size))
-        for number, patches in enumerate(found):
-            own = np.flatnonzero(of_case[some] == number)
-            out[own] = patches.wave(self.k, distance[own], slope=slope)
-        return out
 
     def _patch(self, distance: Array) -> Array:
         found = self._charge(distance, slope=False)
@@ -178,17 +126,8 @@ class _OfPoint(Collected):
         found = np.empty((some.size, self.k.size))
         for shape in np.unique(self.reading.shape[some]).tolist():
             own = np.flatnonzero(self.reading.shape[some] == shape)
-            at, wide, second = (values[some[own]] for values in (distance, self._size, self.reading.other))
-            if self.reading.floating is not None:
-                found[own] = self._floating(some[own], at, slope=slope)
-            elif shape == STRIP:
-                found[own] = self._strip(at, wide, slope=slope)
-            elif shape == RECTANGLE:
-                found[own] = self._rectangle(at, wide, second, slope=slope)
-            else:
-                found[own] = self._disc(at, wide, slope=slope)
-                if shape == RING:
-                    found[own] -= self._disc(at, second, slope=slope)
+            wave = self._strip if shape == STRIP else self._disc
+            found[own] = wave(distance[some[own]], self._size[some[own]], slope=slope)
         return found
 
     def _local(self, distance: Array, size: Array, *, slope: bool) -> Array:
@@ -196,7 +135,7 @@ class _OfPoint(Collected):
         found = np.zeros_like(distance)
         for shape in np.unique(self.reading.shape).tolist():
             own = np.flatnonzero(self.reading.shape == shape)
-            lengths = (values[own] / self.radius[own] for values in (distance, size, self.reading.other))
+            lengths = (values[own] / self.radius[own] for values in (distance, size))
             r, weights = Covered(int(shape), *lengths).rule(slope=slope)
             carried = np.einsum("j,cjr->cr", self.electrode.local[1:], self.tractions.at(own, r))
             found[own] = np.sum(carried * weights, -1) / (self.radius[own] if slope else 1.0)
@@ -214,22 +153,9 @@ class _OfPoint(Collected):
         along = -self.k * np.sin(kd) if slope else np.cos(kd)
         return np.asarray(along * 2 * np.sin(self.k * size[:, None] / 2) / (np.pi * self.k))
 
-    def _rectangle(self, distance: Array, size: Array, length: Array, *, slope: bool) -> Array:
-        """What rectangles make of waves, or its derivative by their distance; (case, k)."""
-        found = np.zeros((distance.size, self.k.size))
-        for side in (1.0, -1.0):
-            x, y = distance + side * size / 2, length / 2
-            if slope:
-                for r, weight in _along(x, y, self.electrode.width):
-                    found += side * weight[:, None] / np.pi * self.k * j0(self.k * r[:, None])
-                continue
-            for r, weight in _corners(x, y):
-                found += side * weight[:, None] * r[:, None] * j1(self.k * r[:, None])
-        return found
-
     def _integrated(self, row: int, wave: Callable[[Indices], Array]) -> Array:
         """int (row of the transfers . tractions) wave dk over the charge's unit; (case,)."""
-        count = self._nodes.b.size if self.dense is not None else self.terms.shape[-1]
+        count = self.terms.shape[-1]
         found, step = np.empty(self.radius.size), max(_BLOCK // (count * self.k.size), 1)
         for start in range(0, found.size, step):
             some = np.arange(start, min(start + step, found.size))
@@ -239,10 +165,5 @@ class _OfPoint(Collected):
 
     def _waves(self, some: Indices) -> Array:
         """Transforms of the tractions of some cases, over C a^(e+1) 2 pi; (some, 3, k)."""
-        phases = self.radius[some, None] * self.k
-        if self.dense is None:
-            orders = even_orders(phases, self.terms.shape[-1])
-            return np.asarray(np.einsum("cin,nck->cik", self.terms[some], orders, optimize=True))
-        at, unit = self._nodes, (self.size / self.radius / self.thickness**2)[some, None, None]
-        values = self.dense.part(some).at(at.b) * at.weights / unit
-        return np.asarray(values @ np.cos(at.b[:, None] * phases[:, None]))
+        orders = even_orders(self.radius[some, None] * self.k, self.terms.shape[-1])
+        return np.asarray(np.einsum("cin,nck->cik", self.terms[some], orders, optimize=True))

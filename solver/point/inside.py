@@ -17,8 +17,6 @@ from solver.point.shear import Sheared
 from solver.point.tractions import Tractions
 from solver.point.waveblock import Block
 from solver.point.wavefields import ORDERS, parted, rows_of, shear_rows
-from solver.stack.fourier import Medium
-from solver.stack.grading import Graded
 from solver.stack.layers import Layer, Stack, StackError
 from solver.stack.reflection import sideways
 from solver.stack.wavenumbers import strip
@@ -38,12 +36,6 @@ class Inside:
 
     stack: Stack
     plain: bool = False
-    graded: Graded | None = None
-
-    @property
-    def steps(self) -> Stack:
-        """Layers that are homogeneous: the stack."""
-        return self.stack
 
     def fields(self, tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
         """Fields of ``solver.halfplane.interior.LINEAR``, SI, NaN in a rigid base; (column, field, y, x).
@@ -141,7 +133,7 @@ class Inside:
                 if reach > _FARTHEST * max(width, strip(self.stack) / 2):
                     raise StackError(f"x: {np.max(np.abs(X)):g} is farther from the contact than is resolved")
                 k, weights = tractions.wavenumbers(self.stack, 2 * reach, width)
-                taken = self._rows(number, depth[rows], names)
+                taken = self._rows(number, names)
                 step = max(_ENTRIES // (8 * rows.size * columns.size), 8)
                 for first in range(0, k.size, min(step, _STEP)):
                     here = slice(first, first + min(step, _STEP))
@@ -150,27 +142,12 @@ class Inside:
                         X * ratio, depth[rows], number, names, taken, reflected=reflected
                     )
 
-    def _rows(self, number: int, depth: Array, names: tuple[str, ...]) -> tuple[Array, Array]:
-        """:func:`rows_of` at depths in one body: at rest, and of cos(angle); (depth, n, field, 8)."""
-        stack, layer = self.stack, self.graded
-        if layer is None or number >= self._steps:
-            medium = [*stack.media, stack.base_medium][number]
-            assert medium is not None
-            media = [medium]
-        else:
-            shares = np.clip(depth / layer.thickness, 0.0, 1.0).tolist()
-            media = [Medium(layer.profile(np.array(share)), stack.scale) for share in shares]
-        at_rest, sliding = (
-            np.stack([rows_of(medium, stack.scale, names, sliding=slides) for medium in media])
-            for slides in (False, True)
-        )
-        return _everywhere(at_rest, depth.size), _everywhere(sliding, depth.size)
-
-    @cached_property
-    def _steps(self) -> int:
-        """Number of layers that are steps of the graded one."""
-        ends = np.cumsum([layer.thickness for layer in self.stack.layers])
-        return 0 if self.graded is None else int(np.searchsorted(ends, self.graded.thickness * (1 - 1e-9))) + 1
+    def _rows(self, number: int, names: tuple[str, ...]) -> tuple[Array, Array]:
+        """Return :func:`rows_of` in one body: at rest, and of cos(angle); (n, field, 8) each."""
+        medium = [*self.stack.media, self.stack.base_medium][number]
+        assert medium is not None
+        at_rest, sliding = (rows_of(medium, self.stack.scale, names, sliding=slides) for slides in (False, True))
+        return at_rest, sliding
 
     # -- near the surface ----------------------------------------------------------------------------------------------
     def _closed(self, tractions: Tractions, X: Array, depth: Array, names: tuple[str, ...], potentials: bool) -> Array:
@@ -184,7 +161,7 @@ class Inside:
             rates = np.append(rates, shear.rate)
         count = len(answers)
         depth, continued = _from_below(depth)
-        plain, moved = self._rows(0, depth * float(tractions.ratio[0]), names)
+        plain, moved = self._rows(0, names)
         out = np.empty((tractions.ratio.size, len(names), len(continued), X.size))
         for place, x in enumerate(X.tolist()):
             at = tractions.nodes(abs(x), float(np.min(depth)))
@@ -193,7 +170,7 @@ class Inside:
             if x < 0:
                 cosines[1::2], sines[1::2] = -cosines[1::2], -sines[1::2]
             first, second = tractions.vectors(at.b, np.arange(tractions.ratio.size))
-            own = _applied(plain[:, :3], answers, cosines[:3, :count], first * weights)
+            own = _applied(plain[:3], answers, cosines[:3, :count], first * weights)
             if second is not None:
                 second = second * weights
                 own = own + _applied(moved, answers[..., :1], cosines[:, :count], second[:, :1])
@@ -205,11 +182,6 @@ class Inside:
                     own = own + np.einsum("nf,nzc->cfz", rows, pulled) / scale[0]
             out[..., place] = own @ continued.T
         return out
-
-
-def _everywhere(rows: Array, count: int) -> Array:
-    """Rows at every depth, of one material without copies."""
-    return np.broadcast_to(rows, (count, *rows.shape[1:]))
 
 
 def _shear_rate(material: Material) -> float:
@@ -231,13 +203,10 @@ def _from_below(depth: Array) -> tuple[Array, Array]:
 
 
 def _applied(rows: Array, answers: ComplexArray, integrals: ComplexArray, density: Array) -> Array:
-    """Real part of rows (depth, n, field, 8) of answers (rate, 8, channel) to densities; (column, field, depth)."""
+    """Real part of rows (n, field, 8) of answers (rate, 8, channel) to densities; (column, field, depth)."""
     moments = np.tensordot(integrals, density, (3, 2))  # (n, rate, z, column, channel)
-    if rows.strides[0] == 0:  # of one material
-        coefficients = np.einsum("nfs,rsi->nrfi", rows[0], answers)
-        return np.asarray(np.einsum("nrfi,nrzci->cfz", coefficients, moments, optimize=True).real)
-    coefficients = np.einsum("znfs,rsi->znrfi", rows, answers)
-    return np.asarray(np.einsum("znrfi,nrzci->cfz", coefficients, moments, optimize=True).real)
+    coefficients = np.einsum("nfs,rsi->nrfi", rows, answers)
+    return np.asarray(np.einsum("nrfi,nrzci->cfz", coefficients, moments, optimize=True).real)
 
 
 def whole(material: Material) -> Inside:

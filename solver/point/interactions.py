@@ -11,7 +11,7 @@ import numpy as np
 from solver.arrays import Array
 from solver.point.bessel import even_orders
 from solver.stack.electroded import difference
-from solver.stack.layers import Stack, StackError
+from solver.stack.layers import Stack
 from solver.stack.reflection import sideways
 from solver.stack.wavenumbers import DECAYED, strip, wavenumbers
 
@@ -22,8 +22,6 @@ _LEAST, _STEPS = 44.0, 6  # exponent of what is below rounding, and steps of the
 
 def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
     """K of a stack at radii [m] in the units of the stack; (radius, 3, 3, count, count)."""
-    if stack.top.graded:
-        raise StackError("layers: interactions of Legendre functions need layers that are not graded")
     found: Array = np.zeros((radii.size, 3, 3, count, count))
     width = strip(stack)
     sizes = np.floor(_SIZES * np.log2(1 + radii / width))

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.arrays import Array
-from solver.stack.electrodereading import RECTANGLE, RING, STRIP
+from solver.stack.electrodereading import STRIP
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(48)
-_ENDLESS = 1e9  # half the length of a strip over a
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,8 +20,7 @@ class Covered:
 
     shape: int  # Place in ``solver.names.CHOICES["patch"]``
     distance: Array  # Of the patch's middle from that of the contact
-    size: Array  # Diameter of a disc or ring, width of a strip or rectangle
-    other: Array  # Inner diameter of a ring, length of a rectangle
+    size: Array  # Diameter of a disc, width of a strip
 
     def rule(self, *, slope: bool) -> tuple[Array, Array]:
         """Radii r within the contact, and weights of an integral over the covered part; (case, node) each.
@@ -43,35 +41,27 @@ class Covered:
     def _ends(self) -> list[Array]:
         """Radii at which the angle has a root."""
         d, half = self.distance, self.size / 2
-        if self.shape in (STRIP, RECTANGLE):
-            sides = [np.abs(d - half), np.abs(d + half)]
-            if self.shape == STRIP:
-                return sides
-            y = self.other / 2
-            return [*sides, y, *(np.hypot(x, y) for x in sides)]
-        radii = [half, self.other / 2] if self.shape == RING else [half]
-        return [end for b in radii for end in (np.abs(d - b), np.abs(d + b))]
+        return [np.abs(d - half), np.abs(d + half)]
 
     def _angle(self, r: Array, *, slope: bool) -> Array:
         """Of the circles that the patch covers, or its derivative by the distance."""
-        d, half, other = (values[:, None] for values in (self.distance, self.size / 2, self.other / 2))
-        if self.shape in (STRIP, RECTANGLE):
+        d, half = self.distance[:, None], self.size[:, None] / 2
+        if self.shape == STRIP:
             part = _beyond_slope if slope else _beyond
-            y = other if self.shape == RECTANGLE else _ENDLESS
-            return np.asarray(part(d - half, y, r) - part(d + half, y, r))
+            return np.asarray(part(d - half, r) - part(d + half, r))
         disc = _disc_slope if slope else _disc
-        return np.asarray(disc(d, half, r) - disc(d, other, r) if self.shape == RING else disc(d, half, r))
+        return np.asarray(disc(d, half, r))
 
 
-def _beyond(x: Array, y: Array | float, r: Array) -> Array:
-    """Angle of a circle about the origin that lies beyond x and within y of the axis."""
-    share, most = np.arccos(np.clip(x / r, -1.0, 1.0)), np.arcsin(np.minimum(y / r, 1.0))
-    return np.asarray(2 * (np.minimum(share, most) + np.maximum(share + most - np.pi, 0.0)))
+def _beyond(x: Array, r: Array) -> Array:
+    """Angle of a circle about the origin that lies beyond x."""
+    return np.asarray(2 * np.arccos(np.clip(x / r, -1.0, 1.0)))
 
 
-def _beyond_slope(x: Array, y: Array | float, r: Array) -> Array:
-    apart = (r - x) * (r + x)
-    return np.asarray(np.where((apart > 0) & (apart < np.square(y)), -2 / np.sqrt(np.abs(apart)), 0.0))
+def _beyond_slope(x: Array, r: Array) -> Array:
+    """Derivative of :func:`_beyond` by x."""
+    square = (r - x) * (r + x)
+    return np.asarray(np.where(square > 0, -2 / np.sqrt(np.abs(square)), 0.0))
 
 
 def _disc(d: Array, b: Array, r: Array) -> Array:

@@ -18,7 +18,6 @@ from solver.line.peaks import PEAKS_OF, largest
 from solver.line.stressnets import DEPTH, Net, Nets, of_whole
 from solver.line.table import RangeError
 from solver.names import FILM_PEAKS, PEAKS
-from solver.point.gradedinside import GradedInside
 from solver.point.inside import Inside
 from solver.point.pressed import Pressed
 from solver.point.sliding import Rubbed
@@ -38,7 +37,7 @@ class _Searched:
     stresses: Array  # (case, field, depth, x)
 
     @classmethod
-    def on(cls, inside: Inside | GradedInside, net: Net, tractions: Tractions, names: tuple[str, ...]) -> "_Searched":
+    def on(cls, inside: Inside, net: Net, tractions: Tractions, names: tuple[str, ...]) -> "_Searched":
         """Of tractions of one radius."""
         ratio = float(tractions.ratio[0])
         sizes = np.array([ratio])
@@ -58,12 +57,12 @@ class _Searched:
         return largest(self.stresses, self.net, np.full(len(self.stresses), self.ratio), region)
 
 
-def peaks(pressed: Pressed, inside: Inside | GradedInside, asked: Set[str]) -> dict[str, Array]:
+def peaks(pressed: Pressed, inside: Inside, asked: Set[str]) -> dict[str, Array]:
     """Quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and the cases have; (case,) each."""
     return peaks_of(inside, Rubbed(pressed.charged).tractions, pressed.charged.radius, asked)
 
 
-def peaks_of(inside: Inside | GradedInside, tractions: Tractions, radius: Array, asked: Set[str]) -> dict[str, Array]:
+def peaks_of(inside: Inside, tractions: Tractions, radius: Array, asked: Set[str]) -> dict[str, Array]:
     """The same of tractions; (column,) each.
 
     radius: (column,), of the contacts [m].
@@ -83,7 +82,7 @@ def _by_radius(ratio: Array) -> list[Indices]:
     return [same[start : start + _TOGETHER] for same in alike for start in range(0, same.size, _TOGETHER)]
 
 
-def _of_halfspace(inside: Inside | GradedInside, tractions: Tractions, radius: Array) -> dict[str, Array]:
+def _of_halfspace(inside: Inside, tractions: Tractions, radius: Array) -> dict[str, Array]:
     searched = _Searched.on(inside, of_whole(inside.stack, 1.0, _BOTTOM, _FAR), tractions, STRESSES)
     highest_stress = searched.top(VON_MISES)
     return {
@@ -93,9 +92,9 @@ def _of_halfspace(inside: Inside | GradedInside, tractions: Tractions, radius: A
     }
 
 
-def _of_film(inside: Inside | GradedInside, tractions: Tractions, asked: Set[str]) -> dict[str, Array]:
+def _of_film(inside: Inside, tractions: Tractions, asked: Set[str]) -> dict[str, Array]:
     stack, ratio = inside.stack, float(tractions.ratio[0])
-    nets, out = Nets(inside.steps, ratio, ratio), dict[str, Array]()
+    nets, out = Nets(stack, ratio, ratio), dict[str, Array]()
     regions = ["interface"] + ["film"] * (len(stack.layers) == 1) + ["base"] * (not stack.rigid)
     for region in regions:  # panels through several layers would meet their jumps
         if not asked & set(PEAKS_OF[region]):

@@ -21,12 +21,10 @@ from solver.halfplane.precision import PrecisionWarning
 from solver.point import hankel
 from solver.point.body import Film
 from solver.point.density import Density
-from solver.point.gradedterms import pieces_below
-from solver.point.pieces import Pieces
 from solver.point.pressed import Contact, Friction, Pressed
-from solver.point.response import Response
+from solver.point.response import Response, legendre
 from solver.point.rim import Rim, edge_sums
-from solver.point.slidingtable import sliding_window, turns
+from solver.point.slidingtable import sliding_window
 from solver.point.table import Window
 from solver.point.tractions import Tractions
 
@@ -55,13 +53,7 @@ class Rubbed:
         if isinstance(body, Film):
             series = body.gathered(contact.radius, lambda of, at, places: of.tractions(at, causes[places]))
         unit = self._unit[:, None]
-        own = self._pieces(odd=False)
-        return Density(body.shape, contact.state.strengths * unit, form * unit, series * unit[..., None], own)
-
-    def _pieces(self, *, odd: bool) -> Pieces | None:
-        """On which densities stand where the top is graded."""
-        body = self.contact.pressed.body
-        return pieces_below(body.kind.film.stack(), body.shape, odd=odd) if isinstance(body, Film) else None
+        return Density(body.shape, contact.state.strengths * unit, form * unit, series * unit[..., None])
 
     @property
     def ratio(self) -> Array:
@@ -119,7 +111,7 @@ class Rubbed:
         (shift, series), unit = self._added, self._unit
         turned = self.density.part(some).turned(b)[:, 0]
         own = self._response.part(some).closed(turned, b, (shift * unit)[some])
-        own = own + series[some] @ turns(self._pieces(odd=True), b, series.shape[-1]).T
+        own = own + series[some] @ legendre(b, series.shape[-1]).T
         return np.asarray(self._friction.coefficient[some, None, None] * own)
 
     @property

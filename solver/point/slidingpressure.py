@@ -8,7 +8,7 @@ psi the density of sigma_yy, smooth at the edge but for a logarithm of its slope
 shrink towards the edge; a table of p1 stands beside those of a window.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -21,7 +21,6 @@ from solver.arrays import Array
 from solver.halfplane.potentials import LINE, LINE_WEIGHTS
 from solver.point.body import Film
 from solver.point.density import Density, second_kind_rates, turned_form_rates
-from solver.point.gradedsliding import odd_rates
 from solver.point.pressed import Contact, Friction
 from solver.point.pressure import halfspace_form
 from solver.point.profile import Shape
@@ -119,11 +118,8 @@ def turned_pressures(response: Response, density: Density, shift: Array, series:
     along, unit = response.answers
     moved, form = _own(density.shape)
     turned = density.form[:, :1] * form
-    if density.pieces is None:
-        even, more = _added(density.shape, density.signed.shape[-1], series.shape[-1])
-        turned = turned + density.signed[:, 0] @ even
-    else:
-        more = odd_rates(replace(density.pieces, odd=True), tuple(ray_of(density.shape).x.tolist())).T
+    even, more = _added(density.shape, density.signed.shape[-1], series.shape[-1])
+    turned = turned + density.signed[:, 0] @ even
     own = (shift * unit[..., channel])[:, None] * moved - along[..., channel, None] * turned
     return np.asarray(own + series @ more)
 

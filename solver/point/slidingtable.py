@@ -15,9 +15,7 @@ from approximation.chebyshev import coefficients
 from solver.arrays import Array
 from solver.point import hankel
 from solver.point.density import Density
-from solver.point.gradedsliding import GradedLayers, odd_shares
 from solver.point.inside import Inside
-from solver.point.pieces import Pieces
 from solver.point.response import Response, contact_coupling, legendre
 from solver.point.table import PointKind, Window, window
 from solver.point.tractions import Tractions
@@ -55,9 +53,6 @@ class SlidingWindow:
         kind = self.window.kind
         stack, radii = kind.film.stack(), np.exp(self.window.nodes)
         every = [(self._causes(number), a) for number, a in enumerate(radii.tolist())]
-        if stack.top.graded:
-            below = GradedLayers(stack, np.array(kind.conducts), kind.shape, 2 * float(np.max(radii)))
-            return np.array([below.solved(self.response, causes, a) for causes, a in every])
         k, weights = wavenumbers(stack, 2 * float(np.max(radii)), strip(stack))
         there = np.array([True, *kind.conducts])
         added = difference(stack, k)
@@ -127,15 +122,7 @@ class _Slid:
         """psi; (column, 3, b)."""
         series = self.solved[columns, 1:].reshape(columns.size, 3, -1)
         own = self.response.closed(self.causes.part(columns).turned(b)[:, 0], b, self.solved[columns, 0])
-        return np.asarray(own + series @ turns(None, b, series.shape[-1]).T)
-
-
-def turns(of: Pieces | None, b: Array, count: int) -> Array:
-    """What the coefficients of what layers add to psi stand for at b; (b, n).
-
-    b: (b,), 0 to 1.
-    """
-    return legendre(b, count) if of is None else odd_shares(of, b)
+        return np.asarray(own + series @ legendre(b, series.shape[-1]).T)
 
 
 @dataclass(frozen=True, eq=False)

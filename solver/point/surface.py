@@ -73,7 +73,7 @@ class Along:
                 yield places, of, of.tractions(log_ratio, contact.state.causes[places])
 
     def means(self) -> Array:
-        """int_0^r t s ds / r^2, half the mean traction within r; (case, 3, position). Not below graded layers."""
+        """int_0^r t s ds / r^2, half the mean traction within r; (case, 3, position)."""
         e, x = self.contact.pressed.body.shape.exponent, self._x
         within = 1 / (1 + x)
         form = (self.contact.pressed.body.shape.rise * e * within + self._form()) / (e + 1)

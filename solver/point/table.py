@@ -18,7 +18,6 @@ from solver.line.windows import Kind
 from solver.point.contact import State
 from solver.point.density import Density
 from solver.point.galerkin import Added
-from solver.point.gradedterms import GradedTerms, pieces_below
 from solver.point.halfspace import Stiffness, conducted, halfspace
 from solver.point.interactions import interactions
 from solver.point.pressure import SAMPLES
@@ -88,11 +87,9 @@ class Window:
         return self.interval.points
 
     @cached_property
-    def terms(self) -> Added | GradedTerms:
-        """What the layers add, at the nodes: Legendre functions, or densities on pieces below a graded layer."""
-        kind, stack = self.kind, self.kind.film.stack()
-        if stack.top.graded:
-            return GradedTerms(stack, np.array(kind.conducts), kind.compliance, kind.shape, np.exp(self.nodes))
+    def terms(self) -> Added:
+        """Legendre coefficients of the layers' contribution to the tractions at the nodes."""
+        kind = self.kind
         return Added(
             kind.compliance, _masked(_kernel(kind.film, self.number, kind.shape.exponent % 2 == 0), kind), kind.shape
         )
@@ -115,8 +112,7 @@ class Window:
         kind = self.kind
         form = causes[:, 3:] * (-2 / np.pi * np.linalg.inv(kind.compliance)[:, 0])
         series = np.einsum("ind,cd->cin", self.added[number], causes)
-        pieces = pieces_below(kind.film.stack(), kind.shape)
-        return Density(kind.shape, causes @ self.edges[number].T, form, series, pieces)
+        return Density(kind.shape, causes @ self.edges[number].T, form, series)
 
     @cached_property
     def _series(self) -> Array:

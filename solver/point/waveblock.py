@@ -39,8 +39,8 @@ class Block:
     ) -> Array:
         """Fields at depths within one body, the base the last; (column, field, depth, x).
 
-        x, depth: (x,) and (depth,), in the unit of the body's lengths; taken: sequence of ndarray, shape (depth, n,
-        field, 8), what fields take of waves: at rest, and of cos(angle).
+        x, depth: (x,) and (depth,), in the unit of the body's lengths; taken: (n, field, 8) each, rows of the fields:
+        at rest, and of cos(angle).
         """
         stack = self.stack
         out = np.zeros((len(self.columns), len(names), depth.size, x.size))
@@ -52,14 +52,14 @@ class Block:
             states = self._states(top, depth, number, reflected=reflected)
             for part, weighted in parts:
                 for n, J in enumerate(weighted):
-                    _add(out, part, rows[:, n, part], states, J)
+                    _add(out, part, rows[n, part], states, J)
             if sliding and not np.isnan(stack.top.material.c12):
                 waved = ShearWaves(stack, self.k).at(number, depth, reflected=reflected)
                 pulled = np.einsum("skz,kc->kzsc", waved, -top[:, 0]) / stack.scale[0]
                 material = stack.layers[number].material if number < len(stack.layers) else stack.base
                 assert isinstance(material, Material)
                 for n, J in enumerate(orders):
-                    _add(out, np.arange(len(names)), shear_rows(Sheared.of(material), names)[None, n], pulled, J)
+                    _add(out, np.arange(len(names)), shear_rows(Sheared.of(material), names)[n], pulled, J)
         return out
 
     def _states(self, top: Array, depth: Array, number: int, *, reflected: bool) -> Array:
@@ -86,10 +86,8 @@ def _real(turned: ComplexArray) -> Array:
 
 
 def _add(out: Array, fields: Indices, rows: Array, states: Array, J: Array) -> None:
-    """Add rows (depth, field, s) of states (k, depth, s, column) times a Bessel function (k, x) to some fields."""
-    there = np.flatnonzero(rows.any((0, 2)))
+    """Add rows (field, s) of states (k, depth, s, column) times a Bessel function (k, x) to some fields."""
+    there = np.flatnonzero(rows.any(1))
     if there.size:
-        same = rows.strides[0] == 0 or len(rows) == 1  # of one material
-        form, own = ("fs,kzsc->cfzk", rows[0, there]) if same else ("zfs,kzsc->cfzk", rows[:, there])
-        taken = np.einsum(form, own, states, optimize=True)
+        taken = np.einsum("fs,kzsc->cfzk", rows[there], states, optimize=True)
         out[:, fields[there]] += taken @ J

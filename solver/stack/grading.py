@@ -223,30 +223,6 @@ class GradedResponse:
         return np.asarray(self.difference(k) - np.einsum("jk,jab->kab", smoothed, self.tails[:count]))
 
 
-def local_tails(x: Array, width: float) -> Array:
-    """Cosine transforms of the tails times 1 - exp(-bk) sum (bk)^i/i!, j = 1 to 4; (4, x).
-
-    They are (1/Gamma(j)) int_0^b v^j / (v^2 + x^2) dv: singular at 0, and falling like x^-2.
-
-    x: (x,), > 0 [m].
-    """
-    t = x / width
-    log, angle = np.log1p(t**-2) / 2, np.arctan(1 / t)
-    scaled = np.array([log, 1 - t * angle, 0.25 - t**2 * log / 2, 1 / 18 - t**2 / 6 * (1 - t * angle)])
-    return np.asarray(scaled * width ** np.arange(_TAILS)[:, None])
-
-
-def local_sines(x: Array, width: float) -> Array:
-    """Sine transforms of the same, (1/Gamma(j)) int_0^b v^(j-1) x / (v^2 + x^2) dv; (4, x).
-
-    x: (x,), > 0 [m].
-    """
-    t = x / width
-    log, angle = np.log1p(t**-2) / 2, np.arctan(1 / t)
-    scaled = np.array([angle, t * log, t / 2 * (1 - t * angle), t / 6 * (0.5 - t**2 * log)])
-    return np.asarray(scaled * width ** np.arange(_TAILS)[:, None])
-
-
 def smooth_tails(x: Array, width: float) -> tuple[Array, Array]:
     """Smooth parts of the sine and the cosine transforms of the tails, j = 1, 2, 3; (3, x) each.
 

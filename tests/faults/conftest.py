@@ -16,7 +16,7 @@ factors:
   load: {low: 5e3, high: 5e4, levels: 4, scale: log}
   radius: {low: 0.02, high: 0.2, levels: 4, scale: log}
 dataset: {slabs: 2, positions: {inside: 12, outside: 8}}
-surrogate: {outputs: [voltage_sensitivity, trailing_tension, peak_pressure]}
+surrogate: {outputs: [voltage_per_load, trailing_tension, peak_pressure]}
 validation: {cases: 100, tolerance: 1e-3}
 effects:
   baseline: {volume_fraction: 0.5, radius: 0.05, load: 1e5, friction: 0.3}

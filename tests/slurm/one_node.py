@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from tests import programs
 from tests.patience import PATIENCE
 
 CONF = Path("/etc/slurm/slurm.conf")
@@ -50,9 +51,8 @@ def missing() -> str:
     """Why no Slurm can be started here; empty where one can."""
     if os.geteuid() != 0:
         return "no Slurm (root may start one)"
-    absent = [name for name in PROGRAMS if shutil.which(name) is None]
-    if absent:
-        return f"no Slurm: {', '.join(absent)} missing (Debian: munge slurmctld slurmd slurm-client)"
+    if reason := programs.missing(PROGRAMS):
+        return reason
     if CONF.exists() and MARK not in CONF.read_text(encoding="utf-8"):
         return f"Slurm: {CONF} is somebody else's"
     return ""

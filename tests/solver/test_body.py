@@ -24,7 +24,7 @@ from solver.face.bodies import body_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.filmfactors import kinds_of
-from solver.names import ALL_PEAKS, ALL_QUANTITIES, CONTACTS, DISC_QUANTITIES, FACTORS, PROFILES, STRIP_QUANTITIES
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, CONTACTS, FACTORS, PROFILES
 
 READ = {"collector": 1, "patch_size": 1e-4, "patch_pitch": 2e-4}
 CASES = {
@@ -106,7 +106,6 @@ def test_a_body_answers_what_its_kind_says_it_has(kind: Kind) -> None:
     cases = Cases(checked(CASES[kind.name]), {}, ("BaTiO3", "CoFe2O4"))
     assert cases.kind is kind
     body = body_of(cases)
-    # strips and discs float below punches that do not conduct, which have no voltage: test_floating.py, film and point
-    assert body.quantities().keys() == kind.quantities.keys() - STRIP_QUANTITIES.keys() - DISC_QUANTITIES.keys()
+    assert body.quantities().keys() == kind.quantities.keys()
     assert float(cases.force) == 1e5
     assert cases.charges.shape == (2,)

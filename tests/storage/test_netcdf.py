@@ -2,7 +2,6 @@
 
 import hashlib
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -88,7 +87,7 @@ def test_a_root_of_a_metre_is_stored_as_a_scaled_quantity(units: str, stored: st
                 assert (again["f"].attrs["units"], again["f"].attrs["long_name"]) == (units, "intensity")
 
 
-@pytest.mark.skipif(not shutil.which("ncdump"), reason="no ncdump (Debian: netcdf-bin)")
+@pytest.mark.needs("ncdump")
 def test_the_systems_own_ncdump_reads_the_values_of_a_large_array(tmp_path: Path) -> None:
     data = xr.Dataset({"f": ("x", np.repeat(np.arange(10.0), 1000))})
     write_whole(data, tmp_path / "a.nc")

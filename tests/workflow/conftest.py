@@ -24,11 +24,11 @@ factors:
   radius: {low: 0.02, high: 0.2, levels: 4, scale: log}
   load: {low: 5e3, high: 5e4, levels: 5, scale: log}
 dataset: {slabs: 2, positions: {inside: 12, outside: 8}}
-surrogate: {outputs: [voltage_sensitivity, stroke_per_volt, trailing_tension, peak_pressure]}
+surrogate: {outputs: [voltage_per_load, stroke_per_volt, trailing_tension, peak_pressure]}
 validation: {cases: 200, tolerance: 1e-3}
 design:
   sensor:
-    maximise: abs(voltage_sensitivity)
+    maximise: abs(voltage_per_load)
     over: [volume_fraction, radius]
     at: {load: 1e4}
     worst_case: {friction: [0.1, 0.4]}

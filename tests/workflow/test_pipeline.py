@@ -120,8 +120,8 @@ def test_a_design_is_solved_again_exactly(ran: Project) -> None:
     values = {str(name): float(data["value"].sel(factor=name)) for name in data["factor"].values}
     friction = np.linspace(0.1, 0.4, 301)
     exact = solve({**values, "friction": friction, "composite": "fibrous"})
-    assert float(data["exact"].sel(term="abs(voltage_sensitivity)")) == pytest.approx(
-        float(abs(exact["voltage_sensitivity"]).min()), rel=1e-9
+    assert float(data["exact"].sel(term="abs(voltage_per_load)")) == pytest.approx(
+        float(abs(exact["voltage_per_load"]).min()), rel=1e-9
     )
     assert float(exact["trailing_tension"].max()) <= 50e6
     assert str(data["status"].values).startswith("feasible; binding: trailing_tension <= 50 MPa")
@@ -236,8 +236,8 @@ def test_edits_rerun_exactly_what_depends_on_them(again: Project) -> None:
 def test_an_edited_target_leaves_alone_what_others_ask_for(copy: Copy) -> None:
     """Two targets that ask for cases, both sure enough at once: each on a surrogate of its own."""
     project = copy("asking")
-    sensor = "{maximise: abs(voltage_sensitivity), over: [volume_fraction], at: {load: 5e3, friction: 0.3}}"
-    other = "{minimise: abs(voltage_sensitivity), over: [friction], at: {load: 5e3, volume_fraction: 0.5}}"
+    sensor = "{maximise: abs(voltage_per_load), over: [volume_fraction], at: {load: 5e3, friction: 0.3}}"
+    other = "{minimise: abs(voltage_per_load), over: [friction], at: {load: 5e3, volume_fraction: 0.5}}"
     study, text = (
         "config/asking.yaml",
         f"""\
@@ -248,7 +248,7 @@ factors:
   friction: {{low: 0.1, high: 0.4, levels: 2}}
   load: {{low: 3e3, high: 3e4, levels: 2, scale: log}}
 dataset: {{slabs: 1, positions: {{inside: 2, outside: 2}}}}
-surrogate: {{budget: 90, until: 100, outputs: [voltage_sensitivity]}}
+surrogate: {{budget: 90, until: 100, outputs: [voltage_per_load]}}
 validation: {{cases: 20, calibration: 60}}
 design: {{sensor: {sensor}, other: {other}}}
 """,

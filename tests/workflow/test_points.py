@@ -22,7 +22,7 @@ factors:
 groups:
   force * radius / thickness^3: {levels: 14, scale: log}
 dataset: {slabs: 1}
-surrogate: {outputs: [contact_radius, charge_sensitivity, contact_capacitance, peak_pressure]}
+surrogate: {outputs: [contact_radius, charge_per_force, capacitance, peak_pressure]}
 validation: {cases: 20, calibration: 60, tolerance: 1e-3}
 device: {amplifier: {input_capacitance: 10 pF, charge_noise: 1 fC}}
 design:
@@ -57,11 +57,11 @@ def test_the_design_is_what_the_solver_says(ball: Project) -> None:
         | found.case
     )
     assert float(exact["peak_pressure"]) == pytest.approx(83e6, rel=1e-3)  # the depoling stress of PZT-4 stops it
-    capacitance = float(exact["contact_capacitance"]) + 10e-12
+    capacitance = float(exact["capacitance"]) + 10e-12
     noise = np.hypot(1e-15, np.sqrt(Boltzmann * 293.15 * capacitance))
-    assert found.terms[0].exact == pytest.approx(noise / abs(float(exact["charge_sensitivity"])), rel=1e-9)
+    assert found.terms[0].exact == pytest.approx(noise / abs(float(exact["charge_per_force"])), rel=1e-9)
     figures = {one.figure: one.figure_low for one in found.figures}
-    assert figures["signal_charge"] == pytest.approx(0.2 * float(exact["charge_sensitivity"]), rel=1e-9)
+    assert figures["signal_charge"] == pytest.approx(0.2 * float(exact["charge_per_force"]), rel=1e-9)
     assert figures["circuit_capacitance"] == pytest.approx(capacitance, rel=1e-9)
     assert "force" not in figures
 

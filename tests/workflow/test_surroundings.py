@@ -23,7 +23,7 @@ factors:
   radius: {low: 0.03, high: 0.05, levels: 3, scale: log}
   load: {low: 8e3, high: 1.2e4, levels: 3, scale: log}
 dataset: {slabs: 1, positions: {inside: 4, outside: 2}}
-surrogate: {outputs: [peak_pressure, charge_sensitivity, capacitance_at_load]}
+surrogate: {outputs: [peak_pressure, charge_per_force, capacitance_at_load]}
 validation: {cases: 20, calibration: 40, tolerance: 0.05}
 device: {electrode_length: 10 mm, amplifier: {input_capacitance: 10 pF, cable_capacitance: 100 pF}}
 design:

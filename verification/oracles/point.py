@@ -104,10 +104,10 @@ def _named(punch: Punch, P: mpf, own: dict[int, mpf]) -> list[tuple[str, mpf]]:
     stiff = inverse(held)  # d(P, charges) / d(depth, potentials)
     named += [("contact_stiffness", stiff[0, 0]), ("contact_stiffness_open", 1 / held[0, 0])]
     names = {
-        1: ("voltage", "voltage_per_force", "charge_sensitivity", "stroke_per_volt", "blocked_force_per_volt",
-            "contact_capacitance", "electric_edge_intensity"),
-        2: ("magnetic_potential", "magnetic_potential_per_force", "flux_sensitivity", "stroke_per_ampere",
-            "blocked_force_per_ampere", "contact_permeance", "magnetic_edge_intensity"),
+        1: ("voltage", "voltage_per_force", "charge_per_force", "stroke_per_volt", "blocked_force_per_volt",
+            "capacitance", "electric_edge_intensity"),
+        2: ("magnetic_potential", "magnetic_potential_per_force", "flux_per_force", "stroke_per_ampere",
+            "blocked_force_per_ampere", "permeance", "magnetic_edge_intensity"),
     }  # fmt: skip
     for place, i in enumerate(punch.conducted, 1):
         uncharged = _inverse_tangent(punch, P, nothing)

@@ -146,11 +146,11 @@ def _response(state: Contact, datum: mpf) -> dict[str, mpf]:
         "depth": depth,
         "voltage": voltage * known[1],
         "magnetic_potential": magnetic_potential * known[2],
-        "voltage_sensitivity": bare_slope[1] * known[1],
-        "magnetic_sensitivity": bare_slope[2] * known[2],
+        "voltage_per_load": bare_slope[1] * known[1],
+        "magnetic_potential_per_load": bare_slope[2] * known[2],
     }
-    names = ("charge_sensitivity", "stroke_per_volt", "blocked_load_per_volt")
-    names_magnetic = ("flux_sensitivity", "stroke_per_ampere", "blocked_load_per_ampere")
+    names = ("charge_per_force", "stroke_per_volt", "blocked_load_per_volt")
+    names_magnetic = ("flux_per_force", "stroke_per_ampere", "blocked_load_per_ampere")
     for i, source, (sensitivity, stroke, blocked) in ((1, "charge", names), (2, "magnetic_charge", names_magnetic)):
         if i not in state.sliding.conducted:
             out |= dict.fromkeys((sensitivity, stroke, blocked), nan)

@@ -17,6 +17,7 @@ from solver import units
 from solver.names import CHOICES, MATERIALS
 from storage.files import regular
 from workflow.language.factors import FACTORS
+from workflow.language.renamed import renamed
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, number
 
@@ -144,6 +145,7 @@ def _header(path: Path, row: list[str], more: Mapping[str, str]) -> dict[str, fl
         shown = cell.strip()[:_LONGEST_CELL]
         match = _NAME.fullmatch(shown)
         name, unit = (match["name"], match["unit"]) if match else (shown, None)
+        name = renamed(name, known)
         if name not in known and name not in FACTORS:
             kind = "column" if more else "factor"
             raise InputError(f"{path}: column {shown!r}: unknown {kind}; {nearest(name, list(known))}")

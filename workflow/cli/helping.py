@@ -15,7 +15,7 @@ EXAMPLES = {
     "solve": "solve examples/cases.csv -o cases.csv",
     "interior": "interior examples/cases.csv -o inside.nc --x=-1,0,1 --y=-1,-0.5",
     "query": "query results/quickstart --at volume_fraction=0.6,friction=0.2,radius=10cm,load=10kN/m,charge=0",
-    "design": 'design results/quickstart --maximise "abs(voltage_sensitivity)" --over radius,volume_fraction \\\n'
+    "design": 'design results/quickstart --maximise "abs(voltage_per_load)" --over radius,volume_fraction \\\n'
     '  --at load=5kN/m --worst-case friction=0.1:0.4 --limit "trailing_tension <= tensile_strength"',
     "invert": "invert results/quickstart --measured voltage=-519+-5 --infer load \\\n"
     "  --at volume_fraction=0.67,radius=12cm,friction=0.2,charge=0",

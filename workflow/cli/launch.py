@@ -9,7 +9,7 @@ from pathlib import Path
 from workflow.cli import progress
 from workflow.design.told import unreached
 from workflow.language.spelling import nearest
-from workflow.study import location, partition
+from workflow.study import configuration, location, partition
 from workflow.study import model as studies
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -29,6 +29,7 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
     if study.verification:
         _check_verifiable(name)
     options = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(_profile(profile))]
+    configuration.check_profiles(options)
     if location.by_path(name):
         options += ["--config", f"study={location.address(name)}"]
     if profile == "default":

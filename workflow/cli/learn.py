@@ -68,6 +68,7 @@ def learn(options: argparse.Namespace) -> None:
     from surrogate.transforms.measured.corrected import CorrectedGP
     from workflow.cli import questions
     from workflow.cli.measuredtable import read_measured
+    from workflow.language.renamed import renamed
     from workflow.learning import correction, plan
     from workflow.study import uncertainty
 
@@ -78,11 +79,15 @@ def learn(options: argparse.Namespace) -> None:
         raise InputError(f"{options.on}: is corrected already; learn from all rows at once, on the surrogate before")
     rows = read_measured(options.measured, study, model)
     asked = uncertainty.uncertain(study, _uncertain(options.uncertain))
-    instruments = _instruments(options.instrument, study)
+    instruments = _instruments(renamed(options.instrument, study.outputs), study)
     if options.plan is None and any((options.wanted, options.at, options.errors, options.within)):
         raise InputError("--for, --at, --errors and --within say what --plan N is to do; --plan is not given")
     known = [constant.name for constant in asked] + [instrument.name for instrument in instruments]
-    wanted, errors, box = list(named("--for", options.wanted)), _errors(options.errors), _box(options.within)
+    wanted, errors, box = (
+        list(named("--for", options.wanted)),
+        _errors(renamed(options.errors, study.outputs)),
+        _box(options.within),
+    )
     at = place(options.at, {name: axis.units for name, axis in model.box.items()}) if options.at else {}
     if options.plan is not None:
         plan.check(model, options.plan, wanted, known, errors, box, at)

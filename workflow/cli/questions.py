@@ -20,6 +20,7 @@ from workflow.design.told.words import verdict
 from workflow.design.verdict.answer import Answer
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
+from workflow.language.renamed import renamed
 from workflow.language.sizes import size
 from workflow.language.spelling import nearest
 from workflow.learning import wider_box
@@ -51,6 +52,7 @@ def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProc
 
 def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
     """The target that the options of the command line describe."""
+    words = renamed(dict(words), study.kind.every_quantity)
     asked: dict[str, Any] = {
         "maximise": list(words.get("maximise") or []),
         "minimise": list(words.get("minimise") or []),
@@ -125,6 +127,7 @@ def ask(
 def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool = False) -> str:
     """What measurements tell of some factors: a line each, with its 95 % interval."""
     study, model = results(folder)
+    words = renamed(dict(words), study.outputs)
     measured = named("--measured", words.get("measured"))
     values, errors = [], []
     for name, text in measured.items():

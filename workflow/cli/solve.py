@@ -14,11 +14,9 @@ from solver.body import kind_of
 from solver.names import (
     ALL_QUANTITIES,
     CHOICES,
-    DISC_QUANTITIES,
     ELECTRODE_QUANTITIES,
     OF_AN_ELECTRODE,
     POINT_SLIDING,
-    STRIP_QUANTITIES,
 )
 from storage.files import output
 from storage.netcdf import write_whole
@@ -89,9 +87,7 @@ def _solve(options: argparse.Namespace) -> None:
 
 def _unasked(table: Table) -> set[str]:
     """Quantities that nobody misses: of electrodes and of sliding points, where no case has such a factor."""
-    electrodes = (
-        () if {*OF_AN_ELECTRODE} & {*table.columns} else (*ELECTRODE_QUANTITIES, *STRIP_QUANTITIES, *DISC_QUANTITIES)
-    )
+    electrodes = () if {*OF_AN_ELECTRODE} & {*table.columns} else (*ELECTRODE_QUANTITIES,)
     return {*electrodes, *(() if "friction" in table.columns else POINT_SLIDING)}
 
 

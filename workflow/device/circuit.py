@@ -82,14 +82,19 @@ class Circuit:
         that a resistance discharges: of the feedback, or of all of it.
         """
         feedback = self.numbers.get("feedback_capacitance", 0.0)
-        own = self._figure("smallest_force", contact + feedback, charge_sensitivity=1.0)
+        own = self._figure("smallest_force", contact + feedback, charge_per_force=1.0)
         discharged = feedback or contact + self.capacitance
         return float(np.hypot(own, np.sqrt(Boltzmann * temperature * discharged)))
 
     def _figure(self, name: str, contact: float, **known: float) -> float:
         """A figure of a device with a contact of some capacitance [F]."""
         numbers = {"charge_noise": 0.0, "voltage_noise": 0.0, "cable_capacitance": 0.0, **self.numbers, **known}
-        numbers |= {"capacitance": contact, "electrode_length": 1.0, "thermal_energy": 0.0, "feedback_heat": 0.0}
+        numbers |= {
+            "capacitance_per_length": contact,
+            "electrode_length": 1.0,
+            "thermal_energy": 0.0,
+            "feedback_heat": 0.0,
+        }
         expression = grammar.parse(name)
         return float(expression.evaluate({symbol: np.array(numbers[symbol]) for symbol in expression.names()}))
 

@@ -31,8 +31,7 @@ class Contact:
     C is what takes the charge Q, at P, from zero volts to the open circuit: -Q over the open-circuit voltage. So the
     charge is exact at zero volts and at zero charge; between, it is so where the contact does not widen by the voltage,
     as on half-spaces. On films the capacitance of a contact held fixed differs from it by about one percent. That of a
-    patch is that of plates, whatever presses: its edges, and other patches, are left out; that of a disc whose
-    neighbours float is its own.
+    patch is that of plates, whatever presses: its edges, and other patches, are left out.
     """
 
     most: float  # The largest force [N]
@@ -109,20 +108,13 @@ def response(
     answer = solved(pressed) if solved else solve(pressed, materials=materials or {})
     if body is not None and "collector" in case:
         charge = np.broadcast_to(answer["patch_charge_per_force"].values, forces.shape)
-        size, shape = float(case["patch_size"]), case.get("patch", "strip" if kind.contact == "line" else "disc")
-        across = float(case["patch_length"]) if shape == "rectangle" else length
-        area = size * across
-        if shape in ("disc", "ring"):
-            area = np.pi * (size**2 - float(case.get("patch_hole", 0.0)) ** 2) / 4
-        if kind.contact == "line" and shape == "rectangle":
-            charge = charge * across / length
+        size = float(case["patch_size"])
+        area = size * length if kind.contact == "line" else np.pi * size**2 / 4
         plates = Electrode(body, int(case["collector"])).capacitance * area
-        if "disc_capacitance" in answer:
-            plates = float(answer["disc_capacitance"].max())
         return charge, np.full(forces.shape, plates)
-    if "charge_sensitivity" not in answer:
+    if "charge_per_force" not in answer:
         raise FactorError("electric: a punch that does not conduct has no charge to be read")
-    charge = np.broadcast_to(answer["charge_sensitivity"].values, forces.shape)
+    charge = np.broadcast_to(answer["charge_per_force"].values, forces.shape)
     with np.errstate(all="ignore"):
         capacitance = -charge * forces / np.broadcast_to(answer["voltage"].values, forces.shape)
     if not (np.isfinite(capacitance) & (capacitance > 0)).all():
@@ -150,7 +142,7 @@ def _readable(case: Mapping[str, Any], body: Stack | None) -> Kind:
         if "patch_size" not in case:
             raise FactorError("patch_size: missing; an electrode that is read as a whole has no end")
         if kind.contact == "point" and case.get("patch", "disc") == "strip":
-            raise FactorError("patch: 'strip' below a point has no end; must be disc, ring or rectangle")
+            raise FactorError("patch: 'strip' below a point has no end; must be disc")
     elif kind.datum == "relative" or (kind.datum == "by_base" and case.get("interface_electric") == "bonded"):
         raise FactorError(
             "contact: its voltage depends on the datum, so that it has no capacitance; take a film on a grounded "

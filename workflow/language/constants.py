@@ -47,21 +47,21 @@ def _figures(pressing: str, capacitance: str, blocked: str, *, per_metre: bool) 
     force = [("force", "N", "load on the whole punch", f"{pressing}{whole}")] if per_metre else []
     told = (
         *force,
-        ("signal_charge", "C", "charge at zero voltage", f"charge_sensitivity * {pressing}{whole}"),
+        ("signal_charge", "C", "charge at zero voltage", f"charge_per_force * {pressing}{whole}"),
         ("circuit_capacitance", "F", "capacitance of punch, cable and amplifier together", circuit),
         (
             "signal_voltage",
             "V",
             "open-circuit voltage into cable and amplifier",
-            f"charge_sensitivity * {pressing}{whole} / {circuit}",
+            f"charge_per_force * {pressing}{whole} / {circuit}",
         ),
         ("time_constant", "s", "time in which the signal decays to 1/e", f"input_resistance * {circuit}"),
-        ("smallest_force", "N", "force whose charge is the noise", f"{noise} / abs(charge_sensitivity)"),
+        ("smallest_force", "N", "force whose charge is the noise", f"{noise} / abs(charge_per_force)"),
         (
             "dynamic_range",
             "1",
             "load over the smallest detectable one",
-            f"{pressing}{whole} * abs(charge_sensitivity) / {noise}",
+            f"{pressing}{whole} * abs(charge_per_force) / {noise}",
         ),
         (
             "position_resolution",
@@ -84,10 +84,10 @@ def _figures(pressing: str, capacitance: str, blocked: str, *, per_metre: bool) 
 #: Figures of a device, each a formula of quantities, factors and constants in the language of designs, by meeting. The
 #: force on a point is a factor.
 FIGURES_BY: dict[Meeting, dict[str, Described]] = {
-    "line": _figures("load", "capacitance", "blocked_load_per_volt", per_metre=True),
+    "line": _figures("load", "capacitance_per_length", "blocked_load_per_volt", per_metre=True),
     "line in air": _figures("load", "capacitance_at_load", "blocked_load_per_volt", per_metre=True),
-    "point": _figures("force", "contact_capacitance", "blocked_force_per_volt", per_metre=False),
-    "point in air": _figures("force", "contact_capacitance_at_force", "blocked_force_per_volt", per_metre=False),
+    "point": _figures("force", "capacitance", "blocked_force_per_volt", per_metre=False),
+    "point in air": _figures("force", "capacitance_at_force", "blocked_force_per_volt", per_metre=False),
 }
 
 #: Every one by name; unit and meaning are those of any meeting.

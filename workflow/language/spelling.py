@@ -1,21 +1,23 @@
-"""What may have been meant by a name that is not known."""
+"""Suggestions for a name that is not known."""
 
+from collections.abc import Sequence
 from difflib import get_close_matches
 
-from workflow.language.wordings import TITLES
+from workflow.language.wordings import RENAMED, TITLES
 
-_CALLED = {words.replace(" ", "_"): name for name, words in TITLES.items()}
-_MANY = 20  # more than a reader looks through
+_MANY = 20  # names, more than a reader looks through
 
 
-def nearest(name: str, known: list[str]) -> str:
-    """``did you mean ...? allowed: ...`` for a name that is not known: by what the page calls it, else by its letters.
+def nearest(name: str, known: Sequence[str]) -> str:
+    """Return ``did you mean ...? allowed: ...`` for an unknown name, compared with known names, titles and old names.
 
-    Of many names the one that was meant is enough.
+    A long list of allowed names is left out where a name is suggested.
     """
-    called = _CALLED.get(name.strip().replace(" ", "_"))
-    near = [called] if called in known else get_close_matches(name, known, 1, 0.5)
-    hint = f"did you mean {near[0]!r}? " if near else ""
+    called = {words.replace(" ", "_"): title for title, words in TITLES.items() if title in known}
+    called |= {old: new for old, new in RENAMED.items() if new in known}
+    called |= {word: word for word in known}
+    near = get_close_matches(name.strip().replace(" ", "_"), called, 1, 0.5)
+    hint = f"did you mean {called[near[0]]!r}? " if near else ""
     if hint and len(known) > _MANY:
         return f"{hint}all names: meecontact list"
     return f"{hint}allowed: {', '.join(known)}"

@@ -1,4 +1,4 @@
-"""What names are called on the page and in messages, where their own words do not say it."""
+"""Titles of names on pages and in messages, and old names of quantities."""
 
 #: What names are called whose words alone do not say it.
 TITLES = {
@@ -12,10 +12,6 @@ TITLES = {
     "trailing_tension": "tension behind the contact",
     "leading_compression": "stress ahead of the contact",
     "peak_pressure": "contact pressure",
-    "voltage_sensitivity": "voltage per load",
-    "magnetic_sensitivity": "magnetic potential per load",
-    "charge_sensitivity": "charge per force",
-    "flux_sensitivity": "flux per force",
     "nominal_field": "electric field over the thickness",
     "peak_von_mises": "von Mises stress in the body",
     "peak_principal_tension": "tension in the body",
@@ -32,4 +28,17 @@ TITLES = {
     "electric_displacement": "normal electric displacement",
     "magnetic_induction": "normal magnetic induction",
     "stress_xx": "stress along the surface",
+}
+
+#: The present name of every old one. An old name that is a present one of the contact at hand stays what it is.
+RENAMED = {
+    "voltage_sensitivity": "voltage_per_load",
+    "magnetic_sensitivity": "magnetic_potential_per_load",
+    "charge_sensitivity": "charge_per_force",
+    "flux_sensitivity": "flux_per_force",
+    "capacitance": "capacitance_per_length",
+    "permeance": "permeance_per_length",
+    "contact_capacitance": "capacitance",
+    "contact_permeance": "permeance",
+    "contact_capacitance_at_force": "capacitance_at_force",
 }

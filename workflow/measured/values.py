@@ -39,7 +39,7 @@ def _solved(material: Material, case: Case, **changed: float) -> xr.Dataset:
 
 def _charge_per_force(material: Material, case: Case) -> float:
     """Charge under a punch at zero volts over its force (real contacts, section 3: r_1 of a half-space)."""
-    return abs(float(_solved(material, case)["charge_sensitivity"]))
+    return abs(float(_solved(material, case)["charge_per_force"]))
 
 
 def _clamped_d33(material: Material, _: Case) -> float:
@@ -56,8 +56,8 @@ def _free_d33(material: Material, _: Case) -> float:
 def _indentation_exponent(material: Material, case: Case) -> float:
     """d log P / d log depth, at zero volts where the punch conducts."""
     at_rest = _solved(material, case)
-    if "charge_sensitivity" in at_rest:
-        charge = float(at_rest["charge_sensitivity"]) * float(case["force"])
+    if "charge_per_force" in at_rest:
+        charge = float(at_rest["charge_per_force"]) * float(case["force"])
         at_rest = _solved(material, case, total_charge=charge)
     return float(at_rest["contact_stiffness"] * at_rest["depth"]) / float(case["force"])
 

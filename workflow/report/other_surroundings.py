@@ -11,9 +11,9 @@ from workflow.study.model import Study
 
 _READ = (
     "voltage",
+    "capacitance_per_length",
     "capacitance",
-    "contact_capacitance",
-    "charge_sensitivity",
+    "charge_per_force",
 )  # what a device is read by, and air changes most
 _HERE = {
     "insulated": "No charge is beside the contact (surroundings: insulated); with air there",

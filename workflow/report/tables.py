@@ -27,7 +27,7 @@ from workflow.study.sections import CHECK_GROUPS
 #: Quantities that the summary of a parametric study tells.
 CHANGED: dict[Contact, tuple[str, ...]] = {
     "line": ("peak_pressure", "trailing_tension", "depth", "voltage"),
-    "point": ("contact_radius", "peak_pressure", "depth", "voltage", "charge_sensitivity"),
+    "point": ("contact_radius", "peak_pressure", "depth", "voltage", "charge_per_force"),
 }
 _JUDGED = ("coverage", "worst_decile_coverage", "worst_corner_coverage", "pit_distance", "crps")
 _INTERVALS = (*_JUDGED, *(f"raw_{key}" for key in _JUDGED), "raw_max_error")

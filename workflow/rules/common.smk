@@ -11,11 +11,13 @@ from workflow.dataset import batches, casecache, infill
 from workflow.design.told import unreached
 from workflow.report import sections as page_sections
 from workflow.run import crate, lock, provenance, sources
-from workflow.study import coupling, location, partition, planned
+from workflow.run.interpreter import quote_interpreter
+from workflow.study import configuration, coupling, location, partition, planned
 from workflow.study import model as studies
 from workflow.study.digest import BOX, PHYSICS
 from workflow.study.sections import CHECK_GROUPS
 
+quote_interpreter()
 # jobs look for modules where this process does
 sys.path.insert(0, str(provenance.ROOT))
 
@@ -25,7 +27,10 @@ DESIGNED = set()  # those whose designs it needs
 RESULTS = workflow.modifier.path_modifier.replace_prefix("results")  # where a module's `prefix:` puts them
 
 try:
-    STUDY = location.given(str(config.get("study", "quickstart")))
+    main = workflow.modifier.is_main_snakefile()  # a module has the configuration that its parent gives, and no other
+    STUDY = location.given(configuration.study(config, workflow.config_settings.config_args if main else ()))
+    if main and workflow.is_main_process and "snakemake" in (Path(sys.argv[0]).stem, Path(sys.argv[0]).parent.name):
+        configuration.check_profiles(sys.argv[1:])
 except studies.InputError as error:
     raise WorkflowError(str(error))
 

@@ -61,7 +61,7 @@ def _check_pressed(study: Contents, design: str) -> None:
         if name in (*target.over, *target.at, *target.worst_case, *target.uncertain, *study.fixed):
             raise ValueError(f"signal: {name}: the circuit gives the charge; the design must not")
     collected = "collector" in study.fixed or "collector" in study.factors
-    needed = ("patch_charge_per_force",) if collected else ("charge_sensitivity", "voltage")
+    needed = ("patch_charge_per_force",) if collected else ("charge_per_force", "voltage")
     for name in needed:
         if name in study.absent:
             raise ValueError(f"signal: these cases have no {name}, whose charge would be read")

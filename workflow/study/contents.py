@@ -32,7 +32,7 @@ class Contents(Keys):
     """Everything that a run can be asked for, and what follows from it."""
 
     _origin: Origin = PrivateAttr()
-    _absent: frozenset[str] = PrivateAttr()
+    _absent: frozenset[str] = PrivateAttr(default=frozenset())
     _hanging: frozenset[str] = PrivateAttr(default=frozenset())
     _defaults: tuple[str, ...] = PrivateAttr(default=())
 
@@ -57,7 +57,7 @@ class Contents(Keys):
 
     @property
     def absent(self) -> frozenset[str]:
-        """Names of the quantities that some cases lack."""
+        """Names of the quantities that some cases lack; none before the solver was asked for them."""
         return self._absent
 
     @property

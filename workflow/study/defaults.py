@@ -11,7 +11,7 @@ from workflow.study.solvable import check_fields, check_groups, hanging_on_datum
 _INSULATED = CHOICES["surroundings"][0]
 _PUNCH = "steel"
 #: What a device is read by without and with air: a study that learns the former alone was written for the former.
-_READ = {"capacitance": "capacitance_at_load", "contact_capacitance": "contact_capacitance_at_force"}
+_READ = {"capacitance_per_length": "capacitance_at_load", "capacitance": "capacitance_at_force"}
 
 
 def settle(study: Contents) -> None:

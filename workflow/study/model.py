@@ -12,6 +12,7 @@ from pydantic import ValidationError, model_validator
 
 from solver import Material
 from solver.line.powerlaw import SMOOTH
+from workflow.language.renamed import renamed_study
 from workflow.study import defaults, layered
 from workflow.study.consistency import check_quantities
 from workflow.study.contents import Contents
@@ -111,7 +112,7 @@ def load(path: str | Path) -> Study:
         One line that names file, key, value and what is allowed.
     """
     path = Path(path)
-    content = read_yaml(path)
+    content = renamed_study(read_yaml(path))
     names = content.get("materials")
     known = names if isinstance(names, list) and all(isinstance(name, str) for name in names) else []
     materials = dict(read_material(path.parent / name) for name in known)

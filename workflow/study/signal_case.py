@@ -38,7 +38,7 @@ def check(study: Contents) -> None:
     except ValueError as error:
         raise ValueError(f"signal: case: {error}") from None
     kind = own.kind
-    if kind.datum == "relative" or "charge_sensitivity" not in kind.quantities:
+    if kind.datum == "relative" or "charge_per_force" not in kind.quantities:
         raise ValueError("signal: case: a film, or a point contact, has a charge to be read; this has none")
     for name in (force, *kind.loads.charges):
         if name in own.fixed:

@@ -27,7 +27,9 @@ def test_a_half_plane_in_no_air_is_the_closed_form(own: dict[str, Any]) -> None:
     """A gap of next to no permittivity; at the edge, where D_y is infinite without it, it is only next to none."""
     exact, found = solver.solve(LINE | own), solver.solve(LINE | AIR | own | {"gap_permittivity": 1e-16})
     gone = {f"{field}_edge_intensity_{edge}" for field in ("electric", "magnetic") for edge in ("trailing", "leading")}
-    assert set(found.data_vars) - gone == set(exact.data_vars) - gone | GAP_QUANTITIES.keys() | {"capacitance"}
+    assert set(found.data_vars) - gone == set(exact.data_vars) - gone | GAP_QUANTITIES.keys() | {
+        "capacitance_per_length"
+    }
     for name in set(exact.data_vars) - gone - {"trailing_tension", "leading_compression"}:
         np.testing.assert_allclose(found[name], exact[name], rtol=1e-11, err_msg=str(name))
 
@@ -35,10 +37,10 @@ def test_a_half_plane_in_no_air_is_the_closed_form(own: dict[str, Any]) -> None:
 def test_air_changes_neither_pressure_nor_charge_per_load_of_a_half_plane() -> None:
     """The theorem of docs/theory.md, 10: both by the closed form; capacitances at fixed contact and load are one."""
     exact, found = solver.solve(LINE), solver.solve(LINE | AIR)
-    for name in ("contact_trailing", "peak_pressure", "charge_sensitivity", "stroke_per_volt"):
+    for name in ("contact_trailing", "peak_pressure", "charge_per_force", "stroke_per_volt"):
         assert float(found[name]) == pytest.approx(float(exact[name]), rel=1e-9), name
     assert abs(float(found["voltage"] / exact["voltage"])) < 0.95
-    assert float(found["capacitance_at_load"]) == pytest.approx(float(found["capacitance"]), rel=1e-9)
+    assert float(found["capacitance_at_load"]) == pytest.approx(float(found["capacitance_per_length"]), rel=1e-9)
 
 
 def test_a_table_holds_both_and_each_case_is_the_case_alone() -> None:
@@ -47,7 +49,7 @@ def test_a_table_holds_both_and_each_case_is_the_case_alone() -> None:
     assert "electric_edge_intensity_trailing" not in both
     for around in ("air", "insulated"):
         alone = solver.solve(FILM | {"surroundings": around, "load": 1e4})
-        for name in ("contact_trailing", "voltage", "capacitance", "charge_sensitivity"):
+        for name in ("contact_trailing", "voltage", "capacitance_per_length", "charge_per_force"):
             at = both[name].sel(surroundings=around).isel(load=0)
             assert float(at) == pytest.approx(float(alone[name]), rel=1e-9), name
 
@@ -104,9 +106,10 @@ def test_the_table_of_films_with_air_is_the_solver_s() -> None:
     for line, case in zip(lines, TABLE, strict=True):
         bare, air = solver.solve(case | {"surroundings": "insulated"}), solver.solve(case)
         stored, volts, charge = (cell.strip() for cell in line.strip("|").split("|")[1:])
-        assert stored == f"{float(bare['capacitance']) * 1e9:.3g}, air {float(air['capacitance']) * 1e9:.3g}"
+        nano = [f"{float(each['capacitance_per_length']) * 1e9:.3g}" for each in (bare, air)]
+        assert stored == ", air ".join(nano)
         assert volts == f"x {float(air['voltage'] / bare['voltage']):.2g}"
-        pico = [float(one["charge_sensitivity"]) * 1e12 for one in (bare, air)]
+        pico = [float(one["charge_per_force"]) * 1e12 for one in (bare, air)]
         assert charge == f"{pico[0]:.3g}, air {pico[1]:.3g}"
 
 
@@ -193,5 +196,5 @@ def test_what_is_not_given_of_points_in_air_is_refused() -> None:
 )
 def test_a_held_potential_is_not_that_of_a_closed_gap(own: dict[str, Any]) -> None:
     """Newton's iteration once ended at a gap below zero next to an edge, at some loads or at all of them."""
-    found = solver.solve(LINE | AIR | own)["charge_sensitivity"].values
+    found = solver.solve(LINE | AIR | own)["charge_per_force"].values
     assert found[1] == pytest.approx((found[0] + found[2]) / 2, rel=1e-4)

@@ -164,4 +164,4 @@ def test_positions_beyond_every_scale() -> None:
 
 def test_a_contact_as_wide_as_the_datum_has_no_sensitivity_per_charge() -> None:
     datum = solver.solve(GOOD).contact_trailing.item() / 2
-    refused(GOOD | {"datum": datum}, "charge_sensitivity", "datum")
+    refused(GOOD | {"datum": datum}, "charge_per_force", "datum")

@@ -97,7 +97,7 @@ def test_table_of_short_circuited_films_is_hit_to_every_digit() -> None:
         stiffness, expected = np.array([row[number] for row in SHORT_CIRCUIT.values()]).T
         load = stiffness * half**2 / radius
         film = FILM | {"material": material, "thickness": thickness, "load": xr.DataArray(load, dims="case")}
-        found = solver.solve(film)["charge_sensitivity"].values * 1e12
+        found = solver.solve(film)["charge_per_force"].values * 1e12
         assert np.all(np.abs(found - expected) < [6e-5, 6e-5, 6e-5, 6e-4])
         held = solver.solve(film | {"charge": xr.DataArray(found * 1e-12 * load, dims="case")})
         np.testing.assert_allclose(held["contact_trailing"], half, rtol=1e-6)
@@ -127,7 +127,7 @@ def test_similarity_and_answers_that_do_not_hang_on_their_neighbours() -> None:
     out = solver.solve(data.assign(MIX | {"base": "rigid"} | {name: data[name] for name in cases}))
     for name, by in {
         "contact_trailing": h, "contact_offset": h, "voltage": load, "depth": load, "nominal_field": h / h,
-        "electric_edge_intensity_trailing": load / np.sqrt(h), "capacitance": h / h, "peak_pressure": h / h,
+        "electric_edge_intensity_trailing": load / np.sqrt(h), "capacitance_per_length": h / h, "peak_pressure": h / h,
     }.items():  # fmt: skip
         np.testing.assert_allclose(out[name] / by, float(out[name][0] / by[0]), rtol=1e-12, err_msg=name)
     alone = solver.solve(MIX | {"base": "rigid"} | {name: values[2] for name, values in cases.items()})

@@ -19,7 +19,7 @@ def test_ball_on_a_half_space_has_the_figures_of_the_theory() -> None:
     np.testing.assert_allclose(found["contact_radius"], [75.826e-6, 66.220e-6], rtol=1e-5)
     np.testing.assert_allclose(found["peak_pressure"], [830.4e6, 1088.9e6], rtol=1e-4)
     np.testing.assert_allclose(found["voltage"], [-728.16, -417.98], rtol=1e-5)
-    np.testing.assert_allclose(found["charge_sensitivity"], [250.1001e-12, 168.2812e-12], rtol=1e-6)
+    np.testing.assert_allclose(found["charge_per_force"], [250.1001e-12, 168.2812e-12], rtol=1e-6)
 
 
 def test_every_quantity_has_its_unit_and_none_hangs_on_a_datum() -> None:
@@ -82,7 +82,7 @@ def test_what_is_even_in_friction_is_given_of_discs_and_below_electrodes() -> No
         if "peak_pressure" in found:  # of the first order where it is not largest at the centre
             np.testing.assert_allclose(found["peak_pressure"][1], found["peak_pressure"][0], rtol=2e-3)
         assert set(POINT_SLIDING) & set(found.data_vars) == more
-    assert "charge_sensitivity" in solver.solve(disc)
+    assert "charge_per_force" in solver.solve(disc)
     slid = solver.solve(disc, [-0.5, 0.5, 1.5])["contact_pressure"].values
     assert slid[0, 0] == slid[0, 1]
     assert slid[1, 0] != slid[1, 1]

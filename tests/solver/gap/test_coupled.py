@@ -85,5 +85,5 @@ def test_figures_of_boundary_elements() -> None:
     case = {"material": FIBROUS, "base": "rigid", "thickness": THICKNESS, "radius": RADIUS, "load": 5e3}
     bare = solver.solve(case | {"magnetic": "insulating", "surroundings": "insulated"})
     assert short.loads[1] / short.loads[0] * scale[1] / scale[2] == pytest.approx(85.9e-12, rel=2e-3)
-    assert bare["charge_sensitivity"].item() == pytest.approx(74.4e-12, rel=1e-3)
+    assert bare["charge_per_force"].item() == pytest.approx(74.4e-12, rel=1e-3)
     assert 1 / idle.state.at_fixed_contact[1, 0] == pytest.approx(26.7e-9, rel=0.05)

@@ -26,7 +26,7 @@ def test_windows_give_what_a_table_about_the_case_gives() -> None:
     state, scale = contact.state, contact.contact.scale
     assert found["contact_trailing"][0] == pytest.approx(THICKNESS * state.half, rel=1e-8)
     assert found["voltage"][0] == pytest.approx(THICKNESS * state.response[1] * scale[2], rel=1e-6)
-    assert found["capacitance"][0] == pytest.approx(1 / state.at_fixed_contact[1, 0], rel=1e-6)
+    assert found["capacitance_per_length"][0] == pytest.approx(1 / state.at_fixed_contact[1, 0], rel=1e-6)
     assert found["capacitance_at_load"][0] == pytest.approx(1 / state.tangents[1, 1], rel=1e-6)
     bare = without(films((True, False)))
     gone = {name for name in bare if "_edge_intensity_" in name}

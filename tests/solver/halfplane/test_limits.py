@@ -30,7 +30,7 @@ def test_hertz(young: float, poisson: float, radius: float, load: float) -> None
     assert out.pressure_exponent.item() == 0.5
     np.testing.assert_allclose(out.contact_pressure, pressure, rtol=1e-13)
     np.testing.assert_allclose(out.stress_xx, -pressure, rtol=1e-12)
-    for name in ("voltage", "magnetic_potential", "trailing_tension", "voltage_sensitivity", "stroke_per_ampere"):
+    for name in ("voltage", "magnetic_potential", "trailing_tension", "voltage_per_load", "stroke_per_ampere"):
         assert out[name].item() == 0, name
     for name in ("shear_traction", "electric_displacement_y", "magnetic_induction_y", "electric_displacement_x"):
         assert not out[name].values.any(), name
@@ -73,7 +73,7 @@ def test_reciprocity_without_friction(material: solver.Material, case: dict[str,
         expected = -at_rest[potential].item() / case["load"] * grid[name][1]
         assert change == pytest.approx(expected, rel=1e-10, abs=1e-13 * abs(at_rest.depth.item())), name
     # and so the charge that undoes the voltage is that which moves the punch by a volt
-    for stroke, sensitivity in (("stroke_per_volt", "charge_sensitivity"), ("stroke_per_ampere", "flux_sensitivity")):
+    for stroke, sensitivity in (("stroke_per_volt", "charge_per_force"), ("stroke_per_ampere", "flux_per_force")):
         assert at_rest[stroke].item() == pytest.approx(at_rest[sensitivity].item(), rel=1e-10), stroke
 
 

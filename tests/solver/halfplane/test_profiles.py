@@ -104,12 +104,12 @@ def test_tangents_are_those_of_the_response(name: str) -> None:
         return float(of[2] - of[0]) / (2 * step * 1e5)
 
     bare, at = response({}), {"charge": 1e-6, "magnetic_charge": -2e-3}
-    assert bare["voltage_sensitivity"][1].item() == pytest.approx(by_load(bare["voltage"]), rel=1e-7)
-    assert bare["magnetic_sensitivity"][1].item() == pytest.approx(by_load(bare["magnetic_potential"]), rel=1e-7)
+    assert bare["voltage_per_load"][1].item() == pytest.approx(by_load(bare["voltage"]), rel=1e-7)
+    assert bare["magnetic_potential_per_load"][1].item() == pytest.approx(by_load(bare["magnetic_potential"]), rel=1e-7)
     loaded = response(at)
     for source, potential, blocked, short in (
-        ("charge", "voltage", "blocked_load_per_volt", "charge_sensitivity"),
-        ("magnetic_charge", "magnetic_potential", "blocked_load_per_ampere", "flux_sensitivity"),
+        ("charge", "voltage", "blocked_load_per_volt", "charge_per_force"),
+        ("magnetic_charge", "magnetic_potential", "blocked_load_per_ampere", "flux_per_force"),
     ):
         more = response(at | {source: at[source] * 2})
         by_source = {n: float(more[n][1] - loaded[n][1]) / at[source] for n in ("depth", potential)}

@@ -19,7 +19,7 @@ MECHANICAL: tuple[str, ...] = (
     "trailing_tension",
 )
 MECHANICAL += ("leading_compression", "contact_pressure", "shear_traction")
-TANGENTS_WITHOUT_CHARGES = ("voltage_sensitivity", "magnetic_sensitivity", "charge_sensitivity", "flux_sensitivity")
+TANGENTS_WITHOUT_CHARGES = ("voltage_per_load", "magnetic_potential_per_load", "charge_per_force", "flux_per_force")
 RATIOS = ("stroke_per_volt", "stroke_per_ampere", *TANGENTS_WITHOUT_CHARGES)
 
 
@@ -42,7 +42,7 @@ def test_potentials_move_by_a_logarithm_when_the_datum_does(
 
 def spread(one: xr.Dataset, name: str) -> float:
     """A size of a potential that its own cancellation does not make small."""
-    tangent = {"voltage": "voltage_sensitivity", "magnetic_potential": "magnetic_sensitivity"}
+    tangent = {"voltage": "voltage_per_load", "magnetic_potential": "magnetic_potential_per_load"}
     return float(abs(one[name])) + (float(abs(one[tangent[name]])) * 1e6 if name in tangent else 0.0)
 
 

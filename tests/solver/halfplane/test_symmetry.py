@@ -75,16 +75,16 @@ def assert_images(
 
 
 def electric(name: str) -> bool:
-    return name in ("voltage", "charge_sensitivity") or "electric" in name or "volt" in name
+    return name in ("voltage", "charge_per_force") or "electric" in name or "volt" in name
 
 
 def magnetic(name: str) -> bool:
-    return name == "flux_sensitivity" or "magnetic" in name or "ampere" in name
+    return name == "flux_per_force" or "magnetic" in name or "ampere" in name
 
 
 #: What an output is called when electric and magnetic fields change places.
-PARTNERS = {"voltage": "magnetic_potential", "voltage_sensitivity": "magnetic_sensitivity"}
-PARTNERS |= {"charge_sensitivity": "flux_sensitivity", "stroke_per_volt": "stroke_per_ampere"}
+PARTNERS = {"voltage": "magnetic_potential", "voltage_per_load": "magnetic_potential_per_load"}
+PARTNERS |= {"charge_per_force": "flux_per_force", "stroke_per_volt": "stroke_per_ampere"}
 PARTNERS |= {"blocked_load_per_volt": "blocked_load_per_ampere"}
 PARTNERS |= {f"electric_displacement_{axis}": f"magnetic_induction_{axis}" for axis in "xy"}
 PARTNERS |= {f"electric_edge_intensity_{edge}": f"magnetic_edge_intensity_{edge}" for edge in ("trailing", "leading")}

@@ -12,12 +12,12 @@ import solver
 from tests.solver.strategies import decades, loads, materials, property_based
 
 FIELDS = (
-    ("charge", "voltage", "voltage_sensitivity", "charge_sensitivity", "stroke_per_volt", "blocked_load_per_volt"),
+    ("charge", "voltage", "voltage_per_load", "charge_per_force", "stroke_per_volt", "blocked_load_per_volt"),
     (
         "magnetic_charge",
         "magnetic_potential",
-        "magnetic_sensitivity",
-        "flux_sensitivity",
+        "magnetic_potential_per_load",
+        "flux_per_force",
         "stroke_per_ampere",
         "blocked_load_per_ampere",
     ),

@@ -24,7 +24,7 @@ def test_a_nanometre_of_steel_is_a_grounded_interface(punch: dict[str, Any]) -> 
         coated = solver.solve(
             punch | {"surroundings": "insulated", "body": Stack([Layer(PZT, 2e-4), Layer(STEEL, thickness)], SILICON)}
         )
-        for name in ("charge_sensitivity", "voltage", "peak_pressure", "stroke_per_volt"):
+        for name in ("charge_per_force", "voltage", "peak_pressure", "stroke_per_volt"):
             assert float(coated[name]) == pytest.approx(float(grounded[name]), rel=20 * off), (name, thickness)
 
 
@@ -37,10 +37,10 @@ def test_what_is_said_of_an_interface_to_a_metal_has_no_part() -> None:
         for electric in (None, "bonded", "grounded")
     ]
     for one in found[1:]:
-        np.testing.assert_array_equal(one["charge_sensitivity"], found[0]["charge_sensitivity"])
+        np.testing.assert_array_equal(one["charge_per_force"], found[0]["charge_per_force"])
     by_factors = BALL | {"material": "PZT-4", "thickness": 2e-4, "surroundings": "insulated", "base": "steel"}
     kinds = solver.solve(by_factors | {"interface_electric": ["grounded", "bonded"]})
-    assert np.ptp(kinds["charge_sensitivity"].values) == 0
+    assert np.ptp(kinds["charge_per_force"].values) == 0
 
 
 def test_no_field_is_inside_a_metal() -> None:
@@ -61,7 +61,7 @@ def test_flux_passes_through_a_metal_by_its_permeability() -> None:
         abs(
             float(
                 solver.solve(case | {"surroundings": "insulated", "body": Stack([Layer(FIBROUS, 2e-4)], base)})[
-                    "flux_sensitivity"
+                    "flux_per_force"
                 ]
             )
         )

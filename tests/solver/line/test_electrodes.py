@@ -96,13 +96,6 @@ def test_strips_sum_to_the_electrode(punch: dict[str, Any]) -> None:
     assert charge(endless, "patch_charge_per_force") == pytest.approx(charge(endless), rel=1e-10)
 
 
-def test_a_rectangle_below_a_roller_has_of_the_force_on_its_length_what_a_strip_has() -> None:
-    case = ROLLER | {"body": ACTIVE, "collector": 2, "patch_size": 2e-4, "patch_position": 5e-5}
-    found = solver.solve(case | {"patch": "rectangle", "patch_length": [1e-3, 1.0]})
-    strip = float(solver.solve(case)["patch_charge_per_force"])
-    np.testing.assert_allclose(charge(found, "patch_charge_per_force"), strip, rtol=1e-14)
-
-
 def test_strips_below_a_roller_collect_the_jump_of_the_field_inside() -> None:
     plain = solver.solve(ROLLER | {"body": ACTIVE})
     half = float(plain["contact_trailing"] + plain["contact_leading"]) / 2
@@ -195,32 +188,6 @@ def test_discs_strips_and_neighbours_below_a_ball() -> None:
     share = np.where(middle < 1e-4, 1.0, 2 / np.pi * np.arcsin(np.minimum(1e-4 / middle, 1.0)))
     strip = solver.solve(case | {"patch_size": 2e-4, "patch": "strip"})
     assert inside[0] + density @ share == pytest.approx(float(strip["patch_charge_per_force"]), rel=1e-4)
-    # the share of a circle that lies in a rectangle of 2e-4 x 3e-4
-    sides = [np.minimum(half / middle, 1.0) for half in (1e-4, 1.5e-4)]
-    share = np.maximum(2 / np.pi * (np.arcsin(sides[1]) - np.arccos(sides[0])), 0.0)
-    rectangle = case | {"patch_size": 2e-4, "patch": "rectangle"}
-    square = charge(solver.solve(rectangle | {"patch_length": 3e-4}), "patch_charge_per_force")
-    assert inside[0] + density @ share == pytest.approx(float(square), rel=1e-4)
-    endless = charge(solver.solve(rectangle | {"patch_length": 0.05}), "patch_charge_per_force")
-    assert endless == pytest.approx(charge(strip, "patch_charge_per_force"), rel=1e-9)
-    ring = solver.solve(case | {"patch": "ring", "patch_size": 4e-4, "patch_hole": 2e-4, "patch_position": 1e-4})
-    discs = solver.solve(case | {"patch_size": [4e-4, 2e-4], "patch_position": 1e-4})
-    outer, inner = charge(discs, "patch_charge_per_force")
-    assert charge(ring, "patch_charge_per_force") == pytest.approx(outer - inner, rel=1e-12)
-
-
-def test_rectangles_side_by_side_are_one_and_have_its_gradient() -> None:
-    body = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)])
-    case = BALL | {"force": 0.3, "body": body, "collector": 2, "patch": "rectangle", "patch_length": 7e-4}
-    places = [-2e-4, 0.0, 2e-4, 4e-4]
-    parts = charge(solver.solve(case | {"patch_size": 2e-4, "patch_position": places}), "patch_charge_per_force")
-    one = charge(solver.solve(case | {"patch_size": 8e-4, "patch_position": 1e-4}), "patch_charge_per_force")
-    assert np.sum(parts) == pytest.approx(float(one), rel=1e-10)
-    step, pitch = 1e-6, 3e-4
-    read = solver.solve(case | {"patch_size": 2e-4, "patch_pitch": pitch})
-    near = solver.solve(case | {"patch_size": 2e-4, "patch_position": [pitch / 2 - step, pitch / 2 + step]})
-    before, after = charge(near, "patch_charge_per_force")
-    assert float(read["patch_charge_gradient"]) == pytest.approx((before - after) / step, rel=1e-4)
 
 
 def test_what_a_base_stretches_leads_on_to_the_free_slab_s_d33() -> None:

@@ -23,7 +23,6 @@ from solver.line.tractions import TractionTable
 from solver.material.constants import UNITS
 from solver.stack.electroded import surface as surface_of
 from solver.stack.electrodes import Electrode
-from solver.stack.floating import stiffness
 from solver.stack.fourier import Medium
 from solver.stack.grading import Graded, GradedMedium
 from solver.stack.layers import Layer, Stack, StackError
@@ -276,5 +275,3 @@ def test_what_is_not_given_of_graded_layers_is_refused() -> None:
         waves(LINEAR, np.ones(1))
     with pytest.raises(StackError, match="patch_size: of the electrode on top of a film that is graded is not given"):
         Electrode(FALLING[True], 1).rows(np.ones(1))
-    with pytest.raises(StackError, match="floating_neighbours: of a film that is graded are not given"):
-        stiffness(LINEAR, 1, np.ones(1))

@@ -30,10 +30,10 @@ MAGNETIC = {**GROUNDED, "base": "CoFe2O4", "interface_magnetic": "bonded"}
 @pytest.mark.parametrize(
     ("body", "load", "charge", "potential", "store", "size"),
     [
-        (ACTIVE, 3e6, "charge", "voltage", "capacitance", 1e-6),
-        (ACTIVE | {"friction": 0.3}, 3e6, "charge", "voltage", "capacitance", 1e-6),
-        (GROUNDED | {"friction": 0.3}, 1e5, "charge", "voltage", "capacitance", 1e-7),
-        (MAGNETIC, 1e5, "magnetic_charge", "magnetic_potential", "permeance", 1e-7),
+        (ACTIVE, 3e6, "charge", "voltage", "capacitance_per_length", 1e-6),
+        (ACTIVE | {"friction": 0.3}, 3e6, "charge", "voltage", "capacitance_per_length", 1e-6),
+        (GROUNDED | {"friction": 0.3}, 1e5, "charge", "voltage", "capacitance_per_length", 1e-7),
+        (MAGNETIC, 1e5, "magnetic_charge", "magnetic_potential", "permeance_per_length", 1e-7),
     ],
     ids=["bonded", "bonded, friction", "grounded, friction", "bonded, magnetic"],
 )
@@ -59,10 +59,10 @@ def test_stores_are_those_between_two_states_of_one_width(
 
 def test_figures_that_others_found() -> None:
     """Of an independent check, four digits: dT/dV between two states of one contact, and an insulated base's exact."""
-    assert float(solver.solve(ACTIVE | {"load": 3e6})["capacitance"]) == pytest.approx(9.888e-9, rel=5e-5)
+    assert float(solver.solve(ACTIVE | {"load": 3e6})["capacitance_per_length"]) == pytest.approx(9.888e-9, rel=5e-5)
     layers = Layer(solver.find("PZT-5H"), 10e-6), Layer(solver.find("polyimide"), 0.2e-3, magnetic="insulated")
     found = solver.solve({"surroundings": "insulated", "body": Stack(layers), "radius": 0.05, "load": 1e4})
-    assert float(found["permeance"]) == pytest.approx(-6.960e-6, rel=1e-4)
+    assert float(found["permeance_per_length"]) == pytest.approx(-6.960e-6, rel=1e-4)
 
 
 @pytest.mark.parametrize(("thin", "load"), [(10e-6, 1e4), (50e-6, 1e3)])
@@ -84,4 +84,4 @@ def test_permeance_above_an_insulated_base_is_that_of_a_strip(thin: float, load:
     logs[:, 0] = np.pi * np.log(np.pi * half / (2 * thickness))
     smooth = np.log(np.sinh(phase) / phase) @ terms * np.pi / count
     charge = np.pi * np.linalg.solve(logs + smooth, np.ones(count))[0]
-    assert float(found["permeance"]) == pytest.approx(-np.pi * mu * charge / (1 - charge), rel=1e-6)
+    assert float(found["permeance_per_length"]) == pytest.approx(-np.pi * mu * charge / (1 - charge), rel=1e-6)

@@ -28,7 +28,7 @@ def charge(factors: dict[str, Any], name: str = "patch_charge_per_force") -> Arr
 
 @pytest.mark.parametrize(
     ("punch", "patch"),
-    [(ROLLER, {}), (BALL, {}), (DISC, {"patch": "strip"}), (CONE, {"patch": "rectangle", "patch_length": 0.05})],
+    [(ROLLER, {}), (BALL, {}), (DISC, {"patch": "strip"}), (CONE, {})],
     ids=["roller", "ball", "disc", "cone"],
 )
 def test_a_patch_that_covers_all_has_the_charge_of_the_electrode(punch: dict[str, Any], patch: dict[str, Any]) -> None:
@@ -75,8 +75,8 @@ def test_the_charge_is_reciprocal_to_what_its_voltage_moves() -> None:
 
 @pytest.mark.parametrize(
     ("punch", "patch"),
-    [(ROLLER, {}), (BALL, {"patch": "disc"}), (BALL, {"patch": "ring", "patch_hole": 5e-5})],
-    ids=["strips", "discs", "rings"],
+    [(ROLLER, {}), (BALL, {"patch": "disc"})],
+    ids=["strips", "discs"],
 )
 def test_a_cover_that_grows_thin_leads_there(punch: dict[str, Any], patch: dict[str, Any]) -> None:
     """Electrodes below 4 and 2 um of the same film, whose charge comes by waves alone, on a line to no cover at all."""
@@ -92,10 +92,10 @@ def test_a_cover_that_grows_thin_leads_there(punch: dict[str, Any], patch: dict[
 
 
 def test_covered_parts_of_the_contact_are_what_geometry_says() -> None:
-    """Areas within a circle of radius 1: two discs' lens, a segment, a rectangle, by closed forms."""
+    """Areas within a circle of radius 1: two discs' lens and a segment, by closed forms."""
 
-    def area(shape: int, distance: float, size: float, other: float = 0.0) -> float:
-        return float(np.sum(Covered(shape, *(np.array([v]) for v in (distance, size, other))).rule(slope=False)[1]))
+    def area(shape: int, distance: float, size: float) -> float:
+        return float(np.sum(Covered(shape, np.array([distance]), np.array([size])).rule(slope=False)[1]))
 
     d, b = 0.9, 0.5
     lens = (
@@ -106,8 +106,6 @@ def test_covered_parts_of_the_contact_are_what_geometry_says() -> None:
     assert area(0, d, 2 * b) == pytest.approx(lens, rel=1e-10)
     segment = np.arccos(0.3) - 0.3 * np.sqrt(1 - 0.3**2)
     assert area(1, 1.3, 2.0) == pytest.approx(segment, rel=1e-10)
-    assert area(3, 0.2, 0.6, 0.8) == pytest.approx(0.6 * 0.8, rel=1e-10)
-    assert area(2, 0.1, 1.2, 0.6) == pytest.approx(np.pi * (0.6**2 - 0.3**2), rel=1e-10)
 
 
 def test_a_metal_on_top_is_the_electrode_that_is_asked_for_there() -> None:

@@ -45,7 +45,7 @@ def test_volts_per_force_of_the_half_plane() -> None:
     """Those of shared/materials.md, which another program found."""
     x = [0.0, 0.2, 0.3, 0.4]
     out = solver.solve({"composite": "AlScN", "scandium_fraction": x, **CONTACT})
-    assert abs(out.voltage_sensitivity.values) == pytest.approx([0.073, 0.117, 0.146, 0.180], abs=5e-4)
+    assert abs(out.voltage_per_load.values) == pytest.approx([0.073, 0.117, 0.146, 0.180], abs=5e-4)
 
 
 def test_positive_definite_over_the_range() -> None:

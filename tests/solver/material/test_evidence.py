@@ -111,7 +111,7 @@ def test_what_the_entries_say_of_their_alternatives() -> None:
     for name, voltage in {"BaTiO3": 1.10, "PZT-4": 0.977}.items():
         both = solver.solve({"material": [name, f"{name} (alternative 1)"], **contact})
         assert float(both.voltage[1] / both.voltage[0]) == pytest.approx(voltage, abs=2e-3)
-        for same in ("contact_trailing", "peak_pressure", "charge_sensitivity", "trailing_tension"):
+        for same in ("contact_trailing", "peak_pressure", "charge_per_force", "trailing_tension"):
             assert float(both[same][1] / both[same][0]) == pytest.approx(1, abs=4e-3)
     m = solver.find("PMN-PT 67:33 (alternative 1)")
     c = np.array([[m.c11, m.c12, m.c13], [m.c12, m.c11, m.c13], [m.c13, m.c13, m.c33]], dtype=float)

@@ -48,4 +48,4 @@ def test_a_tip_at_zero_volts_has_13_06_to_13_37_picocoulombs_by_azimuth() -> Non
     assert 1e12 * abs(mean[0, 1] / mean[1, 1]) == pytest.approx(13.213, abs=1e-3)
     (warner,) = solver.find("LiNbO3").variants()
     ball = {"material": warner, "profile": "sphere", "radius": 1e-6, "force": 1e-4}
-    assert 1e12 * float(solver.solve(ball)["charge_sensitivity"]) == pytest.approx(13.444, abs=1e-3)
+    assert 1e12 * float(solver.solve(ball)["charge_per_force"]) == pytest.approx(13.444, abs=1e-3)

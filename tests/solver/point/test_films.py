@@ -66,7 +66,7 @@ def test_figures_of_the_theory() -> None:
     pressed = on_film(kind.film, 1.0, 2.0, 0.5, forces * radii**3)
     np.testing.assert_allclose(pressed.grounded.radius, radii, rtol=3e-7)
     np.testing.assert_allclose(
-        quantities(pressed)["charge_sensitivity"], [162.6588e-12, 142.2051e-12, 119.1587e-12], rtol=4e-7
+        quantities(pressed)["charge_per_force"], [162.6588e-12, 142.2051e-12, 119.1587e-12], rtol=4e-7
     )
     np.testing.assert_allclose(
         -pressed.grounded.displacement[:, 0] / radii**2, [0.888477, 0.646322, 0.524082], rtol=1e-6

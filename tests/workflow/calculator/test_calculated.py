@@ -1,7 +1,6 @@
 """What the calculator's scripts calculate in JavaScript is what the solver does: every material, profile and film."""
 
 import json
-import shutil
 import subprocess
 from collections.abc import Iterator
 from typing import Any
@@ -18,7 +17,7 @@ from workflow.calculator import films
 from workflow.calculator.library import library
 from workflow.calculator.page import script
 
-pytestmark = pytest.mark.skipif(not shutil.which("node"), reason="no Node.js (Debian: nodejs)")
+pytestmark = pytest.mark.needs("node")
 
 LIBRARY = library()
 EVERY = [one for material in materials().values() for one in (material, *material.variants())]
@@ -40,8 +39,8 @@ CASES: list[dict[str, Any]] = [
 ]
 #: Of a film, whose tables know no magnetic field.
 MAGNETIC = (
-    "magnetic_edge_intensity", "magnetic_potential", "magnetic_potential_per_force", "flux_sensitivity",
-    "stroke_per_ampere", "blocked_force_per_ampere", "contact_permeance",
+    "magnetic_edge_intensity", "magnetic_potential", "magnetic_potential_per_force", "flux_per_force",
+    "stroke_per_ampere", "blocked_force_per_ampere", "permeance",
 )  # fmt: skip
 DRIVER = """
 const told = JSON.parse(require("fs").readFileSync(0, "utf8"));

@@ -25,12 +25,12 @@ const set = (values) => {
 };
 addEventListener("load", async () => {
   const bands = (...names) => names.map((name) => document.querySelector(`[data-name=${name}] .band`).textContent);
-  const told = ["contact_radius", "charge_sensitivity", "peak_pressure"];
+  const told = ["contact_radius", "charge_per_force", "peak_pressure"];
   const words = text("band-words");
   out.first = { radius: seen("contact_radius"), verdict: text("verdict"), bands: bands(...told), words };
   out.first.commands = text("commands");
   set({ material: "AlN", profile: "cylinder", radius: "2 cm", load: "50 kN/m", friction: "0.3", punch: "steel" });
-  const names = ["width", "peak_pressure", "trailing_tension", "charge_sensitivity", "voltage"];
+  const names = ["width", "peak_pressure", "trailing_tension", "charge_per_force", "voltage"];
   out.line = Object.fromEntries(names.map((name) => [name, seen(name)]));
   out.band = document.querySelector("[data-name=voltage] .band").textContent;
   out.hash = location.hash;
@@ -46,13 +46,13 @@ addEventListener("load", async () => {
   form.elements.material.dispatchEvent(new Event("input", { bubbles: true }));
   out.thickness = form.elements.thickness.value;
   set(ball);
-  out.film = [seen("contact_radius"), seen("charge_sensitivity"), seen("peak_pressure")];
+  out.film = [seen("contact_radius"), seen("charge_per_force"), seen("peak_pressure")];
   set({ profile: "cone", slope: "0.02" });
-  out.cone = seen("charge_sensitivity");
+  out.cone = seen("charge_per_force");
   set({ profile: "cylinder" });
   out.film_line = text("refused-words");
   set({ material: "own constants", ...ball, electric: "voltage", voltage: "25 V" });
-  out.own = [seen("charge_sensitivity"), seen("charge"), text("verdict-lines")];
+  out.own = [seen("charge_per_force"), seen("charge"), text("verdict-lines")];
   location.hash = "#material=PZT-4&profile=disc&width=1+mm&force=10+N&punch=rigid&nonsense=1";
   await new Promise((done) => setTimeout(done, 100));
   const curves = document.querySelectorAll("#pressure .curve").length;
@@ -99,7 +99,7 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
         solver.solve({**default, "force": 0.01, "material": top, "base": base})
         for top, base in variants(FILMS["PVDF on glass"])
     )
-    told = ("contact_radius", "charge_sensitivity", "peak_pressure")
+    told = ("contact_radius", "charge_per_force", "peak_pressure")
     wide = [max(abs(float(other[name] / pressed[name] - 1)) for other in moved) for name in told]
     assert seen["first"]["bands"] == [f"± {100 * one:.{1 if one < 0.1 else 2}g} %" for one in wide]
     assert seen["first"]["radius"] == f"{1e6 * float(pressed['contact_radius']):.3g} µm"
@@ -109,7 +109,7 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
         "width": f"{1e6 * float(solved['contact_trailing'] + solved['contact_leading']):.3g} µm",
         "peak_pressure": f"{float(solved['peak_pressure']) / 1e6:.3g} MPa",
         "trailing_tension": f"{float(solved['trailing_tension']) / 1e6:.3g} MPa",
-        "charge_sensitivity": f"{1e12 * float(solved['charge_sensitivity']):.3g} pC/N",
+        "charge_per_force": f"{1e12 * float(solved['charge_per_force']):.3g} pC/N",
         "voltage": f"{float(solved['voltage']) / 1e3:.3g} kV".replace("-", "−"),
     }
     own, *others = (
@@ -127,10 +127,10 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
     film = FILMS["AlScN (30 % Sc) on silicon"] | BARE | {"profile": "sphere", "radius": 1e-4, "thickness": 1e-6}
     assert seen["thickness"] == "1 um"
     coned = {"profile": "cone", "slope": 0.02, "thickness": 1e-6, "force": 1e-3, "punch": "steel"}
-    coned_charge = float(solver.solve(FILMS["AlScN (30 % Sc) on silicon"] | coned)["charge_sensitivity"])
+    coned_charge = float(solver.solve(FILMS["AlScN (30 % Sc) on silicon"] | coned)["charge_per_force"])
     assert seen["cone"] == f"{1e12 * coned_charge:.3g} pC/N"
     pressed = solver.solve(film | {"force": 1e-3, "punch": "steel"})
-    radius, charge = (float(pressed[name]) for name in ("contact_radius", "charge_sensitivity"))
+    radius, charge = (float(pressed[name]) for name in ("contact_radius", "charge_per_force"))
     assert seen["film"][:2] == [f"{1e9 * radius:.3g} nm", f"{1e12 * charge:.3g} pC/N"]
     assert "a film under a roller" in seen["film_line"].lower()
     assert "depoling stress" in seen["own"][2]

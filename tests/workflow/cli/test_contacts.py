@@ -59,7 +59,7 @@ def test_a_table_mixes_surroundings_and_says_what_is_empty(tmp_path: Path, capsy
     case: dict[str, Any] = {"material": "PZT-4", "radius": 0.05, "load": 1e4, "magnetic": "insulating"}
     film: dict[str, Any] = {"surroundings": "air", "gap_permittivity": 2.2, "thickness": 2e-4, "base": "steel"}
     for row, own in enumerate([{}, {"surroundings": "air"}, film]):
-        for name in ("contact_trailing", "voltage", "charge_sensitivity"):
+        for name in ("contact_trailing", "voltage", "charge_per_force"):
             exact = float(solver.solve(case | own)[name])
             assert float(data[name][row]) == pytest.approx(exact, rel=1e-9), (row, name)
 

@@ -42,7 +42,7 @@ def test_films_alone_have_their_own_columns(tmp_path: Path) -> None:
     data = read_whole(out)
     voltage, thickness = float(data["voltage"][0]), float(data["thickness"][0])
     assert float(data["nominal_field"][0]) == pytest.approx(abs(voltage) / thickness)
-    assert float(data["capacitance"][0]) > 0
+    assert float(data["capacitance_per_length"][0]) > 0
 
 
 def test_fields_inside_films_and_half_planes(tmp_path: Path) -> None:

@@ -82,7 +82,7 @@ def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, caps
         ("voltage [kV]", "voltage [km]", "column 'voltage': unit mismatch: 'km' does not measure what 'V' measures"),
         ("composite,", "composite [1],", "column 'composite': holds names, which have no unit"),
         ("voltage [kV]", "volts", "column 'volts': unknown column; did you mean"),
-        ("voltage [kV]", "capacitance", "column 'capacitance': unknown column"),
+        ("voltage [kV]", "capacitance_per_length", "column 'capacitance_per_length': unknown column"),
         ("voltage [kV]", "thickness", "thickness: neither an input of the surrogate nor learned by it"),
         ("radius [cm]", "radius", "is outside the trained box [0.02, 0.1] m"),
         (",depth,", ",contact_trailing,", "depth_std: without a column depth"),
@@ -114,7 +114,7 @@ fixed: {surroundings: insulated,
         material: PZT-4, profile: sphere, punch: tungsten_carbide, radius: 500 um, thickness: 700 nm, base: silicon,
         magnetic: insulating}
 factors: {force: {low: 0.1 N, high: 2 N, levels: 6, scale: log}}
-surrogate: {outputs: [charge_sensitivity]}
+surrogate: {outputs: [charge_per_force]}
 """
 
 
@@ -127,7 +127,7 @@ def test_one_row_of_a_film_tells_e33_over_c33_and_not_the_two_apart(
     _, model = study_of(SOL_GEL, tmp_path / "config")
     save(model, tmp_path / "results/study/surrogate.nc")
     (tmp_path / "row.csv").write_text(
-        "force,charge_sensitivity [pC/N],charge_sensitivity_std [pC/N]\n0.5,42,3\n", encoding="utf-8"
+        "force,charge_per_force [pC/N],charge_per_force_std [pC/N]\n0.5,42,3\n", encoding="utf-8"
     )
     words = ["learn", str(tmp_path / "row.csv"), "--on", str(tmp_path / "results/study/surrogate.nc"), "--json"]
     assert main.main([*words, "--uncertain", "PZT-4 e33=50%,PZT-4 c33=30%"]) == 0

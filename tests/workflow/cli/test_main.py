@@ -198,7 +198,7 @@ def test_query_gives_the_exact_answer_beside_its_own(
     with out.open(encoding="utf-8") as file:
         row = next(csv.DictReader(file))
     exact = solve(point)
-    for name in ("voltage_sensitivity", "peak_pressure"):
+    for name in ("voltage_per_load", "peak_pressure"):
         assert float(row[f"{name}_exact"]) == pytest.approx(float(exact[name]), rel=1e-13)
     assert main.main(["query", path, "--at", at, "--exact", "small"]) == 0
     assert f"exact {float(exact['peak_pressure']) / 1e6:.10g} MPa" in capsys.readouterr().out

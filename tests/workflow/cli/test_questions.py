@@ -29,7 +29,7 @@ def asked(ran: Project, *words: str, check: bool = True) -> str:
 def test_answers_as_a_table_and_as_json(
     ran: Project, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = ["--maximise", "abs(voltage_sensitivity)", "--over", "radius,volume_fraction", "--at", "load=1e4"]
+    words = ["--maximise", "abs(voltage_per_load)", "--over", "radius,volume_fraction", "--at", "load=1e4"]
     words += ["--worst-case", "friction=0.1:0.4", "--limit", "trailing_tension<5e7"]
     monkeypatch.chdir(ran.folder)
     ask = questions.ask
@@ -46,7 +46,7 @@ def test_answers_as_a_table_and_as_json(
         assert main.main(["design", "results/small", *words, *form]) == 0
         tables.append(capsys.readouterr().out)
     first, told, *rest = tables[0].splitlines()
-    assert first == "maximise abs(voltage_sensitivity)"
+    assert first == "maximise abs(voltage_per_load)"
     assert told.startswith(
         "Beyond linear theory; otherwise recommended: tension behind the contact of 50 MPa stops it."
     )
@@ -57,15 +57,15 @@ def test_answers_as_a_table_and_as_json(
     at = {name: one["value"] for name, one in found["factors"].items()}
     friction = np.linspace(0.1, 0.4, 61)
     exact = solve({**at, "friction": friction, "composite": "fibrous"})
-    best = float(abs(exact["voltage_sensitivity"]).min())
-    assert found["terms"]["abs(voltage_sensitivity)"]["exact"] == pytest.approx(best, rel=1e-9)
+    best = float(abs(exact["voltage_per_load"]).min())
+    assert found["terms"]["abs(voltage_per_load)"]["exact"] == pytest.approx(best, rel=1e-9)
     assert float(exact["trailing_tension"].max()) <= 5e7
     grid = solve(
         {"volume_fraction": np.linspace(0.4, 0.8, 200), "radius": np.geomspace(0.02, 0.2, 200), "load": 1e4,
          "friction": np.linspace(0.1, 0.4, 7)},
     )  # fmt: skip
     allowed = grid["trailing_tension"].max("friction") <= 5e7
-    dense = float(abs(grid["voltage_sensitivity"]).min("friction").where(allowed).max())
+    dense = float(abs(grid["voltage_per_load"]).min("friction").where(allowed).max())
     assert best >= dense * (1 - 1e-9)
 
 
@@ -91,7 +91,7 @@ def test_an_answer_is_written_as_its_ending_says_or_not_at_all(
 
 
 def test_several_goals_give_a_front(ran: Project) -> None:
-    words = ["--maximise", "abs(voltage_sensitivity)", "--minimise", "trailing_tension"]
+    words = ["--maximise", "abs(voltage_per_load)", "--minimise", "trailing_tension"]
     words += ["--over", "radius=0.05:0.2,volume_fraction", "--at", "load=1e4,friction=0.3", "--json"]
     front = json.loads(asked(ran, *words))["front"]
     assert len(front) > 30
@@ -135,7 +135,7 @@ def test_uncertain_factors_choices_and_defaults(ran: Project) -> None:
         (["--maximise", "depth", "--over", "radius", "--worst-case", "friction=0.2"], "--worst-case: friction: '0.2'"),
         (["--maximise", "peak_pressure", "--over", "friction", "--at", "load=1e4,radius=0.1,volume_fraction=0.5",
           "--limit", "trailing_tension <= 1 mm"], "design: 'trailing_tension <= 1 mm': unit mismatch"),
-        (["--maximise", "voltage_sensitivity / friction", "--over", "friction", "--at",
+        (["--maximise", "voltage_per_load / friction", "--over", "friction", "--at",
           "load=1e4,radius=0.1,volume_fraction=0.5"], "is unbounded: friction in a divisor passes 0 in the ranges"),
         (["--maximise", "load", "--over", "radius", "--at", "load=1e4,volume_fraction=0.5"], "'load' is constant"),
         (["--maximise", "peak_pressure", "--over", "radius", "--at", "load=5e4,volume_fraction=0.5,friction=0.4",

@@ -33,7 +33,7 @@ def test_a_csv_has_the_columns_of_the_cases_and_a_number_a_case(
     ):
         ball = {"profile": "sphere", "radius": radius, "force": force}
         alone = solver.solve(ball | {"material": material, "thickness": 20e-6, "base": base})
-        for name in ("voltage", "contact_radius", "charge_sensitivity"):
+        for name in ("voltage", "contact_radius", "charge_per_force"):
             column = f"{name} [{alone[name].attrs['units']}]"
             np.testing.assert_allclose(frame[column][row], alone[name].item(), rtol=1e-12)  # rounding, in a batch
 

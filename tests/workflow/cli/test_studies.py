@@ -45,7 +45,7 @@ def test_list_tells_every_name_once(monkeypatch: pytest.MonkeyPatch, tmp_path: P
     ]  # fmt: skip
     quantities = studies.listed("quantities").splitlines()
     assert [line.split()[0] for line in quantities] == list(ALL_QUANTITIES)
-    assert any(line.split()[:2] == ["voltage_sensitivity", "V·m/N"] for line in quantities)
+    assert any(line.split()[:2] == ["voltage_per_load", "V·m/N"] for line in quantities)
     assert re.search(r"^quickstart +Which composite", studies.listed("studies"), re.MULTILINE)
     with pytest.raises(InputError, match=r"^list: 'material' is unknown; did you mean 'materials'\?"):
         studies.listed("material")

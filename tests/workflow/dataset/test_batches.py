@@ -30,7 +30,7 @@ factors:
   thickness: {low: 2e-4, high: 2.5e-4, levels: 2, scale: log}
   load: {low: 2e4, high: 3e4, levels: 3, scale: log}
 dataset: {slabs: 2}
-surrogate: {method: cross, outputs: [voltage, contact_offset, charge_sensitivity]}
+surrogate: {method: cross, outputs: [voltage, contact_offset, charge_per_force]}
 validation: {cases: 20, calibration: 40, tolerance: 1e-3}
 """
 
@@ -108,7 +108,12 @@ def test_films_that_differ_in_size_alone_share_their_tables(study: Study) -> Non
     # by dimension: twice the lengths under twice the load
     fixed = study.model_copy(update={"fixed": {**study.fixed, "radius": 0.1}})
     twice = factorial.exact(fixed, {**cases, "load": 4e4, "thickness": xr.DataArray([4e-4], dims="thickness")})
-    for name, times in {"voltage": 2.0, "peak_pressure": 1.0, "contact_offset": 2.0, "capacitance": 1.0}.items():
+    for name, times in {
+        "voltage": 2.0,
+        "peak_pressure": 1.0,
+        "contact_offset": 2.0,
+        "capacitance_per_length": 1.0,
+    }.items():
         np.testing.assert_allclose(twice[name].values, times * one[name].values, rtol=1e-10)
 
 

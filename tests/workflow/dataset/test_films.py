@@ -85,7 +85,7 @@ def test_random_cases_share_tables(study: Study) -> None:
 
 def test_the_card_says_what_hangs_on_the_datum(study: Study, slabs: list[Path]) -> None:
     card = datacard.card(study, "film", slabs, [])
-    assert card["on_datum"] == ["blocked_load_per_ampere", "blocked_load_per_volt", "depth", "flux_sensitivity"]
+    assert card["on_datum"] == ["blocked_load_per_ampere", "blocked_load_per_volt", "depth", "flux_per_force"]
     assert "depend blocked_load" not in datacard.markdown(card | {"on_datum": []})
 
 

@@ -180,7 +180,7 @@ def test_the_surrogate_of_a_study_with_holes_is_exact_at_kept_nodes_and_refuses_
     nodes = factorial.training_data(study, whole)
     points = {name: nodes[name] for name in study.factors}
     found = model.predict(points, return_std=False)
-    for name in ("depth", "contact_trailing", "voltage_sensitivity"):
+    for name in ("depth", "contact_trailing", "voltage_per_load"):
         truth = nodes[name].transpose(*study.factors).values
         away = np.abs(found[name].transpose(*study.factors).values - truth)
         assert np.nanmax(away) <= 1e-12 * np.nanmax(np.abs(truth))

@@ -23,11 +23,11 @@ factors:
   friction: {low: 0.0, high: 0.6, levels: 3}
   load: {low: 3e3, high: 3e5, levels: 3, scale: log}
 dataset: {slabs: 2}
-surrogate: {budget: 300, outputs: [voltage_sensitivity, trailing_tension]}
+surrogate: {budget: 300, outputs: [voltage_per_load, trailing_tension]}
 validation: {cases: 20, calibration: 400}
 design:
   sensor:
-    maximise: abs(voltage_sensitivity)
+    maximise: abs(voltage_per_load)
     over: [volume_fraction]
     at: {load: 5e3}
     worst_case: {friction: [0.1, 0.4]}

@@ -67,7 +67,7 @@ def test_a_punch_without_a_voltage_is_judged_and_drawn(ask: Ask, insulating: lis
 def test_a_contact_too_wide_for_its_parabola_is_told_of_a_fixed_radius_too(
     ask: Ask, profile: dict[str, Any], told: bool
 ) -> None:
-    target = {"maximise": "abs(voltage_sensitivity)", "over": ["volume_fraction", "load"]}
+    target = {"maximise": "abs(voltage_per_load)", "over": ["volume_fraction", "load"]}
     answer = ask({"volume_fraction": FRACTION, "load": LOAD}, profile, **target)
     flags = answer.flags
     assert ("no longer a parabola" in flags) == told
@@ -78,7 +78,7 @@ def test_a_contact_too_wide_for_its_parabola_is_told_of_a_fixed_radius_too(
 
 @pytest.mark.parametrize(("load", "told"), [(30.0, True), (3e4, False)])
 def test_a_depth_below_what_most_surfaces_are_rough_is_told(ask: Ask, load: float, told: bool) -> None:
-    target = {"maximise": "abs(voltage_sensitivity)", "over": ["volume_fraction"]}
+    target = {"maximise": "abs(voltage_per_load)", "over": ["volume_fraction"]}
     answer = ask({"volume_fraction": FRACTION}, {"radius": 0.1, "load": load}, **target)
     depth = exact_ranges(answer)["depth"][1]
     assert (depth < 1e-7) == told
@@ -90,7 +90,7 @@ SQUARE = {"volume_fraction": FRACTION, "radius": RADIUS}
 
 def test_a_pair_of_limits_that_is_an_equality_is_met_to_rounding(ask: Ask) -> None:
     limits = ["trailing_tension <= 30 MPa", "trailing_tension >= 30 MPa"]
-    target = {"maximise": "abs(voltage_sensitivity)", "over": list(SQUARE), "subject_to": limits}
+    target = {"maximise": "abs(voltage_per_load)", "over": list(SQUARE), "subject_to": limits}
     answer = ask(SQUARE, {"load": 1e4}, **target)
     assert answer.feasible
     assert answer.status == f"feasible; binding: {', '.join(limits)}"
@@ -98,7 +98,7 @@ def test_a_pair_of_limits_that_is_an_equality_is_met_to_rounding(ask: Ask) -> No
     # the curve of all designs with this tension, by brute force
     over = {"volume_fraction": np.linspace(0.4, 0.8, 401), "radius": np.geomspace(0.02, 0.2, 81)}
     exact = solve({**over, "load": 1e4, "friction": 0.2, "composite": "fibrous"}).transpose(*over)
-    tension, goal = exact["trailing_tension"].values, abs(exact["voltage_sensitivity"].values)
+    tension, goal = exact["trailing_tension"].values, abs(exact["voltage_per_load"].values)
     crossing = np.diff(np.sign(tension - 30e6), axis=1) != 0
     assert crossing.sum() > 250
     assert answer.terms[0].exact == pytest.approx(np.minimum(goal[:, :-1], goal[:, 1:])[crossing].max(), rel=5e-4)
@@ -110,7 +110,7 @@ def test_a_pair_of_limits_that_is_an_equality_is_met_to_rounding(ask: Ask) -> No
     [
         (["charge"], {"minimise": "abs(voltage)"}),
         (["charge", "radius"], {"minimise": "max(abs(voltage), -2 * voltage) / load"}),
-        (["charge", "radius"], {"maximise": "abs(voltage_sensitivity)", "subject_to": ["abs(voltage) <= 0"]}),
+        (["charge", "radius"], {"maximise": "abs(voltage_per_load)", "subject_to": ["abs(voltage) <= 0"]}),
     ],
 )
 def test_a_kink_is_solved_to_rounding(ask: Ask, over: list[str], target: dict[str, Any]) -> None:
@@ -134,7 +134,7 @@ def test_a_worst_case_at_a_kink_is_that_of_both_its_sides(ask: Ask) -> None:
 
 def test_what_the_material_bears_is_a_limit_and_its_linear_range_is_told(ask: Ask) -> None:
     """BaTiO3 alone, a volume fraction of 1, has these figures in the library; the field is that below the contact."""
-    target = {"maximise": "abs(voltage_sensitivity)", "over": ["radius"], "at": {"load": 1e4}}
+    target = {"maximise": "abs(voltage_per_load)", "over": ["radius"], "at": {"load": 1e4}}
     fixed, factors = {"volume_fraction": 1.0, "composite": "fibrous"}, {"radius": RADIUS, "load": LOAD}
     answer = ask(factors, fixed, **target, subject_to=["trailing_tension <= 120 % of tensile_strength"])
     (limit,) = answer.limits

@@ -43,7 +43,7 @@ STUDY = Study.model_validate(
             "radius": {"low": 0.02, "high": 0.15, "levels": 5, "scale": "log"},
         },
         "dataset": {"peaks": True},
-        "surrogate": {"outputs": ["voltage_sensitivity", "peak_von_mises", "peak_principal_tension"]},
+        "surrogate": {"outputs": ["voltage_per_load", "peak_von_mises", "peak_principal_tension"]},
         "validation": {"cases": 20, "calibration": 40, "tolerance": 1e-2},
     }
 )
@@ -54,7 +54,7 @@ CRACK, YIELD = "peak_principal_tension <= 60 MPa", "peak_von_mises <= 120 MPa"
 
 def target(**words: object) -> Target:
     """A sensor over both variables."""
-    wanted = {} if "minimise" in words else {"maximise": "abs(voltage_sensitivity)"}
+    wanted = {} if "minimise" in words else {"maximise": "abs(voltage_per_load)"}
     return Target.model_validate({**wanted, "over": ["volume_fraction", "radius"], **words})
 
 
@@ -105,12 +105,12 @@ def test_a_limit_on_what_is_searched_for_holds_and_costs_no_regret(
     answer = sensor(limit)
     name, bound = limit.split()[0], answer.term(limit).limit
     allowed = dense[name].max("friction") <= bound
-    best = float(abs(dense["voltage_sensitivity"]).min("friction").where(allowed).max())
+    best = float(abs(dense["voltage_per_load"]).min("friction").where(allowed).max())
     found = {key: answer.variable(key).value for key in ("volume_fraction", "radius")}
     exact = solve({"composite": "fibrous", "load": 5e4, **found, "friction": np.linspace(0.1, 0.4, 61)}, peaks=True)
     assert float(exact[name].max()) <= bound
     assert float(exact[name].max()) >= bound * (1 - 1e-5)
-    assert float(abs(exact["voltage_sensitivity"]).min()) >= best * (1 - 1e-6)
+    assert float(abs(exact["voltage_per_load"]).min()) >= best * (1 - 1e-6)
     assert answer.feasible
     assert answer.polish.startswith(f"on the exact solver; {name} led by the surrogate, limits shifted to")
     assert answer.variable("radius").sensitivity.margin_left == pytest.approx(-0.005, abs=2e-4)  # ~ 1/sqrt(radius)
@@ -141,7 +141,7 @@ def test_a_chance_and_a_mean(model: GaussianProcess) -> None:
     assert exact["peak_principal_tension"].item() <= 60e6
 
     asked = target(
-        minimise="peak_von_mises", uncertain=DRAWN, robust="mean", subject_to=["abs(voltage_sensitivity) >= 0.048"]
+        minimise="peak_von_mises", uncertain=DRAWN, robust="mean", subject_to=["abs(voltage_per_load) >= 0.048"]
     )
     least = targets.answer(STUDY, "mises", asked, model)
     at = {key: least.variable(key).value for key in ("volume_fraction", "radius")}
@@ -153,9 +153,9 @@ def test_a_chance_and_a_mean(model: GaussianProcess) -> None:
 
 @pytest.mark.soak  # fronts of closed forms: test_search.py, test_categories.py
 def test_a_front(model: GaussianProcess, dense: xr.Dataset) -> None:
-    both = target(minimise="peak_principal_tension", maximise="abs(voltage_sensitivity)", worst_case=RANGE)
+    both = target(minimise="peak_principal_tension", maximise="abs(voltage_per_load)", worst_case=RANGE)
     front = targets.answer(STUDY, "front", both, model).pictures["front_exact"].values * [1, -1]
-    ends = abs(dense["voltage_sensitivity"]).min("friction"), -dense["peak_principal_tension"].max("friction")
+    ends = abs(dense["voltage_per_load"]).min("friction"), -dense["peak_principal_tension"].max("friction")
     everything = np.stack([one.values.ravel() for one in ends], -1)
     reference = front.min(0)
     assert hypervolume(front, reference) >= 0.995 * hypervolume(everything, reference)
@@ -317,11 +317,11 @@ factors:
   friction: {low: 0.1, high: 0.4, levels: 8}
   radius: {low: 0.02, high: 0.15, levels: 4, scale: log}
 dataset: {peaks: true, slabs: 2, positions: {inside: 8, outside: 4}}
-surrogate: {outputs: [voltage_sensitivity, peak_von_mises, peak_principal_tension]}
+surrogate: {outputs: [voltage_per_load, peak_von_mises, peak_principal_tension]}
 validation: {cases: 20, calibration: 60, tolerance: 2e-2}
 design:
   uncracked:
-    maximise: abs(voltage_sensitivity)
+    maximise: abs(voltage_per_load)
     over: [volume_fraction, radius]
     worst_case: {friction: [0.1, 0.4]}
     subject_to: [peak_principal_tension <= 60 MPa]
@@ -337,7 +337,7 @@ def test_from_the_study_to_the_answer_and_the_command(copy: Copy) -> None:
     assert answer.feasible
     assert 0 <= answer.term(CRACK).margin <= 1e-6
     assert "peak_principal_tension led by the surrogate, limits shifted to exact values (" in answer.polish
-    words = ["--maximise", "abs(voltage_sensitivity)", "--over", "radius,volume_fraction", "--worst-case"]
+    words = ["--maximise", "abs(voltage_per_load)", "--over", "radius,volume_fraction", "--worst-case"]
     words += ["friction=0.1:0.4", "--limit", "peak_von_mises < 120 MPa", "--json"]
     found = json.loads(project.run("meecontact", "design", "results/cracks", *words).stdout)
     at = {name: one["value"] for name, one in found["factors"].items()}

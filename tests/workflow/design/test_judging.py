@@ -49,7 +49,7 @@ def test_a_device_has_the_figures_of_its_charge() -> None:
     device = {"electrode_length": "10 mm", "amplifier": {"input_capacitance": "10 pF", "charge_noise": "1 fC"}}
     study = standin.study(device=device)
     design = standin.design(study, AT, maximise="load", over=["radius", "load"])
-    corner = {"charge_sensitivity": np.array([[2e-11, 3e-11]])}
+    corner = {"charge_per_force": np.array([[2e-11, 3e-11]])}
     corner |= {f"contact_{side}": np.full((1, 2), 1e-4) for side in ("trailing", "leading")}
     found = {one.figure: (one.figure_low, one.figure_high) for one in merit.over(design, corner)}
     assert found["force"] == pytest.approx((100.0, 100.0))  # N, of 10 kN/m along 10 mm
@@ -76,11 +76,11 @@ def test_effects_of_constants_add_as_squares() -> None:
 
 def test_a_design_is_judged_with_a_surrogate_that_errs() -> None:
     study = standin.study()
-    target = {"maximise": "abs(voltage_sensitivity)", "over": ["radius", "load"], "subject_to": ["load <= 10 kN/m"]}
+    target = {"maximise": "abs(voltage_per_load)", "over": ["radius", "load"], "subject_to": ["load <= 10 kN/m"]}
     right, wrong = (assessment.judge(standin.design(study, AT, off, **target)) for off in (0.0, 0.1))
     assert right.terms[0].inside
     assert not wrong.terms[0].inside
-    assert wrong.outside.startswith("abs(voltage_sensitivity): exact ")
+    assert wrong.outside.startswith("abs(voltage_per_load): exact ")
     assert wrong.terms[0].predicted == pytest.approx(1.1 * right.terms[0].exact, rel=1e-12)
     assert [limit.name for limit in right.binding] == ["load <= 10 kN/m"]
     assert right.status.startswith("feasible; binding: load <= 10 kN/m")

@@ -28,12 +28,12 @@ STUDY = Study.model_validate(
             "radius": {"low": 0.01, "high": 0.1, "levels": 4},
             "friction": {"low": 0.1, "high": 0.4, "levels": 4},
         },
-        "surrogate": {"outputs": ["voltage_sensitivity", "trailing_tension"]},
+        "surrogate": {"outputs": ["voltage_per_load", "trailing_tension"]},
     }
 )
 TARGET = Target.model_validate(
     {
-        "maximise": "voltage_sensitivity",
+        "maximise": "voltage_per_load",
         "over": ["radius"],
         "worst_case": {"friction": [0.1, 0.4]},
         "subject_to": ["trailing_tension <= 50 MPa"],
@@ -56,7 +56,7 @@ class Closed:
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         radius, friction = (factors[name] + np.zeros(shape(factors)) for name in ("radius", "friction"))
-        found = {"voltage_sensitivity": radius, "trailing_tension": self.tension(radius, friction)}
+        found = {"voltage_per_load": radius, "trailing_tension": self.tension(radius, friction)}
         return {name: found[name] for name in names}
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:

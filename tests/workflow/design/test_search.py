@@ -43,7 +43,7 @@ def best_of(dense: xr.Dataset, quantity: str) -> tuple[float, float]:
     worst = abs(dense[quantity]).min("friction")
     allowed = dense["trailing_tension"].max("friction") <= STRENGTH
     if quantity == "stroke_per_volt":  # of the actuator, which is read by its magnetic potential
-        allowed &= abs(dense["magnetic_sensitivity"]).min("friction") >= 30e-6
+        allowed &= abs(dense["magnetic_potential_per_load"]).min("friction") >= 30e-6
     best = worst.where(allowed)
     where = best.argmax(...)
     return float(best.max()), float(best["volume_fraction"][where["volume_fraction"]])
@@ -52,7 +52,7 @@ def best_of(dense: xr.Dataset, quantity: str) -> tuple[float, float]:
 def test_designs_have_no_regret_and_break_no_limit(
     quickstart: Study, model: GaussianProcess, dense: xr.Dataset
 ) -> None:
-    for name, quantity in (("sensor", "voltage_sensitivity"), ("actuator", "stroke_per_volt")):
+    for name, quantity in (("sensor", "voltage_per_load"), ("actuator", "stroke_per_volt")):
         answer = targets.solve_target(quickstart, name, model)
         best, fraction = best_of(dense, quantity)
         objective = answer.term(f"abs({quantity})").exact
@@ -80,13 +80,13 @@ def test_the_front_has_the_hypervolume_of_a_dense_exact_one(
     quickstart: Study, model: GaussianProcess, dense: xr.Dataset
 ) -> None:
     target = Target(
-        maximise="abs(voltage_sensitivity)", minimise="trailing_tension", over=["volume_fraction", "radius"],
+        maximise="abs(voltage_per_load)", minimise="trailing_tension", over=["volume_fraction", "radius"],
         at={"load": 5e3, "charge": 0.0}, worst_case={"friction": [0.1, 0.4]},
         subject_to=["trailing_tension <= 120 MPa"],
     )  # fmt: skip
     answer = targets.answer(quickstart, "front", target, model)
     found = answer.pictures["front_exact"].values * [1, -1]
-    worst = [abs(dense["voltage_sensitivity"]).min("friction"), -dense["trailing_tension"].max("friction")]
+    worst = [abs(dense["voltage_per_load"]).min("friction"), -dense["trailing_tension"].max("friction")]
     every = np.stack([one.values.ravel() for one in worst], -1)
     every = every[every[:, 1] >= -120e6]
     reference = found.min(0)

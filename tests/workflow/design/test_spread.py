@@ -16,11 +16,11 @@ fixed: {material: BaTiO3, load: 1e4}
 factors:
   friction: {low: 0.1, high: 0.3, levels: 3}
   radius: {low: 0.05, high: 0.1, levels: 5, scale: log}
-surrogate: {outputs: [voltage_sensitivity, trailing_tension]}
+surrogate: {outputs: [voltage_per_load, trailing_tension]}
 validation: {cases: 20, calibration: 100, tolerance: 1e-2}
 design:
   sensor:
-    maximise: abs(voltage_sensitivity)
+    maximise: abs(voltage_per_load)
     over: [radius]
     worst_case: {friction: [0.1, 0.3]}
     subject_to: [trailing_tension <= 30 MPa, trailing_tension <= 90 MPa with probability 0.9]
@@ -42,7 +42,7 @@ def test_the_spread_of_a_design_is_that_of_materials_moved_by_hand() -> None:
                 solved = solve(
                     {**found.terms[term].worst, "load": 1e4, "material": "moved"}, materials={"moved": moved}
                 )
-                values.append(float(abs(solved["voltage_sensitivity"]) if term == 0 else solved["trailing_tension"]))
+                values.append(float(abs(solved["voltage_per_load"]) if term == 0 else solved["trailing_tension"]))
         slopes = np.log(np.array(values[:2]) / values[2:]) / np.log(1.001 / 0.999) * one.std
         effects = [term.effect[place] for term in found.terms[:2]]
         np.testing.assert_allclose(effects, slopes, rtol=1e-4, atol=1e-7)

@@ -15,13 +15,13 @@ fixed:
     composite: fibrous, volume_fraction: {fraction}, base: rigid, friction: 0.2, radius: 0.05, load: 1e4, charge: 0.0}}
 factors:
   thickness: {{low: 2e-5, high: 1e-3, levels: 16, scale: log}}
-surrogate: {{outputs: [charge_sensitivity, capacitance, trailing_tension]}}
+surrogate: {{outputs: [charge_per_force, capacitance_per_length, trailing_tension]}}
 validation: {{cases: 20, calibration: 40, tolerance: 1e-2}}
 device:
   electrode_length: 10 mm
   amplifier: {{input_capacitance: 10 pF, input_resistance: 1 TOhm, cable_capacitance: 100 pF, charge_noise: 1 fC}}
 design:
-  charge: {{maximise: abs(charge_sensitivity), over: [thickness]}}
+  charge: {{maximise: abs(charge_per_force), over: [thickness]}}
   voltage: {{maximise: abs(signal_voltage), over: [thickness], subject_to: [time_constant >= 100 s]}}
 """
 DENSE = np.geomspace(2e-5, 1e-3, 241)
@@ -34,15 +34,15 @@ def test_the_optimum_in_thickness_comes_out_by_itself(fraction: float, interior:
     model = fitted(study)
     exact = solve({**study.fixed, "thickness": DENSE})
     found = targets.solve_target(study, "charge", model)
-    best = float(abs(exact["charge_sensitivity"]).max())
+    best = float(abs(exact["charge_per_force"]).max())
     assert found.terms[0].exact >= best * (1 - 1e-3)
     thickness = found.variable("thickness").value
     assert (2.1e-5 < thickness < 0.95e-3) == interior
     assert (words.AT_EDGE in words.verdict(found).kind) != interior
 
     voltage = targets.solve_target(study, "voltage", model)
-    circuit = exact["capacitance"] * 0.01 + 110e-12
-    signal = abs(exact["charge_sensitivity"] * 1e4 * 0.01 / circuit).where(circuit * 1e12 >= 100)
+    circuit = exact["capacitance_per_length"] * 0.01 + 110e-12
+    signal = abs(exact["charge_per_force"] * 1e4 * 0.01 / circuit).where(circuit * 1e12 >= 100)
     assert voltage.terms[0].exact >= float(signal.max()) * (1 - 1e-3)
     figures = {one.figure: one.figure_low for one in voltage.figures}
     assert figures["force"] == pytest.approx(100.0)

@@ -25,7 +25,7 @@ factors:
   volume_fraction: {low: 0.4, high: 0.8, levels: 12}
   friction: {low: 0.0, high: 0.5, levels: 4}
   radius: {low: 0.02, high: 0.3, levels: 5, scale: log}
-surrogate: {outputs: [voltage_sensitivity, charge_sensitivity, trailing_tension, contact_trailing]}
+surrogate: {outputs: [voltage_per_load, charge_per_force, trailing_tension, contact_trailing]}
 validation: {cases: 20, calibration: 200, tolerance: 1e-3}
 """
 LIMIT = 50e6
@@ -41,7 +41,7 @@ def fitted() -> tuple[Study, GaussianProcess]:
 
 def answer(fitted: tuple[Study, GaussianProcess], **changed: Any) -> Answer:
     asked = {
-        "maximise": "abs(voltage_sensitivity)", "over": OVER, "worst_case": {"friction": [0.1, 0.4]},
+        "maximise": "abs(voltage_per_load)", "over": OVER, "worst_case": {"friction": [0.1, 0.4]},
         "subject_to": ["trailing_tension <= 50 MPa"],
     }  # fmt: skip
     target = Target.model_validate(asked | changed)
@@ -60,10 +60,10 @@ def test_the_worst_of_the_tolerances_keeps_the_limit_and_costs_what_a_dense_sear
         "radius": xr.DataArray(radii, dims="r") * xr.DataArray(share, dims="dr"),
         "friction": xr.DataArray(FRICTION, dims="f"), "composite": "fibrous", "load": 1e4,
     }  # fmt: skip
-    exact = solve(cases)[["voltage_sensitivity", "trailing_tension"]]
+    exact = solve(cases)[["voltage_per_load", "trailing_tension"]]
 
     def best(part: xr.Dataset) -> float:
-        goal = abs(part["voltage_sensitivity"]).min(["dv", "dr", "f"])
+        goal = abs(part["voltage_per_load"]).min(["dv", "dr", "f"])
         return float(goal.where(part["trailing_tension"].max(["dv", "dr", "f"]) <= LIMIT).max())
 
     whole = best(exact)
@@ -110,13 +110,13 @@ def test_a_promised_share_of_the_tolerances_is_kept_in_a_dense_exact_sample(
 
 def test_a_deviation_is_from_the_mean_of_its_distribution(fitted: tuple[Study, GaussianProcess]) -> None:
     target = Target(
-        minimise="deviation(charge_sensitivity over friction)", over=["radius"], at={"volume_fraction": 0.6},
+        minimise="deviation(charge_per_force over friction)", over=["radius"], at={"volume_fraction": 0.6},
         worst_case={"friction": [0.0, 0.5]}, subject_to=["deviation(trailing_tension) <= 500 %"],
     )  # fmt: skip
     found = targets.answer(fitted[0], "mine", target, fitted[1])
     at = {"radius": found.variable("radius").value, "volume_fraction": 0.6, "composite": "fibrous"}
     dense = solve({**at, "load": 1e4, "friction": np.linspace(0, 0.5, 2001)})
-    for k, name in enumerate(("charge_sensitivity", "trailing_tension")):
+    for k, name in enumerate(("charge_per_force", "trailing_tension")):
         values = dense[name].values
         mean = (values.sum() - (values[0] + values[-1]) / 2) / 2000  # of a uniform friction
         assert found.terms[k].exact == pytest.approx(np.abs(values / mean - 1).max(), rel=1e-6)
@@ -157,10 +157,10 @@ def test_means_over_distributions_are_those_of_polynomials(count: int) -> None:
         ({"tolerance": {"radius": -1.0}}, "radius: -1 is not a positive number"),
         ({"tolerance": {"friction": 0.1}}, "friction: is not one of the design variables: volume_fraction, radius"),
         (
-            {"maximise": "deviation(voltage_sensitivity)"},
-            "'deviation\\(voltage_sensitivity\\)': a deviation is minimised",
+            {"maximise": "deviation(voltage_per_load)"},
+            "'deviation\\(voltage_per_load\\)': a deviation is minimised",
         ),
-        ({"subject_to": ["deviation(voltage_sensitivity over radius) <= 2 %"]}, "'radius' is none of worst_case"),
+        ({"subject_to": ["deviation(voltage_per_load over radius) <= 2 %"]}, "'radius' is none of worst_case"),
     ],
 )
 def test_tolerances_without_sense_are_named(

@@ -120,8 +120,8 @@ def _moved_by_hand(case: dict[str, Any]) -> float:
     ]
     moved = [{"material": replace(film, **constants)} for constants in scaled]
     moved += [{"base": replace(steel, **{name: getattr(base, name) for name in families[0]})} for base in bases]
-    start = float(solver.solve(case)["charge_sensitivity"])
-    changes = [float(solver.solve(case | one)["charge_sensitivity"]) / start - 1 for one in moved]
+    start = float(solver.solve(case)["charge_per_force"])
+    changes = [float(solver.solve(case | one)["charge_per_force"]) / start - 1 for one in moved]
     return float(np.linalg.norm(changes)) / step
 
 
@@ -140,7 +140,7 @@ def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path
         "punch": "steel",  # a device's default
     }
     exact = solver.solve({**ball, "force": 0.05})
-    charge = 0.05 * float(exact["charge_sensitivity"])
+    charge = 0.05 * float(exact["charge_per_force"])
     assert float(shown["contact_charge"]) == pytest.approx(charge, rel=1e-9)
     write_whole(shown, tmp_path / "signal.nc")
     told = tables.signal(tmp_path)
@@ -221,16 +221,3 @@ def test_electrodes_without_an_end_are_refused(more: dict[str, Any], words: str)
     }
     with pytest.raises(solver.FactorError, match=words):
         Contact.of(case | more, 1.0, body=film(case, solver.find("PZT-4")))
-
-
-def test_a_disc_whose_neighbours_float_is_read_with_its_own_capacitance() -> None:
-    case: dict[str, Any] = {
-        "profile": "sphere", "radius": 0.01, "punch": "skin", "electric": "insulating", "magnetic": "insulating",
-        "material": "PZT-4", "thickness": 1e-4, "base": "rigid", "electrode": "top", "collector": 2,
-        "patch_size": 5e-4, "patch_pitch": 8e-4, "floating_neighbours": 1,
-    }  # fmt: skip
-    read = Contact.of(case, 0.1, body=film(case, solver.find("PZT-4")))
-    known = solver.solve(case | {"force": 0.1})
-    charge, capacitance = read.at(np.array([0.1]))
-    assert float(capacitance[0]) == pytest.approx(float(known["disc_capacitance"]), rel=1e-12)
-    assert float(charge[0]) == pytest.approx(0.1 * float(known["patch_charge_per_force"]), rel=1e-9)

@@ -34,9 +34,9 @@ def test_curves_are_the_solvers_between_their_points(film: Contact) -> None:
     forces = np.array([1e-3, 0.03, 0.7, FORCE])
     charge, capacitance = film.at(forces)
     exact = solver.solve(FILM | {"force": forces})
-    np.testing.assert_allclose(charge, exact["charge_sensitivity"].values * forces, rtol=1e-8)
+    np.testing.assert_allclose(charge, exact["charge_per_force"].values * forces, rtol=1e-8)
     np.testing.assert_allclose(-charge / capacitance, exact["voltage"].values, rtol=1e-8)  # the open circuit
-    np.testing.assert_allclose(capacitance, exact["contact_capacitance"].values, rtol=0.02)
+    np.testing.assert_allclose(capacitance, exact["capacitance"].values, rtol=0.02)
     assert [values.tolist() for values in film.at(np.zeros(1))] == [[0.0], [0.0]]
 
 
@@ -51,8 +51,8 @@ def test_charge_and_capacitance_of_a_line_go_with_its_length() -> None:
     line = Contact.of(LINE, 100.0, length=0.02)
     exact = solver.solve(LINE | {"load": 100.0 / 0.02})
     charge, capacitance = line.at(np.array([100.0]))
-    assert charge[0] == pytest.approx(float(exact["charge_sensitivity"]) * 100.0, rel=1e-8)
-    assert capacitance[0] == pytest.approx(0.02 * float(exact["capacitance"]), rel=0.02)
+    assert charge[0] == pytest.approx(float(exact["charge_per_force"]) * 100.0, rel=1e-8)
+    assert capacitance[0] == pytest.approx(0.02 * float(exact["capacitance_per_length"]), rel=0.02)
 
 
 def test_a_ball_at_constant_speed_gives_a_current_as_v_to_three_halves_and_root_t() -> None:
@@ -72,7 +72,7 @@ def test_a_ball_at_constant_speed_gives_a_current_as_v_to_three_halves_and_root_
 
 
 def _charge(force: float) -> float:
-    return force * float(solver.solve(BALL | {"force": force})["charge_sensitivity"])
+    return force * float(solver.solve(BALL | {"force": force})["charge_per_force"])
 
 
 @pytest.mark.parametrize(
@@ -134,14 +134,14 @@ def test_noise_is_that_of_amplifier_and_temperature() -> None:
     device = Device.model_validate(
         {"electrode_length": "1 m", "temperature": "300 K", "amplifier": {**numbers, "charge_noise": "1 fC"}}
     )
-    known = device.constants | {"capacitance": 1e-11, "charge_sensitivity": -1.0}
+    known = device.constants | {"capacitance_per_length": 1e-11, "charge_per_force": -1.0}
     found = figure.evaluate({name: np.array(known[name]) for name in figure.names()})
     assert float(found) == pytest.approx(Circuit.of(numbers).noise(1e-11, 300.0), rel=1e-12, abs=0)
     charge = Circuit.of({"input_capacitance": 9e-11, "feedback_capacitance": 4e-10})
     assert charge.noise(1e-11, 300.0) ** 2 == pytest.approx(4 * thermal, rel=1e-12, abs=0)
     amplifier = {"input_capacitance": 9e-11, "feedback_capacitance": 4e-10, "charge_noise": 0.0}
     device = Device.model_validate({"electrode_length": "1 m", "temperature": "300 K", "amplifier": amplifier})
-    known = device.constants | {"capacitance": 1e-11, "charge_sensitivity": -1.0}
+    known = device.constants | {"capacitance_per_length": 1e-11, "charge_per_force": -1.0}
     found = figure.evaluate({name: np.array(known[name]) for name in figure.names()})
     assert float(found) == pytest.approx(charge.noise(1e-11, 300.0), rel=1e-12, abs=0)
 

@@ -98,7 +98,7 @@ def test_precedence(text: str, value: float) -> None:
         ("(" * 60 + "depth" + ")" * 60, "nested more than 40 deep"),
         ("-" * 60 + "depth", "nested more than 40 deep"),
         ("depth +" * 200 + "depth", "longer than 1000"),
-        ("abs(voltage_sensitivty)", "did you mean 'voltage_sensitivity'"),
+        ("abs(voltage_sensitivty)", "did you mean 'voltage_per_load'"),
     ],
 )
 def test_refuses_everything_else(text: str, reason: str) -> None:
@@ -165,7 +165,7 @@ def test_figures_of_a_device_are_read_as_their_formulas() -> None:
     text = "abs(signal_voltage) * circuit_capacitance / signal_charge * time_constant / input_resistance"
     tree = grammar.parse(text)
     assert str(tree.unit()) == "F"
-    names = {"charge_sensitivity": 3e-10, "load": 2e4, "electrode_length": 0.01, "capacitance": 2e-8}
+    names = {"charge_per_force": 3e-10, "load": 2e4, "electrode_length": 0.01, "capacitance_per_length": 2e-8}
     known = {**names, "input_capacitance": 1e-11, "cable_capacitance": 1e-10, "input_resistance": 1e12}
     value = tree.evaluate({name: np.array(one) for name, one in known.items()})
     assert float(value) == pytest.approx(2e-10 + 1.1e-10, rel=1e-14)
@@ -246,7 +246,7 @@ def test_units_agree_with_the_si_brochure(one: str, other: str, ratio: float) ->
     [
         ("abs(voltage) / load", "V m N-1"),
         ("abs(stroke_per_volt) * 3e5 * (contact_trailing + contact_leading)", "m2 V-1"),
-        ("voltage_sensitivity * load", "V"),
+        ("voltage_per_load * load", "V"),
         ("charge * voltage", "N"),
         ("load / radius", "Pa"),
         ("charge / load", "C N-1"),

@@ -106,7 +106,10 @@ def test_the_command_inverts(study: Study, model: GridGP, monkeypatch: pytest.Mo
         ({"measured": ["voltage=1e30+-1"]}, "no case within the study's ranges gives these measurements"),
         ({"measured": ["voltage=1_0+-1"]}, "--measured: voltage: '1_0' is not a finite number"),
         ({"measured": ["voltage=1e9+-1"]}, "no case within the study's ranges gives these measurements"),
-        ({"measured": ["capacitance=1e-9+-1e-11"]}, "--measured: capacitance: is not learned by the study; "),
+        (
+            {"measured": ["capacitance_per_length=1e-9+-1e-11"]},
+            "--measured: capacitance_per_length: is not learned by the study; ",
+        ),
         ({"infer": ["load"]}, "'friction' must be either inferred or given"),
         ({"at": ["volume_fraction=0.67,radius=3"]}, "--at: radius = 3 is not within"),
     ):

@@ -32,7 +32,7 @@ groups:
   volume_fraction: {levels: 5, scale: logit}
   friction: {levels: 3}
   load * radius: {levels: 4}
-surrogate: {outputs: [voltage_sensitivity, trailing_tension]}
+surrogate: {outputs: [voltage_per_load, trailing_tension]}
 validation: {cases: 20, calibration: 200, tolerance: 1e-3}
 """
 
@@ -44,7 +44,7 @@ def study() -> Study:
 
 def test_a_wider_question_is_answered_exactly(study: Study) -> None:
     target = Target.model_validate(
-        {"maximise": "abs(voltage_sensitivity)", "over": {"volume_fraction": {"high": 0.8}, "radius": {"high": 0.2}},
+        {"maximise": "abs(voltage_per_load)", "over": {"volume_fraction": {"high": 0.8}, "radius": {"high": 0.2}},
          "subject_to": ["trailing_tension <= 40 MPa"]}
     )  # fmt: skip
     wider = wider_box.beyond(study, target)
@@ -53,11 +53,11 @@ def test_a_wider_question_is_answered_exactly(study: Study) -> None:
     assert wider_box.lines(study, wider) == f"{study.path}: {told}"
     own = wider_box.made(study, target, wider)
     assert (own.factors["volume_fraction"].levels, own.factors["radius"].levels) == (15, 6)
-    assert own.outputs == ["trailing_tension", "voltage_sensitivity"]
+    assert own.outputs == ["trailing_tension", "voltage_per_load"]
     found = targets.answer(own, "mine", target, wider_box.fitted(own))
     over = {"volume_fraction": np.linspace(0.5, 0.8, 301), "radius": np.geomspace(0.05, 0.2, 301)}
     exact = solve({**over, "composite": "fibrous", "load": 1e4, "friction": 0.2})
-    dense = abs(exact["voltage_sensitivity"]).where(exact["trailing_tension"] <= 40e6).max()
+    dense = abs(exact["voltage_per_load"]).where(exact["trailing_tension"] <= 40e6).max()
     assert found.terms[0].exact >= float(dense) * (1 - 1e-6)
     assert found.feasible
 
@@ -81,7 +81,7 @@ def test_what_cannot_be_wider_is_one_line(study: Study) -> None:
 def test_groups_widen_with_their_factors() -> None:
     study = made(GROUPED)
     asked = {
-        "maximise": "abs(voltage_sensitivity)",
+        "maximise": "abs(voltage_per_load)",
         "over": {"volume_fraction": {"high": 0.8}, "radius": {"high": 0.4}},
         "at": {"load": 1e4},
         "worst_case": {"friction": [0.1, 0.3]},
@@ -96,7 +96,7 @@ def test_groups_widen_with_their_factors() -> None:
     found = targets.answer(own, "mine", target, wider_box.fitted(own))
     over = {"volume_fraction": np.linspace(0.5, 0.8, 101), "radius": np.geomspace(0.05, 0.4, 101)}
     exact = solve({**over, "friction": np.linspace(0.1, 0.3, 5), "composite": "fibrous", "load": 1e4})
-    goal, tension = abs(exact["voltage_sensitivity"]).min("friction"), exact["trailing_tension"].max("friction")
+    goal, tension = abs(exact["voltage_per_load"]).min("friction"), exact["trailing_tension"].max("friction")
     assert found.terms[0].exact >= float(goal.where(tension <= 40e6).max()) * (1 - 1e-6)
     assert found.feasible
     beyond_one = {"over": {"volume_fraction": {"high": 1.0}, "radius": {}}}

@@ -3,7 +3,6 @@
 import html
 import json
 import re
-import shutil
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -11,22 +10,18 @@ from typing import Any
 
 import pytest
 
+from tests import programs
 from tests.patience import PATIENCE
-
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-NODE = shutil.which("node")
 
 
 def needs_browser(test: Callable[..., None]) -> Callable[..., None]:
-    """Mark a test of the layer ``browser``, and leave it out where there is none."""
-    skipped = pytest.mark.skipif(BROWSER is None, reason="no Chromium (Debian: chromium)")
-    return pytest.mark.browser(skipped(test))  # type: ignore[no-any-return]
+    """Mark a test of the layer ``browser``."""
+    return pytest.mark.browser(pytest.mark.needs("chromium")(test))  # type: ignore[no-any-return]
 
 
 def needs_node(test: Callable[..., None]) -> Callable[..., None]:
-    """Mark a test of the layer ``browser``, and leave it out where there is no Node."""
-    skipped = pytest.mark.skipif(NODE is None, reason="no Node (Debian: nodejs)")
-    return pytest.mark.browser(skipped(test))  # type: ignore[no-any-return]
+    """Mark a test of the layer ``browser`` that runs a script without a page."""
+    return pytest.mark.browser(pytest.mark.needs("node")(test))  # type: ignore[no-any-return]
 
 
 #: Collects whatever a script complains about.
@@ -56,22 +51,22 @@ def evaluated(script: str, expression: str, folder: Path) -> Any:
 
 def in_node(script: str, expression: str, folder: Path) -> Any:
     """What an expression is after a script in Node, as plain data."""
-    assert NODE is not None
     file = folder / "probe.js"
     file.write_text(f"{script}\nconsole.log(JSON.stringify({expression}));", encoding="utf-8")
-    done = subprocess.run([NODE, str(file)], capture_output=True, text=True, timeout=PATIENCE, check=True)
+    done = subprocess.run(
+        [programs.path("node"), str(file)], capture_output=True, text=True, timeout=PATIENCE, check=True
+    )
     return json.loads(done.stdout)
 
 
 def _probed(page: str, folder: Path, *flags: str) -> Any:
     """What a page has written into its probe."""
-    assert BROWSER is not None
     file = folder / "probe.html"
     file.write_text(page, encoding="utf-8")
     quiet = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
     quiet += ["--disable-quic", "--disable-component-update", "--disable-sync", f"--user-data-dir={folder / 'profile'}"]
     done = subprocess.run(
-        [BROWSER, *quiet, *flags, "--dump-dom", file.as_uri()],
+        [programs.path("chromium"), *quiet, *flags, "--dump-dom", file.as_uri()],
         capture_output=True,
         text=True,
         timeout=PATIENCE,

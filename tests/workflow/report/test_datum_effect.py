@@ -32,10 +32,10 @@ def test_changes_with_the_datum_are_those_of_the_exact_solver(ran: Project) -> N
     material = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.6)
     compliance = HalfPlane(material).compliance[:, 0] * np.log(10) / np.pi
     assert rows["voltage"]["slope"] == pytest.approx(-compliance[1] * middle["load"], rel=1e-9)
-    assert rows["voltage_sensitivity"]["slope"] == pytest.approx(-compliance[1], rel=1e-9)
+    assert rows["voltage_per_load"]["slope"] == pytest.approx(-compliance[1], rel=1e-9)
     assert rows["depth"]["slope"] == pytest.approx(compliance[0] * middle["load"], rel=1e-9)
     assert {name for name, row in rows.items() if np.isfinite(row["slope"])} == {
-        "depth", "voltage", "magnetic_potential", "voltage_sensitivity", "magnetic_sensitivity"
+        "depth", "voltage", "magnetic_potential", "voltage_per_load", "magnetic_potential_per_load"
     }  # fmt: skip
 
 
@@ -43,7 +43,7 @@ def test_a_design_says_what_another_datum_makes_of_it(ran: Project) -> None:
     study = load(ran.folder / "config/small.yaml")
     answer = netcdf.read(ran.folder / "results/small/design/sensor.nc")
     (row,) = datum_effect.of_design(study, study.design["sensor"], answer)
-    assert row["name"] == "abs(voltage_sensitivity)"
+    assert row["name"] == "abs(voltage_per_load)"
     assert row["units"] == "V m N-1"
     assert row["values"][1] == pytest.approx(answer.terms[0].exact, rel=1e-9)
     assert row["values"][2] - row["values"][1] == pytest.approx(row["values"][1] - row["values"][0], rel=1e-9)

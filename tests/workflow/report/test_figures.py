@@ -55,7 +55,7 @@ def test_no_text_is_cut_and_no_power_of_ten_stands_apart_from_its_ticks(ran: Pro
     study, folder = load(ran.folder / "config/small.yaml"), ran.folder / "results/small"
     answer, long = (
         netcdf.read(folder / "design/sensor.nc"),
-        "abs(voltage_sensitivity) * (contact_trailing + radius) / 2",
+        "abs(voltage_per_load) * (contact_trailing + radius) / 2",
     )
     goal = replace(answer.terms[0], statement=statements.objective(long))
     answer = replace(answer, terms=(goal, *answer.terms[1:]))

@@ -256,7 +256,7 @@ def test_every_section_says_what_its_numbers_say() -> None:
 
 
 def test_what_a_goal_depends_on_is_told_of_every_goal_and_category() -> None:
-    outputs = ["charge_sensitivity[rigid]", "charge_sensitivity[steel]", "voltage[rigid]", "voltage[steel]"]
+    outputs = ["charge_per_force[rigid]", "charge_per_force[steel]", "voltage[rigid]", "voltage[steel]"]
     totals = [[0.95, 0.1, 0.0], [0.97, 0.1, 0.0], [0.1, 0.9, 0.2], [0.1, 0.2, 0.8]]
     inputs = ["volume_fraction", "load", "radius"]
     assert told_of(totals, outputs, inputs) == (

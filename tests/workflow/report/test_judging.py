@@ -21,7 +21,7 @@ SCRIPTS = "".join(
     (TEMPLATES / name).read_text(encoding="utf-8") for name in ("surrogate.js", "largest.js", "judging.js")
 )
 INPUTS = (Input("radius", 0.01, 0.1, "log"), Input("load", 1e3, 1e4))
-OUTPUTS = ["charge_sensitivity", "capacitance"]
+OUTPUTS = ["charge_per_force", "capacitance_per_length"]
 #: What the middle of the box has, beyond a limit just below it by some part of the study's tolerance.
 CENTRE, ALLOWANCE = [0.0, 0.0], 1e-4
 
@@ -31,7 +31,7 @@ fixed: {surroundings: insulated, composite: fibrous, friction: 0.2, base: steel,
 factors:
   volume_fraction: {low: 0.4, high: 0.6, levels: 3}
   load: {low: 1e3, high: 1e4, levels: 3}
-surrogate: {outputs: [charge_sensitivity, capacitance]}
+surrogate: {outputs: [charge_per_force, capacitance]}
 device:
   electrode_length: 10 mm
   amplifier: {input_capacitance: 10 pF, cable_capacitance: 100 pF, charge_noise: 1 fC, voltage_noise: 20 uV}
@@ -44,7 +44,7 @@ def model() -> GridGP:
     radius, load = (xr.DataArray(own, {one.name: own}, one.name) for one, own in zip(INPUTS, levels, strict=True))
     charge = 4e-11 * np.sqrt(radius / 0.05) * (1 + load / 1e5)
     return GridGP(inputs=INPUTS).fit(
-        xr.Dataset({"charge_sensitivity": charge, "capacitance": 2e-8 * load / 1e3 + 0 * radius})
+        xr.Dataset({"charge_per_force": charge, "capacitance_per_length": 2e-8 * load / 1e3 + 0 * radius})
     )
 
 
@@ -52,11 +52,11 @@ def panel(fitted: GridGP, **changes: Any) -> str:
     """A panel of one kind of case, and one target whose limit the surrogate exceeds by half of the allowance."""
     middle = np.array([[one.from_unit(0.0) for one in INPUTS]])
     value = float(fitted.predict_array(middle)[0, 0]) * 1e12 - ALLOWANCE / 2
-    limit = {"tree": ["*", "charge_sensitivity", 1e12], "value": value, "upper": True, "judged": True} | changes
-    goal = {"tree": "charge_sensitivity", "worst": False, "maximise": True}
+    limit = {"tree": ["*", "charge_per_force", 1e12], "value": value, "upper": True, "judged": True} | changes
+    goal = {"tree": "charge_per_force", "worst": False, "maximise": True}
     case = {"limits": [limit], "goal": goal, "scenarios": {}, "offsets": {}, "tolerances": {}, "count": 1, "few": [0]}
     data = {"fixed": {}, "quantities": [{"name": name} for name in OUTPUTS], "cases": [case]}
-    kind = {"columns": [0, 1], "allowances": {"charge_sensitivity": ALLOWANCE * 1e-12, "capacitance": 0.0}}
+    kind = {"columns": [0, 1], "allowances": {"charge_per_force": ALLOWANCE * 1e-12, "capacitance_per_length": 0.0}}
     return f"""const model = loadSurrogate({json.dumps(exported(fitted))}), data = {json.dumps(data)};
 const judge = judging({{ data, model, chosen: 0, kind: {json.dumps(kind)} }}), [limit] = data.cases[0].limits;"""
 
@@ -89,7 +89,7 @@ def test_a_study_with_a_device_tells_its_figures_and_no_other() -> None:
 @needs_browser
 def test_figures_at_the_sliders_are_those_of_python(tmp_path: Path) -> None:
     study = made(STUDY)
-    values = {"charge_sensitivity": -4e-11, "capacitance": 2e-8, "load": 5e3}
+    values = {"charge_per_force": -4e-11, "capacitance_per_length": 2e-8, "load": 5e3}
     trees = {one["name"]: one["tree"] for one in whatif.figures(study)}
     script = f"{SCRIPTS}const trees = {json.dumps(trees)}, values = {json.dumps(values)};"
     told = "Object.fromEntries(Object.entries(trees).map(([name, tree]) => [name, evaluate(tree, values)]))"
@@ -97,7 +97,7 @@ def test_figures_at_the_sliders_are_those_of_python(tmp_path: Path) -> None:
     known = {name: np.array(one) for name, one in values.items()} | constants
     expected = {name: float(grammar.parse(FIGURES[name].formula).evaluate(known)) for name in trees}
     assert evaluated(script, told, tmp_path) == pytest.approx(expected, rel=1e-12)
-    moved = evaluated(script, "carried(trees.signal_charge, values, { charge_sensitivity: 1e-13 })", tmp_path)
+    moved = evaluated(script, "carried(trees.signal_charge, values, { charge_per_force: 1e-13 })", tmp_path)
     assert moved == pytest.approx(1e-13 * 5e3 * 0.01, rel=1e-9)  # linear in it: load times length times the change
 
 
@@ -109,7 +109,7 @@ def test_errors_go_together_in_the_browser_as_in_python(tmp_path: Path) -> None:
     def outputs(at: xr.Dataset) -> xr.Dataset:
         pole = 1 / (at["radius"] - 0.008) ** 0.5
         return at.assign(
-            charge_sensitivity=pole + at["load"] / 1e4, capacitance=2 + 0.5 * pole + np.sin(at["load"] / 500)
+            charge_per_force=pole + at["load"] / 1e4, capacitance=2 + 0.5 * pole + np.sin(at["load"] / 500)
         )
 
     grid = xr.Dataset(coords={name: own.levels(7) for name, own in axes.items()})
@@ -117,9 +117,9 @@ def test_errors_go_together_in_the_browser_as_in_python(tmp_path: Path) -> None:
     X = np.array([[own.from_unit(0.3) for own in INPUTS]])
     charge, capacitance = fitted.predict_array(X)[0].tolist()
     weights = {"/": [1 / capacitance, -charge / capacitance**2], "+": [1.0, 1.0]}
-    known = f"{{ charge_sensitivity: {charge!r}, capacitance: {capacitance!r} }}"
+    known = f"{{ charge_per_force: {charge!r}, capacitance: {capacitance!r} }}"
     for symbol, slopes in weights.items():
-        asked = f"offBy(model, ['{symbol}', 'charge_sensitivity', 'capacitance'], {known}, judge.errors(answer))"
+        asked = f"offBy(model, ['{symbol}', 'charge_per_force', 'capacitance'], {known}, judge.errors(answer))"
         found = evaluated(f"{SCRIPTS}{panel(fitted)} const answer = predict(model, [0.3, 0.3]);", asked, tmp_path)
         expected = float(np.abs(fitted.ends_of_sum(X, np.array([slopes]))).max())
         added = float(

@@ -24,7 +24,7 @@ def study(bare: Study) -> Study:
 def test_air_is_compared_with_what_is_insulated_and_the_other_way_round(study: Study) -> None:
     found = other_surroundings.compared(study, CASE)
     assert found["surroundings"] == "insulated"
-    own, other = found["quantities"]["charge_sensitivity"]
+    own, other = found["quantities"]["charge_per_force"]
     assert other == pytest.approx(own, rel=1e-9)
     own, other = found["quantities"]["voltage"]
     assert 0.1 < other / own < 0.99
@@ -41,10 +41,10 @@ def test_a_ball_on_a_film_is_compared_too() -> None:
     """Its capacitance is whole: 2.3 pF under a large ball on a thin film, and ten times as much in air."""
     ball = shipped("point_sensor").narrowed({"base": "steel"})
     found = other_surroundings.compared(ball, {"thickness": 5e-5, "radius": 0.05, "force": 0.1})
-    assert list(found["quantities"]) == ["voltage", "contact_capacitance", "charge_sensitivity"]
-    air, bare = found["quantities"]["contact_capacitance"]
+    assert list(found["quantities"]) == ["voltage", "capacitance", "charge_per_force"]
+    air, bare = found["quantities"]["capacitance"]
     assert air > 10 * bare
-    told = "contact capacitance 2.34 pF instead of 38.2 pF and charge per force 204 pC/N instead of 166 pC/N"
+    told = "capacitance 2.34 pF instead of 38.2 pF and charge per force 204 pC/N instead of 166 pC/N"
     assert told in other_surroundings.told(found)
 
 
@@ -55,7 +55,7 @@ def test_nothing_is_compared_without_a_device_or_where_air_means_nothing(bare: S
 
 
 def test_both_are_told_with_their_units() -> None:
-    quantities = {"voltage": [25.1, 8.03], "capacitance": [2e-8, 7.4e-8]}
+    quantities = {"voltage": [25.1, 8.03], "capacitance_per_length": [2e-8, 7.4e-8]}
     told = other_surroundings.told({"surroundings": "insulated", "quantities": quantities})
     assert told.startswith("No charge is beside the contact (surroundings: insulated); with air there: voltage 8.03 V")
     assert told.endswith("instead of 25.1 V and capacitance 74 nF/m instead of 20 nF/m.")

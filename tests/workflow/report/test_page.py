@@ -381,7 +381,7 @@ def test_a_probability_is_not_judged_at_one_point(ran: Project, tmp_path: Path) 
 @pytest.mark.parametrize(
     ("limit", "judged"),
     [("trailing_tension <= 50 MPa", True), ("trailing_tension <= 50 MPa with probability 0.9", False),
-     ("deviation(voltage_sensitivity) <= 5 %", False)],
+     ("deviation(voltage_per_load) <= 5 %", False)],
 )  # fmt: skip
 def test_the_page_knows_which_limits_a_point_decides(ran: Project, limit: str, judged: bool) -> None:
     config = load(ran.folder / "config/small.yaml")
@@ -414,15 +414,15 @@ factors:
   volume_fraction: {low: 0.5, high: 0.7, levels: 6}
   radius: {low: 0.02, high: 0.2, levels: 4, scale: log}
 dataset: {slabs: 2, positions: {inside: 12, outside: 8}}
-surrogate: {outputs: [voltage_sensitivity, trailing_tension]}
+surrogate: {outputs: [voltage_per_load, trailing_tension]}
 validation: {cases: 200, calibration: 400, tolerance: 1e-2}
 design:
   best:
-    maximise: abs(voltage_sensitivity)
+    maximise: abs(voltage_per_load)
     over: [volume_fraction, radius, composite, profile]
     subject_to: [trailing_tension <= 30 MPa]
   held:
-    maximise: abs(voltage_sensitivity)
+    maximise: abs(voltage_per_load)
     over: [radius]
     at: {volume_fraction: 0.6, composite: laminate, profile: half_cylinder}
 """
@@ -501,7 +501,7 @@ def test_lists_choose_what_the_panel_shows(chosen: Project, tmp_path: Path, monk
     assert [one["verdict"] for one in found["seen"][-2]["limits"]] == ["held"]
     assert found["seen"][-1]["limits"] == []
     assert "Best of every choice, on the surrogate: fibrous, cylinder" in found["text"]
-    words = ["--maximise", "abs(voltage_sensitivity)", "--over", "radius,composite", "--at", "volume_fraction=0.6"]
+    words = ["--maximise", "abs(voltage_per_load)", "--over", "radius,composite", "--at", "volume_fraction=0.6"]
     told = chosen.run("meecontact", "design", "results/chosen", *words).stdout
     assert "  composite                                    fibrous                   variable\n" in told
     assert "  profile                                      cylinder                  given\n" in told

@@ -159,7 +159,7 @@ def test_the_map_is_the_goal_over_the_scenarios_and_a_click_moves_the_sliders(
     found = model.predict(point, return_std=False).transpose(
         "radius", "volume_fraction", "friction"
     )  # rows from the top
-    goal, tension = (found[name].values for name in ("voltage_sensitivity", "trailing_tension"))
+    goal, tension = (found[name].values for name in ("voltage_per_load", "trailing_tension"))
     worst = np.abs(goal).min(axis=-1)
     told, answer = seen["map"], netcdf.read(quickstart_run.folder / "results/quickstart/design/sensor.nc")
     exact = answer.terms[0].exact

@@ -29,7 +29,7 @@ def film(**entries: str) -> str:
     """The text of a small study of a film."""
     usual = {
         "phases": "[BaTiO3, CoFe2O4]", "composite": "fibrous", "share": "volume_fraction", "base": "rigid", "more": "",
-        "goal": "abs(charge_sensitivity)", "limit": "trailing_tension <= tensile_strength",
+        "goal": "abs(charge_per_force)", "limit": "trailing_tension <= tensile_strength",
     }  # fmt: skip
     return FILM.format(**(usual | entries))
 
@@ -57,7 +57,7 @@ def test_a_composite_bears_what_its_weaker_phase_does() -> None:
     [
         ({"limit": "nominal_field <= breakdown_field"}, "breakdown_field: none is known of BaTiO3 and CoFe2O4"),
         (
-            {"goal": "force * abs(charge_sensitivity)"},
+            {"goal": "force * abs(charge_per_force)"},
             "device: electrode_length: missing; must be a number with a unit",
         ),
         ({"limit": "trailing_tension <= base_tensile_strength"}, "base_tensile_strength: a rigid base has none"),
@@ -98,7 +98,8 @@ def test_the_numbers_of_a_device_have_units() -> None:
 
 
 @pytest.mark.parametrize(
-    ("limit", "name"), [("nominal_field <= 1 kV/mm", "thickness"), ("capacitance >= 1 nF/m", "capacitance")]
+    ("limit", "name"),
+    [("nominal_field <= 1 kV/mm", "thickness"), ("capacitance_per_length >= 1 nF/m", "capacitance_per_length")],
 )
 def test_a_half_plane_has_no_field_of_a_film(limit: str, name: str) -> None:
     text = film(limit=limit).replace("base: rigid, ", "").replace("radius: 0.05, ", "")

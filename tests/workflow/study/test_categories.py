@@ -22,7 +22,7 @@ from workflow.study.reading import InputError
 from workflow.study.target import Target
 
 MATERIALS, PROFILES = ("BaTiO3", "PZT-4", "PZT-5H", "BaTiO3-CoFe2O4 50:50"), ("cylinder", "half_cylinder")
-SENSITIVITY, TENSION = "voltage_sensitivity", "trailing_tension"
+SENSITIVITY, TENSION = "voltage_per_load", "trailing_tension"
 
 
 @pytest.fixture(scope="module")
@@ -119,7 +119,7 @@ def test_a_read_out_of_one_combination(study: Study, model: GaussianProcess) -> 
 
 
 def test_questions_in_words(study: Study) -> None:
-    asked = {"maximise": ["abs(charge_sensitivity)"], "over": ["radius,material=PZT-4|PZT-5H"], "at": ["load=1e4"]}
+    asked = {"maximise": ["abs(charge_per_force)"], "over": ["radius,material=PZT-4|PZT-5H"], "at": ["load=1e4"]}
     target = questions.target(study, asked)
     assert target.variables["material"].choices == ["PZT-4", "PZT-5H"]
     assert target.at["profile"] == "cylinder"  # its default

@@ -29,7 +29,7 @@ def test_quantities_of_a_field_that_is_none_are_not_told_unless_they_are_asked_f
     study = made_of(material="PZT-4")
     told = coupling.told(study)
     assert {"voltage", "peak_pressure", "stroke_per_volt"} <= set(told)
-    assert not {"magnetic_potential", "flux_sensitivity", "stroke_per_ampere", "permeance"} & set(told)
+    assert not {"magnetic_potential", "flux_per_force", "stroke_per_ampere", "permeance_per_length"} & set(told)
     asked = study.surrogate.model_copy(update={"outputs": ["depth", "magnetic_potential"]})
     assert coupling.told(study.model_copy(update={"surrogate": asked})) == ["depth", "magnetic_potential"]
     assert coupling.told(QUICKSTART) == QUICKSTART.outputs

@@ -19,7 +19,7 @@ factors:
   volume_fraction: {low: 0.4, high: 0.6, levels: 3}
 design:
   thin:
-    maximise: abs(voltage_sensitivity)
+    maximise: abs(voltage_per_load)
     over: [thickness, base]
     at: {load: 3e4, friction: 0.0, volume_fraction: 0.5}
     subject_to: [nominal_field <= 3 kV/mm]
@@ -35,7 +35,7 @@ def test_cases_have_the_quantities_of_films(study: Study) -> None:
     assert study.quantities == [*QUANTITIES, *FILM_QUANTITIES]
     # a nominal field bends where the voltage changes sign: designs take it from voltage and thickness
     assert set(study.quantities) - set(study.outputs) == {"nominal_field"}
-    assert study.design["thin"].names() == ["voltage_sensitivity", "voltage", "thickness"]
+    assert study.design["thin"].names() == ["voltage_per_load", "voltage", "thickness"]
     searched = study.model_copy(update={"dataset": study.dataset.model_copy(update={"peaks": True})})
     # no file holds a position where nothing is tensile, and a rigid base has no stresses
     assert set(searched.quantities) - set(study.quantities) == {
@@ -66,7 +66,7 @@ def test_only_depths_on_a_base_that_gives_hang_on_the_datum(study: Study) -> Non
     rigid, steel = (study.narrowed({"base": base}) for base in ("rigid", "steel"))
     assert datum.hanging(rigid) == frozenset()
     # the interface to steel is bonded in the magnetic field: what a charge adds is relative, the load's part is not
-    hangs = {"depth", "flux_sensitivity", "blocked_load_per_volt", "blocked_load_per_ampere"}
+    hangs = {"depth", "flux_per_force", "blocked_load_per_volt", "blocked_load_per_ampere"}
     assert datum.hanging(steel) == hangs == datum.hanging(study)
     charged = steel.model_copy(update={"fixed": {**steel.fixed, "magnetic_charge": 1e-4}})
     assert datum.hanging(charged) == {*hangs, "magnetic_potential"}
@@ -91,7 +91,7 @@ def test_only_depths_on_a_base_that_gives_hang_on_the_datum(study: Study) -> Non
         ("design:", "surrogate: {fields: 4}\ndesign:", "surrogate: fields: only those of half-planes are learned"),
         ("design:", "surrogate: {outputs: [interface_shear]}\ndesign:", "surrogate: outputs: 'interface_sh"),
         ("design:", "surrogate: {outputs: [peak_von_mises]}\ndesign:", "surrogate: outputs: some of thes"),
-        ("design:", "surrogate: {outputs: [depth]}\ndesign:", "design: thin: 'voltage_sensitivity' is n"),
+        ("design:", "surrogate: {outputs: [depth]}\ndesign:", "design: thin: 'voltage_per_load' is n"),
         ("<= 3 kV/mm", "<= 3 kV", "design.thin: 'nominal_field <= 3 kV': unit mismatch: the limit is in kV, "),
     ],
 )  # fmt: skip

@@ -64,10 +64,10 @@ def test_quickstart_is_the_factorial_of_the_documentation() -> None:
         ("tension <=", "tensin <=", "design.sensor: 'trailing_tensin': 'trailing_tensin' is not a quantity; did"),
         ("<= 50 MPa", "= 50 MPa", "design.sensor: 'trailing_tension = 50 MPa' is not of the form: expression"),
         ("<= 50 MPa", "<= 50 mm", "design.sensor: 'trailing_tension <= 50 mm': unit mismatch: the limit is in mm, "),
-        ("abs(volt", "sinh(volt", "design.sensor: 'sinh(voltage_sensitivity)': 'sinh' is not a function; did you"),
-        ("abs(volt", "load + (volt", "design.sensor: 'load + (voltage_sensitivity)': 'N m-1' and 'V m N-1' cannot"),
+        ("abs(volt", "sinh(volt", "design.sensor: 'sinh(voltage_per_load)': 'sinh' is not a function; did you"),
+        ("abs(volt", "load + (volt", "design.sensor: 'load + (voltage_per_load)': 'N m-1' and 'V m N-1' cannot"),
         ("maximise: abs", "maximize: abs", "design.sensor.maximize: unknown key; did you mean 'maximise'? allowed:"),
-        ("maximise: abs(voltage_sensitivity)", "robust: mean", "design.sensor: maximise or minimise: missing; one"),
+        ("maximise: abs(voltage_per_load)", "robust: mean", "design.sensor: maximise or minimise: missing; one"),
         ("[trailing_tension <= 50 MPa,", "[depth <= 1 mm with probability 0.9,", "design.sensor: subject_to: depth <="),
         ("over: [volume_fraction, radius]", "over: {volume_fraction: {}, radius: {high: 1.0}}",
          "design: sensor: radius = 1 is not within 0.005 to 0.2"),
@@ -302,7 +302,7 @@ effects:
 def test_a_study_over_the_composition_of_an_alloy() -> None:
     study = made(ALLOY)
     assert study.cases == 36
-    assert "voltage_sensitivity" in study.quantities
+    assert "voltage_per_load" in study.quantities
     assert study.effects is not None
     fractions = {"volume_fraction", "scandium_fraction"}
     taken = {factor: fractions & set(study.effects.case(factor)) for factor in study.effects.vary}

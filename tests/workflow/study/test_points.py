@@ -77,8 +77,8 @@ def test_what_friction_adds_is_asked_of_points_that_rest(goal: str, friction: fl
 def test_figures_of_a_device_are_whole_and_the_force_is_a_factor(study: Study) -> None:
     quiet = study.design["quiet"]
     assert quiet.names() == [
-        "charge_noise", "voltage_noise", "contact_capacitance", "input_capacitance", "cable_capacitance",
-        "thermal_energy", "feedback_heat", "charge_sensitivity", "force", "peak_pressure",
+        "charge_noise", "voltage_noise", "capacitance", "input_capacitance", "cable_capacitance",
+        "thermal_energy", "feedback_heat", "charge_per_force", "force", "peak_pressure",
     ]  # fmt: skip
     assert quiet.limits[1].expression.names() == ["force"]
     again = remade(study)

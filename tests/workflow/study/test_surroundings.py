@@ -40,14 +40,14 @@ def both() -> Study:
 def test_cases_have_the_quantities_of_contacts_in_air(alone: Study) -> None:
     assert alone.kind is HALF_PLANE_IN_AIR
     assert alone.surroundings == ["air"]
-    assert {*GAP_QUANTITIES, "capacitance", "voltage"} <= {*alone.quantities}
+    assert {*GAP_QUANTITIES, "capacitance_per_length", "voltage"} <= {*alone.quantities}
     assert not [name for name in alone.quantities if "edge_intensity" in name]
     assert alone.costly >= {*alone.quantities}
 
 
 def test_what_only_some_surroundings_have_is_lacked(both: Study) -> None:
     assert both.surroundings == ["insulated", "air"]
-    assert both.absent >= {*GAP_QUANTITIES, "electric_edge_intensity_trailing", "capacitance"}
+    assert both.absent >= {*GAP_QUANTITIES, "electric_edge_intensity_trailing", "capacitance_per_length"}
     assert "voltage[air]" in both.output_names
     assert both.narrowed({"surroundings": "insulated"}).kind.air is False
 
@@ -118,7 +118,7 @@ def test_a_device_in_air_is_read_by_its_capacitance_at_the_load(alone: Study, bo
     assert both.meeting == "line"
     names = grammar.parse("circuit_capacitance", alone.meeting).names()
     assert "capacitance_at_load" in names
-    assert "capacitance" not in names
+    assert "capacitance_per_length" not in names
 
 
 BALL = """\
@@ -140,7 +140,7 @@ def test_a_ball_in_air_has_groups_and_figures_of_its_own() -> None:
     assert not ball.stores_fields
     assert {*POINT_GAP_QUANTITIES} <= {*ball.quantities}
     assert ball.meeting == "point in air"
-    assert "contact_capacitance_at_force" in grammar.parse("circuit_capacitance", ball.meeting).names()
+    assert "capacitance_at_force" in grammar.parse("circuit_capacitance", ball.meeting).names()
     one, two = ({"radius": s * 0.02, "force": s**2 * 1.0, "thickness": s * 2e-4} for s in (1.0, 1.7))
     found = [ball.solved(solve, {**ball.fixed, **case}) for case in (one, two)]
     for name in ball.quantities:
@@ -197,7 +197,7 @@ def test_a_device_is_in_air_unless_it_says_otherwise() -> None:
         ({"dataset": {"peaks": True}}, "ask for fields"),
         ({"dataset": {"positions": {"inside": 12, "outside": 6}}}, "ask for fields"),
         ({"factors": BOX, "groups": {"load * radius / thickness^2": {"levels": 3}}}, "make radius / thickness a group"),
-        ({"surrogate": {"outputs": ["capacitance"]}}, "capacitance_at_load"),
+        ({"surrogate": {"outputs": ["capacitance_per_length"]}}, "capacitance_at_load"),
         ({"surrogate": {"outputs": ["electric_edge_intensity_trailing"]}}, "have no electric_edge_intensity_trailing"),
     ],
 )

@@ -70,7 +70,7 @@ def test_a_moved_study_is_solved_with_moved_constants(film: Study) -> None:
         {**film.fixed, **at, "base": base},
         phases=(Material.from_mapping(ceramic), "CoFe2O4"),
     )
-    for name in ("voltage", "depth", "capacitance"):
+    for name in ("voltage", "depth", "capacitance_per_length"):
         assert float(found[name]) == pytest.approx(float(exact[name]), rel=1e-9)
     assert uncertainty.concerned(film, asked[0]) == {"base": "steel"}
     assert uncertainty.concerned(film, asked[2]) == {}

@@ -103,22 +103,22 @@ function shownRows(found) {
     ["peak_pressure", "largest pressure", "Pa", found.peak_pressure === undefined ? "infinite at a corner of the punch" : "under the punch"],
     line ? ["trailing_tension", "tension", "Pa", "along the surface, just behind the contact"] : ["edge_tension", "tension", "Pa", film() ? "not told by the tables of films" : "radial, in the surface just beside the contact"],
   ];
-  if (couples("charge_sensitivity")) {
-    rows.push(["charge_sensitivity", "charge per force", "C N-1", "with the punch at zero volts"]);
+  if (couples("charge_per_force")) {
+    rows.push(["charge_per_force", "charge per force", "C N-1", "with the punch at zero volts"]);
     rows.push(held ? ["charge", "charge", `C${per}`, "at this voltage"] : ["short_charge", "charge", `C${per}`, "with the punch at zero volts"]);
     rows.push(held ? ["open_voltage", "voltage, open", "V", "with nothing connected"] : ["voltage", "voltage", "V", "open circuit, no charge"]);
   }
   if (found.capacitance !== undefined) rows.push(["capacitance", "capacitance", `F${per}`, line ? "of the contact, against the datum" : "of the contact"]);
   if (couples("stroke_per_volt")) rows.push(["stroke_per_volt", "stroke per volt", "m V-1", "at this force"], line ? ["blocked_load_per_volt", "blocked load per volt", "N m-1 V-1", "at this depth"] : ["blocked_force_per_volt", "blocked force per volt", "N V-1", "at this depth"]);
   if (!line) rows.push(["contact_stiffness", "contact stiffness", "N m-1", "at held voltage"]);
-  if (couples("flux_sensitivity")) rows.push(["magnetic_potential", "magnetic potential", "A", "no flux taken"], ["flux_sensitivity", "flux per force", "Wb N-1", "with the punch at zero magnetic potential"]);
+  if (couples("flux_per_force")) rows.push(["magnetic_potential", "magnetic potential", "A", "no flux taken"], ["flux_per_force", "flux per force", "Wb N-1", "with the punch at zero magnetic potential"]);
   return rows;
 }
 
 // Figures that follow from the solver's.
 function completed(found, values, open) {
   const force = found.kind === "line" ? values.load : values.force;
-  return { ...found, width: 2 * found.half, datum: values.datum, thickness: values.thickness, short_charge: found.charge_sensitivity * force, open_voltage: open.voltage };
+  return { ...found, width: 2 * found.half, datum: values.datum, thickness: values.thickness, short_charge: found.charge_per_force * force, open_voltage: open.voltage };
 }
 
 function everything(body, values) {

@@ -151,8 +151,8 @@ function solveLine(given, series) {
   if (at.smooth[1]) out.leading_compression = edgeStress(-1);
   for (const [edge, X, smooth] of [["trailing", 1, at.smooth[0]], ["leading", -1, at.smooth[1]]])
     if (smooth) ["electric", "magnetic"].forEach((field, q) => { out[`${field}_edge_intensity_${edge}`] = intensity(X, q); });
-  [["voltage", "voltage_sensitivity", "charge_sensitivity", "stroke_per_volt", "blocked_load_per_volt"],
-    ["magnetic_potential", "magnetic_sensitivity", "flux_sensitivity", "stroke_per_ampere", "blocked_load_per_ampere"]].forEach((names, q) => {
+  [["voltage", "voltage_per_load", "charge_per_force", "stroke_per_volt", "blocked_load_per_volt"],
+    ["magnetic_potential", "magnetic_potential_per_load", "flux_per_force", "stroke_per_ampere", "blocked_load_per_ampere"]].forEach((names, q) => {
     if (!conducts[q]) return;
     const J = q + 1, cross = N[0][J], mine = N[J][J];
     [displacement(J), loadTangent(J, false), (-Math.PI * loadPart(J)) / (mine * logWidth), -cross / mine,

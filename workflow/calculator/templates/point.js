@@ -86,8 +86,8 @@ function solvePoint(given) {
   const out = { contact_radius: radius, depth: -here.displacement[0], contact_stiffness: tangent[0][0], contact_stiffness_open: 1 / turned(tangent)[0][0] };
   const pressure = (x) => over * on.pressure(x, here); // x = sqrt(1 - r^2/a^2)
   if (profile === "sphere") out.peak_pressure = Math.max(...(film ? film.samples : [1]).map((x) => pressure(x)));
-  [["electric_edge_intensity", "voltage", "voltage_per_force", "charge_sensitivity", "stroke_per_volt", "blocked_force_per_volt", "contact_capacitance"],
-    ["magnetic_edge_intensity", "magnetic_potential", "magnetic_potential_per_force", "flux_sensitivity", "stroke_per_ampere", "blocked_force_per_ampere", "contact_permeance"]].forEach((names, q) => {
+  [["electric_edge_intensity", "voltage", "voltage_per_force", "charge_per_force", "stroke_per_volt", "blocked_force_per_volt", "capacitance"],
+    ["magnetic_edge_intensity", "magnetic_potential", "magnetic_potential_per_force", "flux_per_force", "stroke_per_ampere", "blocked_force_per_ampere", "permeance"]].forEach((names, q) => {
     if (!conducts[q] || (film && q)) return; // tables of films know no magnetic field
     const j = q + 1;
     [here.intensities[j], here.displacement[j], -free[j][0], grounded.loads[j] / force, tangent[0][j] / tangent[0][0], -tangent[0][j], -here.fixed[q][q]]
@@ -95,7 +95,7 @@ function solvePoint(given) {
   });
   const tension = film || material.c12 === undefined ? undefined
     : (-(material.c11 - material.c12) * dot(body.coupling, here.loads)) / (2 * Math.PI * radius ** 2);
-  return { ...out, edge_tension: tension, charge: here.loads[1], capacitance: out.contact_capacitance, half: radius, centre: 0, pressure: (X) => pressure(Math.sqrt((1 - X) * (1 + X))), kind: "point" };
+  return { ...out, edge_tension: tension, charge: here.loads[1], capacitance: out.capacitance, half: radius, centre: 0, pressure: (X) => pressure(Math.sqrt((1 - X) * (1 + X))), kind: "point" };
 }
 
 const clenshaw = (series, t) => {

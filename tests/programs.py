@@ -1,0 +1,44 @@
+"""Programs that tests start and that no Python package brings: which of them this machine has.
+
+A test marked ``needs("node", "ncdump")`` is skipped, with the Debian packages to install, where one is missing
+(`tests/conftest.py`). Nothing else in the tests looks for programs.
+"""
+
+import shutil
+from collections.abc import Iterable
+
+#: Debian package of each program.
+PACKAGES = {
+    "chromium": "chromium",
+    "node": "nodejs",
+    "ncdump": "netcdf-bin",
+    "nccopy": "netcdf-bin",
+    "ncks": "nco",
+    "munged": "munge",
+    "slurmctld": "slurmctld",
+    "slurmd": "slurmd",
+    "sbatch": "slurm-client",
+    "squeue": "slurm-client",
+    "sinfo": "slurm-client",
+    "runuser": "util-linux",
+}
+_OTHER_NAMES = {"chromium": ("chromium-browser", "google-chrome")}
+
+
+def find(program: str) -> str | None:
+    """Path of a program, under the first of its names that is installed; None where it is missing."""
+    return next(filter(None, map(shutil.which, (program, *_OTHER_NAMES.get(program, ())))), None)
+
+
+def path(program: str) -> str:
+    """Path of a program that a mark of the test asks for."""
+    location = find(program)
+    assert location is not None, f"the test lacks the mark needs({program!r})"
+    return location
+
+
+def missing(programs: Iterable[str]) -> str:
+    """Reason to skip a test that starts these programs; empty where all are installed."""
+    absent = [program for program in programs if find(program) is None]
+    packages = dict.fromkeys(PACKAGES[program] for program in absent)
+    return f"no {' or '.join(absent)} (Debian: {' '.join(packages)})" if absent else ""
