@@ -14,7 +14,7 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
         "calculator",
         help="write a page that calculates contacts in a browser, without a server",
         description="One file: every material, punch and profile of the library by closed forms, a few films by "
-        "tables, own constants pasted in. It is docs/calculator.html.",
+        "tables, own constants pasted in.",
     )
     command.add_argument(
         "-o", "--output", type=written_as(html="HTML"), default=Path("calculator.html"), metavar="OUT.html"
