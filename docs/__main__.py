@@ -1,4 +1,4 @@
-"""Draw what the site shows into build/figures: ``python -m docs``; figures of the gallery and tutorials, the calculator."""
+"""Draw the figures of gallery and tutorials, and the calculator, into build/figures: ``python -m docs``."""
 
 import runpy
 import shutil

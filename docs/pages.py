@@ -119,13 +119,13 @@ def quantities() -> str:
     """Markdown page with the factors, quantities, fields and limits of `solver.names`."""
     head = "# Every factor and quantity\n\n[Factors, quantities, materials](names.md) explains choices and formulas.\n"
     factors = [
-        f"| `{name}` | {one.units} | {'' if one.default is None else f'{one.default:g}'} | "
-        f"{one.allowed.removeprefix('a finite number').partition('[')[0].strip() or 'any'} | {one.long_name} |"
-        for name, one in names.FACTORS.items()
+        f"| `{name}` | {entry.units} | {'' if entry.default is None else f'{entry.default:g}'} | "
+        f"{entry.allowed.removeprefix('a finite number').partition('[')[0].strip() or 'any'} | {entry.long_name} |"
+        for name, entry in names.FACTORS.items()
     ]
     limits = [
-        f"| `{name}` | {one.units} | {one.long_name} | {', '.join(f'`{bound}`' for bound in names.LIMITED[name])} |"
-        for name, one in names.LIMITS.items()
+        f"| `{name}` | {entry.units} | {entry.long_name} | {', '.join(f'`{bound}`' for bound in names.LIMITED[name])} |"
+        for name, entry in names.LIMITS.items()
     ]
     return "\n".join(
         [
@@ -151,7 +151,7 @@ _QUANTITIES: dict[str, dict[str, Described]] = {
 
 def _rows(described: Mapping[str, Described]) -> list[str]:
     """Rows of a table of names, units and meanings."""
-    return [f"| `{name}` | {one.units} | {one.long_name} |" for name, one in described.items()]
+    return [f"| `{name}` | {entry.units} | {entry.long_name} |" for name, entry in described.items()]
 
 
 def _table(title: str, head: str, rows: list[str]) -> str:
@@ -161,7 +161,10 @@ def _table(title: str, head: str, rows: list[str]) -> str:
 
 def modules() -> str:
     """Markdown page with the first docstring line of every module, room by room."""
-    parts = ["# Every module\n", "The first line of each module's docstring. [Architecture](architecture.md) explains the rooms.\n"]
+    parts = [
+        "# Every module\n",
+        "The first line of each module's docstring. [Architecture](architecture.md) explains the rooms.\n",
+    ]
     for package in sorted(file for room in ROOMS for file in (ROOT / room).rglob("__init__.py")):
         room = package.parent
         rows = [f"- `{file.name}`: {_opening(file)}" for file in sorted(room.glob("*.py")) if file != package]

@@ -1,4 +1,4 @@
-"""The pages of theory hold every section and equation that the code cites"""
+"""The pages of theory hold every section and equation that the code cites."""
 
 import re
 from pathlib import Path
@@ -30,9 +30,9 @@ def cited(text: str) -> dict[str, set[str]]:
 
 def missing(text: str) -> set[str]:
     """Citations of a text that no page holds."""
-    found = cited(text)
-    sections = {f"{page} {number}" for page, held in SECTIONS.items() for number in found[page] - held}
-    return sections | (found["equations"] - EQUATIONS)
+    places = cited(text)
+    sections = {f"{page} {number}" for page, held in SECTIONS.items() for number in places[page] - held}
+    return sections | (places["equations"] - EQUATIONS)
 
 
 def test_every_cited_section_and_equation_is_on_its_page() -> None:
