@@ -38,6 +38,20 @@ def shown(value: object) -> str:
     return repr(text if len(text) <= _LONGEST else f"{text[:_LONGEST]}...")
 
 
+def unmasked(values: Any) -> Any:
+    """Values with NaN, or None among texts and objects, in the cells that a masked array hides."""
+    if isinstance(values, list | tuple):
+        return [np.nan if value is np.ma.masked else value for value in values]
+    if not isinstance(values, np.ma.MaskedArray):
+        return values
+    kind, missing = (np.float64, np.nan) if values.dtype.kind in "iuf" else (object, None)
+    if not np.ma.is_masked(values):
+        return values.data
+    cells = values.data.astype(kind)
+    cells[np.ma.getmaskarray(values)] = missing
+    return cells
+
+
 def dot(one: Array, two: Array) -> Array:
     """Sum of products over the last axis.
 

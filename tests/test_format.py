@@ -43,10 +43,9 @@ def root() -> GaussianProcess:
 
 @pytest.fixture(scope="module")
 def files(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """A calibrated grid, one over groups with patches, and the page's example."""
+    """A calibrated grid, one over groups, and the page's example."""
     folder = tmp_path_factory.mktemp("format")
     held = cases(300, 1, 0.2, to_ends=600)
-    held["evenly_drawn"][600:] = -1  # asked for: patches in the corners
     grouped = surrogate.GroupedGP(GROUPING).fit(factorial(0.2)).calibrate(held)
     surrogate.save(grouped, folder / "grouped.nc")
     surrogate.save(root(), folder / "root.nc")
@@ -104,8 +103,9 @@ def test_the_example_by_hand_is_the_file_s(files: dict[str, Path]) -> None:
 def test_the_reader_refuses_other_kernels_and_points_outside(tmp_path: Path, files: dict[str, Path]) -> None:
     levels = surrogate.chebyshev_levels(0.0, 1.0, 4)
     data = xr.Dataset({"y": ("x", levels**2)}, coords={"x": levels})
-    surrogate.save(surrogate.GridGP("rbf", inputs=[surrogate.Input("x", 0.0, 1.0)]).fit(data), tmp_path / "rbf.nc")
-    assert 'kernel "rbf" is not read here' in read_by_node(tmp_path / "rbf.nc", []).stderr
+    cases = xr.Dataset({"x": ("case", data["x"].values), "y": ("case", data["y"].values)})
+    surrogate.save(surrogate.ScatterGP("rbf", outputs=["y"]).fit(cases), tmp_path / "rbf.nc")
+    assert 'engine "scatter" is not read here' in read_by_node(tmp_path / "rbf.nc", []).stderr
     assert "x is from 1 to 4" in read_by_node(files["root"], [{"x": 5.0}]).stderr
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -12,13 +11,14 @@ from solver.face.bodies import body_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.refusal import FactorError
+from solver.face.rows import Factors
 from solver.material.constants import Material
 
 _OF = "factors (contact as wide as the datum, or overflow)"
 
 
 def solve_curves(
-    factors: Mapping[str, Any] | xr.Dataset,
+    factors: Factors,
     regions: Sequence[str] = tuple(REGIONS),
     *,
     materials: Mapping[str, Material] = MappingProxyType({}),

@@ -2,16 +2,16 @@
 
 from collections.abc import Mapping
 from difflib import get_close_matches
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from solver.arrays import is_finite, shown
+from solver.arrays import is_finite, shown, unmasked
 from solver.described import Contact
 from solver.face.electrodes import check_electrodes
-from solver.face.filmfactors import among, bare, check_elasticity, check_films, check_gaps, refuse
+from solver.face.filmfactors import absent, among, bare, check_elasticity, check_films, check_gaps, refuse
 from solver.face.refusal import FactorError
+from solver.face.rows import Factors, by_name
 from solver.face.surroundings import settled
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
@@ -27,9 +27,9 @@ _CHARGES = {
 }  # fmt: skip
 
 
-def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
+def checked(factors: Factors) -> dict[str, xr.DataArray]:
     """Factors as arrays with dimensions, every name known and every value allowed."""
-    given = {**factors.data_vars, **factors.coords} if isinstance(factors, xr.Dataset) else dict(factors)
+    given = by_name(factors)
     known = (*MATERIALS, *CHOICES, *FACTORS, BODY)
     arrays: dict[str, xr.DataArray] = {}
     for name, value in given.items():
@@ -146,6 +146,7 @@ def _array(name: str, value: object) -> xr.DataArray:
         values[()] = value
     else:
         try:
+            value = unmasked(value)
             values = np.asarray(value, None if isinstance(value, np.ndarray) else _type(value))
         except ValueError:
             raise FactorError(f"{name}: {shown(value)} is not a plain list of values") from None
@@ -183,14 +184,15 @@ def _number(name: str, array: xr.DataArray) -> xr.DataArray:
     factor = FACTORS[name]
     if array.dtype.kind not in "iuf":
         for value in array.values.flat:  # integers beyond 64 bits come as objects, text does not pass as a number
-            if not is_finite(value):
+            if not (is_finite(value) or (factor.optional and absent(value))):
                 raise FactorError(f"{name}: {shown(value)} is not {factor.allowed}")
+        array = array.copy(data=np.frompyfunc(lambda value: np.nan if absent(value) else value, 1, 1)(array.values))
     array = array.astype(np.float64)
     values = array.values
     above = values >= factor.low if factor.low_allowed else values > factor.low
     below = values <= factor.high if factor.high_allowed else values < factor.high
-    absent = np.isnan(values) & factor.optional
-    bad = values[~(np.isfinite(values) & above & below | absent)]
+    lacking = np.isnan(values) & factor.optional
+    bad = values[~(np.isfinite(values) & above & below | lacking)]
     if bad.size:
         raise FactorError(f"{name}: {bad.flat[0]:g} is not {factor.allowed}")
     return array
@@ -199,5 +201,5 @@ def _number(name: str, array: xr.DataArray) -> xr.DataArray:
 def _choice(name: str, array: xr.DataArray, allowed: tuple[str | None, ...]) -> None:
     values = array.values
     for value in np.unique(values) if values.dtype.kind == "U" else values.flat:
-        if not isinstance(value, str | None) or value not in allowed:
+        if not (None in allowed and absent(value)) and not (isinstance(value, str) and value in allowed):
             raise FactorError(f"{name}: {shown(value)} is not one of {', '.join(filter(None, allowed))}")

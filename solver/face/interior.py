@@ -3,16 +3,16 @@
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from solver.arrays import Array
+from solver.arrays import Array, unmasked
 from solver.face.bodies import body_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.refusal import FactorError
+from solver.face.rows import Factors
 from solver.fields import EVERY_INTERIOR
 from solver.material.constants import Material
 
@@ -21,7 +21,7 @@ _ALONG_Y = {"units": "1", "long_name": "height y/h over the surface"}
 
 
 def solve_interior(
-    factors: Mapping[str, Any] | xr.Dataset,
+    factors: Factors,
     x: Iterable[float],
     y: Iterable[float],
     *,
@@ -85,7 +85,7 @@ def _grid(x: Iterable[float], y: Iterable[float]) -> tuple[Array, Array]:
     for name, values in (("x", x), ("y", y)):
         line = np.empty(())
         with suppress(TypeError, ValueError):
-            line = np.asarray(list(values), dtype=np.float64)
+            line = np.asarray(list(unmasked(values)), dtype=np.float64)
         if line.ndim != 1 or not line.size or not np.all(np.isfinite(line)):
             raise FactorError(f"{name}: not a list of at least one finite number")
         lines.append(line)

@@ -13,12 +13,12 @@ from solver.face.refusal import CaseError, FactorError
 from solver.fields import POINT_NEED_C12, POINT_SINGULAR
 from solver.halfplane.potentials import POTENTIALS
 from solver.halfplane.pressing import ContactError
+from solver.point.contact import Pressed
+from solver.point.friction import Rim
 from solver.point.inside import Inside
 from solver.point.peaks import peaks
-from solver.point.pressed import Pressed
 from solver.point.profile import DISC, Shape
 from solver.point.quantities import quantities, sliding_quantities
-from solver.point.rim import Rim
 from solver.point.sliding import Rubbed, warn_of_order
 from solver.point.surface import surface_fields
 

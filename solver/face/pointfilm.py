@@ -12,11 +12,10 @@ from solver.face.point import OnPoints
 from solver.face.punches import punch_of
 from solver.line.windows import Kind
 from solver.point.body import Film
+from solver.point.contact import Friction, Pressed
 from solver.point.electrodes import electrode_quantities
+from solver.point.friction import Rim, contact_coupling
 from solver.point.inside import Inside
-from solver.point.pressed import Friction, Pressed
-from solver.point.response import contact_coupling
-from solver.point.rim import Rim
 from solver.point.table import PointKind
 from solver.stack.electroded import surface
 from solver.stack.layers import Stack

@@ -3,23 +3,23 @@
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from solver.arrays import Array
+from solver.arrays import Array, unmasked
 from solver.face.bodies import body_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.refusal import FactorError
+from solver.face.rows import Factors
 from solver.fields import ACROSS, ALONG, EVERY_FIELD
 from solver.material.constants import Material
 from solver.names import ALL_PEAKS, ALL_QUANTITIES
 
 
 def solve(
-    factors: Mapping[str, Any] | xr.Dataset,
+    factors: Factors,
     positions: Iterable[float] | None = None,
     *,
     materials: Mapping[str, Material] = MappingProxyType({}),
@@ -33,7 +33,9 @@ def solve(
     ----------
     factors
         Values by factor name: scalars, ``DataArray`` of any dimensions, or plain sequences, which become a dimension
-        named after their factor; dimensions broadcast, so sequences span the full factorial. ``load`` must be given,
+        named after their factor; dimensions broadcast, so sequences span the full factorial. A table spans none: every
+        row of a ``pandas.DataFrame``, and every mapping of a list, is one case, along the one dimension ``case`` with
+        the labels of the frame's index. A cell that is masked, NA or None is NaN. ``load`` must be given,
         what the ``profile`` needs (default ``cylinder``: ``radius``; see ``solver.names.PROFILES``; or a
         :class:`Profile` of one's own), and either ``material`` (a name or :class:`Material`) or the fraction of a
         composite (``composite``, default ``fibrous``; see ``solver.names.COMPOSITES``). The rest default to 0
@@ -84,6 +86,9 @@ def solve(
     2.0
     >>> abs(answer["contact_pressure"].sel(position=2.0)).values.tolist()
     [0.0, 0.0]
+    >>> roller = {"material": "PZT-4", "radius": "50 mm"}
+    >>> dict(solve([roller | {"load": 1e4}, roller | {"load": 4e4}]).sizes)
+    {'case': 2}
     """
     cases = Cases(checked(factors), materials, phases)
     X = None if positions is None else _positions(positions)
@@ -119,6 +124,7 @@ def _searched(peaks: bool | Collection[str]) -> frozenset[str]:
 def _positions(positions: Iterable[float]) -> Array:
     X = np.empty(())
     with suppress(TypeError, ValueError):
+        positions = unmasked(positions)
         X = np.asarray(positions if isinstance(positions, np.ndarray) else list(positions), dtype=np.float64)
     if X.ndim != 1 or not X.size:
         raise FactorError("positions: not a list of at least one number")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from approximation.arrays import Indices
-from solver.arrays import Array
+from solver.arrays import Array, unmasked
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +65,8 @@ class Profile:
         smooth : (bool, bool), whether the trailing and the leading edge are
         width : array_like, between two corners [m]; None: it has not two
         """
-        coefficients = tuple(np.asarray(c, dtype=np.float64) for c in slope)
-        return cls(coefficients, smooth, None if width is None else np.asarray(width, dtype=np.float64))
+        coefficients = tuple(np.asarray(unmasked(c), dtype=np.float64) for c in slope)
+        return cls(coefficients, smooth, None if width is None else np.asarray(unmasked(width), dtype=np.float64))
 
     @classmethod
     def cylinder(cls, radius: Array) -> Self:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solver.arrays import Array
+from solver.arrays import Array, unmasked
 from solver.material.constants import VACUUM_PERMITTIVITY, Material, MaterialError
 from solver.material.evidence import Limit
 from solver.names import FACTORS
@@ -59,7 +59,7 @@ def aluminium_scandium_nitride(scandium_fraction: ArrayLike) -> Material:
     >>> f"{film.c33 / 1e9:.1f} GPa, {film.e33:.3f} C/m2"
     '241.1 GPa, 2.238 C/m2'
     """
-    x, allowed = np.asarray(scandium_fraction, dtype=np.float64), FACTORS["scandium_fraction"]
+    x, allowed = np.asarray(unmasked(scandium_fraction), dtype=np.float64), FACTORS["scandium_fraction"]
     bad = x[~((x >= allowed.low) & (x <= allowed.high))]
     if bad.size:
         raise MaterialError(f"scandium_fraction: {bad.flat[0]:g} is not within {allowed.low:g} to {allowed.high:g}")

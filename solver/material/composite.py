@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solver.arrays import Array, column
+from solver.arrays import Array, column, unmasked
 from solver.material.constants import Material, MaterialError
 
 
@@ -136,7 +136,7 @@ def _of_blocks(h: Array, T: Array, G: Array) -> dict[str, Any]:
 
 
 def _fraction(fraction: ArrayLike) -> Array:
-    v = np.asarray(fraction, dtype=np.float64)
+    v = np.asarray(unmasked(fraction), dtype=np.float64)
     bad = v[~((v >= 0) & (v <= 1))]
     if bad.size:
         raise MaterialError(f"volume_fraction: {bad.flat[0]:g} is not within 0 to 1")

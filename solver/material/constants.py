@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solver.arrays import Array, BoolArray, is_finite
+from solver.arrays import Array, BoolArray, is_finite, unmasked
 from solver.material.evidence import Alternative, Limit, read_alternatives, read_limits
 
 VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m (CODATA 2022)
@@ -105,7 +105,7 @@ class Material:
 
     def __post_init__(self) -> None:
         for name in UNITS:
-            object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=np.float64))
+            object.__setattr__(self, name, np.asarray(unmasked(getattr(self, name)), dtype=np.float64))
         object.__setattr__(self, "conductor", np.asarray(self.conductor, dtype=np.bool_))
 
     @classmethod
@@ -180,7 +180,7 @@ class Material:
         >>> f"{float(steel.c44):.4g}"
         '8.077e+10'
         """
-        E, nu = np.asarray(young, np.float64), np.asarray(poisson, np.float64)
+        E, nu = (np.asarray(unmasked(value), np.float64) for value in (young, poisson))
         if np.any(bad := ~((nu > -1) & (nu < 0.5))):
             raise MaterialError(f"{name}: Poisson's ratio {nu[bad].flat[0]:g} is not within -1 < nu < 0.5")
         shear, lame = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))

@@ -1,4 +1,4 @@
-"""Bodies under a point contact: what they answer at a radius, and the radius at which they carry a force."""
+"""Bodies under a point contact: stiffness at a radius, and the radius at which they carry a force."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -11,9 +11,8 @@ from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
 from solver.line.table import LEAST, MOST, LengthsError
 from solver.line.windows import FIRST, LAST, beyond, number_of, searched
-from solver.point.contact import State
-from solver.point.halfspace import Stiffness, halfspace
 from solver.point.profile import Shape
+from solver.point.state import State, Stiffness, halfspace
 from solver.point.table import PointKind, Window, window
 
 _STEPS = 60

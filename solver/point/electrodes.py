@@ -1,14 +1,16 @@
-"""What a point contact brings to an electrode below it, and to patches of it (films, section 11).
+"""Charge that a point contact brings to an electrode below it, and to patches of it (films, section 11).
 
-With q(k) = 2 pi a sum_n c_n . rows j_2n(ka), in the units of the stack, a disc of radius b in the distance d collects
-b int q J0(kd) J1(kb) dk, a strip of width w across x (1/pi) int q cos(kd) 2 sin(kw/2) dk/k. On top a part of q is v
-of the tractions at the same place (:mod:`solver.point.patchcover`).
+With q(k) = 2 pi a sum_n c_n . rows j_2n(ka), in the units of the stack, a disc of radius b at the distance d collects
+b int q J0(kd) J1(kb) dk, a strip of width w across x (1/pi) int q cos(kd) 2 sin(kw/2) dk/k. On top a part of q is v of
+the tractions at the same place, integrated over the part of the contact that the patch covers: between the radii at
+which the covered angle has a root, r = m - h cos t makes it smooth, and the edge of the contact too.
 
-A ball that slides adds waves J1(kr) cos(angle). These are -1/k times the derivatives of J0(kr) along x: what a patch
-makes of them is -1/k times the derivative by the distance of what it makes of those.
+A ball that slides adds waves J1(kr) cos(angle). These are -1/k times the derivatives of J0(kr) along x: their charge on
+a patch is -1/k times the derivative by the distance of the charge of J0.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -18,18 +20,85 @@ from approximation.arrays import Indices
 from solver.arrays import Array, joined
 from solver.line.electrodecharge import Collected, together
 from solver.point import hankel
-from solver.point.bessel import even_orders
 from solver.point.body import Film
-from solver.point.galerkin import halfspace_terms
-from solver.point.patchcover import Covered
-from solver.point.pressed import Contact
+from solver.point.contact import Contact
+from solver.point.hankel import even_orders
 from solver.point.sliding import Rubbed
 from solver.point.surface import BelowPunch
+from solver.point.system import halfspace_terms
 from solver.point.table import Window
 from solver.point.tractions import Tractions
 from solver.stack.electrodereading import STRIP, Reading
 from solver.stack.electrodes import Electrode, transfers
 from solver.stack.layers import StackError
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(48)
+
+
+@dataclass(frozen=True, eq=False)
+class Covered:
+    """Patches of one shape, their lengths over the radius of the contact; (case,) each."""
+
+    shape: int  # Place in ``solver.names.CHOICES["patch"]``
+    distance: Array  # Of the patch's middle from that of the contact
+    size: Array  # Diameter of a disc, width of a strip
+
+    def rule(self, *, slope: bool) -> tuple[Array, Array]:
+        """Radii r within the contact, and weights of an integral over the covered part; (case, node) each.
+
+        ``slope``: of its derivative by the distance.
+        """
+        ends = np.sort(np.clip(np.stack([*self._ends, 0 * self.size, 0 * self.size + 1], -1), 0.0, 1.0), -1)
+        half, middle = (ends[:, 1:] - ends[:, :-1]) / 2, (ends[:, 1:] + ends[:, :-1]) / 2
+        angle = np.pi / 2 * (1 + _NODES)
+        r = np.asarray(middle[..., None] - half[..., None] * np.cos(angle)).reshape(len(half), -1)
+        weights = (half[..., None] * np.sin(angle) * np.pi / 2 * _WEIGHTS).reshape(len(half), -1)
+        r = np.clip(r, 1e-300, 1.0)
+        with np.errstate(divide="ignore", invalid="ignore"):  # between ends that are one, whose weight is 0
+            found = np.where(weights > 0, weights * r * self._angle(r, slope=slope), 0.0)
+        return r, found
+
+    @property
+    def _ends(self) -> list[Array]:
+        """Radii at which the angle has a root."""
+        d, half = self.distance, self.size / 2
+        return [np.abs(d - half), np.abs(d + half)]
+
+    def _angle(self, r: Array, *, slope: bool) -> Array:
+        """Of the circles that the patch covers, or its derivative by the distance."""
+        d, half = self.distance[:, None], self.size[:, None] / 2
+        if self.shape == STRIP:
+            part = _beyond_slope if slope else _beyond
+            return np.asarray(part(d - half, r) - part(d + half, r))
+        disc = _disc_slope if slope else _disc
+        return np.asarray(disc(d, half, r))
+
+
+def _beyond(x: Array, r: Array) -> Array:
+    """Angle of a circle about the origin that lies beyond x."""
+    return np.asarray(2 * np.arccos(np.clip(x / r, -1.0, 1.0)))
+
+
+def _beyond_slope(x: Array, r: Array) -> Array:
+    """Derivative of :func:`_beyond` by x."""
+    square = (r - x) * (r + x)
+    return np.asarray(np.where(square > 0, -2 / np.sqrt(np.abs(square)), 0.0))
+
+
+def _disc(d: Array, b: Array, r: Array) -> Array:
+    """Angle of a circle about the origin that lies in the disc of radius b in the distance d."""
+    d = np.abs(d)
+    away = np.where(d > 0, d, 1.0)
+    share = np.arccos(np.clip((r**2 + d**2 - b**2) / (2 * r * away), -1.0, 1.0))
+    return np.asarray(2 * np.where(d > 0, share, np.where(r < b, np.pi, 0.0)))
+
+
+def _disc_slope(d: Array, b: Array, r: Array) -> Array:
+    away, side = np.where(d != 0, np.abs(d), 1.0), np.sign(d)
+    root = ((r + away) ** 2 - b**2) * (b**2 - (r - away) ** 2)
+    slope = -2 * (away**2 - r**2 + b**2) / (away * np.sqrt(np.abs(root)))
+    return np.asarray(np.where((root > 0) & (d != 0), side * slope, 0.0))
+
 
 _PHASE = 8.0  # of a wave over a panel of densities
 _BLOCK = 1_000_000  # values of the Bessel functions held at once

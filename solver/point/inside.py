@@ -1,7 +1,7 @@
 """Fields inside a half-space or a stack under point contacts, in the plane of symmetry (points, 7).
 
-Near the surface the half-space's part is closed (:mod:`solver.point.hankel`); what the layers below reflect, and
-everything deeper, decays and is integrated over the wavenumbers k with Bessel functions.
+Near the surface the half-space's part is closed (:mod:`solver.point.hankel`). The layers' reflections, and all fields
+deeper, decay and are integrated over the wavenumbers k with Bessel functions.
 """
 
 from dataclasses import dataclass
@@ -13,10 +13,8 @@ from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.material.constants import Material
 from solver.point import hankel
-from solver.point.shear import Sheared
 from solver.point.tractions import Tractions
-from solver.point.waveblock import Block
-from solver.point.wavefields import ORDERS, parted, rows_of, shear_rows
+from solver.point.waves import ORDERS, Block, Sheared, parted, rows_of, shear_rows
 from solver.stack.layers import Layer, Stack, StackError
 from solver.stack.reflection import sideways
 from solver.stack.wavenumbers import strip

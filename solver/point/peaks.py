@@ -1,6 +1,6 @@
 """Largest stresses inside half-spaces, films and bases under points, in the plane of symmetry (points, 7).
 
-The nets, the measures and the search are those of the plane; a case is solved on its nets, no table lies between.
+Nets, measures and search are those of the plane; each case is solved on its nets, without a table.
 """
 
 from collections.abc import Set
@@ -18,8 +18,8 @@ from solver.line.peaks import PEAKS_OF, largest
 from solver.line.stressnets import DEPTH, Net, Nets, of_whole
 from solver.line.table import RangeError
 from solver.names import FILM_PEAKS, PEAKS
+from solver.point.contact import Pressed
 from solver.point.inside import Inside
-from solver.point.pressed import Pressed
 from solver.point.sliding import Rubbed
 from solver.point.tractions import Tractions
 

@@ -1,12 +1,20 @@
-"""Punches of revolution with the profile g = coefficient r^exponent (points, 3).
+"""Punches of revolution with the profile g = coefficient r^exponent, and the half-space's pressure (points, 3).
 
-A disc is the exponent 0: the end is flat, its edge sharp.
+A disc is the exponent 0: the end is flat, its edge sharp. Over C a^(e-1) the half-space's pressure is
+
+    p(x) = (2/pi) (N^-1)_yy rise e F(x),   x = sqrt(1 - r^2/a^2),
+
+with F = int_0^x (1 - x^2 + v^2)^(e/2 - 1) dv = x 2F1(1 - e/2, 1; 3/2; x^2). Up to e = 1 it is infinite at the centre,
+below e = 3 not smooth, and x does not resolve places near it: there F is Pfaff's transformation
+x (r/a)^(e-2) 2F1(1 - e/2, 1/2; 3/2; -(x a/r)^2), arsinh(x a/r) of a cone.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
-from scipy.special import beta, gammaln, gammasgn
+from scipy.special import beta, gammaln, gammasgn, hyp2f1
 
 from solver.arrays import Array
 
@@ -51,3 +59,65 @@ class Shape:
         # 1 / Gamma(1/2 - n) is Gamma(n + 1/2) (-1)^n / pi; over abs(P_2n(0)) = Gamma(n + 1/2) / (sqrt(pi) n!)
         value = np.exp(log - gammaln(inner) + gammaln(n + 1)) * gammasgn(inner) * (-1.0) ** n / 2
         return np.asarray(np.where(whole & (below <= 0), 0.0, value))
+
+
+#: Places x at which tables hold the pressure, from the edge to the centre.
+SAMPLES = np.sin(np.pi / 2 * np.arange(1, 25) / 24)
+
+_NEAR, _SMOOTH = 0.5, 3.0  # of the centre, in r/a; the exponent from which F is smooth there
+
+_STEPS = 46  # of the golden section: to 1e-10 in x, where the pressure is flat
+_RATIO = (np.sqrt(5) - 1) / 2
+
+
+def finite(shape: Shape) -> bool:
+    """Whether the pressure has a largest value: none at the edge of a disc and at the apex of a cone."""
+    return shape.exponent > 1
+
+
+def halfspace_form(shape: Shape, x: Array, r: Array | None = None) -> Array:
+    """rise e F of the half-space; any shape, infinite at r = 0 where ``finite`` says so."""
+    r = np.sqrt((1 - x) * (1 + x)) if r is None else r
+    return np.asarray(shape.rise * shape.exponent * _form(shape.exponent, x, r))
+
+
+def _form(e: float, x: Array, r: Array) -> Array:
+    """F."""
+    if e == 1:
+        return np.arcsinh(x / r)
+    near = (r > 0) & (r < _NEAR) & (e < _SMOOTH)
+    at, apart = np.where(near, r, 1.0), np.where(near, 0.0, x)
+    return np.where(
+        near,
+        x * at ** (e - 2) * hyp2f1(1 - e / 2, 0.5, 1.5, -((x / at) ** 2)),
+        apart * hyp2f1(1 - e / 2, 1.0, 1.5, apart**2),
+    )
+
+
+@lru_cache
+def halfspace_peak(shape: Shape) -> float:
+    """The largest of it; at the centre up to the exponent 2, towards the edge above."""
+    values = halfspace_form(shape, SAMPLES)
+    best = int(np.argmax(values))
+    if best == SAMPLES.size - 1:
+        return float(values[best])
+    around = np.array([SAMPLES[max(best - 1, 0)]]), np.array([SAMPLES[best + 1]])
+    return float(climbed(lambda x: halfspace_form(shape, x), *around)[0])
+
+
+def climbed(values: Callable[[Array], Array], low: Array, high: Array) -> Array:
+    """The largest of values that rise and then fall between low and high, by the golden section; (case,).
+
+    low, high: (case,), limits.
+    """
+    inner, outer = high - _RATIO * (high - low), low + _RATIO * (high - low)
+    at_inner, at_outer = values(inner), values(outer)
+    for _ in range(_STEPS):
+        left = at_inner > at_outer
+        high, low = np.where(left, outer, high), np.where(left, low, inner)
+        kept, known = np.where(left, inner, outer), np.where(left, at_inner, at_outer)
+        fresh = np.where(left, high - _RATIO * (high - low), low + _RATIO * (high - low))
+        new = values(fresh)
+        inner, outer = np.where(left, fresh, kept), np.where(left, kept, fresh)
+        at_inner, at_outer = np.where(left, new, known), np.where(left, known, new)
+    return np.maximum(at_inner, at_outer)

@@ -7,9 +7,9 @@ hold both charges.
 import numpy as np
 
 from solver.arrays import Array
-from solver.point.pressed import Contact, Pressed
-from solver.point.pressure import finite
-from solver.point.rim import Rim
+from solver.point.contact import Contact, Pressed
+from solver.point.friction import Rim
+from solver.point.profile import finite
 from solver.point.sliding import Rubbed
 from solver.point.slidingpressure import largest_pressure
 from solver.twoport import Stiffness

@@ -20,13 +20,11 @@ from solver.arrays import Array
 from solver.halfplane.precision import PrecisionWarning
 from solver.point import hankel
 from solver.point.body import Film
-from solver.point.density import Density
-from solver.point.pressed import Contact, Friction, Pressed
-from solver.point.response import Response, legendre
-from solver.point.rim import Rim, edge_sums
+from solver.point.contact import Contact, Friction, Pressed
+from solver.point.friction import Response, Rim, edge_sums, legendre
 from solver.point.slidingtable import sliding_window
 from solver.point.table import Window
-from solver.point.tractions import Tractions
+from solver.point.tractions import Density, Tractions
 
 _MOST_FRICTION, _MOST_ANGLE = 0.6, 0.2  # beyond which a warning tells the size of what is neglected
 _EDGE = np.ones(1)

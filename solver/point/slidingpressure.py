@@ -20,12 +20,11 @@ from approximation.summit import highest
 from solver.arrays import Array
 from solver.halfplane.potentials import LINE, LINE_WEIGHTS
 from solver.point.body import Film
-from solver.point.density import Density, second_kind_rates, turned_form_rates
-from solver.point.pressed import Contact, Friction
-from solver.point.pressure import halfspace_form
-from solver.point.profile import Shape
-from solver.point.response import Response, legendre_rates
+from solver.point.contact import Contact, Friction
+from solver.point.friction import Response, legendre_rates
+from solver.point.profile import Shape, halfspace_form
 from solver.point.slidingtable import SlidingWindow, sliding_window
+from solver.point.tractions import Density, second_kind_rates, turned_form_rates
 
 _COUNT = 20  # points of a panel
 _MIDDLE = np.pi / 2 * np.array([0.25, 0.5])

@@ -1,6 +1,6 @@
-"""What the layers of a stack make of friction, over windows of radii (points, 8).
+"""Windows over the radius of the layers' contribution to sliding contacts (points, 8).
 
-The half-space's answer is steep beside the edge and kept apart, in closed form; what the layers add to it is smooth:
+The half-space's answer is steep near the edge and kept apart, in closed form; the layers' contribution to it is smooth:
 Nystroem's method, spectral.
 """
 
@@ -14,11 +14,10 @@ from approximation.arrays import Indices
 from approximation.chebyshev import coefficients
 from solver.arrays import Array
 from solver.point import hankel
-from solver.point.density import Density
+from solver.point.friction import Response, contact_coupling, legendre
 from solver.point.inside import Inside
-from solver.point.response import Response, contact_coupling, legendre
 from solver.point.table import PointKind, Window, window
-from solver.point.tractions import Tractions
+from solver.point.tractions import Density, Tractions
 from solver.stack.electroded import difference, surface
 from solver.stack.wavenumbers import strip, wavenumbers
 

@@ -1,24 +1,54 @@
-"""Fields along the surface of point contacts, on and beside the contact (points, 5).
+"""Fields along the surface of point contacts, below the punch and outside (points, 5).
 
-Tractions are t = strength / x + bounded, x = sqrt(1 - r^2/a^2), below the punch and nothing beside it. On a half-space
-the stretch of the surface is local, div u = -k . t, so that u_r = -(k/r) . int_0^r t s ds, in closed form. On a film
-the top's half-space does the same under the whole tractions, and what the layers below add is summed over wavenumbers.
+Tractions are t = strength / x + bounded, x = sqrt(1 - r^2/a^2), below the punch and zero outside. On a half-space the
+stretch of the surface is local, div u = -k . t, so that u_r = -(k/r) . int_0^r t s ds, in closed form. On a film the
+top's half-space answers the whole tractions so, and the layers' contribution is summed over wavenumbers. It is smooth
+in the position and in log a: the sums are taken at the nodes of a window, once for each set of positions.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from approximation.arrays import Indices
+from approximation.chebyshev import coefficients
 from solver.arrays import Array
 from solver.halfplane.pressing import ContactError
 from solver.point.body import Film
-from solver.point.pressed import Contact, Pressed
-from solver.point.pressure import added_forms, added_means, finite, halfspace_form
-from solver.point.rim import Rim
-from solver.point.surfacetable import added_stresses
-from solver.point.table import Window
+from solver.point.contact import Contact, Pressed
+from solver.point.friction import Rim
+from solver.point.inside import Inside
+from solver.point.profile import finite, halfspace_form
+from solver.point.system import added_forms, added_means
+from solver.point.table import PointKind, Window, window
+from solver.point.tractions import Tractions
+
+_STRESSES = ("stress_xx", "stress_zz")
+_KEPT = 16  # of a hundred places 0.1 MB each
+
+
+def added_stresses(contact: Contact, positions: Array) -> Array:
+    """What the layers add to sigma_rr and sigma_tt at r/a, SI; (case, 2, position)."""
+    body = contact.pressed.body
+    if not isinstance(body, Film):
+        return np.zeros((contact.radius.size, 2, 1))
+    places = tuple(positions.tolist())
+    read = body.gathered(contact.radius, lambda of, at, _: of.polynomials(at) @ _series(of.kind, of.number, places))
+    causes = contact.state.causes * (contact.size / contact.radius)[:, None]
+    return np.asarray(np.einsum("ckd,cd->ck", read.reshape(len(read), -1, 4), causes)).reshape(len(read), 2, -1)
+
+
+@lru_cache(_KEPT)
+def _series(kind: PointKind, number: int, positions: tuple[float, ...]) -> Array:
+    """Chebyshev coefficients per (u0, g) over C a^e; (node, stress and position and cause)."""
+    of, inside, places = window(kind, number), Inside(kind.film.stack()), np.array(positions)
+    found = [
+        inside.of_layers(Tractions(np.full(4, ratio), of.density(number, np.eye(4)), np.zeros(4)), places, _STRESSES)
+        for number, ratio in enumerate(np.exp(of.nodes).tolist())
+    ]
+    return coefficients(np.moveaxis(np.stack(found), 1, -1).reshape(len(found), -1))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
-"""What contacts on a film answer over their radius: Chebyshev in log a, in windows of half a decade (points, 4).
+"""Windows over the radius of contacts on a layered body: Chebyshev in log a, half a decade each (points, 4).
 
 By dimension only P R/h^3 of a sphere, P/(tan beta h^2) of a cone and their kind matter, so that one axis is enough. The
-interactions of a stack are found once and serve every punch: its profile, its elasticity, what it conducts.
+interactions of a stack are computed once and serve every punch: its profile, its elasticity, its conduction.
 """
 
 from dataclasses import dataclass
@@ -15,13 +15,10 @@ from approximation.piecewise import Interval
 from solver.arrays import Array
 from solver.line.table import LEAST, MOST
 from solver.line.windows import Kind
-from solver.point.contact import State
-from solver.point.density import Density
-from solver.point.galerkin import Added
-from solver.point.halfspace import Stiffness, conducted, halfspace
-from solver.point.interactions import interactions
-from solver.point.pressure import SAMPLES
-from solver.point.profile import Shape
+from solver.point.profile import SAMPLES, Shape
+from solver.point.state import State, Stiffness, conducted, halfspace
+from solver.point.system import Added, interactions
+from solver.point.tractions import Density
 from solver.stack.electroded import surface
 
 _A_DECADE = 2  # windows, those of the plane

@@ -1,16 +1,158 @@
-"""Tractions of point contacts: densities that they have in Fourier space, and what friction adds (points, 7 and 8)."""
+"""Tractions of point contacts as densities over 0 <= b <= 1, with their part from friction (points, 7 and 8).
+
+A traction ``strength / x`` has a constant density, its strength; the density of the half-space's pressure is
+``rise (1 - b^e)``, and that of P_2n(x) / (abs(P_2n(0)) x) is (-1)^n P_2n(b).
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.point import hankel
-from solver.point.density import Density
+from solver.point.profile import Shape
 from solver.stack.layers import Stack
 from solver.stack.wavenumbers import wavenumbers
+
+_HALF = 40  # nodes of the integral that a kink leaves beside the logarithm
+
+
+@dataclass(frozen=True, eq=False)
+class Density:
+    """Densities of (sigma_yy, D_y, B_y) without friction, lengths over a; columns of cases or causes."""
+
+    shape: Shape
+    strengths: Array
+    form: Array
+    series: Array
+
+    @property
+    def kinked(self) -> bool:
+        """Whether the profile is no polynomial of r^2."""
+        return not self.shape.flat and self.shape.exponent % 2 != 0
+
+    def part(self, columns: Indices) -> "Density":
+        """Some of the columns."""
+        return Density(self.shape, self.strengths[columns], self.form[columns], self.series[columns])
+
+    def times(self, units: Array) -> "Density":
+        """In other units of the channels; (3,)."""
+        form, series = self.form * units, self.series * units[:, None]
+        return Density(self.shape, self.strengths * units, form, series)
+
+    def at(self, b: Array) -> Array:
+        """phi; (column, 3, b)."""
+        own = self.strengths[..., None] + self._rise * self.form[..., None] * (1 - self._power(b))
+        legendre = np.polynomial.legendre.legvander(b, 2 * max(self._count - 1, 0))[:, ::2][:, : self._count]
+        return np.asarray(own + self._signed @ (legendre - 1).T)
+
+    def falling(self, b: Array) -> Array:
+        """-d phi / db; (column, 3, b)."""
+        e, count = self.shape.exponent, self._count
+        own = 0.0 if self.shape.flat else self._rise * e * self.form[..., None] * b ** (e - 1)
+        if not count:
+            return np.asarray(own + np.zeros((1, 1, b.size)))
+        legendre = np.zeros((*self.series.shape[:2], 2 * count - 1))
+        legendre[..., ::2] = self._signed
+        derived = np.polynomial.legendre.legder(legendre, axis=-1) if count > 1 else np.zeros((*legendre.shape[:2], 1))
+        return np.asarray(own - derived @ np.polynomial.legendre.legvander(b, derived.shape[-1] - 1).T)
+
+    def turned(self, b: Array) -> Array:
+        """(1/pi) PV int_-1^1 phi(s) / (b - s) ds; (column, 3, b).
+
+        What friction makes of a density: its Hilbert transform. That of the strengths, which has a logarithm at the
+        edge, is there below a disc alone: the pressure of other punches has none.
+        """
+        steep = np.arctanh(np.minimum(b, 1 - 1e-16))
+        if self.shape.flat:
+            return np.asarray((2 / np.pi) * (self.strengths[..., None] * steep + self._turned_series(b, steep)))
+        found = self._rise * self.form[..., None] * (2 / np.pi) * self._turned_form(b, steep)
+        return np.asarray(found + (2 / np.pi) * self._turned_series(b, steep))
+
+    def _turned_series(self, b: Array, steep: Array) -> Array:
+        """pi/2 of what the layers add; (column, 3, b)."""
+        count = self._count
+        if count:
+            degree = 2 * count - 2
+            P = np.polynomial.legendre.legvander(b, max(degree, 1))
+            D = np.zeros((max(degree, 1) + 1, b.size))  # Q_n - P_n artanh, of the same recurrence
+            D[1] = -1.0
+            for n in range(1, degree):
+                D[n + 1] = ((2 * n + 1) * b * D[n] - n * D[n - 1]) / (n + 1)
+            legendre = (P.T[0 : degree + 1 : 2] - 1) * steep + D[0 : degree + 1 : 2]
+            return np.asarray(self._signed @ legendre)
+        return np.zeros((1, 1, b.size))
+
+    def _turned_form(self, b: Array, steep: Array) -> Array:
+        """b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds; (b,)."""
+        if self.shape.flat:
+            return np.zeros_like(b)
+        e = self.shape.exponent
+        return np.asarray((1 - b**e) * steep + b ** (e - 1) * _stretched(e, b))
+
+    @property
+    def signed(self) -> Array:
+        """Coefficients of P_2n(b); (column, 3, n)."""
+        return self._signed
+
+    def _power(self, b: Array) -> Array:
+        return np.ones_like(b) if self.shape.flat else b**self.shape.exponent
+
+    @property
+    def _rise(self) -> float:
+        return 0.0 if self.shape.flat else self.shape.rise
+
+    @property
+    def _count(self) -> int:
+        return int(self.series.shape[-1])
+
+    @cached_property
+    def _signed(self) -> Array:
+        return np.asarray(self.series * (-1.0) ** np.arange(self._count))
+
+
+def turned_form_rates(exponent: float, b: Array) -> Array:
+    """d/db of b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds; (b,).
+
+    b: (b,), 0 < b < 1.
+    """
+    steep = np.arctanh(np.minimum(b, 1 - 1e-16))
+    return np.asarray(exponent * (b ** (exponent - 2) * _stretched(exponent, b) - b ** (exponent - 1) * steep))
+
+
+def _stretched(e: float, b: Array) -> Array:
+    """int_0^1 (1 - (s/b)^e) / (1 - (s/b)^2) ds; (b,)."""
+    x, w = np.polynomial.legendre.leggauss(_HALF)
+    # s = v^4: powers of s are smooth in v
+    v = (1 + x) / 2
+    s, weights = v**4, 2 * w * v**3
+    log = np.log(s) - np.log(b)[:, None]
+    ratio = np.where(np.abs(log) > 1e-12, np.expm1(e * log) / np.expm1(2 * log), e / 2)
+    return np.asarray(ratio @ weights)
+
+
+def second_kind_rates(b: Array, count: int) -> Array:
+    """d (Q_2n - artanh) / db of Legendre functions, n < count; (n, b).
+
+    As P_n' artanh + D_n' - E_n / (1 + b), where Q_n = P_n artanh + D_n and P_n = 1 - (1 - b) E_n.
+
+    b: (b,), 0 <= b < 1.
+    """
+    degree = max(2 * count - 2, 1)
+    P, D, E = (np.zeros((degree + 1, b.size)) for _ in range(3))
+    slope, falling = np.zeros_like(P), np.zeros_like(D)
+    P[0], P[1], slope[1], D[1], E[1] = 1.0, b, 1.0, -1.0, 1.0
+    for n in range(1, degree):
+        for of, derived in ((P, slope), (D, falling)):
+            of[n + 1] = ((2 * n + 1) * b * of[n] - n * of[n - 1]) / (n + 1)
+            derived[n + 1] = ((2 * n + 1) * (of[n] + b * derived[n]) - n * derived[n - 1]) / (n + 1)
+        E[n + 1] = ((2 * n + 1) * (b * E[n] + 1) - n * E[n - 1]) / (n + 1)
+    rates = slope * np.arctanh(np.minimum(b, 1 - 1e-16)) + falling - E / (1 + b)
+    return np.asarray(rates[: 2 * count : 2])
+
 
 #: psi of (sigma_yy, D_y, B_y), the part of cos(angle), at b, of some columns; (column, 3, b).
 Sines = Callable[[Array, Indices], Array]

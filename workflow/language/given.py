@@ -7,7 +7,7 @@ from solver.units import in_si
 from workflow.language.expressions import units_of
 from workflow.language.factors import FACTORS
 
-_NUMBERS = ("low", "high", "kinks", "choices", "uniform", "normal", "triangular")  # of a range or a distribution
+_NUMBERS = ("low", "high", "choices", "uniform", "normal", "triangular")  # of a range or a distribution
 #: Bare numbers of a device from which a forgotten unit is more likely than a meant number, and the unit that is meant.
 _USUAL = {
     "input_capacitance": (1e-3, "pF"),

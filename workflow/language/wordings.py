@@ -12,6 +12,8 @@ TITLES = {
     "trailing_tension": "tension behind the contact",
     "leading_compression": "stress ahead of the contact",
     "peak_pressure": "contact pressure",
+    "capacitance_per_length": "capacitance",
+    "permeance_per_length": "permeance",
     "nominal_field": "electric field over the thickness",
     "peak_von_mises": "von Mises stress in the body",
     "peak_principal_tension": "tension in the body",

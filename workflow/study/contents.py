@@ -159,13 +159,8 @@ class Contents(Keys):
     @property
     def cases(self) -> int:
         """Number of cases of the factorial; 0 while some of its levels are open."""
-        levels = prod(axis.count for axis in self.axes.values()) if self.factors else 0
+        levels = prod(axis.levels or 0 for axis in self.axes.values()) if self.factors else 0
         return levels * len(self.combinations)
-
-    @property
-    def kinks(self) -> dict[str, list[float]]:
-        """Where quantities have kinks, by factor; none of a factor that has none."""
-        return {name: list(axis.kinks) for name, axis in self.factors.items() if axis.kinks}
 
     @property
     def block(self) -> int:

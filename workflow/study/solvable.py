@@ -237,10 +237,6 @@ def check_size(study: Contents) -> None:
         raise ValueError(
             f"surrogate: fields: {cases} cases x {study.surrogate.fields} angles are more than {MOST_LEARNED}"
         )
-    for name in study.kinks:
-        _check_kinks(study, f"factors: {name}: kinks")
-    if study.surrogate.budget and study.dataset.peaks:
-        raise ValueError("surrogate: budget: a data set with largest stresses asks for no cases; must be null")
     level, held_out = study.surrogate.level, study.validation.calibration
     if level is not None and level > 1 - 2 / (held_out + 1):
         raise ValueError(
@@ -249,26 +245,14 @@ def check_size(study: Contents) -> None:
         )
 
 
-def _check_kinks(study: Contents, where: str) -> None:
-    """Whether the axes of a study may be split."""
-    if study.groups:
-        raise ValueError(f"{where}: of a study with groups the factors are no axes; must be absent")
-    if study.open:
-        raise ValueError(f"{where}: levels are missing; every factor needs them")
-    if study.surrogate.method != "factorial" or study.surrogate.kernel != "chebyshev" or study.surrogate.fields:
-        raise ValueError(f"{where}: surrogate: method: factorial, kernel: chebyshev and fields: 0 are needed")
-    if study.dataset.peaks:
-        raise ValueError(f"{where}: dataset: peaks: must be false")
-
-
 def _check_crossed(study: Contents) -> None:
     """Whether a cross approximation has levels to choose among, and what it learns."""
     for name, axis in study.axes.items():
         if axis.levels is None:
             where = "groups" if study.groups else "factors"
             raise ValueError(f"{where}: {name}: levels are missing; surrogate: method: cross needs them")
-    if study.surrogate.fields or study.surrogate.kernel != "chebyshev":
-        raise ValueError("surrogate: method: cross learns no fields, and its kernel is chebyshev")
+    if study.surrogate.fields:
+        raise ValueError("surrogate: method: cross learns no fields; fields must be 0")
     if study.dataset.peaks:
         raise ValueError("dataset: peaks: surrogate: method: cross learns no largest stresses; must be false")
     if study.block > study.dataset.budget:

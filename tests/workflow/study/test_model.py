@@ -44,6 +44,10 @@ def test_quickstart_is_the_factorial_of_the_documentation() -> None:
     [
         ("high: 0.6", "hihg: 0.6", "factors.friction.hihg: unknown key; did you mean 'high'? allowed: low, high,"),
         ("title:", "titel:", "titel: unknown key; did you mean 'title'?"),
+        ("high: 0.6", "high: 0.6, kinks: [0.3]", "factors.friction.kinks: was removed in 0.3.0; leave it out"),
+        ("high: 0.6", "high: 0.6, grown_from: [0.1, 0.3]", "factors.friction.grown_from: was removed in 0.3.0"),
+        ("fields: 24", "budget: 60", "surrogate.budget: was removed in 0.3.0; leave it out"),
+        ("fields: 24", "kernel: rbf", "surrogate.kernel: was removed in 0.3.0; leave it out"),
         ("levels: 5", "levels: 5.5", "factors.friction.levels: 5.5: input should be a valid integer"),
         ("levels: 5", "levels: 1", "factors.friction.levels: 1: input should be greater than or equal to 2"),
         ("levels: 5", "levels: '5'", "factors.friction.levels: '5': input should be a valid integer"),

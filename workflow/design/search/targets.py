@@ -11,7 +11,6 @@ from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem
 from surrogate.search.pareto import Front
-from workflow.dataset.infill import Place
 from workflow.design.asking import budget, program
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.question import Question, ask
@@ -87,24 +86,6 @@ def answer(
         categories=_categories(target, best),
         choices=_choices(best, candidates, 1.0 if several else target.objectives[0].sign),
         pictures=xr.merge(pictures, compat="no_conflicts", join="outer"),
-    )
-
-
-def doubted(study: Study, name: str, model: GaussianProcess) -> Place:
-    """The best design of a target on the surrogate: its cases, and how far its goal and limits may be off."""
-    candidates = _candidates(study, name, study.design[name], model, lambda words: None)
-    best = max(candidates, key=lambda candidate: _rank(candidate.best))
-    told = assessment.predict(best.design, best.question.searched)
-    sizes = [
-        term.scale if term.limited else best.size(value)
-        for term, value in zip(best.question.terms, told.values.tolist(), strict=True)
-    ]
-    factors = best.design.factors(best.question.judged[False])
-    columns = np.broadcast_arrays(*(factors[factor] for factor in study.factors))
-    return Place(
-        name,
-        float(np.max(told.reaches / np.array(sizes))),
-        {factor: np.ravel(column) for factor, column in zip(study.factors, columns, strict=True)},
     )
 
 

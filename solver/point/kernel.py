@@ -1,4 +1,4 @@
-"""What the layers of a stack add along the surface under points, over a distance (points, 4 and 6).
+"""Kernels of the layers' contribution along the surface under points, over a distance (points, 4 and 6).
 
     Lambda(x) = int_0^inf Delta(k) cos(kx) dk,
     chi(s) = N S(s) + (1/pi) int_0^inf [Lambda(s - s') + Lambda(s + s')] S(s') ds',
@@ -7,7 +7,7 @@ of the six pairs of (y, phi, psi), Delta = Y_top - Y0. Friction sigma_xy = eta s
 
     -(1/2) int_0^1 [Lambda_x(s + b) + Lambda_x(s - b)] phi_sigma(b) db,    Lambda_x(x) = int_0^inf Delta_ox sin(kx) dk.
 
-Far away only the beginning of Delta matters: a smooth end is put to it, of a width that the distance does not see.
+Far away only the beginning of Delta matters: it is tapered over a width that the distance does not resolve.
 """
 
 from dataclasses import dataclass, replace
