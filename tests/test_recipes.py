@@ -85,7 +85,7 @@ RECIPES: dict[str, Steps] = {
                 '        return f"(mean of the worst {100 * self.share:g} %)"\n'
             ),
         },
-        "workflow/design/asking/risk.py": {
+        "workflow/design/question/risk.py": {
             "    return MeanDeviation(-sign": (
                 "\n"
                 "\n"
@@ -130,7 +130,7 @@ ASKED = """
 import json
 import numpy as np
 import solver
-from workflow.design.asking.risk import measure
+from workflow.design.question.risk import measure
 from workflow.language import statements
 from workflow.language.statistics import statistic
 from workflow.report import sections

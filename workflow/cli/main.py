@@ -180,8 +180,8 @@ def _material(options: argparse.Namespace) -> None:
 
 def _design(options: argparse.Namespace) -> None:
     from workflow.cli import questions  # scikit-learn and the searches: not for every command
-    from workflow.design.told import table
-    from workflow.design.told.words import verdict
+    from workflow.design.wording import table
+    from workflow.design.wording.words import verdict
 
     path = None if options.output is None else output(options.output)
     with busy("searching") as tell:

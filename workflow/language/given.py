@@ -8,24 +8,56 @@ from workflow.language.expressions import units_of
 from workflow.language.factors import FACTORS
 
 _NUMBERS = ("low", "high", "choices", "uniform", "normal", "triangular")  # of a range or a distribution
-#: Bare numbers of a device from which a forgotten unit is more likely than a meant number, and the unit that is meant.
-_USUAL = {
+#: Bare numbers from which a lost unit is more likely than the number as it is, and the unit that is probably meant.
+_LARGEST = {
     "input_capacitance": (1e-3, "pF"),
     "cable_capacitance": (1e-3, "pF"),
     "feedback_capacitance": (1e-3, "pF"),
     "charge_noise": (1e-6, "fC"),
     "voltage_noise": (1.0, "uV"),
 }
+_LARGEST_OF_FACTORS = {
+    "radius": (10.0, "mm"),
+    "width": (1.0, "mm"),
+    "gap_radius": (10.0, "mm"),
+    "thickness": (0.05, "um"),
+    "patch_size": (0.5, "mm"),
+    "patch_hole": (0.5, "mm"),
+    "patch_length": (10.0, "mm"),
+    "patch_pitch": (0.5, "mm"),
+    "patch_position": (10.0, "mm"),
+    "charge": (1.0, "uC/m"),
+    "total_charge": (1e-3, "pC"),
+    "magnetic_charge": (10.0, "uWb/m"),
+    "total_flux": (1.0, "nWb"),
+}
+_IMPLAUSIBLE = 1e9  # over the largest number, up to which a unit may have been lost
+_SMALLEST_OF_FACTORS = {"base_modulus": (1e4, "GPa"), "punch_modulus": (1e4, "GPa")}
+
+
+_IMPLAUSIBLE = 1e9  # times the largest: no unit makes a number of it
+
+
+class UnitlessError(ValueError):
+    """A bare number that has probably lost its unit."""
+
+
+def asked(name: str, value: float) -> None:
+    """Raise UnitlessError for a bare number of a factor or device that has probably lost its unit."""
+    largest, usual = (_LARGEST | _LARGEST_OF_FACTORS).get(name, (float("inf"), ""))
+    smallest, lost = _SMALLEST_OF_FACTORS.get(name, (0.0, ""))
+    if largest <= abs(value) < largest * _IMPLAUSIBLE or 0 < value < smallest:
+        text = f"{value:g} {units_of(name)}"
+        usual = "mm" if usual == "um" and abs(value) < 1 else usual or lost
+        raise UnitlessError(f"{value:g} is {text}; did you mean {value:g} {usual}? {text!r} is read as it stands")
 
 
 def number(name: str, given: float | str) -> float:
     """The value in SI of a number of a factor or device."""
     if isinstance(given, str):
         return in_si(given, units_of(name))
-    most, usual = _USUAL.get(name, (float("inf"), ""))
-    if given >= most:
-        said = f"{given:g} {units_of(name)}"
-        raise ValueError(f"{given:g} is {said}; did you mean {given:g} {usual}? {said!r} is read as it stands")
+    if name in _LARGEST:
+        asked(name, given)
     return given
 
 

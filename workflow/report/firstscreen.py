@@ -11,10 +11,10 @@ from solver import find
 from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, CHOICES, COMPOSITES, FORMULAS, MIXTURES, PROFILES
 from solver.stack.layers import RIGID
-from workflow.design.told import asides
-from workflow.design.told.words import UNREACHABLE, Verdict, verdict
 from workflow.design.verdict.answer import Answer
 from workflow.design.verdict.term import Term
+from workflow.design.wording import asides
+from workflow.design.wording.words import UNREACHABLE, Verdict, verdict
 from workflow.language import titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from solver.names import ALL_QUANTITIES
-from workflow.design.told.words import UNREACHABLE, Verdict, unread
+from workflow.design.wording.words import UNREACHABLE, Verdict, unread
 from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, listed

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from markupsafe import Markup
 
-from workflow.design.told import asides
 from workflow.design.verdict import linearity
+from workflow.design.wording import asides
 from workflow.language.numbers import number, shown
 from workflow.language.titles import capital
 from workflow.report import device, firstscreen

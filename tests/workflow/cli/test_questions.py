@@ -11,8 +11,8 @@ from solver import solve
 from tests.workflow.conftest import Project
 from workflow.cli import main, questions
 from workflow.design.search import targets
-from workflow.design.told.table import as_csv, as_json
 from workflow.design.verdict.answer import Answer
+from workflow.design.wording.table import as_csv, as_json
 from workflow.study.reading import InputError
 
 

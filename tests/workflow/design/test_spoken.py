@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from workflow.design.told import words
 from workflow.design.verdict import multipliers
 from workflow.design.verdict.answer import Answer
 from workflow.design.verdict.term import Term
 from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
+from workflow.design.wording import words
 from workflow.language import statements
 
 

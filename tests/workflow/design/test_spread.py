@@ -7,7 +7,7 @@ import numpy as np
 from solver import find, solve
 from tests.studies import fitted, made
 from workflow.design.search import targets
-from workflow.design.told import asides
+from workflow.design.wording import asides
 from workflow.study.uncertainty import FAMILIES, uncertain
 
 STUDY = """\

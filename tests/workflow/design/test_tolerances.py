@@ -10,10 +10,10 @@ from scipy import stats
 from solver import solve
 from surrogate import GaussianProcess
 from tests import studies
-from workflow.design.asking import scenarios
+from workflow.design.question import scenarios
 from workflow.design.search import targets
-from workflow.design.told import words
 from workflow.design.verdict.answer import Answer
+from workflow.design.wording import words
 from workflow.study.consistency import check_target
 from workflow.study.model import Study
 from workflow.study.target import Distribution, Target

@@ -5,7 +5,7 @@ import shutil
 from pathlib import Path
 
 from tests.workflow.conftest import Project
-from workflow.design.told import table, unreached
+from workflow.design.wording import table, unreached
 
 LINE = (
     "target impossible: not reachable: trailing_tension <= 1 MPa binds; the least violated design misses it by 9075 %"

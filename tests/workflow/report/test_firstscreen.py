@@ -11,9 +11,9 @@ from matplotlib.textpath import TextPath
 from storage.netcdf import read_whole
 from tests.studies import shipped
 from tests.workflow.conftest import Project
-from workflow.design.told import asides
-from workflow.design.told.words import verdict
 from workflow.design.verdict import netcdf
+from workflow.design.wording import asides
+from workflow.design.wording.words import verdict
 from workflow.language.numbers import shown
 from workflow.language.titles import title
 from workflow.report import datum_effect, device, exact, firstscreen, ranked, sentences, svg, tornado

@@ -22,7 +22,7 @@ from tests.workflow.conftest import Copy, Project
 from tests.workflow.report.browser import in_node, needs_browser, needs_node, opened
 from workflow.dataset import factorial
 from workflow.dataset.slabs import open_results
-from workflow.design.asking import scenarios
+from workflow.design.question import scenarios
 from workflow.design.verdict import netcdf
 from workflow.language import numbers, statements
 from workflow.report import page as reporting

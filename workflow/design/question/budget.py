@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from approximation.arrays import Array, Indices
-from workflow.design.asking.designs import Designs
-from workflow.design.asking.question import Question
-from workflow.design.asking.scenarios import Scenarios
-from workflow.design.asking.sources import Exact, Factors, Predicted, Source
-from workflow.design.asking.terms import Key, Term
+from workflow.design.question.question import Question
+from workflow.design.question.scenarios import Scenarios
+from workflow.design.question.sources import Exact, Factors, Predicted, Source
+from workflow.design.question.terms import Key, Term
 
 Bools = NDArray[np.bool_]
 
@@ -63,11 +62,11 @@ class _Hybrid(Source):
         return out | (self._predicted.values(factors, searched) if searched else {})
 
 
-def affordable(designs: Designs) -> Source:
+def affordable(question: Question) -> Source:
     """What stands for the exact solver where a question asks for many cases, as in difference quotients."""
-    if not asked(designs.question):
-        return designs.exact
-    return _Hybrid(designs.exact, designs.predicted, designs.question.study.costly)
+    if not asked(question):
+        return question.exact
+    return _Hybrid(question.exact, question.predicted, question.study.costly)
 
 
 def safety(question: Question, usual: float) -> float:
@@ -95,7 +94,7 @@ class Counted:
     cases: int
 
 
-def count_exactly(design: Designs, term: Term) -> Counted:
+def count_exactly(design: Question, term: Term) -> Counted:
     """What a term counts as at one design over the many scenarios of the verdict, those that decide solved exactly.
 
     The surrogate says which scenarios decide. They are solved; then those are solved that decide now, or may decide by
@@ -103,16 +102,16 @@ def count_exactly(design: Designs, term: Term) -> Counted:
     are not solved: a mean errs by a thousandth of the surrogate's own errors. Where very many scenarios decide, the few
     of the search are solved instead, and the surrogate says what the many change.
     """
-    many, few = design.question.judged[term.key], design.question.searched[term.key]
-    whole = design.values(design.predicted, many, term)
+    many, few = design.judged[term.key], design.searched[term.key]
+    whole = design.value(design.predicted, many, term)
     if term.deciding(whole[0]).sum() <= _MOST:
         return _count_exactly(design, many, term, whole)
-    part = design.values(design.predicted, few, term)
+    part = design.value(design.predicted, few, term)
     counted = _count_exactly(design, few, term, part)
     return Counted(counted.value + float(term.counted(whole)[0]) - float(term.counted(part)[0]), counted.cases)
 
 
-def _count_exactly(design: Designs, chosen: Scenarios, term: Term, predicted: Array) -> Counted:
+def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: Array) -> Counted:
     """From predicted values (1, groups, draws): batch by batch they are solved, until all that may decide are."""
     values = predicted.copy()
     flat, solved, error = values.ravel(), np.zeros(chosen.count, dtype=bool), 0.0
@@ -126,7 +125,7 @@ def _count_exactly(design: Designs, chosen: Scenarios, term: Term, predicted: Ar
         missing &= ~solved
         if not missing.any():
             return Counted(value, int(solved.sum()))
-        batch = _batch(missing, solved, away, _BATCH_FILMS if design.question.study.kind.tabled else _BATCH)
+        batch = _batch(missing, solved, away, _BATCH_FILMS if design.study.kind.tabled else _BATCH)
         exact = _solve(design, chosen, batch, [term])[0][0]
         error = max(error, float(np.abs(exact - flat[batch]).max()))
         flat[batch], solved[batch] = exact, True
@@ -138,36 +137,36 @@ def _batch(missing: Bools, solved: Bools, away: Array, least: int) -> Indices:
     return order[: min(max(least, int(missing.sum())), int((~solved).sum()))]
 
 
-def thinned(designs: Designs, share: float) -> tuple[Designs, dict[Key, Indices]]:
+def thinned(designs: Question, share: float) -> tuple[Question, dict[Key, Indices]]:
     """Of designs in a row, evenly, as many as a share of all cases suffices for.
 
     With the scenarios of the search in which they are solved: those that decide some term at some design by the
     surrogate.
     """
     columns: dict[Key, Indices] = {}
-    for drawn, chosen in designs.question.searched.items():
-        terms = [term for term in chosen.terms.values() if names(designs.question, term)]
-        guessed = designs.question.values(designs.predicted, designs.variables, chosen, terms) if terms else []
+    for drawn, chosen in designs.searched.items():
+        terms = [term for term in chosen.terms.values() if names(designs, term)]
+        guessed = designs.values(designs.predicted, chosen, terms) if terms else []
         marks = [term.deciding(values) for term, every in zip(terms, guessed, strict=True) for values in every]
         if marks:
             columns[drawn] = np.flatnonzero(np.any(marks, 0))
     if not columns:
         return designs, columns
-    count = max(_LEAST, int(share * most(designs.question) / sum(len(indices) for indices in columns.values())))
+    count = max(_LEAST, int(share * most(designs) / sum(len(indices) for indices in columns.values())))
     n = len(designs.x)
     return designs.at(designs.x[np.unique(np.linspace(0, n - 1, min(count, n)).astype(int))]), columns
 
 
-def corrected(designs: Designs, counts: Array, columns: Mapping[Key, Indices]) -> Array:
+def corrected(designs: Question, counts: Array, columns: Mapping[Key, Indices]) -> Array:
     """What all terms count as at designs, (n, terms), with some scenarios solved exactly.
 
     counts: (n, terms), without costly cases.
     """
     out = counts.copy()
     for drawn, indices in columns.items():
-        chosen = designs.question.searched[drawn]
-        terms = {place: term for place, term in chosen.terms.items() if names(designs.question, term)}
-        guessed = designs.question.values(designs.predicted, designs.variables, chosen, list(terms.values()))
+        chosen = designs.searched[drawn]
+        terms = {place: term for place, term in chosen.terms.items() if names(designs, term)}
+        guessed = designs.values(designs.predicted, chosen, list(terms.values()))
         solved = _solve(designs, chosen, indices, list(terms.values()))
         for (place, term), values, exact in zip(terms.items(), guessed, solved, strict=True):
             flat = values.reshape(len(values), -1).copy()
@@ -176,7 +175,7 @@ def corrected(designs: Designs, counts: Array, columns: Mapping[Key, Indices]) -
     return out
 
 
-def _solve(designs: Designs, chosen: Scenarios, columns: Indices, terms: list[Term]) -> list[Array]:
+def _solve(designs: Question, chosen: Scenarios, columns: Indices, terms: list[Term]) -> list[Array]:
     """Exact values of some terms in some scenarios, (n, columns) each."""
-    solved = designs.question.values(designs.exact, designs.variables, chosen.only(columns), terms)
+    solved = designs.values(designs.exact, chosen.only(columns), terms)
     return [values.reshape(len(values), -1) for values in solved]

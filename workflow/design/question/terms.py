@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from approximation.arrays import Array
-from workflow.design.asking import risk
+from workflow.design.question import risk
 from workflow.language.expressions import Expression
 from workflow.language.statements import Limit, Objective
 from workflow.language.statistics import Statistic

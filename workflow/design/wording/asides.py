@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from workflow.design.asking.terms import BINDS
+from workflow.design.question.terms import BINDS
 from workflow.design.verdict.answer import Answer
 from workflow.design.verdict.merit import MOST_LOAD
 from workflow.design.verdict.term import ROUNDING, Term

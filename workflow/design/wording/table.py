@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from workflow.design.told import asides
-from workflow.design.told.words import verdict
 from workflow.design.verdict import netcdf
 from workflow.design.verdict.answer import Answer
 from workflow.design.verdict.term import Term
+from workflow.design.wording import asides
+from workflow.design.wording.words import verdict
 from workflow.language.cells import plain
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown

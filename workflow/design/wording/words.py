@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 
-from workflow.design.told import asides
 from workflow.design.verdict import multipliers
 from workflow.design.verdict.answer import ROOM, Answer
 from workflow.design.verdict.term import Term
 from workflow.design.verdict.variable import Variable
+from workflow.design.wording import asides
 from workflow.language import titles
 from workflow.language.evidence import unverified
 from workflow.language.numbers import number
