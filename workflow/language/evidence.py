@@ -1,4 +1,4 @@
-"""What a source says of itself: whether it was read, or is told from memory."""
+"""Marks of sources that were not read or have no year."""
 
 import re
 

@@ -56,29 +56,29 @@ def check_bare(name: str, value: float, units: str = "") -> None:
         raise UnitlessError(f"{value:g} is {text}; did you mean {value:g} {usual}? {text!r} is read as it stands")
 
 
-def number(name: str, given: float | str, units: str = "") -> float:
+def number(name: str, entry: float | str, units: str = "") -> float:
     """Return the value in SI of a number of a factor or device; a text has its unit, a bare number is checked."""
-    if isinstance(given, str):
-        return in_si(given, units or units_of(name))
-    check_bare(name, given, units)
-    return given
+    if isinstance(entry, str):
+        return in_si(entry, units or units_of(name))
+    check_bare(name, entry, units)
+    return entry
 
 
 def entries(section: Any) -> Any:
     """A section of numbers by the names of factors, in SI; what is no text for a number is left as it is."""
     if not isinstance(section, Mapping):
         return section
-    return {name: _read(name, given, (name,)) if name in FACTORS else given for name, given in section.items()}
+    return {name: _read(name, entry, (name,)) if name in FACTORS else entry for name, entry in section.items()}
 
 
-def _read(name: str, given: Any, place: tuple[str, ...]) -> Any:
-    if isinstance(given, str | int | float) and not isinstance(given, bool):
+def _read(name: str, entry: Any, place: tuple[str, ...]) -> Any:
+    if isinstance(entry, str | int | float) and not isinstance(entry, bool):
         try:
-            return number(name, given)
+            return number(name, entry)
         except ValueError as error:
             raise ValueError(f"{': '.join(place)}: {error}") from None
-    if isinstance(given, list):
-        return [_read(name, item, place) for item in given]
-    if isinstance(given, Mapping):
-        return {key: _read(name, item, (*place, key)) if key in _NUMBERS else item for key, item in given.items()}
-    return given
+    if isinstance(entry, list):
+        return [_read(name, item, place) for item in entry]
+    if isinstance(entry, Mapping):
+        return {key: _read(name, item, (*place, key)) if key in _NUMBERS else item for key, item in entry.items()}
+    return entry

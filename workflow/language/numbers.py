@@ -26,12 +26,12 @@ def number(value: float | None, digits: int = 4) -> str:
 
 
 def counted(count: float) -> str:
-    """How many there are, in groups of three digits."""
+    """A count in groups of three digits."""
     return f"{int(count):,}"
 
 
 def prefixed(size: float, units: str, digits: int = _DIGITS) -> tuple[float, str]:
-    """What to divide values of some size by, and the unit to write then.
+    """Divisor for values of some size, and the unit with its prefix.
 
     A prefix fits where the first symbol of the unit has no exponent, as in ``V m N-1``; a pure number has no unit.
     """

@@ -18,7 +18,7 @@ class Figure:
     reads: str  # Below the study's folder, with the same wildcards, or with ``{slab}`` for all slabs of the data set
     draw: str  # Module of ``figures/`` and its function: of the data, and of what it ``asks`` by name
     label: str  # In Snakemake's own report
-    of: Callable[[Study], Wildcards]  # The wildcards of a study; none where it lacks the figure
+    wildcards_of: Callable[[Study], Wildcards]  # The wildcards of a study; none where it lacks the figure
     asks: tuple[str, ...] = ()  # Parameters of the study that `draw` takes, as ``rules/report.smk`` names them
 
     @property
@@ -33,14 +33,14 @@ class Figure:
 
     @property
     def labels(self) -> dict[str, str]:
-        """In Snakemake's own report, with the values of its wildcards."""
+        """Labels in Snakemake's report, with the values of the wildcards."""
         return {"figure": self.label, **{name: f"{{{name}}}" for name in self.wildcards}}
 
     @property
     def wildcards(self) -> list[str]:
-        """Their names, in order."""
+        """Names of the wildcards, in order."""
         return [name for _, name, _, _ in Formatter().parse(self.file) if name]
 
     def files(self, study: Study) -> list[str]:
-        """As `file`, without wildcards."""
-        return [self.file.format(**wildcards) for wildcards in self.of(study)]
+        """Names of the files without wildcards."""
+        return [self.file.format(**wildcards) for wildcards in self.wildcards_of(study)]

@@ -27,7 +27,7 @@ class Section:
 
     @property
     def name(self) -> str:
-        """Its anchor."""
+        """Anchor of the section."""
         return self.template.partition(".")[0]
 
     def anchors(self, page: Page) -> list[tuple[str, str]]:
@@ -73,7 +73,9 @@ def _figures() -> list[tuple[Section, Figure]]:
 def effects(study: Study) -> list[str]:
     """Files of the fields of one factor at a time, under ``fields/`` and without their ending."""
     return [
-        name.format(**wildcards) for name, of in ((_EFFECT, _varied), (_INTERIOR, _inside)) for wildcards in of(study)
+        name.format(**wildcards)
+        for name, wildcards_of in ((_EFFECT, _varied), (_INTERIOR, _inside))
+        for wildcards in wildcards_of(study)
     ]
 
 

@@ -1,4 +1,4 @@
-"""What the what-if panel (whatif.html.j2) needs: the surrogate as plain data, ranges, and the designs with limits."""
+"""Data of the what-if panel (whatif.html.j2): the surrogate, ranges, and the designs with limits."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -70,28 +70,29 @@ def content(
         **whatif_drawing.fields(study, fields),
         "kind": places[0] if places else 0,
         "start": [
-            float(np.clip(own.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, own in model.box.items()
+            float(np.clip(axis.to_unit(start[name]), -1, 1)) if name in start else 0.1
+            for name, axis in model.box.items()
         ],
     }
 
 
 def _combines(study: Study, designs: Sequence[Answer]) -> bool:
-    """Whether some goal, limit or figure has several quantities, whose errors the page then counts together."""
-    asked = [term.statement.expression.names() for answer in designs for term in answer.terms]
-    asked += [grammar.parse(figure["name"], study.meeting).names() for figure in figures(study)]
-    return any(len({*names} & {*study.outputs}) > 1 for names in asked)
+    """Return whether some goal, limit or figure has several quantities, whose errors the page combines."""
+    names_of_terms = [term.statement.expression.names() for answer in designs for term in answer.terms]
+    names_of_terms += [grammar.parse(figure["name"], study.meeting).names() for figure in figures(study)]
+    return any(len({*names} & {*study.outputs}) > 1 for names in names_of_terms)
 
 
 def figures(study: Study) -> list[dict[str, Any]]:
     """Figures of the study's device that its quantities, its factors and the device's numbers tell, as formulas."""
     known = study.device.constants if study.device else {}
-    told = {*known, *coupling.told(study), *study.factors, *_held(study)}
+    available = {*known, *coupling.told(study), *study.factors, *_held(study)}
     figures = FIGURES_BY[study.meeting]
     formulas = {name: grammar.parse(name, study.meeting) for name in figures}
     return [
         {"name": name, "title": titles.title(name), **figures[name].attrs, "tree": _tree(formula, known)}
         for name, formula in formulas.items()
-        if set(formula.names()) <= told
+        if set(formula.names()) <= available
     ]
 
 

@@ -1,4 +1,4 @@
-"""What the panel draws at its sliders: the punch on its body, and the fields under it; as plain data."""
+"""Data of the panel's drawing: the punch on its body, and the fields under it."""
 
 from typing import Any
 
@@ -20,12 +20,12 @@ _OF_MEANS = ("inputs", "axes", "groups", "outputs", "order", "cores", "factors",
 
 
 def drawable(study: Study) -> bool:
-    """Whether the panel knows the contact that its drawing shows."""
+    """Return whether the panel knows the contact that its drawing shows."""
     return set(study.outputs) >= set(study.kind.ends)
 
 
 def closed_pressure(study: Study, combination: Combination) -> bool:
-    """Whether the contact pressure of a combination of the categories follows in closed form."""
+    """Return whether the contact pressure of a combination of categories has a closed form."""
     profile = {**study.fixed, **combination}.get("profile", "cylinder")
     return set(study.outputs) >= _PRESSURE and profile == "cylinder" and not study.kind.tabled
 
@@ -72,8 +72,8 @@ def fields(study: Study, model: GaussianProcess | None) -> dict[str, Any]:
     names = ["contact_pressure"] if pressure else []
     if stored:
         names = [str(output["name"]) for output in stored["outputs"]]
-    own = coupling.fields(study)
-    names = [name for name in names if coupling.fields_of(FIELDS[name].units) <= own]
+    fields_of_study = coupling.fields(study)
+    names = [name for name in names if coupling.fields_of(FIELDS[name].units) <= fields_of_study]
     return {
         "charts": [{"name": name, "title": title(name), "units": FIELDS[name].units} for name in names],
         "fields": None if stored is None else {key: stored[key] for key in _OF_MEANS if key in stored},

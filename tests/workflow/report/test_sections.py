@@ -43,6 +43,6 @@ def test_a_part_without_a_section_is_none_and_an_anchor_is_a_name_or_a_group_of_
     )
     groups = {"groups": {"films": {"title": "Films"}}}
     (part,) = sections.standing(page | {"study": shipped("verification"), "verification": groups})
-    assert [one for section in part.sections for one in section.anchors(page | {"verification": groups})] == [
+    assert [anchor for section in part.sections for anchor in section.anchors(page | {"verification": groups})] == [
         ("films", "Films"), ("speed", "Time"), ("provenance", "Provenance"),
     ]  # fmt: skip

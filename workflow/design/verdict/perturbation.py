@@ -1,4 +1,4 @@
-"""What small errors in building a design cost: elasticities, and the loss and the margins after an error of 1 %."""
+"""Effects of small errors in building a design: elasticities, loss and margins after an error of 1 %."""
 
 import numpy as np
 
@@ -48,17 +48,17 @@ def _varied(design: Question, source: Source) -> dict[str, Array]:
 
 
 def _effects(
-    question: Question, nominal: float, moved: Array, here: Array, around: Array, largest: Array
+    question: Question, nominal: float, moved: Array, nominal_counts: Array, around: Array, largest: Array
 ) -> Sensitivity:
-    """Of one variable about its own value: what the terms count as there, (terms,), and moved, (4, terms)."""
+    """Effects of one variable from the terms at its value, (terms,), and at four moved values, (4, terms)."""
     # a share of what is next to zero says nothing
-    whole = np.where(np.abs(here) > _NOTHING * largest, here, np.nan)
+    whole = np.where(np.abs(nominal_counts) > _NOTHING * largest, nominal_counts, np.nan)
     change = (moved[1] - moved[0]) / nominal
     with np.errstate(divide="ignore", invalid="ignore"):
-        elasticity = (around[1] - around[0]) / whole / change if change else np.full(len(here), np.nan)
+        elasticity = (around[1] - around[0]) / whole / change if change else np.full(len(nominal_counts), np.nan)
     wanted, erred = question.objectives, around[2:]
-    loss = max(float((question.terms[0].sign * (here[0] - erred[:, 0])).max()), 0.0)
-    same = np.abs(erred - here) <= _NOTHING * np.maximum(np.abs(here), largest)
+    loss = max(float((question.terms[0].sign * (nominal_counts[0] - erred[:, 0])).max()), 0.0)
+    same = np.abs(erred - nominal_counts) <= _NOTHING * np.maximum(np.abs(nominal_counts), largest)
     margins = [-term.oriented(erred[:, k]) for k, term in enumerate(question.terms) if term.limited]
     return Sensitivity(
         elasticity=tuple(elasticity.tolist()),

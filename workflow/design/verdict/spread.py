@@ -1,4 +1,4 @@
-"""What the uncertain constants of the materials make of a design: to first order, by the exact solver."""
+"""First-order spread of a design by the uncertain constants of its materials, on the exact solver."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from workflow.study.reading import InputError
 
 @dataclass(frozen=True)
 class Spread:
-    """What one standard deviation of each constant makes of each term."""
+    """Relative changes of each term by one standard deviation of each constant."""
 
     constants: tuple[answer.Constant, ...]  # Of the materials
     effects: Array  # Relative changes of the terms, (terms, constants)
@@ -43,14 +43,16 @@ def over(design: Question, worst: Sequence[Scenario]) -> Spread:
     except InputError:  # a material whose constants follow its composition
         return Spread((), np.empty((len(design.terms), 0)))
     effects = np.full((len(design.terms), len(constants)), np.nan)
-    told = [k for k, term in enumerate(design.terms) if _tells(design.study, term)]
-    terms, cases = [design.terms[k] for k in told], [worst[k] for k in told]
-    effects[told] = uncertainty.sensitivities(design.study, constants, lambda own: _values(design, own, terms, cases))
+    places = [k for k, term in enumerate(design.terms) if _tells(design.study, term)]
+    terms, cases = [design.terms[k] for k in places], [worst[k] for k in places]
+    effects[places] = uncertainty.sensitivities(
+        design.study, constants, lambda varied_study: _values(design, varied_study, terms, cases)
+    )
     return Spread(tuple(answer.Constant(constant.name, constant.prior) for constant in constants), effects)
 
 
 def _tells(study: Study, term: Term) -> bool:
-    """Whether one case tells what a term counts as, in less than seconds for every constant."""
+    """Return whether one case decides a term, and takes less than seconds for every constant."""
     searched = study.kind.tabled and not ALL_PEAKS.keys().isdisjoint(term.expression.names())
     return isinstance(term.measure, WorstCase) and not searched
 

@@ -38,7 +38,7 @@ def tolerances(answer: Answer) -> list[str]:
     parts = []
     for variable in answer.variables if answer.tolerated else ():
         assert answer.tolerated is not None
-        cost, gain = (each.get(variable.name, np.nan) for each in (answer.tolerated.cost, answer.tolerated.gain))
+        cost, gain = (shares.get(variable.name, np.nan) for shares in (answer.tolerated.cost, answer.tolerated.gain))
         if not variable.tolerance or not np.isfinite(cost):
             continue
         words = f"the tolerance ± {sizes.told(variable.name, variable.tolerance)} of {variable.title}"
