@@ -20,7 +20,7 @@ from workflow.design.search import targets
 from workflow.design.verdict import assessment, netcdf
 from workflow.language.numbers import shown
 from workflow.learning import surface
-from workflow.report import device, whatif, whatif_drawing
+from workflow.report import device, whatif
 from workflow.report.device import Device
 from workflow.study.model import Study, load
 from workflow.study.target import Target
@@ -201,7 +201,7 @@ def test_the_map_is_the_goal_over_the_scenarios_and_a_click_moves_the_sliders(
 def test_the_stack_is_drawn_as_python_draws_it(seen: dict[str, Any], model: surrogate.GaussianProcess) -> None:
     study, point = load("config/quickstart.yaml"), seen["start"]
     contact = model.predict(point, return_std=False)
-    body = whatif_drawing.body(study, study.combinations[0])
+    body = whatif.drawn_body(study, study.combinations[0])
     assert (body["size"], body["thickness"], body["base"]) == ("radius", None, "")
     drawn_punch = Device(body["profile"], body["corner"], point["radius"], float(contact["contact_trailing"]),
                  float(contact["contact_leading"]), point["load"], body["conducts"],

@@ -14,7 +14,7 @@ from workflow.design.question.question import Question
 from workflow.design.question.scenarios import Scenarios
 from workflow.design.question.sources import Predicted, Source, shape
 from workflow.design.question.terms import Key, Term
-from workflow.design.verdict import linearity, merit, perturbation, spread
+from workflow.design.verdict import linearity, merit, sensitivity
 from workflow.design.verdict.answer import Answer, Range
 from workflow.design.verdict.term import Scenario
 from workflow.design.verdict.term import Term as JudgedTerm
@@ -107,7 +107,7 @@ def judge(design: Question) -> Answer:
     thickness = _thickness(design, corner)
     beyond += linearity.beyond_small_strain(design.study, corner, _radius(design, corner), thickness)
     notes = [*(words for words, _ in beyond), *_flags(design, corner), *design.notes]
-    spreads = spread.over(design, worst)
+    spreads = sensitivity.spread(design, worst)
     out = Answer(
         terms=_terms(design, guessed, exact, worst, spreads),
         variables=_variables(design, exact, worst[0]),
@@ -123,7 +123,7 @@ def judge(design: Question) -> Answer:
 
 
 def _terms(
-    design: Question, guessed: Prediction, exact: Array, worst: Sequence[Scenario], spreads: spread.Spread
+    design: Question, guessed: Prediction, exact: Array, worst: Sequence[Scenario], spreads: sensitivity.Spread
 ) -> tuple[JudgedTerm, ...]:
     """Return the judged terms of one design."""
     terms = design.terms
@@ -159,7 +159,7 @@ def _variables(design: Question, exact: Array, worst: Scenario) -> tuple[Variabl
     """Every factor in the case that decides the first objective, the variables without their tolerances."""
     nominal = {**worst, **{name: float(values[0]) for name, values in design.variables.items()}}
     nominal |= {name: value for name, value in design.held.items() if name in design.target.variables}
-    unknown, known = Sensitivity((np.nan,) * len(exact)), perturbation.sensitivities(design, exact)
+    unknown, known = Sensitivity((np.nan,) * len(exact)), sensitivity.sensitivities(design, exact)
     edges = _edges(design)
     return tuple(
         Variable(

@@ -1,13 +1,24 @@
-"""Effects of small errors in building a design: elasticities, loss and margins after an error of 1 %."""
+"""Sensitivity of a design: errors of 1 % in building it, and one standard deviation of material constants."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from approximation.arrays import Array
+from solver.names import ALL_PEAKS
 from workflow.design.question import budget
 from workflow.design.question.question import Question
+from workflow.design.question.risk import WorstCase
 from workflow.design.question.sources import Exact, Source
+from workflow.design.question.terms import Term
+from workflow.design.verdict import answer
+from workflow.design.verdict.term import Scenario
 from workflow.design.verdict.variable import Sensitivity
 from workflow.language.factors import FACTORS
+from workflow.study import uncertainty
+from workflow.study.model import Study
+from workflow.study.reading import InputError
 
 _STEP = 1e-3  # relative step of elasticities
 _ERROR = 0.01  # relative error in building a variable
@@ -67,3 +78,52 @@ def _effects(
         matters=not np.all(same[:, :wanted]),
         margin_left=float(np.min(margins)) if margins else np.nan,
     )
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Relative changes of each term by one standard deviation of each constant."""
+
+    constants: tuple[answer.Constant, ...]  # Of the materials
+    effects: Array  # Relative changes of the terms, (terms, constants)
+
+    @property
+    def whole(self) -> Array:
+        """Root of the sum of the squares, (terms,); NaN without a constant."""
+        return np.sqrt((self.effects**2).sum(1)) if self.constants else np.full(len(self.effects), np.nan)
+
+
+def spread(design: Question, worst: Sequence[Scenario]) -> Spread:
+    """First-order spread of the terms of one design by the constants of its materials.
+
+    Each constant, a family of them as :mod:`workflow.study.uncertainty` scales it, is moved by itself in the case that
+    decides a term; the design stays as it is. Constants are independent a priori, so that their effects add as squares.
+    What a material bears is not moved.
+    """
+    try:
+        constants = uncertainty.uncertain(design.study)
+    except InputError:  # a material whose constants follow its composition
+        return Spread((), np.empty((len(design.terms), 0)))
+    effects = np.full((len(design.terms), len(constants)), np.nan)
+    places = [k for k, term in enumerate(design.terms) if _tells(design.study, term)]
+    terms, cases = [design.terms[k] for k in places], [worst[k] for k in places]
+    effects[places] = uncertainty.sensitivities(
+        design.study, constants, lambda varied_study: _case_values(design, varied_study, terms, cases)
+    )
+    return Spread(tuple(answer.Constant(constant.name, constant.prior) for constant in constants), effects)
+
+
+def _tells(study: Study, term: Term) -> bool:
+    """Return whether one case decides a term, and takes less than seconds for every constant."""
+    searched = study.kind.tabled and not ALL_PEAKS.keys().isdisjoint(term.expression.names())
+    return isinstance(term.measure, WorstCase) and not searched
+
+
+def _case_values(design: Question, study: Study, terms: Sequence[Term], cases: Sequence[Mapping[str, float]]) -> Array:
+    """Each term in its own case, with the constants of a study; (terms,)."""
+    distinct = [case for place, case in enumerate(cases) if case not in cases[:place]]  # one often decides several
+    factors = {name: np.array([[case[name]] for case in distinct]) for name in (distinct[0] if distinct else {})}
+    known = design.known(Exact(study), factors, [term.expression for term in terms])
+    places = [distinct.index(case) for case in cases]
+    values = [np.broadcast_to(term.expression.evaluate(known), (len(distinct), 1)) for term in terms]
+    return np.array([rows[place, 0] for place, rows in zip(places, values, strict=True)])
