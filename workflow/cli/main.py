@@ -14,7 +14,7 @@ import numpy as np
 from solver import FactorError, MaterialError, PrecisionWarning
 from storage.files import output, write_text
 from surrogate import FormatError, OutOfBoxError
-from workflow.cli import calculating, learn, materials, sensing, serving, solve, studies
+from workflow.cli import calculating, learn, materials, sensing, solve, studies
 from workflow.cli.helping import Parser, exemplify
 from workflow.cli.launch import launch
 from workflow.cli.progress import busy
@@ -166,7 +166,6 @@ def _parser() -> Parser:
 
     solve.add_interior(commands)
     learn.add(commands)
-    serving.add(commands)
     exemplify(commands)
     return parser
 
@@ -181,8 +180,8 @@ def _material(options: argparse.Namespace) -> None:
 
 def _design(options: argparse.Namespace) -> None:
     from workflow.cli import questions  # scikit-learn and the searches: not for every command
-    from workflow.design.told import table
-    from workflow.design.told.words import verdict
+    from workflow.design.wording import table
+    from workflow.design.wording.words import verdict
 
     path = None if options.output is None else output(options.output)
     with busy("searching") as tell:

@@ -16,8 +16,8 @@ from workflow.cli import predictions
 from workflow.cli.words import named, quantity, trained
 from workflow.dataset import factorial
 from workflow.design.search import targets
-from workflow.design.told.words import verdict
 from workflow.design.verdict.answer import Answer
+from workflow.design.wording.words import verdict
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.language.renamed import renamed

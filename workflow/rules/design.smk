@@ -3,7 +3,7 @@
 
 rule target:
     input:
-        answered_on,
+        "results/{study}/surrogate.nc",
     output:
         "results/{study}/design/{name}.nc",
     params:
