@@ -6,6 +6,7 @@ from typing import Any
 from solver.units import in_si
 from workflow.language.expressions import units_of
 from workflow.language.factors import FACTORS
+from workflow.language.numbers import shown
 
 _NUMBERS = ("low", "high", "choices", "uniform", "normal", "triangular")  # of a range or a distribution
 #: Bare numbers from which a lost unit is more likely than the number as it is, and the unit that is probably meant.
@@ -46,10 +47,23 @@ def asked(name: str, value: float) -> None:
     """Raise UnitlessError for a bare number of a factor or device that has probably lost its unit."""
     largest, usual = (_LARGEST | _LARGEST_OF_FACTORS).get(name, (float("inf"), ""))
     smallest, lost = _SMALLEST_OF_FACTORS.get(name, (0.0, ""))
-    if largest <= abs(value) < largest * _IMPLAUSIBLE or 0 < value < smallest:
+    size = abs(value) if name in FACTORS and FACTORS[name].low < 0 else value
+    if largest <= size < largest * _IMPLAUSIBLE or 0 < value < smallest:
         text = f"{value:g} {units_of(name)}"
         usual = "mm" if usual == "um" and abs(value) < 1 else usual or lost
         raise UnitlessError(f"{value:g} is {text}; did you mean {value:g} {usual}? {text!r} is read as it stands")
+
+
+#: Pressure that no piezoceramic bears [Pa], at which a bare force has probably lost its unit.
+DESTROYED = 1.5e9
+
+
+def lost_unit(value: float, unit: str, pressure: float) -> str:
+    """Question about a bare force that presses with a destructive pressure [Pa]."""
+    return (
+        f"{value:g} has no unit, and {value:g} {unit} press with {shown(pressure, 'Pa', 3)}; did you mean {value:g} "
+        f"m{unit}? the unit stands in the header or behind the number"
+    )
 
 
 def number(name: str, given: float | str) -> float:
