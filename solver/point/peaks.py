@@ -25,6 +25,7 @@ from solver.point.tractions import Tractions
 
 _CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width
 _BOTTOM, _FAR = 6.0, 6.0  # of a: how deep and how far from the edge a half-space is searched
+_OUTER = 3  # pairs of panels added to a net at most
 _TOGETHER = 64  # cases at a time: bounded memory
 
 
@@ -51,10 +52,6 @@ class _Searched:
     def depth(self, top: Top) -> Array:
         """Depth over a of tops; (case,)."""
         return self.net.depth_at(self.ratio, top.down)
-
-    def largest(self, region: str) -> dict[str, Array]:
-        """Peaks of a region of films, by name; (case,) each."""
-        return largest(self.stresses, self.net, np.full(len(self.stresses), self.ratio), region)
 
 
 def peaks(pressed: Pressed, inside: Inside, asked: Set[str]) -> dict[str, Array]:
@@ -104,6 +101,9 @@ def _of_film(inside: Inside, tractions: Tractions, asked: Set[str]) -> dict[str,
                 f"contact: radius over thickness {ratio / stack.thickness:g} is too wide for peaks; must be < "
                 f"{1 / DEPTH:g}"
             )
-        searched = _Searched.on(inside, getattr(nets, region), tractions, REGIONS[region].stresses)
-        out |= searched.largest(region)
+
+        def stresses_on(net: Net, names: tuple[str, ...] = REGIONS[region].stresses) -> Array:
+            return _Searched.on(inside, net, tractions, names).stresses
+
+        out |= largest(stresses_on, getattr(nets, region), np.full(tractions.ratio.size, ratio), region, _OUTER)
     return out
