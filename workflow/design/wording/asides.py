@@ -61,7 +61,7 @@ def spread(answer: Answer) -> str:
             parts.append(f"{limit.title} by {_percent(limit.spread)}{binds}")
     return (
         f"Published material constants differ, which changes {listed(parts)}: "
-        "one standard deviation, at least 5 % of a constant, to first order."
+        "one standard deviation of each constant, at least 5 %."
     )
 
 
