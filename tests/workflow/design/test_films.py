@@ -51,7 +51,7 @@ def test_a_thickness_is_found_with_few_exact_cases(monkeypatch: pytest.MonkeyPat
     goal, field = answer.terms
     for term, limit in ((goal, False), (field, True)):
         case = design | {"friction": term.worst["friction"], "base": base} | study.fixed
-        exact = solver.solve(case)
-        value = exact["nominal_field"] if limit else abs(exact["voltage_per_load"])
+        solved = solver.solve(case)
+        value = solved["nominal_field"] if limit else abs(solved["voltage_per_load"])
         assert term.exact == pytest.approx(float(value), rel=1e-6)
     assert field.exact <= 8e5 * (1 + 1e-9)

@@ -264,9 +264,9 @@ def test_limits_within_tolerances_are_judged_as_python_judges_them(
     quickstart_run: Project, model: surrogate.GaussianProcess, tmp_path: Path
 ) -> None:
     folder, study = quickstart_run.folder / "results/quickstart", load("config/quickstart.yaml")
-    content = study.design["sensor"].model_dump() | {"tolerance": {"radius": "5 %", "volume_fraction": 0.02}}
-    content["subject_to"] = [*content["subject_to"], "abs(voltage) / contact_trailing <= 4 MV/m"]
-    mine = study.model_copy(update={"design": {"sensor": Target.model_validate(content)}})
+    target = study.design["sensor"].model_dump() | {"tolerance": {"radius": "5 %", "volume_fraction": 0.02}}
+    target["subject_to"] = [*target["subject_to"], "abs(voltage) / contact_trailing <= 4 MV/m"]
+    mine = study.model_copy(update={"design": {"sensor": Target.model_validate(target)}})
     design = targets.answer(mine, "sensor", mine.design["sensor"], model)
     content = whatif.content(mine, model, read_whole(folder / "quantities.nc"), [design])
     page = re.sub(
