@@ -116,10 +116,7 @@ class Material:
         for name in UNITS:
             value: Any = getattr(self, name)
             if isinstance(value, str):
-                try:
-                    value = in_si(value, UNITS[name])
-                except ValueError as error:
-                    raise MaterialError(f"{self.name}: {name}: {error}") from None
+                value = _read(self.name, name, value)
                 object.__setattr__(self, "any_size", self.any_size | {name})
             object.__setattr__(self, name, np.asarray(unmasked(value), dtype=np.float64))
         object.__setattr__(self, "conductor", np.asarray(self.conductor, dtype=np.bool_))
@@ -164,7 +161,9 @@ class Material:
             elif key not in UNITS:
                 if not isinstance(value, str):
                     raise MaterialError(f"{label}: {key}: {value!r} is not a text")
-            elif not (is_finite(value) or isinstance(value, str)):
+            elif isinstance(value, str):
+                _read(label, key, value)
+            elif not is_finite(value):
                 raise MaterialError(f"{label}: {key}: {value!r} is not a finite number [{UNITS[key]}]")
         missing = [key for key in ("c11", "c13", "c33", "c44") if key not in mapping]
         if missing:
@@ -198,7 +197,8 @@ class Material:
         '8.077e+10'
         """
         bare = not isinstance(young, str)
-        E, nu = (np.asarray(unmasked(value), np.float64) for value in (_pascals(name, young), poisson))
+        young = _read(name, "young", young) if isinstance(young, str) else young
+        E, nu = (np.asarray(unmasked(value), np.float64) for value in (young, poisson))
         if bare and (asked := question("young", E, "Pa")):
             raise MaterialError(f"{name}: {asked}")
         return cls.elastic(E, nu, name, rho)
@@ -356,11 +356,12 @@ class Material:
             raise MaterialError(f"{self.name}: {constant} = {value:g} {UNITS[constant]}: {rule}")
 
 
-def _pascals(name: str, young: ArrayLike) -> ArrayLike:
+def _read(label: str, constant: str, text: str) -> float:
+    """A constant with its unit, or Young's modulus, in SI."""
     try:
-        return in_si(young, "Pa") if isinstance(young, str) else young
+        return in_si(text, UNITS.get(constant, "Pa"))
     except ValueError as error:
-        raise MaterialError(f"{name}: young: {error}") from None
+        raise MaterialError(f"{label}: {constant}: {error}") from None
 
 
 def combined(change: Callable[..., Array], materials: Iterable[Material], name: str) -> Material:
