@@ -134,7 +134,6 @@ def _ours(
             "Chebyshev-kernel GP, calibrated", cases + CALIBRATION,
             lambda: GridGP(inputs=inputs).fit(data).calibrate(held), ask, judge,
         ),
-        Entry("RBF-kernel grid GP", cases, lambda: GridGP("rbf", inputs).fit(data), ask, judge),
     ]  # fmt: skip
 
 

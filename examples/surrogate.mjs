@@ -105,14 +105,6 @@ function correction(file, t, p) {
   }, 0);
 }
 
-// Section 4: what is added about cases that were asked for.
-function patched({ calibration_patch_low: low, calibration_patch_high: high, calibration_patch_scale: scale }, t, p) {
-  if (!low) return 0;
-  const boxes = [...Array(scale.sizes[0]).keys()];
-  const held = boxes.filter((b) => t.every((one, f) => low(b, f) <= one && one <= high(b, f)));
-  return held.length ? Math.max(...held.map((b) => scale(b, p))) : 0;
-}
-
 // Section 4: the largest guard of slabs, of corners of two inputs, and, of the outer one, of all corners together.
 function guarded(own, corner, pooled, t, p) {
   const slabs = own.sizes[1];
@@ -140,7 +132,7 @@ function spread(file, t, parts, p) {
   const sum = range(degree.sizes[0]).reduce((all, j) => all + term(j), 0);
   const trend = clip(sum, file.calibration_trend_range(0, p), file.calibration_trend_range(1, p));
   const guard = guarded(file.calibration_guard, file.calibration_corner_guard, null, t, p);
-  const std = Math.sqrt(raw + file.calibration_floor(p)) * Math.exp(trend + guard + patched(file, t, p));
+  const std = Math.sqrt(raw + file.calibration_floor(p)) * Math.exp(trend + guard);
   return { std, ends: [LOWER, UPPER].map((place) => file.calibration_quantile(place, p)) };
 }
 

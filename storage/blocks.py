@@ -26,6 +26,7 @@ from storage.netcdf import (
     contents,
     encodings,
     finished,
+    purpose,
     started,
 )
 from storage.rootunits import as_stored
@@ -121,7 +122,7 @@ def write_blocks(
     Every variable gets its statistics as attributes: `actual_range`, `mean`, `standard_deviation`.
     """
     frame = as_stored(frame.drop_encoding())
-    frame.attrs |= standard(frame)
+    frame.attrs |= standard(frame) | purpose(Path(path))
     with appearing(Path(path), sealed=True) as partial:
         _write(partial, frame, blocks, chunks, last)
 

@@ -6,7 +6,7 @@ folder, sealed as the very last step, flushed to disk and only then renamed (`st
 
 import hashlib
 import json
-from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
@@ -21,6 +21,8 @@ from storage.rootunits import as_meant, as_stored
 from storage.sealed import FormatError, appearing, check_seal
 
 CHECKSUM = "checksum"
+#: Attribute of a job's file: the question that its content answers, see `bind`.
+ANSWERS = "answers"
 # Arrays below this size gain nothing from compression.
 COMPRESS_FROM = 4096
 # what every netCDF library reads: Debian's has neither Blosc nor Zstandard
@@ -41,6 +43,32 @@ FAILURES = (
 )
 
 
+_written: dict[Path, str] = {}  # what the files answer that this process is to write
+_checks: dict[Path, Callable[[Path, str], None]] = {}  # of files that this process is to read
+
+
+def bind(written: Mapping[Path, str], checks: Mapping[Path, Callable[[Path, str], None]]) -> None:
+    """Let this process write into some files what they answer, and check that of others when it reads them."""
+    _written.clear()
+    _checks.clear()
+    _written.update({path.absolute(): answers for path, answers in written.items()})
+    _checks.update({path.absolute(): check for path, check in checks.items()})
+
+
+def purpose(path: Path) -> dict[str, str]:
+    """Return the attribute that says what a file answers; none where nobody has said it."""
+    answers = _written.get(path.absolute())
+    return {} if answers is None else {ANSWERS: answers}
+
+
+def _without_purpose(dataset: xr.Dataset, path: Path) -> xr.Dataset:
+    """Return the data without what they answer, once that is checked."""
+    answers = dataset.attrs.pop(ANSWERS, "")
+    if check := _checks.get(path.absolute()):
+        check(path, str(answers))
+    return as_meant(dataset)
+
+
 def write_whole(dataset: xr.Dataset, path: str | PathLike[str]) -> None:
     """Write a data set to a netCDF-4 file that appears whole or not at all.
 
@@ -50,7 +78,7 @@ def write_whole(dataset: xr.Dataset, path: str | PathLike[str]) -> None:
     """
     plain = as_stored(dataset.drop_encoding())
     plain.attrs.pop(CHECKSUM, None)
-    plain.attrs |= standard(plain)
+    plain.attrs |= standard(plain) | purpose(Path(path))
     mark = checksum(plain)
     with appearing(Path(path), sealed=True) as partial:
         plain.to_netcdf(partial, mode="w", format="NETCDF4", engine="netcdf4", encoding=encodings(plain))
@@ -73,16 +101,17 @@ def read_whole(
     with _reported(path):
         dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False)
     if lazy:
-        return as_meant(dataset)
+        return _without_purpose(dataset, path)
     if names is not None:
         with dataset, _reported(path):
-            return as_meant(dataset[[name for name in dataset.data_vars if name in names]].load())
+            loaded = dataset[[name for name in dataset.data_vars if name in names]].load()
+        return _without_purpose(loaded, path)
     with dataset, _reported(path):
         loaded = dataset.load()
         digest = checksum(loaded)
     if digest != mark:
         raise FormatError(path, "altered: its contents do not match their checksum")
-    return as_meant(loaded)
+    return _without_purpose(loaded, path)
 
 
 def checksum(dataset: xr.Dataset) -> str:

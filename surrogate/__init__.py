@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from surrogate.transforms.groups import Grouping
     from surrogate.transforms.inputs import Group
     from surrogate.transforms.outputs import Scaling
-    from surrogate.transforms.splitgp import SplitGP
     from surrogate.use.estimator import FactorialRegressor
 
 __all__ = [
@@ -37,7 +36,6 @@ __all__ = [
     "OutOfBoxError",
     "Scaling",
     "ScatterGP",
-    "SplitGP",
     "chebyshev_levels",
     "load",
     "save",
@@ -56,7 +54,6 @@ _MODELS = {
     "Grouping": "transforms.groups",
     "Scaling": "transforms.outputs",
     "ScatterGP": "gp.scattergp",
-    "SplitGP": "transforms.splitgp",
     "load": "face.persistence",
     "save": "face.persistence",
 }

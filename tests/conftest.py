@@ -45,7 +45,6 @@ FILES = {
         "tests/workflow/test_referees.py",
         "tests/workflow/cli/test_main.py",
         "tests/workflow/cli/test_questions.py",
-        "tests/workflow/cli/test_serving.py",
         "tests/workflow/design/test_unreached.py",
         "tests/workflow/report/test_datum_effect.py",
         "tests/workflow/report/test_figures.py",

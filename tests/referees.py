@@ -18,9 +18,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import netCDF4
-import numpy as np
-
 ROCRATE = "https://w3id.org/ro/crate/1.1/context"
 # which its own check of monotonicity subtracts
 LABELS = "unsupported operand type(s) for -: 'str' and 'str'"
@@ -109,42 +106,12 @@ def foreign(folder: Path) -> Iterator[str]:
                 yield f"{path}: {program}: {done.stderr.strip()}"
 
 
-def served(folder: Path) -> Iterator[str]:
-    """What the client of UM-Bridge gets from `meecontact serve` and should not."""
-    import umbridge
-
-    program = Path(sys.executable).parents[2] / "bin/meecontact"
-    command = [str(program), "serve", str(folder / "surrogate.nc"), "--port", "0"]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stderr is not None
-        line = process.stderr.readline()
-        address = next((word for word in line.split() if word.startswith("http://")), None)
-        if address is None:
-            yield f"meecontact serve: {line.strip()}"
-            return
-        try:
-            model = umbridge.HTTPModel(address, "surrogate")
-            with netCDF4.Dataset(folder / "surrogate.nc") as file:
-                middle = ((file["low"][:] + file["high"][:]) / 2).tolist()
-            (size,) = model.get_output_sizes()
-            value, step = np.array(model([middle])[0]), 1e-4 * middle[0]
-            beside = np.array(model([[middle[0] + step, *middle[1:]]])[0])
-            slopes = np.array(model.apply_jacobian(0, 0, [middle], [1.0] + [0.0] * (len(middle) - 1)))
-            if value.shape != (size,) or not np.allclose(
-                (beside - value) / step, slopes, rtol=0.01, atol=1e-3 * abs(slopes).max()
-            ):
-                yield "meecontact serve: differences are not the derivatives"
-        finally:
-            process.terminate()
-
-
 #: What each looks at: not every study has a surrogate.
 REFEREES = {
     conventions: "*.nc",
     croissant: "croissant.json",
     crate: "ro-crate-metadata.json",
     foreign: "*.nc",
-    served: "surrogate.nc",
 }
 
 

@@ -11,7 +11,7 @@ import pytest
 import benchmarks.__main__ as runner
 from approximation.arrays import Array
 from approximation.chebyshev import gauss_points
-from benchmarks import direct, gridrivals, intervals, overhead, page, planning, rivals, scattered, sparse, surrogates
+from benchmarks import direct, gridrivals, intervals, overhead, page, rivals, scattered, sparse, surrogates
 from benchmarks.timing import least, timed
 from surrogate import GridGP
 from surrogate.gp import finiterank
@@ -89,7 +89,7 @@ def test_the_comparison_measures_errors_on_the_exact_solution(monkeypatch: pytes
     monkeypatch.setattr(surrogates, "installed", lambda: ([], ["another"]))
     monkeypatch.setattr(surrogates, "ratios", lambda rows: {"some": 2.0})
     found = surrogates.measure()
-    exact, ours, calibrated, _, chebyshev, spline, kronecker = found["rows"]
+    exact, ours, calibrated, chebyshev, spline, kronecker = found["rows"]
     assert [row["cases"] for row in found["rows"]] == [0, 576, 776, 576, 576, 576, 576]
     assert set(exact["error"].values()) == {0.0}
     assert calibrated["error"] == ours["error"]
@@ -216,15 +216,6 @@ def test_overhead_is_not_measured_between_different_results(tmp_path: Path) -> N
     (tmp_path / "other" / "data.nc").write_bytes(b"not the same")
     with pytest.raises(RuntimeError, match=r"data\.nc"):
         overhead._compare(tmp_path / "one", tmp_path / "other")
-
-
-def test_planned_measurements_beat_those_at_random(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(planning, "CANDIDATES", 60)
-    device = planning.Planned(7, 2, np.arange(4))
-    for name in planning.WANTED:
-        ratio, most = device.ratios(name)
-        assert 1 < ratio < most
-    assert device.ratios("answer known least")[0] > 1.5
 
 
 def test_costs_are_those_of_the_action_and_the_least_of_some_runs() -> None:

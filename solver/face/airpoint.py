@@ -13,7 +13,7 @@ from solver.face.refusal import CaseError
 from solver.fields import POINT_NEED_C12
 from solver.gap.pointfields import fields, inside, peaks
 from solver.gap.pointquantities import quantities
-from solver.point.pressed import Pressed
+from solver.point.contact import Pressed
 from solver.point.sliding import warn_of_order
 
 #: Tractions of the surface that charges beside the contact are.

@@ -14,12 +14,11 @@ from solver.halfplane.surface import HalfPlane
 from solver.line.powerlaw import material_from
 from solver.material.constants import UNITS
 from solver.point.body import HalfSpace
-from solver.point.halfspace import conducted
+from solver.point.contact import Friction, Pressed
+from solver.point.friction import Rim, contact_coupling
 from solver.point.inside import Inside, whole
-from solver.point.pressed import Friction, Pressed
 from solver.point.profile import Shape
-from solver.point.response import contact_coupling
-from solver.point.rim import Rim
+from solver.point.state import conducted
 
 
 class OnHalfSpace(OnPoints):

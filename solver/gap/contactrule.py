@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 
 from solver.arrays import Array
-from solver.point.response import legendre
+from solver.point.friction import legendre
 
 _FIRST, _MORE = 14, 6.0  # of S below a narrow contact, and what wide ones add
 _POWER = 3  # of the nodes where the profile is a power of s that is not even

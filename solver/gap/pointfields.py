@@ -11,10 +11,10 @@ from solver.gap.pointtractions import AirPointTractions, SolvedPoint
 from solver.gap.slidingpoint import SlidingPoint
 from solver.halfplane.potentials import POTENTIALS
 from solver.halfplane.pressing import ContactError
+from solver.point.contact import Pressed
 from solver.point.inside import Inside
 from solver.point.peaks import peaks_of
-from solver.point.pressed import Pressed
-from solver.point.pressure import finite
+from solver.point.profile import finite
 
 _FIELDS = ("contact_pressure", "electric_displacement", "magnetic_induction")
 

@@ -20,12 +20,11 @@ from solver.gap.slidingquantities import largest_beside, largest_within, trailin
 from solver.line.windows import FIRST, LAST
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.point.body import Film, HalfSpace
-from solver.point.pressed import Contact, Pressed
-from solver.point.pressure import SAMPLES, climbed, finite
-from solver.point.profile import Shape
+from solver.point.contact import Contact, Pressed
+from solver.point.friction import Rim
+from solver.point.kernel import shear_kernel
+from solver.point.profile import SAMPLES, Shape, climbed, finite
 from solver.point.quantities import RESPONSES
-from solver.point.rim import Rim
-from solver.point.surfacekernel import shear_kernel
 from solver.twoport import Stiffness
 
 _MATERIALS = 64

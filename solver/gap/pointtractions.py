@@ -19,9 +19,9 @@ from solver.gap.rings import Rings, rings
 from solver.gap.spectrum import Spectrum
 from solver.gap.tractions import from_smaller
 from solver.point import hankel
-from solver.point.density import Density
-from solver.point.pressure import added_forms, halfspace_form
-from solver.point.tractions import Tractions
+from solver.point.profile import halfspace_form
+from solver.point.system import added_forms
+from solver.point.tractions import Density, Tractions
 from solver.stack.layers import Stack
 from solver.stack.wavenumbers import on_panels, panels
 

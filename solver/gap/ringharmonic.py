@@ -14,9 +14,9 @@ from solver.arrays import Array
 from solver.gap.contactrule import ContactRule
 from solver.gap.ringoperators import RingOperators, Rows, summed
 from solver.gap.rules import gauss
-from solver.point.density import Density
-from solver.point.response import Response
-from solver.point.surfacekernel import SurfaceKernel
+from solver.point.friction import Response
+from solver.point.kernel import SurfaceKernel
+from solver.point.tractions import Density
 
 SHIFT, RUBBED, CAUSES = 0, 1, 2  # columns before the densities
 _EDGE = np.ones(1)

@@ -17,9 +17,9 @@ from solver.gap.contactrule import ContactRule
 from solver.gap.rings import Rings
 from solver.gap.rules import gauss
 from solver.line.kernel import CHANNEL
-from solver.point.pressure import SAMPLES, added_forms, finite, halfspace_form
-from solver.point.profile import Shape
-from solver.point.surfacekernel import SurfaceKernel
+from solver.point.kernel import SurfaceKernel
+from solver.point.profile import SAMPLES, Shape, finite, halfspace_form
+from solver.point.system import added_forms
 
 _APART = 4.0  # growth of the distances from the target at which rules break
 #: x = sqrt(1 - r^2) below the contact at which densities are told: panels, graded to the edge, and the centre.

@@ -16,7 +16,7 @@ from solver.gap.ringoperators import RingOperators
 from solver.gap.rings import rings
 from solver.gap.ringtable import FEW, NODES, RingTable
 from solver.line.windows import number_of
-from solver.point.surfacekernel import normal_kernel
+from solver.point.kernel import normal_kernel
 from solver.point.table import PointKind, interval
 from solver.stack.wavenumbers import strip
 

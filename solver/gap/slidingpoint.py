@@ -22,11 +22,11 @@ from solver.gap.ringoperators import RingOperators
 from solver.gap.rings import Rings, rings
 from solver.gap.rules import gauss
 from solver.point import hankel
-from solver.point.density import Density
+from solver.point.friction import Response, legendre
+from solver.point.kernel import SurfaceKernel
 from solver.point.profile import Shape
-from solver.point.response import Response, legendre
 from solver.point.slidingpressure import ray_of, turned_pressures
-from solver.point.surfacekernel import SurfaceKernel
+from solver.point.tractions import Density
 
 _PART = 2 / np.pi  # a density per S
 _PARTS = 6.0  # panels in b per radius over the distance that layers vary over

@@ -9,8 +9,7 @@ from solver.gap.airpoint import PointState
 from solver.gap.largest import peak_of_panels
 from solver.gap.slidingpoint import SlidingPoint
 from solver.point.body import Film, HalfSpace
-from solver.point.rim import Rim, edge_sums
-from solver.point.rimlayers import added_tension
+from solver.point.friction import Rim, added_tension, edge_sums
 from solver.point.sliding import FirstOrderWarning
 from solver.point.slidingpressure import ray_of
 

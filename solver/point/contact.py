@@ -1,108 +1,153 @@
-"""Contacts of revolution at known radii: from forces and charges to displacements and potentials, and the tangents.
-
-Displacements are over C a^e and loads over C a^(e+1), C r^e the profile (1 and e = 0 of a disc): the half-space's are
-constants. Edges of a contact between curved surfaces are smooth: that and the charges make three linear equations.
-Moving the edge at fixed displacements changes the loads by what it releases (Irwin), d loads / d log a = pi^2 edges^T N
-strengths, which needs no derivative of a table.
-"""
+"""Cases of one kind of punch on one kind of body, in SI: contacts with charges, without, and at zero potential."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from solver.arrays import Array
-from solver.point.halfspace import Stiffness
-from solver.point.profile import Shape
+from solver.arrays import Array, BoolArray
+from solver.point.body import Film, HalfSpace, Loading
+from solver.point.profile import SAMPLES, climbed, halfspace_form, halfspace_peak
+from solver.point.state import State
+from solver.point.table import Window
+from solver.stack.electrodereading import Reading
 
 
 @dataclass(frozen=True, eq=False)
-class State:
-    """Contacts of given radii under charges or held potentials."""
+class Friction:
+    """Friction along x, and the tangential answer of the surfaces."""
 
-    stiffness: Stiffness
-    shape: Shape
-    given: Array
-    held: tuple[bool, bool] = (False, False)
-    force: Array | None = None
+    coefficient: Array  # eta; (case,)
+    coupling: Array  # k of the half-space of the top less that of the punch, units of the body; (case, 3)
+    punch: float = 0.0  # k_p of the punch [1/Pa], 0 of a rigid one; the same on one film
 
-    @cached_property
-    def _rows(self) -> Array:
-        """The three conditions on (u0, g); (..., 3, 4)."""
-        loads, edges = self.stiffness.loads, self.stiffness.edges
-        rows = np.array(loads)
-        if not self.shape.flat:
-            rows[..., 0, :] = edges[..., 0, :]
-        for field, held in enumerate(self.held):
-            if held:
-                rows[..., 1 + field, :] = np.eye(4)[1 + field]
-        return rows
 
-    @cached_property
-    def displacement(self) -> Array:
-        """u0 = (-depth, V, Psi) over C a^e; (..., 3)."""
-        normal = np.zeros(self.given.shape[:-1]) if self.force is None else self.force
-        right = np.concatenate([normal[..., None], self.given], -1) - self._profile * self._rows[..., 3]
-        return np.asarray(np.linalg.solve(self._rows[..., :3], right[..., None])[..., 0])
+@dataclass(frozen=True, eq=False)
+class Pressed:
+    """Punches of revolution, pressed by forces."""
+
+    body: HalfSpace | Film
+    scale: Array  # Units of (x, y, phi, psi) of the body; (4,) or (case, 4)
+    coefficient: Array  # C of the profile C r^e, or the radius of a disc [m]; (case,)
+    force: Array  # P [N]; (case,)
+    charges: Array  # T [C] and J [Wb]; (case, 2)
+    conducts: BoolArray  # Whether the punch conducts (electric, magnetic); (2,) or (case, 2)
+    reading: Reading | None = None  # Electrode that is read; None: none
+    friction: Friction | None = None  # None: the punch does not slide
 
     @property
-    def _profile(self) -> float:
-        """1 of a curved punch: that of a disc has no part."""
-        return 0.0 if self.shape.flat else 1.0
+    def units(self) -> Array:
+        """Units of (y, phi, psi); (case, 3)."""
+        return np.broadcast_to(self.scale[..., 1:], (self.force.size, 3))
+
+    def contact(self, charges: Array | None = None, held: tuple[bool, bool] = (False, False)) -> "Contact":
+        """Contacts under charges T [C] and J [Wb], or potentials V and Psi where held; (case, 2), zero by default."""
+        flat = self.body.shape.flat
+        prescribed = np.zeros((self.force.size, 2)) if charges is None else charges
+        units = self.units[:, 1:]
+        scaled = np.where(held, prescribed / units, prescribed * units)
+        loading = Loading(self.coefficient / self.units[:, 0], self.force * self.units[:, 0], scaled, held)
+        radius = self.coefficient if flat else self.body.radius(loading)
+        return Contact(self, radius, loading.state(self.body.stiffness(radius), self.body.shape, radius))
+
+    @property
+    def length(self) -> Array:
+        """Unit of the body's lengths [m]: the thickness of its top layer, or the contact radius; (case,)."""
+        return self.body.thickness if isinstance(self.body, Film) else self.charged.radius
 
     @cached_property
-    def causes(self) -> Array:
-        """(u0, g); (..., 4)."""
-        there = np.full((*self.displacement.shape[:-1], 1), self._profile)
-        return np.concatenate([self.displacement, there], -1)
+    def charged(self) -> "Contact":
+        """Contacts with the charges of the cases."""
+        return self.contact(self.charges)
 
     @cached_property
+    def uncharged(self) -> "Contact":
+        """Contacts without charges."""
+        return self.contact() if np.any(self.charges) else self.charged
+
+    @cached_property
+    def grounded(self) -> "Contact":
+        """Contacts with both potentials held at zero."""
+        return self.contact(held=(True, True))
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Contacts of known radii, SI."""
+
+    pressed: Pressed
+    radius: Array  # a [m]; (case,)
+    state: State
+
+    @property
+    def size(self) -> Array:
+        """C a^e, 1 for a disc, in the units of the body; (case,)."""
+        shape = self.pressed.body.shape
+        if shape.flat:
+            return np.ones_like(self.radius)
+        return self.pressed.coefficient / self.pressed.units[:, 0] * self.radius**shape.exponent
+
+    @property
+    def displacement(self) -> Array:
+        """Displacement u0 = (-depth, V, Psi) [m, V, A]; (case, 3)."""
+        return self.state.displacement * self.size[:, None] * self.pressed.units
+
+    @property
     def loads(self) -> Array:
-        """(P, T, J) over C a^(e+1); (..., 3)."""
-        return np.asarray(-np.einsum("...ij,...j->...i", self.stiffness.loads, self.causes))
+        """Loads (P, T, J) [N, C, Wb]; (case, 3)."""
+        return self.state.loads * (self.size * self.radius)[:, None] / self.pressed.units
 
-    @cached_property
-    def strengths(self) -> Array:
-        """Strengths of (sigma_yy, D_y, B_y) at the edge over C a^(e-1); (..., 3)."""
-        found = np.einsum("...ij,...j->...i", self.stiffness.edges, self.causes)
-        if not self.shape.flat:
-            found[..., 0] = 0.0
-        return np.asarray(found)
+    @property
+    def intensities(self) -> Array:
+        """Edge intensities lim sqrt(2 pi distance) (sigma_yy, D_y, B_y), SI; (case, 3)."""
+        strength = self.state.strengths * (self.size / self.radius)[:, None]
+        return np.asarray(np.sqrt(np.pi * self.radius)[:, None] * strength / self.pressed.units)
 
-    @cached_property
-    def _released(self) -> Array:
-        """-d loads / d log a at fixed displacements, over C a^(e+1); (..., 3)."""
-        own = np.einsum("...ij,...j->...i", self.stiffness.compliance, self.strengths)
-        return np.asarray(np.pi**2 * np.einsum("...ji,...j->...i", self.stiffness.edges[..., :3], own))
-
-    @cached_property
-    def _opening(self) -> Array:
-        """d (strength of the pressure) / d log a at fixed displacements, over C a^(e-1); (...)."""
-        s = self.stiffness
-        rates = np.einsum("...j,...j->...", s.edge_rates[..., 0, :], self.causes)
-        return np.asarray(rates + self.shape.exponent * s.edges[..., 0, 3])
-
-    @cached_property
-    def force_rate(self) -> Array:
-        """dP / d log a with the charges or potentials as they are, over C a^(e+1); (...). Not of a disc."""
-        right = -np.concatenate([self._opening[..., None], np.where(self.held, 0.0, self._released[..., 1:])], -1)
-        moved = np.linalg.solve(self._rows[..., :3], right[..., None])[..., 0]
-        followed = np.einsum("...j,...j->...", self.stiffness.loads[..., 0, :3], moved)
-        return np.asarray(-followed - self._released[..., 0])
-
-    @cached_property
+    @property
     def tangent(self) -> Array:
-        """-d(P, T, J) / d(-depth, V, Psi) over a, the edge going where it must; (..., 3, 3)."""
-        own = self.stiffness.loads[..., :3]
-        if self.shape.flat:
-            return own
-        edge = self.stiffness.edges[..., None, 0, :3] / self._opening[..., None, None]
-        return np.asarray(own - self._released[..., :, None] * edge)
+        """Return -d(P, T, J) / d(-depth, V, Psi), SI; (case, 3, 3)."""
+        return self._in_units(self.state.tangent, self.pressed.units)
 
-    @cached_property
+    @property
     def fixed(self) -> Array:
-        """-d(T, J) / d(V, Psi) over a at a fixed radius, with a smooth edge or the force of a disc; (..., 2, 2)."""
-        own = self.stiffness.loads[..., :3]
-        row = own[..., 0, :] if self.shape.flat else self.stiffness.edges[..., 0, :3]
-        follows = row[..., None, 1:] / row[..., :1, None]
-        return np.asarray(own[..., 1:, 1:] - own[..., 1:, :1] * follows)
+        """Return -d(T, J) / d(V, Psi) at a fixed contact, SI; (case, 2, 2)."""
+        return self._in_units(self.state.fixed, self.pressed.units[:, 1:])
+
+    def _in_units(self, values: Array, units: Array) -> Array:
+        return np.asarray(values * self.radius[:, None, None] / (units[:, :, None] * units[:, None, :]))
+
+    @property
+    def peak_pressure(self) -> Array:
+        """Largest pressure below a curved punch [Pa]; (case,)."""
+        body = self.pressed.body
+        per_form: Array = np.asarray(2 / np.pi * np.linalg.inv(self.state.stiffness.compliance)[..., 0, 0])
+        over_unit = (
+            per_form * halfspace_peak(body.shape) if isinstance(body, HalfSpace) else self._peak_on(body, per_form)
+        )
+        return np.asarray(over_unit * self.size / self.radius / self.pressed.units[:, 0])
+
+    def _peak_on(self, film: Film, per_form: Array) -> Array:
+        """Largest pressure over C a^(e-1) on a film, at the centre or climbed to; (case,)."""
+        causes, form = self.state.causes, halfspace_form(film.shape, SAMPLES)
+        added = film.gathered(self.radius, lambda table, log_ratio, places: table.pressures(log_ratio, causes[places]))
+        values = per_form[:, None] * form + added
+        best = np.argmax(values, -1)
+        largest = values[np.arange(best.size), best]
+        off_centre = np.flatnonzero(best < SAMPLES.size - 1)
+        for places, table, log_ratio in film.part(off_centre).windows(self.radius[off_centre]):
+            cases = off_centre[places]
+            bracket = SAMPLES[np.maximum(best[cases] - 1, 0)], SAMPLES[best[cases] + 1]
+            largest[cases] = self._climbed(table, log_ratio, causes[cases], per_form[cases], bracket)
+        return np.asarray(largest)
+
+    def _climbed(
+        self, table: Window, log_ratio: Array, causes: Array, per_form: Array, bracket: tuple[Array, Array]
+    ) -> Array:
+        """Largest pressure over C a^(e-1) within brackets of x, each (case,)."""
+        series = table.tractions(log_ratio, causes)[:, 0]
+
+        def pressure(x: Array) -> Array:
+            added = np.sum(series * table.terms.forms(x), -1)
+            return np.asarray(per_form * halfspace_form(table.kind.shape, x) - added)
+
+        return climbed(pressure, *bracket)

@@ -26,9 +26,7 @@ class Factorial:
     attrs: dict[str, dict[str, str]]  # `units` and `long_name` of every output
 
 
-def complete_factorial(
-    dataset: xr.Dataset, inputs: Sequence[Input] | None, outputs: Sequence[str] | None, chebyshev: bool
-) -> Factorial:
+def complete_factorial(dataset: xr.Dataset, inputs: Sequence[Input] | None, outputs: Sequence[str] | None) -> Factorial:
     """Check that a data set is a complete factorial and take it apart."""
     names = output_names(dataset, outputs, exclude=())
     factors = [input_.name for input_ in inputs] if inputs is not None else _factors(dataset, names)
@@ -45,8 +43,8 @@ def complete_factorial(
         if repeated.size:
             raise ValueError(f"input {factor!r} has the level {repeated[0]:g} more than once")
     if inputs is None:
-        inputs = [_inferred(dataset, factor, values, chebyshev) for factor, values in zip(factors, levels, strict=True)]
-    check_levels(inputs, levels, chebyshev)
+        inputs = [_inferred(dataset, factor, values) for factor, values in zip(factors, levels, strict=True)]
+    check_levels(inputs, levels)
     shape = tuple(map(len, levels))
     arrays = {name: _full(dataset[name], factors, shape, order) for name in names}
     return Factorial(tuple(inputs), levels, arrays, {name: text_attrs(dataset[name]) for name in names})
@@ -90,12 +88,10 @@ def _levels(dataset: xr.Dataset, factor: str) -> Array:
     return np.asarray(values, dtype=np.float64)
 
 
-def _inferred(dataset: xr.Dataset, factor: str, levels: Array, chebyshev: bool) -> Input:
+def _inferred(dataset: xr.Dataset, factor: str, levels: Array) -> Input:
     attrs = text_attrs(dataset[factor])
     if len(levels) < 2:
         raise ValueError(f"input {factor!r} has {len(levels)} level; a factor needs at least 2")
-    if not chebyshev:
-        return Input(factor, levels[0], levels[-1], "linear", **attrs)
     scales: tuple[Scale, ...] = ("linear", "log") if levels[0] > 0 else ("linear",)
     for scale in scales:
         ends = np.log(levels[[0, -1]]) if scale == "log" else levels[[0, -1]]
@@ -116,23 +112,23 @@ def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Seque
     try:
         levels = [_levels(dataset, factor) for factor in factors]
         if inputs is None:
-            inputs = [_inferred(dataset, name, some, True) for name, some in zip(factors, levels, strict=True)]
-        check_levels(inputs, levels, True)
+            inputs = [_inferred(dataset, name, some) for name, some in zip(factors, levels, strict=True)]
+        check_levels(inputs, levels)
     except ValueError:
         return False
     return True
 
 
-def check_levels(inputs: Sequence[Input], levels: Sequence[Array], chebyshev: bool) -> None:
+def check_levels(inputs: Sequence[Input], levels: Sequence[Array]) -> None:
     """Raise ValueError, naming input and level, unless ascending levels suit their inputs.
 
     levels: sequence of ndarray, shape (n,), of every input in its units.
     """
     for own, values in zip(inputs, levels, strict=True):
-        _check_levels(own, values, chebyshev)
+        _check_levels(own, values)
 
 
-def _check_levels(own: Input, levels: Array, chebyshev: bool) -> None:
+def _check_levels(own: Input, levels: Array) -> None:
     if len(levels) > MOST_OF_A_FACTOR:
         raise ValueError(f"input {own.name!r} has {len(levels)} levels; a factor has at most {MOST_OF_A_FACTOR}")
     if len(levels) < 2:
@@ -140,17 +136,12 @@ def _check_levels(own: Input, levels: Array, chebyshev: bool) -> None:
     if own.scale == "log" and levels[0] <= 0:
         raise ValueError(f"input {own.name!r} has the level {levels[0]:g} on a log scale")
     unit = own.to_unit(levels)
-    if chebyshev:
-        away = np.abs(unit - gauss_points(len(levels)))
-        if away.max() > LEVEL_TOLERANCE:
-            k = int(away.argmax())
-            raise ValueError(
-                f"input {own.name!r}: level {levels[k]:.10g} is none of the {len(levels)} Chebyshev-Gauss levels of "
-                f"{own.range_text()} ({own.scale}), expected {own.levels(len(levels))[k]:.10g}"
-            )
-    elif np.abs(unit).max() > 1 + LEVEL_TOLERANCE:
+    off = np.abs(unit - gauss_points(len(levels)))
+    if off.max() > LEVEL_TOLERANCE:
+        k = int(off.argmax())
         raise ValueError(
-            f"input {own.name!r}: level {levels[np.abs(unit).argmax()]:g} is outside its range {own.range_text()}"
+            f"input {own.name!r}: level {levels[k]:.10g} is none of the {len(levels)} Chebyshev-Gauss levels of "
+            f"{own.range_text()} ({own.scale}), expected {own.levels(len(levels))[k]:.10g}"
         )
 
 

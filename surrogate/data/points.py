@@ -18,8 +18,7 @@ from surrogate.data.inputs import Input
 SLACK = 1e-12
 # Most points that crossed inputs may span: whoever gives more meant a list of points.
 MOST = 10**7
-#: Variable of held-out cases: 1 where they are spread evenly over the box, 0 where they are drawn towards its ends, -1
-#: where they were asked for near one another.
+#: Variable of held-out cases: 1 where they are spread evenly over the box, 0 where they are drawn towards its ends.
 EVEN = "evenly_drawn"
 
 

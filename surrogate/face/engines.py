@@ -13,7 +13,6 @@ ENGINES = {
     "scatter": ("gp.scattergp", "ScatterGP"),
     "grouped": ("transforms.groupedgp", "GroupedGP"),
     "curves": ("transforms.curves.curvegp", "CurveGP"),
-    "split": ("transforms.splitgp", "SplitGP"),
     "bounded": ("transforms.boundedgp", "BoundedGP"),
     "corrected": ("transforms.measured.corrected", "CorrectedGP"),
 }
@@ -29,5 +28,5 @@ def engine(name: str, known: Sequence[str]) -> "type[GaussianProcess]":
 
 
 def members_of(name: str) -> tuple[str, ...]:
-    """Return the names of the kinds that a kind may be made of; a split may be split again."""
-    return tuple(ENGINES)[: list(ENGINES).index(name) + (name == "split")]
+    """Return the names of the kinds that a kind may be made of."""
+    return tuple(ENGINES)[: list(ENGINES).index(name)]

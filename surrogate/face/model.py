@@ -159,8 +159,7 @@ class GaussianProcess(Predictive):
             Held-out cases, inputs and true outputs over one dimension; 10,000 spread over the box are a good number,
             3,000 leave corners of two inputs about 5 % short, and 500 give the right marginal coverage. They must not
             serve for validation as well. Where some are drawn towards the ends of the box, the variable
-            `evenly_drawn`, over the same dimension, is 1 for those that are spread evenly and 0 for these; -1 for
-            cases that were asked for near one another: intervals about these have a scale of their own.
+            `evenly_drawn`, over the same dimension, is 1 for those that are spread evenly and 0 for these.
 
         Raises
         ------
@@ -199,7 +198,7 @@ class GaussianProcess(Predictive):
         parts = [in_blocks(t, partial(self.variance, weights=weights)) for weights in single]
         groups = sharing(t)
         left = self.corrected(dataset, true - mean, t, groups)
-        self.calibration_ = calibrate(left, parts, t, groups, even, outer, drawn < 0)
+        self.calibration_ = calibrate(left, parts, t, groups, even, outer)
         return self
 
     def uncalibrated(self) -> Self:

@@ -21,7 +21,7 @@ SMALL = 0.1
 
 
 class CrossGP(GridGP):
-    """Gaussian process of the "chebyshev" kernel on a grid, of which a cross approximation asks for few cases.
+    """Gaussian process on a grid, of which a cross approximation asks for few cases.
 
     Some inputs are *crossed*: `ask` names the places, of their levels, that are to be solved next. All levels of the
     others, if there are any, are solved at every place, which should be cheap. What `fit` makes, and what is saved of
@@ -80,7 +80,7 @@ class CrossGP(GridGP):
         compression: float = 1e-9,
         most: int = 10_000,
     ) -> None:
-        super().__init__("chebyshev", inputs, outputs, compression=compression)
+        super().__init__(inputs, outputs, compression=compression)
         names = [input_.name for input_ in inputs]
         unknown = [name for name in (*crossed, *levels) if name not in names]
         if unknown or not crossed or set(levels) != set(names):

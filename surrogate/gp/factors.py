@@ -2,16 +2,12 @@
 
 Every factor brings an orthonormal basis of functions on its levels, ordered from smooth to rough (discrete Chebyshev
 polynomials: on Chebyshev-Gauss levels the discrete cosine transform), in which smooth data have few and quickly
-decaying coefficients. The kernel of factor f for output p is ``constant + amplitude[f, p] * K_f(x, y)``.
+decaying coefficients. The kernel of factor f for output p is ``1 + amplitude[f, p] * K_f(x, y)``.
 """
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
-from scipy.linalg import eigh
-from typing_extensions import override
 
 from approximation import chebyshev
 from approximation.arrays import Array, Indices
@@ -25,44 +21,12 @@ class Features:
     """What the process needs of one factor at B query points."""
 
     mean: Array  # shape (modes, B); Functions that the coefficients of the mean multiply
-    prior: Array  # shape (B,); K(x, x), without constant and amplitude
+    prior: Array  # shape (B,); K(x, x), without the constant and the amplitude
     # shape (B,); Part of K(x, x) that the levels leave unknown, >= 0: K(x, x) - K(x, X) K(X, X)^-1 K(X, x)
     residual: Array
 
 
-class Factor(ABC):
-    """Kernel of one factor on given levels, in the scaled coordinate."""
-
-    constant: ClassVar[float]  # Constant part of the kernel beside the scaled part
-    t: Array  # shape (n,); Levels in the scaled coordinate
-    parameter: float  # The kernel's one hyper-parameter
-    affine: bool = False  # Whether the kernel's functions are affine, so that the levels leave nothing unknown
-    basis: Array  # shape (n, n); Orthonormal columns, from smooth to rough
-    weights: Array  # shape (n,); Scale between coefficients in `basis` and those that multiply `Features.mean`
-
-    @abstractmethod
-    def inverse(self) -> tuple[Array, Array]:
-        """Return K^-1 basis, shape (n, n), and the diagonal of K^-1, shape (n,), at unit amplitude."""
-
-    @abstractmethod
-    def features(self, t: Array, modes: int) -> Features:
-        """Return the features at points.
-
-        t: (B,), scaled coordinates.
-        """
-
-    @abstractmethod
-    def slopes(self, t: Array, modes: int) -> Features:
-        """Return what the process needs for derivatives by t.
-
-        These are the derivatives of the mean's functions, and d^2/dx dy at x = y = t of the kernel K(x, y) and of its
-        unknown part: the variances of the derivative.
-
-        t: (B,), scaled coordinates.
-        """
-
-
-class ChebyshevFactor(Factor):
+class Factor:
     """Factor kernel sum_{0<m<2n} rho^m T_m(x) T_m(y) beside a constant, on the n zeros of T_n.
 
     On these levels T_{2n-m} = -T_m and T_n = 0, so every kernel that is diagonal in the Chebyshev polynomials has the
@@ -74,21 +38,27 @@ class ChebyshevFactor(Factor):
     a sum of squares that vanishes on the levels (from T_m + T_{2n-m} = 2 T_n T_{n-m}). A factor with two levels is
     taken as affine: its kernel ends at T_1 and nothing is left unknown.
     Source: aliasing, Trefethen, Approximation Theory and Approximation Practice (2013), chapter 4; the rest follows.
-
-    levels: Number of levels n. decay: shape (2n,) or, affine, (2,); Coefficients of the kernel without its constant.
-    eigenvalues: shape (n,); Of every mode of the basis, over the square of its weight those of the kernel on the
-    levels. damping: shape (n,); Share of every mode that its alias takes. unknown: shape (n,); Coefficients of
-    T_j(x)^2 in what the levels leave unknown over T_n(x)^2; that of j = 0 is rho^n.
     """
 
-    constant = 1.0
+    t: Array  # shape (n,), levels in the scaled coordinate
+    parameter: float  # rho, the kernel's decay
+    levels: int  # their number n
+    affine: bool  # whether the kernel is affine, so that the levels leave nothing unknown
+    basis: Array  # shape (n, n), orthonormal columns on the levels, from smooth to rough
+    weights: Array  # shape (n,), factor between coefficients in `basis` and those that multiply `Features.mean`
+    decay: Array  # shape (2n,) or, affine, (2,), coefficients of the kernel without its constant
+    eigenvalues: Array  # shape (n,), of the kernel on the levels, over the squares of `weights`
+    damping: Array  # shape (n,), share of every mode that its alias takes
+    unknown: Array  # shape (n,), coefficients of T_j(x)^2 in what the levels leave unknown over T_n(x)^2
 
     def __init__(self, levels: int, rho: float) -> None:
+        if not 0 < rho < 1:
+            raise ValueError(f"rho must lie between 0 and 1, got {rho}")
         self.parameter, self.t = rho, chebyshev.gauss_points(levels)
         n = self.levels = levels
         self.affine = n == 2
         self.basis, self.weights = cosine_basis(n)
-        decay = rho ** np.arange(2 * n)
+        decay = np.asarray(rho ** np.arange(2.0 * n), dtype=np.float64)
         decay[0] = 0.0
         if self.affine:
             decay = np.array([0.0, 1.0])
@@ -114,7 +84,6 @@ class ChebyshevFactor(Factor):
         inverse = self.basis * (self.weights**2 / self.eigenvalues)
         return inverse, np.einsum("im,im->i", inverse, self.basis)
 
-    @override
     def features(self, t: Array, modes: int) -> Features:
         """Return T_m damped by its alias, K(x, x) and what the levels leave unknown."""
         T = chebyshev.polynomials(t, len(self.decay))
@@ -124,7 +93,6 @@ class ChebyshevFactor(Factor):
             residual *= squares[self.levels]
         return Features(self._mean(T, modes), prior, residual)
 
-    @override
     def slopes(self, t: Array, modes: int) -> Features:
         """Return those of T_m damped by its alias; kernel and unknown part are sums of products T(x) T(y)."""
         T = chebyshev.polynomials(t, len(self.decay))
@@ -160,52 +128,6 @@ class ChebyshevFactor(Factor):
         return np.arange(self._first_damped, max(modes, self._first_damped))
 
 
-class StationaryFactor(Factor):
-    """Factor kernel that depends on the distance of scaled coordinates only: RBF or Matern, on any levels.
-
-    Formulas: C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning (2006), section 4.2.
-
-    t: (n,).
-    """
-
-    constant = 0.0
-
-    def __init__(self, kind: str, t: Array, length_scale: float, nugget: float) -> None:
-        self.parameter = length_scale
-        self._kind, self.t = kind, t
-        self.basis, self.weights = polynomial_basis(t), np.ones(len(t))
-        K = radial(kind, np.abs(t[:, None] - t) / length_scale)[0] + nugget * np.eye(len(t))
-        eigenvalues, vectors = eigh(K)
-        # rounding can push the smallest eigenvalues of a smooth kernel below the nugget
-        eigenvalues = np.maximum(eigenvalues, max(nugget, len(t) * np.finfo(float).eps))
-        self._whiten = (vectors / np.sqrt(eigenvalues)).T
-        self._inverse = self._whiten.T @ self._whiten
-        self._cardinal = (self.basis.T @ self._whiten.T) @ self._whiten
-
-    def inverse(self) -> tuple[Array, Array]:
-        """Return K^-1 basis and the diagonal of K^-1, nugget included."""
-        return self._cardinal.T, np.diag(self._inverse)
-
-    @override
-    def features(self, t: Array, modes: int) -> Features:
-        """Return basis^T K^-1 k(X, x), the constant prior and 1 - k^T K^-1 k."""
-        k, _ = radial(self._kind, np.abs(t - self.t[:, None]) / self.parameter)
-        white = self._whiten @ k
-        residual = np.maximum(1 - np.einsum("ib,ib->b", white, white), 0)
-        return Features(self._cardinal[:modes] @ k, np.ones_like(t), residual)
-
-    @override
-    def slopes(self, t: Array, modes: int) -> Features:
-        """Return those of basis^T K^-1 k(X, x), and the variance of the derivative before and after the levels."""
-        apart = (t - self.t[:, None]) / self.parameter
-        slope = -apart * radial(self._kind, np.abs(apart))[1] / self.parameter
-        white = self._whiten @ slope
-        prior = np.full_like(t, steepness(self._kind) / self.parameter**2)
-        return Features(
-            self._cardinal[:modes] @ slope, prior, np.maximum(prior - np.einsum("ib,ib->b", white, white), 0)
-        )
-
-
 def radial(kind: str, r: Array) -> tuple[Array, Array]:
     """Return a stationary correlation k at distances over the length scale, and -k'(r)/r, which is finite at zero."""
     if kind == "rbf":
@@ -231,9 +153,3 @@ def cosine_basis(n: int) -> tuple[Array, Array]:
     weights = np.full(n, np.sqrt(2 / n))
     weights[0] = np.sqrt(1 / n)
     return np.ascontiguousarray(chebyshev.polynomials(chebyshev.gauss_points(n), n).T * weights), weights
-
-
-def polynomial_basis(t: Array) -> Array:
-    """Return polynomials of degree 0 to n-1 that are orthonormal on n points t, columns of an (n, n) matrix."""
-    basis, _ = np.linalg.qr(chebyshev.polynomials(t, len(t)).T)
-    return np.asarray(basis)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from typing import Any, ClassVar, Literal, Self, get_args
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import xarray as xr
@@ -16,14 +16,14 @@ from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
 from surrogate.face.plain import plain_inputs, plain_outputs
 from surrogate.gp.correction import Correction, correct
-from surrogate.gp.factors import ChebyshevFactor, Factor, Features, cosine_basis, polynomial_basis
-from surrogate.gp.hyperparameters import amplitudes, length_bounds, most_predictive, rho_bounds
-from surrogate.gp.productkernel import factor_of, joined, significant, standardised, unit_variance
+from surrogate.gp.factors import Factor, Features, cosine_basis
+from surrogate.gp.hyperparameters import amplitudes, most_predictive, rho_bounds
+from surrogate.gp.productkernel import joined, significant, standardised, unit_variance
 from surrogate.gp.singlepoint import Process, SinglePoint
 from surrogate.gp.tensortrain import TensorTrain, compress
 
-Kernel = Literal["chebyshev", "rbf", "matern32", "matern52"]
-KERNELS: tuple[str, ...] = get_args(Kernel)
+#: The factor kernel, as files name it.
+KERNEL = "chebyshev"
 # Points of the box at which states of an exported train are measured.
 DRAWS = 256
 # As good as the end of a decay: an affine factor has no parameter to tell it.
@@ -31,39 +31,35 @@ AFFINE_DECAY = 1e-3
 
 
 class GridGP(GaussianProcess):
-    """Gaussian process on a complete factorial with a product kernel, noise-free, any number of outputs.
+    """Gaussian process on a complete factorial of Chebyshev-Gauss levels, noise-free, any number of outputs.
 
+    Its mean has the accuracy of tensor Chebyshev interpolation; a factor with 2 levels is taken as affine.
     The covariance is the Kronecker product of the factors' kernels (Y. Saatci, Scalable Inference for Structured
     Gaussian Process Models, 2011, chapter 5), so inference needs one small matrix a factor. The mean's coefficients are
     compressed to a tensor train; the variance is a sum over factors of what their levels leave unknown.
 
     Parameters
     ----------
-    kernel : {"chebyshev", "rbf", "matern32", "matern52"}
-        Factor kernel. "chebyshev" needs Chebyshev-Gauss levels and has the accuracy of tensor Chebyshev interpolation;
-        a factor with 2 levels is taken as affine. The others take any levels.
     inputs : sequence of Input, optional
         Inputs with box and scale. By default read off the data set, see `factorial.complete_factorial`.
     outputs : sequence of str, optional
         Outputs to model, by default every variable.
     hyperparameters : mapping, optional
-        Fixes, by input name, rho of the chebyshev kernel or the length scale (in the scaled coordinate, where the box
-        is 2 wide) of the others. By default they maximise the leave-one-level-out predictive density of all outputs.
+        Fixes, by input name, the decay rho of the kernel. By default they maximise the leave-one-level-out predictive
+        density of all outputs.
     compression : float
         Root-mean-square error allowed to the compressed mean, relative to every output's standard deviation; 0 is none.
-    nugget : float
-        Added to the unit diagonal of every factor's kernel on its levels, except "chebyshev", which needs none.
 
     Attributes
     ----------
     hyperparameters_ : dict of str to float
-        Chosen or fixed rho or length scale of every input.
+        Chosen or fixed rho of every input.
     amplitude_ : ndarray, shape (d, p)
-        Amplitude of every factor's kernel beside its constant (1 for the stationary kernels).
+        Amplitude of every factor's kernel beside its constant.
     variance_ : ndarray, shape (p,)
         Variance of the process of every output, in units of its squared standard deviation `scale_`.
     correction_ : Correction or None
-        What `calibrate` has learnt of the error of the mean, with the "chebyshev" kernel; None before.
+        What `calibrate` has learnt of the error of the mean; None before.
 
     Examples
     --------
@@ -84,19 +80,15 @@ class GridGP(GaussianProcess):
 
     def __init__(
         self,
-        kernel: Kernel = "chebyshev",
         inputs: Sequence[Input] | None = None,
         outputs: Sequence[str] | None = None,
         hyperparameters: Mapping[str, float] | None = None,
         compression: float = 1e-12,
-        nugget: float = 1e-10,
     ) -> None:
-        self.kernel = kernel
         self.inputs = inputs
         self.outputs = outputs
         self.hyperparameters = hyperparameters
         self.compression = compression
-        self.nugget = nugget
 
     def fit(self, X: xr.Dataset) -> Self:
         """Fit to a complete factorial.
@@ -110,11 +102,9 @@ class GridGP(GaussianProcess):
         Raises
         ------
         ValueError
-            An unknown kernel, or a data set that is no complete factorial (the message names what is wrong).
+            A data set that is no complete factorial of Chebyshev-Gauss levels (the message names what is wrong).
         """
-        if self.kernel not in KERNELS:
-            raise ValueError(f"kernel {self.kernel!r} is none of {', '.join(KERNELS)}")
-        data = complete_factorial(X, self.inputs, self.outputs, self.kernel == "chebyshev")
+        data = complete_factorial(X, self.inputs, self.outputs)
         for name in self.hyperparameters or {}:
             if name not in [input_.name for input_ in data.inputs]:
                 raise ValueError(f"hyperparameters name {name!r}, which is no input")
@@ -141,7 +131,7 @@ class GridGP(GaussianProcess):
         Returns the significant coefficients of every output, and for every factor the Gram matrices of the
         coefficients along it, (p, n, n), a case at a level.
         """
-        bases = [cosine_basis(len(t))[0] if self.kernel == "chebyshev" else polynomial_basis(t) for t in points]
+        bases = [cosine_basis(len(t))[0] for t in points]
         self.offset_, self.scale_ = np.empty(len(data.outputs)), np.empty(len(data.outputs))
         grams = [np.empty((len(data.outputs), len(t), len(t))) for t in points]
         kept = []
@@ -163,22 +153,11 @@ class GridGP(GaussianProcess):
 
     def _factor(self, k: int, t: Array, grams: Array) -> Factor:
         fixed = (self.hyperparameters or {}).get(self.inputs_[k].name)
-        if fixed is None and self.kernel == "chebyshev" and len(t) == 2:
+        if fixed is None and len(t) == 2:
             fixed = 0.5  # affine: rho has no part in it
         if fixed is not None:
-            return self.make_factor(t, fixed)
-        bounds = rho_bounds(len(t)) if self.kernel == "chebyshev" else length_bounds(t)
-        return most_predictive(lambda parameter: self.make_factor(t, parameter), grams, bounds)
-
-    def make_factor(self, t: Array, parameter: float) -> Factor:
-        """Return the kernel of one factor.
-
-        Parameters
-        ----------
-        t : ndarray, shape (n,), its levels in the scaled coordinate
-        parameter : float, the kernel's hyper-parameter
-        """
-        return factor_of(self.kernel, t, parameter, self.nugget)
+            return Factor(len(t), fixed)
+        return most_predictive(lambda rho: Factor(len(t), rho), grams, rho_bounds(len(t)))
 
     @override
     def state(self) -> xr.Dataset:
@@ -192,7 +171,7 @@ class GridGP(GaussianProcess):
                 "output_offset": ("output", self.offset_),
                 "output_scale": ("output", self.scale_),
             },
-            attrs={"kernel": self.kernel, "compression": self.compression, "nugget": self.nugget},
+            attrs={"kernel": KERNEL, "compression": self.compression},
         )
         for k, (levels, core) in enumerate(zip(self.levels_, self.train_.cores, strict=True)):
             state[f"levels_{k}"] = (f"level_{k}", levels)
@@ -203,15 +182,14 @@ class GridGP(GaussianProcess):
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
         attrs, d = stored.attrs, len(inputs)
-        if attrs["kernel"] not in KERNELS:
+        if attrs["kernel"] != KERNEL:
             raise ValueError(f"unknown kernel {attrs['kernel']!r}")
-        model = cls(attrs["kernel"], inputs, tuple(outputs), None, float(attrs["compression"]), float(attrs["nugget"]))
+        model = cls(inputs, tuple(outputs), None, float(attrs["compression"]))
         model.inputs_, model.outputs_, model.attrs_ = inputs, tuple(outputs), outputs
         model.levels_ = tuple(stored[f"levels_{k}"].values for k in range(d))
-        check_levels(inputs, model.levels_, model.kernel == "chebyshev")
+        check_levels(inputs, model.levels_)
         parameters = stored["hyperparameter"].values.tolist()
-        points = [own.to_unit(levels) for own, levels in zip(inputs, model.levels_, strict=True)]
-        model.factors_ = tuple(model.make_factor(t, value) for t, value in zip(points, parameters, strict=True))
+        model.factors_ = tuple(Factor(len(levels), rho) for levels, rho in zip(model.levels_, parameters, strict=True))
         model.hyperparameters_ = {own.name: f.parameter for own, f in zip(inputs, model.factors_, strict=True)}
         model.order_ = tuple(int(k) for k in stored["contraction_order"].values)
         if sorted(model.order_) != list(range(d)):
@@ -224,7 +202,7 @@ class GridGP(GaussianProcess):
         model.train_ = TensorTrain(tuple(stored[f"core_{k}"].values for k in range(d)))
         model.train_.check([len(model.levels_[k]) for k in model.order_], len(outputs))
         counts = tuple(map(len, model.levels_))
-        model.correction_ = Correction.restore(stored, counts, len(outputs)) if model.kernel == "chebyshev" else None
+        model.correction_ = Correction.restore(stored, counts, len(outputs))
         return model
 
     def only(self, outputs: Sequence[str]) -> Self:
@@ -274,28 +252,24 @@ class GridGP(GaussianProcess):
         return mean, self._variance(features, weights)
 
     def single(self) -> Single | None:
-        """Return the short way of one query alone, None with other kernels than "chebyshev"."""
-        if self.kernel != "chebyshev":
-            return None
+        """Return the short way of one query alone."""
         made_of = self.train_, self.correction_, self.calibration_
         if not all(now is then for now, then in zip(made_of, self._laid_out[0], strict=True)):
             process = Process(
-                self.inputs_, self._chebyshev(), self.order_, self.train_, self.offset_, self.scale_, self.amplitude_,
+                self.inputs_, self.factors_, self.order_, self.train_, self.offset_, self.scale_, self.amplitude_,
                 self._size, self.correction_, self.calibration_,
             )  # fmt: skip
             self._laid_out = made_of, SinglePoint(process)
         return self._laid_out[1]
 
     def plain(self) -> dict[str, Any] | None:
-        """Return all that mean, deviation and interval need; None with other kernels than "chebyshev"."""
-        if self.kernel != "chebyshev":
-            return None
+        """Return all that mean, deviation and interval need."""
         features = self._features(np.random.default_rng(0).uniform(-1, 1, (DRAWS, len(self.order_))).T)
         return {
             "inputs": plain_inputs(self.inputs_),
             "order": list(self.order_),
             "cores": rounded(self.train_.cores, [features[k].mean for k in self.order_]),
-            "factors": [factor.plain() for factor in self._chebyshev()],
+            "factors": [factor.plain() for factor in self.factors_],
             "offset": self.offset_,
             "scale": self.scale_,
             "correction": None if self.correction_ is None else self.correction_.plain(),
@@ -303,9 +277,6 @@ class GridGP(GaussianProcess):
             "variance": self._size,
             **plain_outputs(self),
         }
-
-    def _chebyshev(self) -> tuple[ChebyshevFactor, ...]:
-        return tuple(factor for factor in self.factors_ if isinstance(factor, ChebyshevFactor))
 
     @override
     def slopes(self, t: Array) -> Array:
@@ -322,9 +293,7 @@ class GridGP(GaussianProcess):
 
     @override
     def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
-        """Learn the correction of the means, see `surrogate.gp.correction`; other kernels have none."""
-        if self.kernel != "chebyshev":
-            return errors
+        """Learn the correction of the means, see `surrogate.gp.correction`."""
         decays = [AFFINE_DECAY if factor.affine else factor.parameter for factor in self.factors_]
         self.correction_, left = correct(errors, t, tuple(map(len, self.levels_)), decays, groups)
         return left
@@ -338,7 +307,7 @@ class GridGP(GaussianProcess):
 
     def _variance(self, features: list[Features], weights: Array, slope: tuple[int, Features] | None = None) -> Array:
         """Return the weighted variance, (p, B), of the means, or of their slopes along a factor."""
-        return unit_variance(self.factors_, self.amplitude_, features, weights, slope) * self._size[:, None]
+        return unit_variance(self.amplitude_, features, weights, slope) * self._size[:, None]
 
     @property
     def _size(self) -> Array:

@@ -34,9 +34,8 @@ def level_errors(factor: Factor, grams: Array) -> tuple[Array, Array]:
 def most_predictive(make: Callable[[float], Factor], grams: Array, bounds: tuple[float, float]) -> Factor:
     """Return the factor whose parameter maximises the leave-one-level-out predictive density, summed over outputs.
 
-    A kernel with a constant has unit variance averaged over the levels, as the standardised outputs have, so that its
-    decay follows the size of the errors: the mean hardly depends on it. The variance of a stationary kernel is profiled
-    out for every output.
+    The kernel has unit variance averaged over the levels, as the standardised outputs have, so that its decay follows
+    the size of the errors: the mean hardly depends on it.
 
     grams: (p, n, n), C C^T of every output along the factor.
     """
@@ -44,10 +43,8 @@ def most_predictive(make: Callable[[float], Factor], grams: Array, bounds: tuple
     def cost(logarithm: float) -> float:
         factor = make(float(np.exp(logarithm)))
         errors, variances = level_errors(factor, grams)
-        if factor.constant:
-            variances = variances / (factor.constant + factor.features(factor.t, 1).prior.mean())
-            return float(np.mean(errors / variances) + np.mean(np.log(variances)))
-        return float(np.mean(np.log((errors / variances).mean(axis=1))) + np.mean(np.log(variances)))
+        variances = variances / (1 + factor.features(factor.t, 1).prior.mean())
+        return float(np.mean(errors / variances) + np.mean(np.log(variances)))
 
     return make(least(cost, bounds, COARSE))
 
@@ -66,17 +63,11 @@ def rho_bounds(levels: int) -> tuple[float, float]:
     return max(1e-3, 10.0 ** (-125 / levels)), 0.95
 
 
-def length_bounds(t: Array) -> tuple[float, float]:
-    """Range of a length scale for levels t in the scaled coordinate."""
-    return float(np.diff(t).min() / 2), 50.0
-
-
 def amplitudes(factors: Sequence[Factor], grams: Sequence[Array]) -> tuple[Array, Array]:
     """Return the amplitude of every factor and output, (d, p), and the variance of every output, (p,).
 
     The mean does not depend on either. With standardised outputs, prior variance averaged over the levels is 1, and the
-    amplitude of a factor makes its leave-one-level-out errors as large as predicted. Without a constant in the kernel
-    the amplitudes are 1 and the variance makes the errors of the worst factor as large as predicted.
+    amplitude of a factor makes its leave-one-level-out errors as large as predicted.
 
     grams: sequence of ndarray, shape (p, n, n), C C^T of every output along each factor.
     """
@@ -89,8 +80,6 @@ def amplitudes(factors: Sequence[Factor], grams: Sequence[Array]) -> tuple[Array
         if factor.affine:
             # two levels carry no error to learn from: take the share of the slope
             ratios[f] = gram[:, 1, 1] / np.maximum(np.trace(gram, axis1=1, axis2=2), np.finfo(float).tiny) / sizes[f]
-    if factors[0].constant == 0:
-        return np.ones_like(ratios), ratios.max(axis=0)
     share = ratios * sizes[:, None]
     kept = np.minimum(share, SHARE_LIMIT)
     amplitude = kept / (1 - kept) / sizes[:, None]

@@ -18,7 +18,7 @@ from scipy.linalg import qr, solve_triangular
 from scipy.ndimage import distance_transform_edt
 
 from approximation.arrays import Array, Flags
-from surrogate.gp.factors import ChebyshevFactor, Factor
+from surrogate.gp.factors import Factor
 from surrogate.gp.gridgp import GridGP
 
 #: Most places that are filled in together, fits of the process to the filled grid, and the change over range that
@@ -88,27 +88,14 @@ def expected(factors: Sequence[Factor], values: Array, missing: Flags) -> Array:
     columns = moved.reshape(*inner.shape, -1)
     known = np.where(inner[..., None], 0.0, columns)
     parts = [factors[k] for k in own]
-    smooth = [factor for factor in parts if isinstance(factor, ChebyshevFactor)]
-    filling = _of_modes(smooth, known, inner) if len(smooth) == len(parts) else _of_matrices(parts, known, inner)
+    filling = _of_modes(parts, known, inner)
     whole = np.zeros(columns.shape)
     whole[inner] = filling
     back = whole.reshape(moved.shape).transpose(*np.argsort(order), -1)
     return np.asarray(back[missing])
 
 
-def _of_matrices(factors: Sequence[Factor], known: Array, missing: Flags) -> Array:
-    """What kernels expect whose inverses are numbers."""
-    places = np.nonzero(missing)
-    block = np.ones((len(places[0]), len(places[0])))
-    for axis, (factor, place) in enumerate(zip(factors, places, strict=True)):
-        inverse = factor.inverse()[0] @ factor.basis.T
-        inverse /= np.abs(inverse).max()
-        block *= inverse[np.ix_(place, place)]
-        known = np.moveaxis(np.tensordot(inverse, known, (1, axis)), 0, axis)
-    return np.asarray(np.linalg.lstsq(block, -known[missing], rcond=None)[0])
-
-
-def _of_modes(factors: Sequence[ChebyshevFactor], known: Array, missing: Flags) -> Array:
+def _of_modes(factors: Sequence[Factor], known: Array, missing: Flags) -> Array:
     """What Chebyshev kernels expect, by the weights of their modes."""
     count = int(np.count_nonzero(missing))
     weights = np.zeros(missing.shape)  # logarithms

@@ -6,25 +6,10 @@ from typing import Any
 import numpy as np
 
 from approximation.arrays import Array
-from surrogate.gp.factors import ChebyshevFactor, Factor, Features, StationaryFactor
-
-
-def factor_of(kernel: str, t: Array, parameter: float, nugget: float) -> Factor:
-    """Return the kernel of one factor.
-
-    t: (n,).
-    """
-    if kernel == "chebyshev":
-        if not 0 < parameter < 1:
-            raise ValueError(f"rho must lie between 0 and 1, got {parameter}")
-        return ChebyshevFactor(len(t), parameter)
-    if parameter <= 0:
-        raise ValueError(f"a length scale must be positive, got {parameter}")
-    return StationaryFactor(kernel, t, parameter, nugget)
+from surrogate.gp.factors import Features
 
 
 def unit_variance(
-    factors: Sequence[Factor],
     amplitudes: Array,
     features: Sequence[Features],
     weights: Array,
@@ -40,10 +25,10 @@ def unit_variance(
     """
     shape = (amplitudes.shape[1], len(features[0].prior))
     unknown, known = np.zeros(shape), np.ones(shape)
-    for f, (factor, amplitude, weight) in enumerate(zip(factors, amplitudes, weights, strict=True)):
+    for f, (amplitude, weight) in enumerate(zip(amplitudes, weights, strict=True)):
         derived = slope is not None and slope[0] == f
         feature = slope[1] if slope is not None and derived else features[f]
-        k = amplitude[:, None] * feature.prior + (0.0 if derived else factor.constant)
+        k = amplitude[:, None] * feature.prior + (0.0 if derived else 1.0)
         r = amplitude[:, None] * feature.residual
         unknown *= k
         unknown += known * r * weight[:, None]

@@ -15,7 +15,7 @@ from scipy.special import eval_chebyt
 from approximation.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.gp.correction import Correction
-from surrogate.gp.factors import ChebyshevFactor
+from surrogate.gp.factors import Factor
 from surrogate.gp.tensortrain import TensorTrain
 from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.guard import SLABS, Guard
@@ -30,7 +30,7 @@ class Process:
 
     # One a factor
     inputs: tuple[Input, ...]
-    factors: tuple[ChebyshevFactor, ...]
+    factors: tuple[Factor, ...]
     order: tuple[int, ...]  # Factors in the order of the train
     train: TensorTrain  # Coefficients of the standardised means
     # shape (p,); What takes them to the outputs
@@ -103,7 +103,6 @@ class SinglePoint:
             shares[k, first : first + len(factor.decay)] = factor.decay
             shares[d + k, first : first + len(factor.unknown)] = factor.unknown
         self._shares, self._amplitude, self._size = shares, process.amplitude, process.size
-        self._constant = np.array([[factor.constant] for factor in process.factors])
         weights = np.ones_like(self._amplitude) if process.calibration is None else process.calibration.weights
         self._weights = weights * process.size
 
@@ -114,7 +113,7 @@ class SinglePoint:
         d = len(both) // 2
         both[d:] *= squares[self._rows.nodal]
         known = self._amplitude * both[:d, None]
-        known += self._constant
+        known += 1.0
         unknown = self._amplitude * both[d:, None]
         after = np.multiply.accumulate(known[:0:-1])[::-1]
         known -= unknown
@@ -161,14 +160,14 @@ class _SingleCorrection:
 
 
 class _SingleStretch:
-    """As `Calibration.std`: floor, local scale, guard of slabs and corners, patches."""
+    """As `Calibration.std`: floor, local scale, guard of slabs and corners."""
 
     def __init__(self, calibration: Calibration, rows: _Rows) -> None:
         d = len(rows.first)
         self._floor, self._trend, self._range = calibration.floor, calibration.trend, calibration.trend_range
         self._terms = np.ascontiguousarray((rows.first + calibration.trend_degree).T)
         self._i, self._j = np.array(list(combinations(range(d), 2)), dtype=np.intp).reshape(-1, 2).T
-        guard, self._patches = calibration.guard, calibration.patches
+        guard = calibration.guard
         self._cells = np.concatenate([part.reshape(-1, part.shape[-1]) for part in (guard.slabs, guard.corners)])
         self._slabs = SLABS * np.arange(d)
         self._corners = SLABS * d + 9 * np.arange(len(self._i))
@@ -181,8 +180,6 @@ class _SingleStretch:
         np.maximum(scale, self._range[0], out=scale)
         np.minimum(scale, self._range[1], out=scale)
         scale += np.maximum.reduce(self._cells[cells])
-        if self._patches is not None:
-            scale += self._patches.at(t[:, None])[:, 0]
         return np.asarray(np.sqrt(variance + self._floor) * np.exp(scale))
 
 

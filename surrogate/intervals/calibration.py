@@ -13,7 +13,6 @@ from approximation.arrays import Array, Indices
 from surrogate.intervals.copula import Copula
 from surrogate.intervals.distribution import PROBABILITIES, Tabulated
 from surrogate.intervals.guard import SLABS, Guard, unguarded
-from surrogate.intervals.patches import PATCH_DIMS, Patches
 
 #: Least number of cases that a calibration rests on.
 MINIMUM = 40
@@ -56,8 +55,6 @@ class Calibration:
     # do not know its inputs.
     outer: Guard | None = None
     copula: Copula | None = None  # How errors of outputs and points go together; None in files of before
-    # Boxes about cases that were asked for, with scales beside all others; None where there were none
-    patches: Patches | None = None
 
     def std(self, variance: Array, t: Array) -> Array:
         """Return calibrated standard deviations, (p, B).
@@ -72,8 +69,6 @@ class Calibration:
         scale = self.trend.T @ products.values(self.trend_degree, inside)
         np.clip(scale, *self.trend_range[..., None], out=scale)
         scale += self.guard.at(inside).T
-        if self.patches is not None:
-            scale += self.patches.at(inside)
         return np.asarray(np.exp(scale, out=scale))
 
     def only(self, columns: Sequence[int]) -> Self:
@@ -89,7 +84,6 @@ class Calibration:
             distribution=self.distribution.only(chosen),
             outer=None if self.outer is None else self.outer.only(chosen),
             copula=None if self.copula is None else self.copula.only(chosen),
-            patches=None if self.patches is None else self.patches.only(chosen),
         )
 
     def arrays(self) -> dict[str, NDArray[Any]]:
@@ -99,13 +93,12 @@ class Calibration:
         if self.outer is not None and self.outer.pooled is not None:
             further = self.outer.slabs, self.outer.corners, self.outer.pooled
             guard |= dict(zip(_OUTER_DIMS, further, strict=True))
-        patches = {} if self.patches is None else self.patches.arrays()
-        return {**plain, **guard, **patches, "quantile": self.distribution.quantiles}
+        return {**plain, **guard, "quantile": self.distribution.quantiles}
 
     def state(self) -> dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]:
         """Return the arrays with their dimensions, for a file: none that is empty, as the corners of one input."""
         state: dict[str, tuple[tuple[str, ...], NDArray[np.generic]]] = {
-            f"calibration_{name}": ((_DIMS | _OUTER_DIMS | PATCH_DIMS)[name], array)
+            f"calibration_{name}": ((_DIMS | _OUTER_DIMS)[name], array)
             for name, array in self.arrays().items()
             if array.size
         }
@@ -139,12 +132,8 @@ class Calibration:
         guard = Guard(arrays["guard"], arrays["corner_guard"])
         distribution = Tabulated(arrays["quantile"], cases)
         weights, floor, trend, within = (arrays[name] for name in ("weights", "floor", "trend", "trend_range"))
-        beside = (
-            _outer(stored, outputs),
-            Copula.restore(stored, inputs, outputs),
-            Patches.restore(stored, inputs, outputs),
-        )
-        return cls(weights, floor, trend, degree.astype(np.intp), within, guard, distribution, *beside)
+        outer, copula = _outer(stored, outputs), Copula.restore(stored, inputs, outputs)
+        return cls(weights, floor, trend, degree.astype(np.intp), within, guard, distribution, outer, copula)
 
 
 def _outer(stored: xr.Dataset, outputs: int) -> Guard | None:

@@ -1,14 +1,13 @@
 """Predictive distributions that hold: made right on held-out cases, everywhere in the box and at every level.
 
-Six steps, each from the errors on cases that the model was not trained on:
+Five steps, each from the errors on cases that the model was not trained on:
 
 1. weights of the parts of the variance (what each factor leaves unknown) and a floor, by maximum likelihood;
 2. a local scale, the exponential of a polynomial of the scaled inputs, additive but for the two inputs in which the
    errors are waves, such that the nominal share of the errors lies within it (quantile regression of their logarithms);
 3. a guard (module `guard`): slabs and corners of the box where this share needs more, from cross-fitted scores;
 4. the distribution of the scores (module `distribution`), of which the standard deviation is half of the central 68 %;
-5. how scores of outputs and of near points go together (module `copula`);
-6. where cases were asked for near one another, a scale of their own (module `patches`): steps 1 to 5 leave these out.
+5. how scores of outputs and of near points go together (module `copula`).
 
 Sources: J. Lei et al., J. Am. Stat. Assoc. 113 (2018) 1094 (locally weighted split conformal prediction); V. Vovk, Ann.
 Math. Artif. Intell. 74 (2015) 9 (cross-conformal).
@@ -27,7 +26,6 @@ from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.copula import Copula
 from surrogate.intervals.distribution import NOMINAL, ONE_STD, PROBABILITIES, Normal, Tabulated
 from surrogate.intervals.guard import fill, unguarded
-from surrogate.intervals.patches import Patches
 from surrogate.intervals.quantile import quantile_regression
 from surrogate.intervals.sharing import places
 from surrogate.intervals.trend import additive, pairwise
@@ -52,26 +50,12 @@ def calibrate(
     groups: Indices,
     even: Flags | None = None,
     outer: Array | None = None,
-    asked: Flags | None = None,
 ) -> Calibration:
     """Calibrate on held-out cases.
 
     errors: (p, n); parts: sequence of ndarray, shape (p, n); t: (d, n); groups: (n,); even: (n,), optional; outer:
-    (e, n), optional; asked: (n,), optional.
+    (e, n), optional.
     """
-    patches = None if asked is None else Patches.about(t[:, asked], groups[asked], len(errors))
-    if asked is not None and patches is not None and len(patches.low):
-        rest = ~(asked & patches.within(t).any(axis=0))
-        learnt = calibrate(
-            errors[:, rest],
-            [part[:, rest] for part in parts],
-            t[:, rest],
-            groups[rest],
-            None if even is None else even[rest],
-            None if outer is None else outer[:, rest],
-        )
-        beyond = _beyond(learnt, errors, parts, t, outer)
-        return replace(learnt, patches=patches.fitted(beyond, t, groups))
     even = np.ones(t.shape[1], dtype=bool) if even is None else even
     weights, floor, logarithms = _sizes(errors, parts)
     known = np.flatnonzero(np.isfinite(logarithms).all(axis=1))
@@ -101,16 +85,6 @@ def calibrate(
     within = np.stack([fitted.min(axis=0), fitted.max(axis=0)])
     table = replace(distribution, quantiles=distribution.quantiles / size)
     return Calibration(weights, floor, whole, degrees, within, guard, table, further, Copula.of(scores, t[:, even]))
-
-
-def _beyond(learnt: Calibration, errors: Array, parts: Sequence[Array], t: Array, outer: Array | None) -> Array:
-    """By what the 95 % intervals of cases must be multiplied to end there, (p, n); NaN where they have none."""
-    std = learnt.std(np.einsum("kp,kpn->pn", learnt.weights, np.stack(parts)), t)
-    if learnt.outer is not None and outer is not None:
-        std *= np.exp(learnt.outer.at(outer).T)
-    lower, upper = learnt.distribution.ends(NOMINAL)[..., None]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(errors / (std * np.where(errors < 0, lower, upper)))
 
 
 def _sizes(errors: Array, parts: Sequence[Array]) -> tuple[Array, Array, Array]:

@@ -54,7 +54,7 @@ class LevelChoice:
 
 def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | None = None) -> Decays:
     """Judge the decay of every output along every input."""
-    factorial = complete_factorial(data, inputs, outputs, chebyshev=True)
+    factorial = complete_factorial(data, inputs, outputs)
     names = [input_.name for input_ in factorial.inputs]
     return {
         name: dict(zip(names, map(decay_of, _lines(values)), strict=True)) for name, values in factorial.outputs.items()

@@ -14,7 +14,7 @@ from surrogate.data.points import EVEN
 from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
 from surrogate.face.plain import plain_inputs
-from surrogate.gp.gridgp import KERNELS, GridGP, Kernel
+from surrogate.gp.gridgp import KERNEL, GridGP
 from surrogate.gp.singlepoint import SingleGuard
 from surrogate.transforms.groups import Grouping
 from surrogate.transforms.outputs import Scales, Scaling
@@ -32,10 +32,10 @@ class GroupedGP(Transformed):
     ----------
     grouping : Grouping
         Inputs, axes and scales; its `scalings` name the outputs.
-    kernel, hyperparameters, compression
+    hyperparameters, compression
         As for `GridGP`, of the process over the axes.
     process : callable, optional
-        Makes that process, not fitted, from the names of the outputs, in place of these three: a `CrossGP`.
+        Makes that process, not fitted, from the names of the outputs, in place of these two: a `CrossGP`.
 
     Attributes
     ----------
@@ -71,14 +71,12 @@ class GroupedGP(Transformed):
     def __init__(
         self,
         grouping: Grouping,
-        kernel: Kernel = "chebyshev",
         hyperparameters: Mapping[str, float] | None = None,
         compression: float = 1e-12,
         process: Callable[[Sequence[str]], GridGP] | None = None,
     ) -> None:
         self.grouping = grouping
         self.process = process
-        self.kernel = kernel
         self.hyperparameters = hyperparameters
         self.compression = compression
 
@@ -105,7 +103,7 @@ class GroupedGP(Transformed):
         self._check_axes(X)
         axes = self.grouping.axes
         data = self.grouping.reduced(X, names).assign_coords({axis.name: X[axis.name] for axis in axes})
-        plain = GridGP(self.kernel, axes, names, self.hyperparameters, compression=self.compression)
+        plain = GridGP(axes, names, self.hyperparameters, self.compression)
         process = plain if self.process is None else self.process(names)
         self.reduced_, self.inputs_, self.outputs_ = process.fit(data), self.grouping.inputs, names
         self.cases_ = self.reduced_.cases_
@@ -165,16 +163,16 @@ class GroupedGP(Transformed):
 
     def state(self) -> xr.Dataset:
         """Return the groups; the process over the axes stands beside them, as `reduced`."""
-        return self.grouping.state(self.outputs_).assign_attrs(kernel=self.kernel, compression=self.compression)
+        return self.grouping.state(self.outputs_).assign_attrs(kernel=KERNEL, compression=self.compression)
 
     @override
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
         attrs = stored.attrs
-        if attrs["kernel"] not in KERNELS:
+        if attrs["kernel"] != KERNEL:
             raise ValueError(f"unknown kernel {attrs['kernel']!r}")
         grouping = Grouping.restore(stored, stored_inputs(stored, "reduced_"), inputs, tuple(outputs))
-        model = cls(grouping, attrs["kernel"], None, float(attrs["compression"]))
+        model = cls(grouping, None, float(attrs["compression"]))
         model.inputs_ = inputs
         return model
 

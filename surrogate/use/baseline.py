@@ -29,7 +29,7 @@ def chebyshev_interpolation(
 
     Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013), chapters 3 and 4.
     """
-    data = complete_factorial(training, inputs, outputs, chebyshev=True)
+    data = complete_factorial(training, inputs, outputs)
     named = named_points(points, data.inputs)
     t = [own.to_unit(named.X[:, k]) for k, own in enumerate(data.inputs)]
     answer = {}

@@ -31,22 +31,19 @@ _NEARLY = 0.95  # of the combinations of all levels, from which on the rest is c
 class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # type: ignore[misc]  # untyped
     """Gaussian process regression of arrays and tables, one or more outputs, by scikit-learn's rules.
 
-    Cases that are every combination of the levels of their columns, in any order, are fitted by `GridGP` at a cost that
-    grows little faster than their number, free of noise but for `nugget`; a case that stands twice with the same
-    outputs counts once, and where a few combinations are missing they are filled in by the process itself, and a
-    warning says so. All others are fitted by `ScatterGP`,
-    with a noise that is estimated: up to 500 by the kernel that is most likely, at the cube of their number, more at a
-    cost that grows with their number.
+    Cases that are every combination of Chebyshev-Gauss levels of their columns (see `chebyshev_levels`), or of what a
+    scaler makes of such levels, in any order, are fitted by `GridGP`: with spectral accuracy, free of noise, at a cost
+    that grows little faster than their number. A case that stands twice with the same outputs counts once, and where a
+    few combinations are missing they are filled in by the process itself, and a warning says so. All others, a
+    factorial of other levels among them, are fitted by `ScatterGP`, with a noise that is estimated: up to 500 by the
+    kernel that is most likely, at the cube of their number, more at a cost that grows with their number.
 
     Parameters
     ----------
     design : {"auto", "factorial", "scattered"}
         Which of the two the cases are; by default they are looked at. "factorial" refuses those that are none.
     kernel : {"auto", "rbf", "matern32", "matern52", "chebyshev"}
-        Correlation function of scattered cases, see `ScatterGP`, and of a factorial of any levels, where "auto" is
-        "matern52". A factorial whose columns all have Chebyshev-Gauss levels (see `chebyshev_levels`), or what a
-        scaler makes of such levels, is interpolated by the kernel of that name, with spectral accuracy. By that name a
-        factorial of other levels counts as scattered cases, unless `design` asks for a factorial, which refuses it.
+        Correlation function of scattered cases, see `ScatterGP`.
     inputs : sequence of Input, optional
         Range and scale of every column, in their order. By default the range of the cases on a linear scale or, of
         Chebyshev-Gauss levels, the range and scale that they are those of.
@@ -144,9 +141,7 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         levels = [np.unique(column) for column in columns.T]
         if self.inputs is not None:
             names = [input_.name for input_ in self.inputs]
-        apart = self.design == "scattered" or (
-            self.design == "auto" and self.kernel == "chebyshev" and not self._spread(names, levels)[0]
-        )
+        apart = self.design == "scattered" or (self.design == "auto" and not self._spread(names, levels)[0])
         places = None if apart else _places(columns, levels)
         if places is None:
             columns, values, weights = _once(columns, values, weights)
@@ -211,12 +206,11 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
             {name: (names, column.reshape(sizes)) for name, column in zip(outputs, ordered.T, strict=True)},
             coords=dict(zip(names, levels, strict=True)),
         )
-        chebyshev, self.shift_ = self._spread(names, levels)
+        self.shift_ = self._spread(names, levels)[1]
         data = data.assign_coords({name: data[name] - offset for name, offset in zip(names, self.shift_, strict=True)})
-        other = "matern52" if self.kernel == "auto" else self.kernel
 
         def made() -> GridGP:
-            return GridGP("chebyshev" if chebyshev else other, self.inputs, outputs, nugget=self.nugget)
+            return GridGP(self.inputs, outputs)
 
         return fit_with_missing(made, data, missing.reshape(sizes)) if missing.any() else made().fit(data)
 

@@ -20,7 +20,6 @@ from surrogate.face.model import GaussianProcess
 from surrogate.gp.gridgp import GridGP
 from surrogate.transforms.curves.curvegp import CurveGP
 from surrogate.transforms.groupedgp import GroupedGP
-from surrogate.transforms.splitgp import SplitGP
 
 # Gauss-Legendre nodes a mode: exact for the Chebyshev kernel, whose features have twice as many modes.
 NODES_A_LEVEL = 2
@@ -38,7 +37,7 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
     Parameters
     ----------
     model : GaussianProcess
-        A fitted `GridGP`, `GroupedGP`, `CurveGP` or `SplitGP`. Indices are those of its tensor train, without the
+        A fitted `GridGP`, `GroupedGP` or `CurveGP`. Indices are those of its tensor train, without the
         correction of the mean that `calibrate` learns; the correction counts as an error of the train, beside the
         calibrated standard deviation. The train of the others is over their inputs: their mean on a grid of them,
         `EXPANDED` points at most, whose error counts too.
@@ -61,8 +60,8 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
     TypeError
         The model is none of these.
     """
-    if not isinstance(model, GridGP | GroupedGP | CurveGP | SplitGP):
-        known = "GridGP, GroupedGP, CurveGP or SplitGP"
+    if not isinstance(model, GridGP | GroupedGP | CurveGP):
+        known = "GridGP, GroupedGP or CurveGP"
         raise TypeError(f"exact sensitivity indices need a {known}, got {type(model).__name__}")
     names, d = list(model.box), len(model.box)
     train = model.uncalibrated() if isinstance(model, GridGP) else _expanded(model)

@@ -233,34 +233,6 @@ def test_edits_rerun_exactly_what_depends_on_them(again: Project) -> None:
     assert of_script >= {"design", "report"}
 
 
-def test_an_edited_target_leaves_alone_what_others_ask_for(copy: Copy) -> None:
-    """Two targets that ask for cases, both sure enough at once: each on a surrogate of its own."""
-    project = copy("asking")
-    sensor = "{maximise: abs(voltage_per_load), over: [volume_fraction], at: {load: 5e3, friction: 0.3}}"
-    other = "{minimise: abs(voltage_per_load), over: [friction], at: {load: 5e3, volume_fraction: 0.5}}"
-    study, text = (
-        "config/asking.yaml",
-        f"""\
-title: Two targets that ask
-fixed: {{composite: fibrous, charge: 0.0, radius: 0.05}}
-factors:
-  volume_fraction: {{low: 0.4, high: 0.6, levels: 3}}
-  friction: {{low: 0.1, high: 0.4, levels: 2}}
-  load: {{low: 3e3, high: 3e4, levels: 2, scale: log}}
-dataset: {{slabs: 1, positions: {{inside: 2, outside: 2}}}}
-surrogate: {{budget: 90, until: 100, outputs: [voltage_per_load]}}
-validation: {{cases: 20, calibration: 60}}
-design: {{sensor: {sensor}, other: {other}}}
-""",
-    )
-    (project.folder / study).write_text(text, encoding="utf-8")
-    asked = [f"results/asking/design/{name}.nc" for name in ("sensor", "other")]
-    project.snakemake("--config", "study=asking", "--", *asked)
-    edit = [(study, "load: 5e3, friction: 0.3", "load: 6e3, friction: 0.3")]
-    assert project.planned_after([edit], asked[1]) == [set()]
-    assert project.planned_after([edit], asked[0])[0] >= {"gathered", "own_surrogate", "target"}
-
-
 def test_equal_inputs_give_equal_bytes(ran: Project, again: Project) -> None:
     """Of a design and fields inside, and with a Python a job; the rest in tests/faults/test_together.py."""
     results, drawn = ran.folder / "results/small", "figures/design_sensor"  # a rule makes all of the folder

@@ -20,8 +20,7 @@ from solver.material.constants import Material
 from solver.material.laws import made
 from solver.material.library import find
 from solver.material.punches import RIGID_PUNCH, find_punch
-from solver.point.pressure import SAMPLES
-from solver.point.profile import Shape
+from solver.point.profile import SAMPLES, Shape
 from solver.point.table import PointKind, window
 
 #: Films by their title, with the factors that make them.

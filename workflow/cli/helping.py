@@ -24,7 +24,6 @@ EXAMPLES = {
     '  --on "profile=sphere,radius=2.5 mm,punch=steel,material=PVDF,thickness=110 um,base=glass" \\\n'
     '  --device "input_capacitance=10 pF,feedback_capacitance=10 pF,feedback_resistance=1 TOhm"',
     "calculator": "calculator -o contact.html",
-    "serve": "serve results/quickstart --port 4242",
 }
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from storage.files import output
-from workflow.cli.words import named, place, quantity, say, surrogate_file, trained, written_as
+from workflow.cli.words import named, say, surrogate_file, trained, written_as
 from workflow.study.reading import InputError, number, one_line
 
 if TYPE_CHECKING:
@@ -41,17 +41,6 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
         help="'voltage_gain=3%%', 'depth_offset=0.1um': what readings may be off by, all alike; one standard deviation",
     )
     command.add_argument(
-        "--plan", type=int, metavar="N", help="say which N further measurements tell most of constants or answers"
-    )
-    command.add_argument(
-        "--for", dest="wanted", action="append", metavar="NAME,...", help="constants and quantities that --plan is for"
-    )
-    command.add_argument("--at", metavar="FACTOR=VALUE,...", help="where a quantity that --for names is wanted")
-    command.add_argument(
-        "--errors", action="append", metavar="QUANTITY=1%,...", help="what --plan may measure, and its error"
-    )
-    command.add_argument("--within", action="append", metavar="FACTOR=LOW:HIGH,...", help="where --plan may measure")
-    command.add_argument(
         "-o",
         "--output",
         type=written_as(nc="netCDF"),
@@ -69,7 +58,7 @@ def learn(options: argparse.Namespace) -> None:
     from workflow.cli import questions
     from workflow.cli.measuredtable import read_measured
     from workflow.language.renamed import renamed
-    from workflow.learning import correction, plan
+    from workflow.learning import correction
     from workflow.study import uncertainty
 
     trained(options.on)
@@ -80,30 +69,13 @@ def learn(options: argparse.Namespace) -> None:
     rows = read_measured(options.measured, study, model)
     asked = uncertainty.uncertain(study, _uncertain(options.uncertain))
     instruments = _instruments(renamed(options.instrument, study.outputs), study)
-    if options.plan is None and any((options.wanted, options.at, options.errors, options.within)):
-        raise InputError("--for, --at, --errors and --within say what --plan N is to do; --plan is not given")
-    known = [constant.name for constant in asked] + [instrument.name for instrument in instruments]
-    wanted, errors, box = (
-        list(named("--for", options.wanted)),
-        _errors(renamed(options.errors, study.outputs)),
-        _box(options.within),
-    )
-    at = place(options.at, {name: axis.units for name, axis in model.box.items()}) if options.at else {}
-    if options.plan is not None:
-        plan.check(model, options.plan, wanted, known, errors, box, at)
     try:
         corrected, summary = correction.learn(study, model, rows, asked, say, instruments)
-        further = (
-            plan.plan(corrected, options.plan, wanted or known, errors, box, at, instruments)
-            if options.plan is not None
-            else None
-        )
     except InputError as error:
         raise InputError(f"{options.measured}: {error}") from None
     save(corrected, path)
-    plain = summary.plain | ({"plan": further.plain} if further else {})
-    lines = summary.lines + (further.lines if further else [])
-    print(json.dumps(plain, indent=2, allow_nan=False) if options.json else "\n".join(map(one_line, lines)))
+    words = "\n".join(map(one_line, summary.lines))
+    print(json.dumps(summary.plain, indent=2, allow_nan=False) if options.json else words)
     say(f"wrote {path}: `meecontact query {path}` answers with it")
 
 
@@ -147,30 +119,3 @@ def _instruments(words: list[str] | None, study: "Study") -> "list[Instrument]":
             raise InputError(f"--instrument: {name}: {text!r} is not a positive size with a unit, as '0.1 um'")
         instruments.append(Instrument(quantity, False, absolute, ALL_QUANTITIES[quantity].units))
     return instruments
-
-
-def _errors(words: list[str] | None) -> dict[str, tuple[float, float]]:
-    """``QUANTITY=1%`` or ``QUANTITY=0.1um`` between commas: absolute error in SI, and its share of the value."""
-    from workflow.language.sizes import size
-
-    errors = {}
-    for name, text in named("--errors", words, valued=True).items():
-        try:
-            errors[name] = size(name, text)
-        except (KeyError, ValueError) as error:
-            raise InputError(f"--errors: {name}: {error}") from None
-    return errors
-
-
-def _box(words: list[str] | None) -> dict[str, tuple[float, float]]:
-    """``FACTOR=LOW:HIGH`` between commas, with units."""
-    from workflow.language.factors import FACTORS
-
-    box = {}
-    for name, text in named("--within", words, valued=True).items():
-        low, colon, high = text.partition(":")
-        if not colon or name not in FACTORS:
-            raise InputError(f"--within: {name}={text}: is not of the form FACTOR=LOW:HIGH, as load=10kN/m:20kN/m")
-        units = FACTORS[name].units
-        box[name] = (quantity(f"--within: {name}", low, units), quantity(f"--within: {name}", high, units))
-    return box

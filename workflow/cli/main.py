@@ -12,14 +12,15 @@ from typing import TextIO
 import numpy as np
 
 from solver import FactorError, MaterialError, PrecisionWarning
+from solver.threads import one_thread
 from storage.files import output, write_text
 from surrogate import FormatError, OutOfBoxError
-from workflow.cli import calculating, learn, materials, sensing, serving, solve, studies
+from workflow.cli import calculating, learn, materials, sensing, solve, studies
 from workflow.cli.helping import Parser, exemplify
 from workflow.cli.launch import launch
 from workflow.cli.progress import busy
 from workflow.cli.query import query
-from workflow.cli.words import cores, say, surrogate_file, written_as
+from workflow.cli.words import cores, printable_streams, say, surrogate_file, written_as
 from workflow.study.reading import InputError, one_line
 
 _ABOUT = """\
@@ -34,9 +35,10 @@ piezomagnetic or magneto-electro-elastic body gives.
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line."""
+    printable_streams()
     options = _parser().parse_args(arguments)
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), one_thread():  # sums that threads share differ in their last digits
             warnings.simplefilter("always", PrecisionWarning)
             warnings.showwarning = _warned
             return int(options.run(options) or 0)
@@ -166,7 +168,6 @@ def _parser() -> Parser:
 
     solve.add_interior(commands)
     learn.add(commands)
-    serving.add(commands)
     exemplify(commands)
     return parser
 
@@ -181,8 +182,8 @@ def _material(options: argparse.Namespace) -> None:
 
 def _design(options: argparse.Namespace) -> None:
     from workflow.cli import questions  # scikit-learn and the searches: not for every command
-    from workflow.design.told import table
-    from workflow.design.told.words import verdict
+    from workflow.design.wording import table
+    from workflow.design.wording.words import verdict
 
     path = None if options.output is None else output(options.output)
     with busy("searching") as tell:

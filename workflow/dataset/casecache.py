@@ -10,7 +10,7 @@ import json
 import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from itertools import pairwise, product
 from math import prod
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 #: Where they lie, below the folder of all results, and how much may: what was used last stays.
 FOLDER, MOST_BYTES = ".solved", 2**31
+#: Attribute of an answer: the digest of all that it depends on, which also names its file.
+CASE = "case_sha256"
 _OF_CASES, _TALLIES = "cases", "taken"
 _DAY = 86400.0
 #: Cases of a list that the solver is asked for at once, where none needs tables of its own: they share some.
@@ -84,11 +86,11 @@ class CaseCache:
         path = self.folder / _OF_CASES / name[:2] / f"{name[2:]}.nc"
         count = prod(_sizes(cases).values())
         try:
-            answer = _as_solved(read_whole(path))
+            answer = _as_solved(read_whole(path, max_bytes=MOST_BYTES), name)
             os.utime(path)
-        except (OSError, FormatError):  # none, or half of one
+        except (OSError, FormatError):  # none, half of one, or that of another case
             answer = solved(cases)
-            _write(answer, path)
+            _write(answer.assign_attrs({CASE: name}), path)
         else:
             self.taken += count
         self.cases += count
@@ -109,8 +111,9 @@ def taken(results: Path, study: str) -> dict[str, int]:
     folder, tally = results / FOLDER / _TALLIES / study, {"cases": 0, "taken": 0}
     for file in sorted(folder.rglob("*.json")):
         if (results / study / file.relative_to(folder)).with_suffix(".nc").is_file():
-            own = json.loads(file.read_text(encoding="utf-8"))
-            tally = {name: count + int(own[name]) for name, count in tally.items()}
+            with suppress(OSError, ValueError, LookupError, TypeError):  # a tally is no result: half of one is left out
+                own = json.loads(file.read_text(encoding="utf-8"))
+                tally = {name: count + int(own[name]) for name, count in tally.items()}
     return tally
 
 
@@ -215,8 +218,10 @@ def _write(answer: xr.Dataset, path: Path) -> None:
         log.warning("solved cases are not kept: %s", error)
 
 
-def _as_solved(stored: xr.Dataset) -> xr.Dataset:
-    """An answer as the solver gave it, without what every file says."""
-    beside = {*standard(stored), CHECKSUM}
+def _as_solved(stored: xr.Dataset, name: str) -> xr.Dataset:
+    """Answer as the solver gave it, without what every file says; FormatError where it is that of another case."""
+    if stored.attrs.get(CASE) != name:
+        raise FormatError(name, "is no answer to this case")
+    beside = {*standard(stored), CHECKSUM, CASE}
     stored.attrs = {name: value for name, value in stored.attrs.items() if name not in beside}
     return stored.drop_encoding()

@@ -74,7 +74,7 @@ class ConstantEffects:
         return self._fitted(parts)
 
     def _fitted(self, parts: dict[str, xr.DataArray]) -> GridGP:
-        return GridGP("chebyshev", self._model.inputs_, list(parts), compression=1e-5).fit(xr.Dataset(parts))
+        return GridGP(self._model.inputs_, list(parts), compression=1e-5).fit(xr.Dataset(parts))
 
     def _exact(self, z: Array) -> xr.Dataset:
         study = moved(self._study, self._constants, z)

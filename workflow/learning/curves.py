@@ -48,7 +48,7 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
                         else described.long_name
                     )
                     attrs[output_name] = {"units": described.units, "long_name": words}
-    inputs, kernel = factorial.inputs(study), study.surrogate.kernel
+    inputs = factorial.inputs(study)
     scalings = dict(by.scalings) if by else {}
     for combination in study.combinations if by else ():
         scalings |= {
@@ -57,9 +57,9 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
 
     def smooth(names: Sequence[str]) -> GaussianProcess:
         if by is None:
-            return GridGP(kernel, inputs, names, compression=compression)
+            return GridGP(inputs, names, compression=compression)
         own = replace(by, scalings={name: scalings.get(name, Scaling()) for name in names})
-        return GroupedGP(own, kernel, compression=compression)
+        return GroupedGP(own, compression=compression)
 
     error = _SHARE * study.validation.tolerance
     return CurveGP(smooth, curves, largest, study.output_names, attrs, logarithms=by is None, error=error)

@@ -1,14 +1,12 @@
 """A factorial that lacks the cases which the solver refuses, filled in by the process that learns it."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from itertools import pairwise, product
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
 
 from approximation.arrays import Array, Flags
-from surrogate import GridGP, Input
+from surrogate import GridGP
 from surrogate.gp import imputation
 from workflow.dataset import factorial
 from workflow.study.model import Study
@@ -22,38 +20,6 @@ def imputed(study: Study, data: xr.Dataset) -> xr.Dataset:
     """
     if study.crossed:
         return data
-    inputs = factorial.axis_inputs(study)
-    if not study.kinks:
-        return _part(study, data, inputs)
-    filled = data.copy(deep=True)
-    for place, own in _between_kinks(study, inputs):
-        part = data.isel(place)
-        if any(part[name].isnull().all() for name in part.data_vars):
-            split = [box for box in own if study.axes[box.name].kinks]
-            told = ", ".join(f"{box.name} in {box.range_text()}" for box in split)
-            raise ValueError(f"all cases between kinks are refused: {told}")
-        part = _part(study, part, own)
-        for name, array in part.data_vars.items():
-            filled[name].loc[{axis: part[axis].values for axis in place}] = array
-    return filled
-
-
-def _between_kinks(study: Study, inputs: Sequence[Input]) -> Iterator[tuple[dict[str, slice], list[Input]]]:
-    """Every part of the factorial between kinks: where it lies in it, and its axes."""
-    parts = []
-    for input_ in inputs:
-        axis = study.axes[input_.name]
-        count = axis.levels or 0
-        ends = enumerate(pairwise(axis.ends))
-        parts.append(
-            [(slice(k * count, (k + 1) * count), replace(input_, low=low, high=high)) for k, (low, high) in ends]
-        )
-    for chosen in product(*parts):
-        yield {input_.name: place for place, input_ in chosen}, [input_ for _, input_ in chosen]
-
-
-def _part(study: Study, data: xr.Dataset, inputs: Sequence[Input]) -> xr.Dataset:
-    """As `imputed`, of a factorial that one process learns."""
     holes = {str(name): _missing(study, array) for name, array in data.data_vars.items()}
     if not any(flags.any() for flags in holes.values()):
         return data
@@ -63,7 +29,7 @@ def _part(study: Study, data: xr.Dataset, inputs: Sequence[Input]) -> xr.Dataset
     bent = xr.Dataset({name: np.log(array * signs[name]) if signs[name] else array for name, array in plain.items()})
     coords = {name: data[name].values for name in axes}
     filled, model = imputation.filled(
-        lambda: GridGP(study.surrogate.kernel, inputs),
+        lambda: GridGP(factorial.axis_inputs(study)),
         bent.assign_coords(coords),
         {name: holes[name] for name in plain},
     )

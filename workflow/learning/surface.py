@@ -54,10 +54,10 @@ def fit(study: Study) -> GaussianProcess:
         grouping = similar.grouping(
             study, inputs, [*factorial.axis_inputs(study), ANGLE], {name: name for name in NAMES}
         )
-        model = GroupedGP(grouping, study.surrogate.kernel, compression=allowed).fit(data)
+        model = GroupedGP(grouping, compression=allowed).fit(data)
     else:
         data = _regular(study, dict(levels), angles)
-        model = GridGP(study.surrogate.kernel, inputs, NAMES, compression=allowed).fit(data)
+        model = GridGP(inputs, NAMES, compression=allowed).fit(data)
     return model.calibrate(cases(study, min(study.validation.calibration, _CALIBRATION), 4))
 
 

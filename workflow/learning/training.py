@@ -1,14 +1,13 @@
 """Training and validation of the surrogate on exact cases."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
 from storage.described import described
-from surrogate import CrossGP, GaussianProcess, GridGP, GroupedGP, SplitGP
-from surrogate.data.inputs import Input, unit_coordinates
+from surrogate import CrossGP, GaussianProcess, GridGP, GroupedGP
+from surrogate.data.inputs import unit_coordinates
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.data.points import EVEN
 from surrogate.face.region import Region
@@ -16,7 +15,7 @@ from surrogate.intervals.sharing import sharing
 from surrogate.levels import counts, lines
 from surrogate.transforms.transformed import groups_of
 from surrogate.use import feasibility, validation
-from workflow.dataset import batches, draws, factorial, holes, infill
+from workflow.dataset import batches, factorial, holes
 from workflow.learning import curves, imputation
 from workflow.run.joblog import log
 from workflow.study.model import Study
@@ -24,8 +23,6 @@ from workflow.study.refusals import REASON, REFUSAL
 
 #: Error allowed to the compressed mean of a cross approximation, of its tolerance.
 COMPRESSION = 0.02
-# Random cases of which one in so many, that with the widest intervals, is a place to ask near.
-_TRIED, _WIDEST = 4096, 20
 
 
 def compression(study: Study) -> float:
@@ -53,7 +50,7 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
         model: GaussianProcess = curves.model(study, compression(study), by)
     elif by is not None:
         own = (lambda names: _crossing(study)) if study.crossed else None
-        model = GroupedGP(by, study.surrogate.kernel, compression=compression(study), process=own)
+        model = GroupedGP(by, compression=compression(study), process=own)
     else:
         model = _crossing(study) if study.crossed else process(study, study.output_names)
     model.made_from_ = study.physics
@@ -62,11 +59,9 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     return model.fit(data)
 
 
-def process(study: Study, outputs: Sequence[str]) -> GridGP | SplitGP:
+def process(study: Study, outputs: Sequence[str]) -> GridGP:
     """The process of some outputs on the study's factorial, not fitted."""
-    if study.kinks:
-        return SplitGP(factorial.inputs(study), study.kinks, outputs, compression(study))
-    return GridGP(study.surrogate.kernel, factorial.inputs(study), outputs, compression=compression(study))
+    return GridGP(factorial.inputs(study), outputs, compression=compression(study))
 
 
 def _crossing(study: Study) -> CrossGP:
@@ -104,11 +99,11 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     if study.crossed:
         decays = lines.decays(_crossing(study), reduced)
     else:
-        decays = counts.decays(*_smooth(study, reduced), study.output_names)
+        decays = counts.decays(reduced, factorial.axis_inputs(study), study.output_names)
     if by is not None:
         quantities = factorial.with_factors(study, quantities)
     predicted = model.predict(points)
-    table = validation.validate(model, cases, None if study.crossed or study.kinks else quantities)
+    table = validation.validate(model, cases, None if study.crossed else quantities)
     names = study.output_names
     stacked = {
         "exact": cases[names].to_dataarray("output"),
@@ -124,12 +119,6 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     logs = [] if by is None else [name for name, scaling in by.scalings.items() if scaling.logarithm]
     told = {"logarithms": "; ".join(logs)} if logs else {}
     return table.assign_attrs(tolerance=study.validation.tolerance, **told, **refused)
-
-
-def _smooth(study: Study, data: xr.Dataset) -> tuple[xr.Dataset, list[Input]]:
-    """The factorial and its axes below the first kink of every one: all of it where there is none."""
-    inputs = [replace(input_, high=study.axes[input_.name].ends[1]) for input_ in factorial.axis_inputs(study)]
-    return data.isel({name: slice(axis.levels) for name, axis in study.axes.items()}), inputs
 
 
 def answered(
@@ -156,21 +145,6 @@ def calibrated(study: Study, model: GaussianProcess, quantities: xr.Dataset, cas
         model.region_ = _region(study, model, quantities, cases)
         cases = answered(study, cases, model)[1]
     return model.calibrate(curves.training_data(study, cases))
-
-
-def widest(study: Study, model: GaussianProcess, number: int) -> infill.Place:
-    """Where 95 % intervals are widest, of random cases: mean over the outputs, each over its own mean width."""
-    points = draws.points(study, _TRIED, (study.validation.seed, 6, number), together=1)
-    X = np.stack([points[name].values for name in study.factors], axis=-1)
-    X = X[model.has_answers(X)]
-    lower, upper = model.interval_array(X)
-    wide = upper - lower
-    sizes = wide.mean(axis=0)
-    share = (wide / np.where(sizes > 0, sizes, 1.0)).mean(axis=1)
-    most = np.argsort(-share, kind="stable")[: max(1, len(X) // _WIDEST)]
-    spread = np.ptp(model.predict_array(X), axis=0)
-    doubt = float((wide[most] / np.where(spread > 0, spread, 1.0)).max() / 2)
-    return infill.Place("widest intervals", doubt, dict(zip(study.factors, X[most].T, strict=True)))
 
 
 def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases: xr.Dataset) -> Region | None:

@@ -65,7 +65,7 @@ def made(study: Study, target: Target, wider: Mapping[str, tuple[float, float]])
         study,
         factors={name: axis.model_dump(mode="json") for name, axis in axes.items()},
         groups={text: group.model_dump(mode="json") for text, group in groups.items()},
-        surrogate={"kernel": study.surrogate.kernel, "outputs": names},
+        surrogate={"outputs": names},
         validation=study.validation.model_dump(mode="json")
         | {"calibration": min(study.validation.calibration, _CALIBRATION)},
         design={},

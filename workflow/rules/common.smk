@@ -7,8 +7,8 @@ import sys
 from functools import cache
 from itertools import count
 
-from workflow.dataset import batches, casecache, infill
-from workflow.design.told import unreached
+from workflow.dataset import batches, casecache
+from workflow.design.wording import unreached
 from workflow.report import sections as page_sections
 from workflow.run import crate, lock, provenance, sources
 from workflow.run.interpreter import quote_interpreter
@@ -23,6 +23,7 @@ sys.path.insert(0, str(provenance.ROOT))
 
 SOURCES = sources.digests()  # as they are planned with: a job that finds others refuses
 STUDIES = set()  # those that this run needs
+SECTIONS = set()  # names of sections in the rules' parameters
 DESIGNED = set()  # those whose designs it needs
 RESULTS = workflow.modifier.path_modifier.replace_prefix("results")  # where a module's `prefix:` puts them
 
@@ -64,7 +65,16 @@ def sections(*names):
 
     Wildcards in the names are filled in.
     """
+    SECTIONS.add(names)
     return lambda wildcards: planned.parameter(study_of(wildcards), *(name.format(**wildcards) for name in names))
+
+
+def states_of(name):
+    """The parameters of all rules of a study, by which jobs know the files that they read."""
+    study = study_named(name)
+    labels = [*study.design, *study.readout, ""]
+    filled = {tuple(part.format(name=label, group="") for part in names) for names in SECTIONS for label in labels}
+    return {planned.parameter(study, *names) for names in filled}
 
 
 def final_files_of(name):
@@ -148,30 +158,6 @@ def batches_of(wildcards, rounds=None):
             break
         files += expand("results/{study}/cross/{round}_{slab}.nc", study=wildcards.study, round=number, slab=slabs)
     return files
-
-
-def asked_of(wildcards, rounds=infill.ROUNDS):
-    """The cases that a target asks for, of the first rounds or of all."""
-    files = []
-    for number in range(rounds):
-        named = {"study": wildcards.study, "name": wildcards.name, "round": number}
-        slabs = range(infill.slabs(study_of(wildcards), checkpoints.asked.get(**named).output[0]))
-        if not slabs:
-            break
-        files += expand("results/{study}/asked/{name}/{round}_{slab}.nc", slab=slabs, **named)
-    return files
-
-
-def gathered_of(wildcards):
-    """All cases that are asked for, a file of each target; none of a study without a budget for them."""
-    study = study_of(wildcards)
-    return expand("results/{study}/asked/{name}.nc", study=wildcards.study, name=infill.names(study) if study.surrogate.budget else [])
-
-
-def answered_on(wildcards):
-    """The surrogate on which a target is answered: its own, where it asks for cases."""
-    own = study_of(wildcards).surrogate.budget
-    return f"results/{wildcards.study}/asked/{wildcards.name}/surrogate.nc" if own else f"results/{wildcards.study}/surrogate.nc"
 
 
 def slabs_of(wildcards, file):

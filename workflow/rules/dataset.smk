@@ -78,6 +78,7 @@ rule quantities:
         "results/{study}/quantities.nc",
     priority: 1
     params:
+        study=sections(*PHYSICS, "dataset"),
         code=provenance.code("workflow/scripts/quantities.py"),
     log:
         "logs/{study}/quantities.log",

@@ -3,7 +3,7 @@
 
 rule target:
     input:
-        answered_on,
+        "results/{study}/surrogate.nc",
     output:
         "results/{study}/design/{name}.nc",
     params:
@@ -24,6 +24,7 @@ rule design:
         nc="results/{study}/design.nc",
         csv="results/{study}/design.csv",
     params:
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation.tolerance", "device", "design"),
         code=provenance.code("workflow/scripts/design.py"),
     log:
         "logs/{study}/design.log",

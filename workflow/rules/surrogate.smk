@@ -33,87 +33,11 @@ rule calibration:
         "../scripts/cases.py"
 
 
-# Cases beside the factorial, asked for round by round where designs are. Every target has rounds and a surrogate of its own, which know
-# the cases of no other: an edited or added target leaves the others' cases and answers as they are.
-checkpoint asked:
-    input:
-        levels=levels_of,
-        quantities="results/{study}/quantities.nc",
-        calibration="results/{study}/cases/calibration.nc",
-        further=lambda wildcards: asked_of(wildcards, int(wildcards.round)),
-    output:
-        "results/{study}/asked/{name}/{round}.nc",
-    priority: 1
-    params:
-        study=sections(*PHYSICS, "dataset", "surrogate", "validation", "device", "design.{name}"),
-        code=provenance.code("workflow/scripts/asked.py"),
-    log:
-        "logs/{study}/asked/{name}_{round}.log",
-    benchmark:
-        "logs/{study}/asked/{name}_{round}.tsv"
-    script:
-        "../scripts/asked.py"
-
-
-rule further:
-    input:
-        "results/{study}/asked/{name}/{round}.nc",
-    output:
-        "results/{study}/asked/{name}/{round}_{slab}.nc",
-    priority: 2
-    params:
-        study=sections(BOX, "dataset.slabs"),
-        code=provenance.code("workflow/scripts/further.py"),
-    log:
-        "logs/{study}/further/{name}_{round}_{slab}.log",
-    benchmark:
-        "logs/{study}/further/{name}_{round}_{slab}.tsv"
-    script:
-        "../scripts/further.py"
-
-
-# All cases of a target, which its rounds name one after the other.
-rule gathered:
-    input:
-        asked_of,
-    output:
-        "results/{study}/asked/{name}.nc",
-    priority: 2
-    params:
-        code=provenance.code("workflow/scripts/gathered.py"),
-    log:
-        "logs/{study}/gathered/{name}.log",
-    script:
-        "../scripts/gathered.py"
-
-
-# The surrogate on which a target is answered.
-rule own_surrogate:
-    input:
-        slabs=curves_of,
-        quantities="results/{study}/quantities.nc",
-        calibration="results/{study}/cases/calibration.nc",
-        further=["results/{study}/asked/{name}.nc"],
-    output:
-        "results/{study}/asked/{name}/surrogate.nc",
-    priority: 1
-    params:
-        study=sections(*PHYSICS, "dataset", "surrogate", "validation.tolerance"),
-        code=provenance.code("workflow/scripts/training.py"),
-    log:
-        "logs/{study}/own_surrogate/{name}.log",
-    benchmark:
-        "logs/{study}/own_surrogate/{name}.tsv"
-    script:
-        "../scripts/training.py"
-
-
 rule surrogate:
     input:
         slabs=curves_of,
         quantities="results/{study}/quantities.nc",
         calibration="results/{study}/cases/calibration.nc",
-        further=gathered_of,
     output:
         "results/{study}/surrogate.nc",
     priority: 1
@@ -156,6 +80,7 @@ rule sensitivity:
     output:
         "results/{study}/sensitivity.nc",
     params:
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation.tolerance"),
         code=provenance.code("workflow/scripts/sensitivity.py"),
     log:
         "logs/{study}/sensitivity.log",

@@ -2,11 +2,13 @@
 
 import logging
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+from storage import netcdf
+from storage.sealed import FormatError
 from workflow.run import lock, sources
 
 if TYPE_CHECKING:
@@ -24,11 +26,40 @@ def start(script: Mapping[str, Any]) -> "Snakemake":
         job: Snakemake = script["snakemake"]
         _log_to(job.log[0])
         sources.check(lock.sources(Path(job.output[0])), script["__file__"])
+        bind(job)
         return job
     from workflow.run import standin  # all of Snakemake: seconds, and not for its own jobs
 
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
-    return standin.job(Path(script["__file__"]), *sys.argv[1:2])
+    job = standin.job(Path(script["__file__"]), *sys.argv[1:2])
+    bind(job)
+    return job
+
+
+def bind(job: "Snakemake") -> None:
+    """Let the netCDF files of a job say which file of which state of the study they are, and check those that it reads.
+
+    A slab in the place of another, of another study or of an earlier state of the study is a valid file with wrong
+    numbers: Snakemake compares times only.
+    """
+    name, output = job.wildcards.study, Path(job.output[0])
+    folder, states = lock.results(name, output), lock.states(output)
+    state = str(job.params.get("study", ""))
+
+    def check(path: Path, answers: str) -> None:
+        expected = path.relative_to(folder).as_posix()
+        file, _, made_from = answers.partition("; ")
+        if file != expected:
+            raise FormatError(path, f"holds {file or 'no name of a file'}, not {expected}; remove it, and run again")
+        if made_from and states and made_from not in states:
+            sections = made_from.partition(": ")[0]
+            raise FormatError(path, f"was made from another state of the study ({sections}); remove it, and run again")
+
+    def files(paths: Iterable[str]) -> list[Path]:
+        return [Path(path) for path in paths if path.endswith(".nc")]
+
+    written = {path: f"{path.relative_to(folder).as_posix()}; {state}".removesuffix("; ") for path in files(job.output)}
+    netcdf.bind(written, dict.fromkeys(files(job.input), check))
 
 
 def _log_to(path: str) -> None:

@@ -32,8 +32,9 @@ def claim(
     studies: Mapping[str, Mapping[str, Any]],
     results: str | Path = RESULTS,
     sources: Mapping[str, str] | None = None,
+    states: Mapping[str, Iterable[str]] | None = None,
 ) -> None:
-    """Reserve studies for this process until it ends, however it ends."""
+    """Reserve studies for this process until it ends, however it ends; `states` are their parameters of rules."""
     for name, content in sorted(studies.items()):
         path = (Path(results) / name / _LOCK).absolute()
         try:
@@ -45,6 +46,7 @@ def claim(
                 "process": os.getpid(),
                 "study": content,
                 "sources": dict(sources or {}),
+                "states": sorted((states or {}).get(name, ())),
             }
             json.dump(held, file)
             file.flush()
@@ -74,8 +76,18 @@ def results(name: str, output: Path) -> Path:
 
 def sources(output: Path) -> dict[str, str]:
     """Digests of the sources with which the run began that makes this file; none where there is no run."""
+    return dict(_around(output).get("sources", {}))
+
+
+def states(output: Path) -> frozenset[str]:
+    """Parameters that say the state of the study in the run that makes this file; none where there is no run."""
+    return frozenset(_around(output).get("states", ()))
+
+
+def _around(output: Path) -> dict[str, Any]:
+    """Content of the lock of the run that makes a file; empty where there is no run."""
     locks = (folder / _LOCK for folder in output.absolute().parents)
-    return next((_read(path).get("sources", {}) for path in locks if path.is_file()), {})
+    return next((_read(path) for path in locks if path.is_file()), {})
 
 
 def sweep(folder: Path, orphans: Iterable[Path]) -> None:

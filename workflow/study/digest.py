@@ -30,9 +30,6 @@ def digest(study: Keys, sections: Sequence[str], materials: Mapping[str, Any]) -
             content.pop(name, None)
     if study.surrogate.method == "factorial" and "surrogate" in content:  # the same
         content["surrogate"].pop("method")
-    for name in ("budget", "until"):  # nor these
-        if content.get("surrogate", {}).get(name, 0) is None:
-            content["surrogate"].pop(name)
     text = json.dumps(content, sort_keys=True)
     if {"phases", BOX} & set(sections):
         text += json.dumps(materials, sort_keys=True)

@@ -8,6 +8,14 @@ from pydantic import BaseModel, ValidationError
 
 from workflow.language.spelling import nearest
 
+#: Keys of former releases: section and name.
+_REMOVED = {
+    ("factors", "kinks"),
+    ("factors", "grown_from"),
+    ("surrogate", "budget"),
+    ("surrogate", "until"),
+    ("surrogate", "kernel"),
+}
 _NOT_OF_TYPE = ("list_type", "dict_type", "string_type")
 
 
@@ -21,6 +29,8 @@ def first_problem(error: ValidationError, model: type[BaseModel], content: Mappi
     place = _written(finding["loc"], content)
     where = ".".join(place)
     message = finding["msg"].removeprefix("Value error, ")
+    if finding["type"] == "extra_forbidden" and (place[0], place[-1]) in _REMOVED:
+        return f"{where}: was removed in 0.3.0; leave it out"
     if finding["type"] == "extra_forbidden":
         return f"{where}: unknown key; {nearest(place[-1], _keys_at(model, place[:-1]))}"
     if finding["type"] == "missing":

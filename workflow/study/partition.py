@@ -46,5 +46,4 @@ def orphans(study: Study, folder: Path) -> list[Path]:
     slabs = set() if study.crossed else {f"slab_{number}.nc" for number in range(count(study))}
     left = [file for file in sorted((folder / "fields").glob("slab_*.nc")) if file.name not in slabs]
     left += [] if study.crossed else sorted((folder / "cross").glob("*.nc"))
-    left += [] if study.surrogate.budget else sorted((folder / "asked").rglob("*.nc"))
     return left if study.open else [*left, folder / "levels.nc"]

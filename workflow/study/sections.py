@@ -1,6 +1,5 @@
 """The parts of a study: axes, data set, surrogate, validation, effects and verification."""
 
-from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -37,37 +36,6 @@ class Axis(Strict):
         None, ge=2, le=1000, description="Chebyshev-Gauss levels; null: what the tolerance needs"
     )
     scale: Literal["linear", "log", "logit"] = Field("linear", description="coordinate in which the levels are spread")
-    kinks: list[Given] = Field(
-        default_factory=list,
-        max_length=8,
-        description="where quantities bend or jump: so many levels lie between each two, and a process of their own",
-    )
-
-    grown_from: list[Given] | None = Field(
-        None,
-        min_length=2,
-        max_length=2,
-        description="the range of before, of a box that has grown: random cases that were solved there are taken again",
-    )
-
-    @property
-    def ends(self) -> list[float]:
-        """The ends of the range, and the kinks between them, ascending."""
-        return [self.low, *sorted(self.kinks), self.high]
-
-    @property
-    def count(self) -> int:
-        """Number of all levels; 0 while it is open."""
-        return (self.levels or 0) * (1 + len(self.kinks))
-
-    @model_serializer(mode="wrap")
-    def _as_given(self, written: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """As plain data, without kinks and a range of before where there are none."""
-        content: dict[str, Any] = written(self)
-        for name in ("kinks", "grown_from"):
-            if not content.get(name):
-                content.pop(name, None)
-        return content
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -77,12 +45,6 @@ class Axis(Strict):
             raise ValueError(f"low = {self.low:g} must be positive on a {self.scale} scale")
         if self.scale == "logit" and self.high >= 1:
             raise ValueError(f"high = {self.high:g} must be below 1 on a logit scale")
-        if any(not low < high for low, high in pairwise(self.ends)):
-            told = ", ".join(f"{at:g}" for at in self.kinks)
-            raise ValueError(f"kinks: {told} must differ and lie inside of {self.low:g} to {self.high:g}")
-        low, high = self.grown_from or (self.low, self.high)
-        if not self.low <= low < high <= self.high:
-            raise ValueError(f"grown_from: {low:g} to {high:g} must ascend and lie in {self.low:g} to {self.high:g}")
         return self
 
 
@@ -152,23 +114,9 @@ class Surrogate(Strict):
         description="cases: all of the factorial, or those places in it that a cross approximation asks for; auto: the "
         "latter where the factorial has more cases than dataset: budget",
     )
-    kernel: Literal["chebyshev", "rbf", "matern32", "matern52"] = Field("chebyshev", description="factor kernel")
     outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")
     level: Number | None = Field(
         None, gt=0, le=0.999, description="share of the cases that intervals hold where none is said; null: 0.95"
-    )
-    budget: int | None = Field(
-        None,
-        ge=20,
-        le=100_000,
-        description="further exact cases for every target, asked for where its design is, or without targets where "
-        "intervals are widest; null: none",
-    )
-    until: Number | None = Field(
-        None,
-        gt=0,
-        description="of that budget no more cases once 95 % intervals at the design are within this share of the "
-        "goal's value and of the limits; null: all of them",
     )
     curves: bool = Field(
         True, description="learn largest stresses by the curves that they follow from, which have no kinks as they have"
@@ -178,12 +126,6 @@ class Surrogate(Strict):
         description="over groups, quantities whose logarithm is learned; null: those whose coefficients fall faster so",
     )
     fields: int = Field(0, ge=0, le=200, description="angles at which the fields under a cylinder are learned; 0: none")
-
-    @model_validator(mode="after")
-    def _asked(self) -> Self:
-        if self.until is not None and self.budget is None:
-            raise ValueError("until: needs a budget of cases that may be asked for")
-        return self
 
 
 class Validation(Strict):

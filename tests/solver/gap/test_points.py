@@ -11,8 +11,8 @@ from solver.gap.ringoperators import RingOperators
 from solver.gap.rings import rings
 from solver.line.windows import number_of
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
+from solver.point.kernel import normal_kernel
 from solver.point.profile import Shape
-from solver.point.surfacekernel import normal_kernel
 from solver.point.table import PointKind, window
 from solver.stack.wavenumbers import strip
 from tests.solver.point.points import film

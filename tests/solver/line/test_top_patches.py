@@ -8,7 +8,7 @@ from scipy.linalg import expm
 
 import solver
 from solver.arrays import Array
-from solver.point.patchcover import Covered
+from solver.point.electrodes import Covered
 from solver.stack.electroded import beyond_local, local
 from solver.stack.electrodes import Electrode, electrodes
 from solver.stack.layers import Layer, Stack

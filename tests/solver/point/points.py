@@ -12,9 +12,9 @@ from solver.line.powerlaw import constants_of
 from solver.line.windows import Coat, Kind
 from solver.material.constants import Material
 from solver.point.body import Film, HalfSpace
-from solver.point.halfspace import conducted
-from solver.point.pressed import Pressed
+from solver.point.contact import Pressed
 from solver.point.profile import Shape
+from solver.point.state import conducted
 from solver.point.table import PointKind
 
 BTO, CFO, PZT, STEEL = (solver.find(name) for name in ("BaTiO3", "CoFe2O4", "PZT-4", "steel"))

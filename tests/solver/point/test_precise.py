@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import solver
-from solver.point.pressure import halfspace_peak
-from solver.point.profile import Shape
+from solver.point.profile import Shape, halfspace_peak
 from solver.point.quantities import quantities
 from tests.solver.point.points import FIBROUS, Conducts, on_halfspace
 from verification.cases import constants

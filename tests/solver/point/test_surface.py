@@ -13,8 +13,7 @@ from solver.arrays import Array
 from solver.fields import POINT_FIELDS
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
-from solver.point.pressure import halfspace_form
-from solver.point.profile import Shape
+from solver.point.profile import Shape, halfspace_form
 from tests.solver.point.points import BTO, FIBROUS
 
 PUNCHES: list[dict[str, Any]] = [

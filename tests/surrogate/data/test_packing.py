@@ -44,7 +44,7 @@ def model() -> GridGP:
     bent, small = ufuncs.tanh(3 * a * c) + 1e6 * ufuncs.log(b), 1e-9 * ufuncs.exp(a * b / 10) * ufuncs.cos(c)
     values = {"bent": bent, "small": small}
     data = xr.Dataset({name: one.transpose("a", "b", "c").assign_attrs(units="1") for name, one in values.items()})
-    return GridGP("chebyshev", inputs, list(map(str, data))).fit(data)
+    return GridGP(inputs, list(map(str, data))).fit(data)
 
 
 def test_means_from_packed_cores_are_those_of_the_model(model: GridGP) -> None:

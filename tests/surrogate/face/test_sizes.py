@@ -24,8 +24,8 @@ pytestmark = pytest.mark.usefixtures("quarantined")
 
 def model(count: int = 6) -> GridGP:
     """A sine over one input."""
-    levels = np.linspace(0, 1, count)
-    return GridGP("matern52", [ONE]).fit(xr.Dataset({"y": ("a", np.sin(levels))}, coords={"a": levels}))
+    levels = ONE.levels(count)
+    return GridGP([ONE]).fit(xr.Dataset({"y": ("a", np.sin(levels))}, coords={"a": levels}))
 
 
 def written(stored: xr.Dataset, path: Path) -> Path:

@@ -150,13 +150,13 @@ def test_cases_that_share_inputs_are_one_group() -> None:
     assert places(own, sharing(own)).tolist() == [30, 30]
 
 
-def test_few_cases_and_other_kernels_leave_the_mean_alone() -> None:
+def test_few_cases_leave_the_mean_alone() -> None:
     data = functions.factorial((6, 4, 4, 3, 2))
     points = functions.scattered(20, seed=5)[[one.name for one in functions.INPUTS]]
-    for model, count in ((GridGP(inputs=functions.INPUTS), 60), (GridGP("matern52", functions.INPUTS), 3000)):
-        raw = model.fit(data).predict(points, return_std=False)
-        assert model.calibrate(functions.scattered(count, seed=1)).correction_ is None
-        xr.testing.assert_identical(model.predict(points, return_std=False), raw)
+    model = GridGP(inputs=functions.INPUTS).fit(data)
+    raw = model.predict(points, return_std=False)
+    assert model.calibrate(functions.scattered(60, seed=1)).correction_ is None
+    xr.testing.assert_identical(model.predict(points, return_std=False), raw)
 
 
 def test_a_corrected_mean_is_far_better_on_fresh_cases_and_in_its_gradient(tmp_path: Path) -> None:

@@ -7,7 +7,6 @@ from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
 from surrogate import GridGP, Input
-from surrogate.gp.gridgp import Kernel
 from tests.surrogate import dense, functions
 from tests.surrogate.slopes import assert_slopes
 
@@ -24,34 +23,20 @@ def unit_points(count: int) -> Array:
     return np.random.default_rng(7).uniform(-1, 1, (count, 3))
 
 
-KERNELS: tuple[Kernel, ...] = ("chebyshev", "rbf", "matern32", "matern52")
-
-
 def dense_kernels(model: GridGP, counts: tuple[int, ...], p: int) -> list[dense.FactorKernel]:
     """Of every factor, of an output."""
     fixed = [model.hyperparameters_[one.name] for one in PLANE]
-    if model.kernel != "chebyshev":
-        return [dense.stationary(model.kernel, size) for size in fixed]
     return [
         dense.chebyshev(n, rho, model.amplitude_[f, p]) for f, (n, rho) in enumerate(zip(counts, fixed, strict=True))
     ]
 
 
-@pytest.mark.parametrize(
-    ("kernel", "first", "counts"),
-    [
-        *(("chebyshev", rho, counts) for rho in (0.3, 0.5, 0.8) for counts in ((3, 4, 2), (5, 3, 4))),
-        *((kernel, 0.3, (5, 4, 3)) for kernel in KERNELS[1:]),
-    ],
-)
-def test_it_agrees_with_a_dense_process(kernel: Kernel, first: float, counts: tuple[int, ...]) -> None:
-    random, nugget = np.random.default_rng(3), 0.0 if kernel == "chebyshev" else 1e-4
-    levels = {
-        one.name: one.levels(n) if kernel == "chebyshev" else one.from_unit(np.sort(random.uniform(-1, 1, n)))
-        for one, n in zip(PLANE, counts, strict=True)
-    }
-    data, fixed = sample(levels), {"x": first, "y": 0.4 if nugget else first / 2, "z": 0.3}
-    model = GridGP(kernel, PLANE, hyperparameters=fixed, compression=0, nugget=nugget).fit(data)
+@pytest.mark.parametrize("rho", [0.3, 0.5, 0.8])
+@pytest.mark.parametrize("counts", [(3, 4, 2), (5, 3, 4)])
+def test_it_agrees_with_a_dense_process(rho: float, counts: tuple[int, ...]) -> None:
+    levels = {one.name: one.levels(n) for one, n in zip(PLANE, counts, strict=True)}
+    data, fixed = sample(levels), {"x": rho, "y": rho / 2, "z": 0.3}
+    model = GridGP(PLANE, hyperparameters=fixed, compression=0).fit(data)
     t = unit_points(40)
     mean, std = model.predict_array(_physical(t), return_std=True)
     unit = [one.to_unit(levels[one.name]) for one in PLANE]
@@ -59,54 +44,48 @@ def test_it_agrees_with_a_dense_process(kernel: Kernel, first: float, counts: tu
         values = data[name].transpose("x", "y", "z").values
         offset, scale = values.mean(), values.std()
         kernels = dense_kernels(model, counts, p)
-        want, variance = dense.predict(kernels, [nugget] * 3, unit, (values - offset) / scale, t)
+        want, variance = dense.predict(kernels, [0.0] * 3, unit, (values - offset) / scale, t)
         np.testing.assert_allclose(mean[:, p], offset + scale * want, rtol=0, atol=1e-10 * np.ptp(values))
         room = 1e-10 * model.variance_[p]
         np.testing.assert_allclose((std[:, p] / scale) ** 2, model.variance_[p] * variance, rtol=0, atol=room)
 
 
-@pytest.mark.parametrize("kernel", KERNELS)
-def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient(kernel: Kernel) -> None:
+def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient() -> None:
     counts, step = (5, 3, 2), 1e-3
     data = sample({one.name: one.levels(n) for one, n in zip(PLANE, counts, strict=True)})
-    fixed, nugget = {"x": 0.5, "y": 0.4, "z": 0.6}, 1e-4
-    model = GridGP(kernel, PLANE, hyperparameters=fixed, compression=0, nugget=nugget).fit(data)
+    model = GridGP(PLANE, hyperparameters={"x": 0.5, "y": 0.4, "z": 0.6}, compression=0).fit(data)
     levels, t = [one.to_unit(data[one.name]) for one in PLANE], unit_points(12)
     found = model.gradient(_physical(t), return_std=True)
     for p, name in enumerate(model.outputs_):
         kernels = dense_kernels(model, counts, p)
-        jitter = [0.0] * 3 if kernel == "chebyshev" else [nugget] * 3
         size = model.variance_[p] * data[name].values.std() ** 2
         for k, one in enumerate(PLANE):
             ends = np.concatenate([t + step * np.eye(3)[k], t - step * np.eye(3)[k]])
-            C = dense.covariance(kernels, jitter, levels, ends)
+            C = dense.covariance(kernels, [0.0] * 3, levels, ends)
             above, below = np.diag(C)[:12], np.diag(C)[12:]
             want = size * (above + below - 2 * np.diag(C[:12, 12:])) / (2 * step) ** 2
             std = found[f"{name}_std"].sel(input=one.name).values / one.unit_slope(_physical(t)[:, k])
-            # the quotient of a process that is once differentiable only is off by the step itself
-            np.testing.assert_allclose(std**2, want, rtol=2e-2 if kernel == "matern32" else 1e-4, atol=1e-7 * size)
+            np.testing.assert_allclose(std**2, want, rtol=1e-4, atol=1e-7 * size)
 
 
-@pytest.mark.parametrize("kernel", KERNELS)
-def test_leave_one_level_out_errors_are_those_of_refitting_without_the_level(kernel: Kernel) -> None:
+def test_leave_one_level_out_errors_are_those_of_refitting_without_the_level() -> None:
+    from surrogate.gp.factors import Factor
     from surrogate.gp.hyperparameters import level_errors
 
     one, n = PLANE[0], 6
     levels = one.levels(n)
     t = one.to_unit(levels)
     values = np.stack([np.exp(levels), np.sin(2 * levels)])
-    model = GridGP(kernel, nugget=1e-6)
-    factor = model.make_factor(t, 0.4)
+    factor = Factor(n, 0.4)
     inside = (factor.basis.T @ values.T)[:, :, None] * (factor.basis.T @ values.T)[:, :, None].transpose(2, 1, 0)
     errors, variances = level_errors(factor, inside.transpose(1, 0, 2))
-    k = dense.chebyshev(n, 0.4, 1.0) if kernel == "chebyshev" else dense.stationary(kernel, 0.4)
-    jitter = 0.0 if kernel == "chebyshev" else 1e-6
+    k = dense.chebyshev(n, 0.4, 1.0)
     for i in range(n):
         rest = np.arange(n) != i
         for p in range(2):
-            mean, variance = dense.predict([k], [jitter], [t[rest]], values[p, rest], t[i : i + 1, None])
+            mean, variance = dense.predict([k], [0.0], [t[rest]], values[p, rest], t[i : i + 1, None])
             assert errors[p, i] == pytest.approx((values[p, i] - mean[0]) ** 2, rel=1e-6, abs=1e-12)
-            assert variances[i] == pytest.approx(variance[0] + jitter, rel=1e-6)
+            assert variances[i] == pytest.approx(variance[0], rel=1e-6)
 
 
 def test_mean_has_the_accuracy_of_tensor_chebyshev_interpolation() -> None:
@@ -140,10 +119,9 @@ def test_compression_keeps_its_tolerance() -> None:
             assert 0 < error <= tolerance * model.scale_[p]
 
 
-@pytest.mark.parametrize("kernel", KERNELS)
-def test_gradient_agrees_with_differences_of_the_mean(kernel: Kernel) -> None:
+def test_gradient_agrees_with_differences_of_the_mean() -> None:
     data = sample({one.name: one.levels(n) for one, n in zip(PLANE, (7, 6, 5), strict=True)})
-    assert_slopes(GridGP(kernel, PLANE, nugget=1e-6).fit(data), _physical(0.9 * unit_points(20)), rtol=1e-5)
+    assert_slopes(GridGP(PLANE).fit(data), _physical(0.9 * unit_points(20)), rtol=1e-5)
 
 
 def test_gradient_of_a_polynomial_is_its_derivative() -> None:

@@ -7,7 +7,7 @@ import xarray as xr
 from approximation.arrays import Array
 from surrogate import GridGP, Input, chebyshev_levels
 from surrogate.gp import imputation, kernels
-from surrogate.gp.factors import ChebyshevFactor
+from surrogate.gp.factors import Factor
 
 LEVELS = {"a": chebyshev_levels(0.5, 2.0, 9), "b": chebyshev_levels(-1.0, 1.0, 8)}
 
@@ -22,7 +22,7 @@ def test_a_place_left_out_is_what_a_smooth_function_has_there() -> None:
     holes[4, 3] = holes[0, 7] = True
     lacking = whole.copy(deep=True)
     lacking["y"].values[holes] = 1e3
-    model = imputation.fit(lambda: GridGP("chebyshev", None, ["y"]), lacking, holes)
+    model = imputation.fit(lambda: GridGP(None, ["y"]), lacking, holes)
     a, b = (index.ravel() for index in np.meshgrid(LEVELS["a"], LEVELS["b"], indexing="ij"))
     found = model.predict_array(np.column_stack([a, b]))[:, 0].reshape(9, 8)
     size = np.ptp(whole["y"].values)
@@ -77,7 +77,7 @@ def test_a_grid_without_a_corner_is_as_good_where_it_has_cases() -> None:
 def test_factors_that_do_not_tell_what_is_missing_are_filled_all_along() -> None:
     """The same as of the whole grid with the same kernel, where the hole is small enough to be filled in at once."""
     random = np.random.default_rng(3)
-    factors = [ChebyshevFactor(n, 0.3) for n in (5, 4, 6)]
+    factors = [Factor(n, 0.3) for n in (5, 4, 6)]
     values = random.normal(size=(5, 4, 6, 2))
     holes = np.zeros((5, 4, 6), dtype=bool)
     holes[3:, :, 4:] = True
@@ -99,7 +99,7 @@ def test_factors_that_do_not_tell_what_is_missing_are_filled_all_along() -> None
 
 
 def test_more_than_can_be_filled_in_is_refused() -> None:
-    factors = [ChebyshevFactor(60, 0.3), ChebyshevFactor(60, 0.3)]
+    factors = [Factor(60, 0.3), Factor(60, 0.3)]
     holes = np.add.outer(np.arange(60), np.arange(60)) > 55
     with pytest.raises(ValueError, match=r"places of the factors .* at most 2000 are filled in"):
         imputation.expected(factors, np.zeros((60, 60, 1)), holes)

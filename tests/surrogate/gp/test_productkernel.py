@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from surrogate.gp.factors import Features
-from surrogate.gp.productkernel import factor_of, joined, significant, standardised, unit_variance
+from surrogate.gp.factors import Factor, Features
+from surrogate.gp.productkernel import joined, significant, standardised, unit_variance
 
 
 def test_outputs_are_joined_with_the_largest_factor_first() -> None:
@@ -26,15 +26,12 @@ def test_coefficients_are_those_of_the_standardised_output() -> None:
 def test_what_two_factors_leave_is_one_minus_what_both_know() -> None:
     known, unknown = np.array([0.7, 0.2]), np.array([0.3, 0.5])
     features = [Features(np.zeros((1, 2)), known + unknown, unknown)] * 2
-    factors = [factor_of("chebyshev", np.array([-0.7, 0.7]), 0.5, 0.0)] * 2
-    left = unit_variance(factors, np.ones((2, 1)), features, np.ones((2, 1)))
-    both = known + unknown + factors[0].constant
+    left = unit_variance(np.ones((2, 1)), features, np.ones((2, 1)))
+    both = known + unknown + 1
     np.testing.assert_allclose(left[0], both**2 - (both - unknown) ** 2, rtol=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("kernel", "parameter", "told"), [("chebyshev", 1.0, "rho must"), ("rbf", 0.0, "must be posit")]
-)
-def test_parameters_out_of_range_are_refused(kernel: str, parameter: float, told: str) -> None:
-    with pytest.raises(ValueError, match=told):
-        factor_of(kernel, np.array([-1.0, 1.0]), parameter, 0.0)
+@pytest.mark.parametrize("rho", [0.0, 1.0, -0.5])
+def test_a_decay_out_of_range_is_refused(rho: float) -> None:
+    with pytest.raises(ValueError, match="rho must lie between 0 and 1"):
+        Factor(4, rho)

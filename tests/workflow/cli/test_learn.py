@@ -88,7 +88,7 @@ def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, caps
         (",depth,", ",contact_trailing,", "depth_std: without a column depth"),
         (",depth,depth_std,voltage [kV]", ",friction,speed,datum", "friction: neither an input"),
         (",composite,", ",material,", "material: neither an input"),
-        ("load,", "charge,", "charge: neither an input"),
+        ("load,", "speed,", "speed: neither an input"),
         (",laminate,", ",AlScN,", "composite: 'AlScN'; must be one of fibrous, laminate"),
         (",laminate,", ",,", "composite: empty; must be one of fibrous, laminate"),
         ("voltage [kV]", "voltage [nV]", "voltage[laminate]: measured values are 1.1e-12 times"),
@@ -165,58 +165,6 @@ def test_errors_that_are_not_positive_and_no_rows_are_refused(
         (project / "bad.csv").write_text(text, encoding="utf-8")
         assert asked(project, rows="bad.csv") == 2
         assert reason in capsys.readouterr().err
-
-
-def test_a_plan_says_which_measurements_tell_most(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    out = str(project / "planned.nc")
-    words = ("--plan", "4", "--errors", "depth=0.1%,voltage=5%", "--within", "load=2e4:0.05 MN/m", "-o", out)
-    assert asked(project, "--json", *words) == 0
-    plan = json.loads(capsys.readouterr().out)["plan"]
-    (stiffness,) = plan["constants"]
-    assert stiffness["name"] == "BaTiO3 stiffness"
-    assert stiffness["planned"] < stiffness["random"] < stiffness["now"] < 1
-    assert len(plan["rows"]) == 4
-    assert all(2e4 <= row["load"] <= 5e4 and row["output"].startswith("depth[") for row in plan["rows"])
-    wanted = ("--plan", "4", "--for", "voltage[laminate]", "--at", "radius=3 cm,load=9e4", "-o", out)
-    assert asked(project, "--json", *wanted) == 0
-    plan = json.loads(capsys.readouterr().out)["plan"]
-    (answer,) = plan["answers"]
-    assert (plan["constants"], answer["units"]) == ([], "V")
-    assert answer["planned"] < answer["random"] < answer["now"]
-    model = load(project / "planned.nc")
-    assert isinstance(model, CorrectedGP)
-    lower, upper = model.interval_array(np.array([[0.03, 9e4]]), 0.95)
-    k = model.outputs_.index("voltage[laminate]")
-    own = float(model.nominal_.predict_array(np.array([[0.03, 9e4]]), return_std=True)[1][0, k])
-    spread = float((upper - lower)[0, k]) / 2 / 1.96  # of the surrogates' own errors, too, and of all draws
-    assert np.sqrt(answer["now"] ** 2 + own**2 + model.effect_std_[k] ** 2) == pytest.approx(spread, rel=0.1)
-    for bad, reason in (
-        (("--plan", "3", "--for", "voltage"), "--for: 'voltage' is not among the outputs depth[fibrous], "),
-        (("--plan", "3", "--for", "depth[fibrous]"), "--at: radius: missing; depth[fibrous] is wanted at one place of"),
-        (
-            ("--plan", "3", "--for", "depth[fibrous]", "--at", "radius=3,load=9e4"),
-            "--at: radius: 3; must be within [0.02, 0.1]",
-        ),
-        (("--plan", "3", "--at", "radius=3 cm"), "--at: says where an answer is wanted; --for names none"),
-        (("--plan", "0"), "--plan: 0 measurements; must be 1 to 100"),
-        (("--plan", "3", "--for", "steel e33"), "--for: 'steel e33' is not among the unknowns BaTiO3 stiffness"),
-        (("--plan", "3", "--errors", "charge=1%"), "--errors: 'charge' is none of depth, contact_trailing, voltage"),
-        (
-            ("--plan", "3", "--within", "load=1e3:2e4"),
-            "--within: load: 1000 to 20000; must ascend within [10000, 100000]",
-        ),
-        (("--plan", "3", "--within", "load=3"), "--within: load=3: is not of the form FACTOR=LOW:HIGH"),
-        (
-            (
-                "--for",
-                "BaTiO3 stiffness",
-            ),
-            "--plan is not given",
-        ),
-    ):
-        assert asked(project, *bad, "-o", str(project / "none.nc")) == 2
-        assert reason in capsys.readouterr().err
-    assert not (project / "none.nc").exists()
 
 
 def test_instruments_that_do_not_fit_are_refused(project: Path, capsys: pytest.CaptureFixture[str]) -> None:

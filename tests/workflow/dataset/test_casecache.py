@@ -23,7 +23,7 @@ factors:
   thickness: {low: 1.5e-4, high: 3e-4, levels: 3, scale: log}
   volume_fraction: {low: 0.45, high: 0.55, levels: 2}
 dataset: {slabs: 1, positions: {inside: 2, outside: 2}}
-surrogate: {budget: 60, outputs: [voltage, peak_pressure]}
+surrogate: {outputs: [voltage, peak_pressure]}
 validation: {cases: 20, calibration: 40}
 """
 
@@ -113,23 +113,25 @@ def test_what_was_used_longest_ago_is_swept(tmp_path: Path) -> None:
     assert sorted(file.name for file in folder.iterdir()) == ["0.nc", "2.nc"]
 
 
-def held_out(study: Study, folder: Path) -> tuple[CaseCache, xr.Dataset]:
-    """The cases for calibration of a study with what is kept: who was asked, and the cases."""
-    own = CaseCache(folder, folder / "film/cases/calibration.nc")
-    return own, factorial.cases(study, "calibration", own)
-
-
-@pytest.mark.parametrize("grows", ["load: {low: 2e4, high: 4e4", "volume_fraction: {low: 0.45, high: 0.55"])
-def test_a_box_that_has_grown_takes_the_random_cases_of_before(film: Study, tmp_path: Path, grows: str) -> None:
-    old_high, high, before = ("4e4", "8e4", "[2e4, 4e4]") if "load" in grows else ("0.55", "0.65", "[0.45, 0.55]")
-    wider = grows.replace(old_high, f"{high}, grown_from: {before}")
-    grown = made(FILM.replace(grows, wider))
-    small = held_out(film, tmp_path)[1]
-    own, cases = held_out(grown, tmp_path)
-    # half of the box is that of before: two of the four places, each of ten cases on two bases
-    assert (own.taken, own.cases) == (40, 80)
-    for name in film.factors:
-        np.testing.assert_array_equal(cases[name][:20], small[name][:20])
-    axis, beyond = (next(iter(grown.factors)), 4e4) if "load" in grows else ("volume_fraction", 0.55)
-    assert (cases[axis][20:] > beyond).all()
-    xr.testing.assert_equal(cases, held_out(grown, tmp_path / "none")[1])
+def test_an_answer_to_another_case_is_solved_again(film: Study, tmp_path: Path) -> None:
+    _, whole = slab(film, tmp_path)
+    first, second = sorted((tmp_path / casecache.FOLDER).rglob("*.nc"))
+    contents = first.read_bytes(), second.read_bytes()
+    poisons = {
+        "swapped": (contents[1], contents[0]),
+        "copied": (contents[0], contents[0]),
+        "truncated": (contents[0][:-1], contents[1]),
+        "empty": (b"", contents[1]),
+    }
+    for kind, (one, other) in poisons.items():
+        first.write_bytes(one)
+        second.write_bytes(other)
+        again, bytes_ = slab(film, tmp_path)
+        assert (again.taken, bytes_) == (0 if kind == "swapped" else 18, whole), kind
+    unnamed = xr.load_dataset(first)  # of an earlier version
+    del unnamed.attrs[casecache.CASE]
+    write_whole(unnamed, first)
+    assert slab(film, tmp_path)[0].taken == 18
+    tally = next((tmp_path / casecache.FOLDER / "taken").rglob("*.json"))
+    tally.write_text("[]", encoding="utf-8")
+    assert casecache.taken(tmp_path, "film") == {"cases": 0, "taken": 0}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from surrogate import CurveGP, GaussianProcess, GroupedGP, Input, SplitGP
+from surrogate import CurveGP, GaussianProcess, GroupedGP, Input
 from surrogate.use.export import exported
 from tests.surrogate import curved, grouped
 from tests.workflow.report.browser import needs_browser, opened
@@ -33,31 +33,6 @@ def of_groups() -> GaussianProcess:
     return model.calibrate(grouped.cases(300, 1, 0.2, to_ends=300))
 
 
-def of_patches() -> GaussianProcess:
-    """Groups of which a third of the cases was asked for, all over the box: every one lies in a patch."""
-    model = GroupedGP(grouped.GROUPING).fit(grouped.factorial(0.2))
-    cases = grouped.cases(300, 1, 0.2, to_ends=600)
-    model.calibrate(cases.assign(evenly_drawn=-1 + 2 * cases["evenly_drawn"]))
-    assert model.calibration_ is not None
-    assert model.calibration_.patches is not None
-    return model
-
-
-def of_kinks() -> GaussianProcess:
-    """Two kinks of one input and one of another: sides that are split themselves."""
-    inputs = [Input("x", 0.1, 1.0, "log"), Input("y", 1.0, 2.0)]
-    model = SplitGP(inputs, {"x": [0.2, 0.5], "y": [1.4]})
-
-    def bent(x: xr.DataArray, y: xr.DataArray) -> xr.Dataset:
-        f = abs(x - 0.2) * np.exp(y) + abs(x - 0.5) + np.sin(8 * x) * abs(y - 1.4)
-        return xr.Dataset({"f": f, "g": f**2, "x": x, "y": y})
-
-    grid = xr.Dataset(coords=model.levels({"x": 4, "y": 3}))
-    random = np.random.default_rng(4)
-    cases = {own.name: xr.DataArray(random.uniform(own.low, own.high, 800), dims="case") for own in inputs}
-    return model.fit(bent(grid["x"], grid["y"])).calibrate(bent(**cases))
-
-
 def of_curves() -> GaussianProcess:
     return held_out(curved.fitted())
 
@@ -77,7 +52,7 @@ def held_out(model: CurveGP) -> GaussianProcess:
 
 
 @needs_browser
-@pytest.mark.parametrize("made", [of_groups, of_patches, of_kinks, of_curves, of_curves_over_groups])
+@pytest.mark.parametrize("made", [of_groups, of_curves, of_curves_over_groups])
 def test_the_browser_says_the_same(made: Callable[[], GaussianProcess], tmp_path: Path) -> None:
     model = made()
     t = np.random.default_rng(2).uniform(-1, 1, (40, len(model.inputs_)))

@@ -54,7 +54,17 @@ def test_a_job_is_held_to_the_sources_of_the_run_that_holds_its_results(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(joblog, "_log_to", lambda _: None)
     files = InputFiles(), OutputFiles(toclone=["mee/results/own/fields/slab_0.nc"])
-    job = Snakemake(*files, Params(), Wildcards(), 1, ResourceList(), Log(toclone=["a.log"]), {}, "slab", None)
+    job = Snakemake(
+        *files,
+        Params(),
+        Wildcards(fromdict={"study": "own"}),
+        1,
+        ResourceList(),
+        Log(toclone=["a.log"]),
+        {},
+        "slab",
+        None,
+    )
     script = {"snakemake": job, "__file__": str(sources.ROOT / "workflow/scripts/slab.py")}
     began = sources.digests()
     assert joblog.start(script) is job  # no run

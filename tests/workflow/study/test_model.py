@@ -44,6 +44,10 @@ def test_quickstart_is_the_factorial_of_the_documentation() -> None:
     [
         ("high: 0.6", "hihg: 0.6", "factors.friction.hihg: unknown key; did you mean 'high'? allowed: low, high,"),
         ("title:", "titel:", "titel: unknown key; did you mean 'title'?"),
+        ("high: 0.6", "high: 0.6, kinks: [0.3]", "factors.friction.kinks: was removed in 0.3.0; leave it out"),
+        ("high: 0.6", "high: 0.6, grown_from: [0.1, 0.3]", "factors.friction.grown_from: was removed in 0.3.0"),
+        ("fields: 24", "budget: 60", "surrogate.budget: was removed in 0.3.0; leave it out"),
+        ("fields: 24", "kernel: rbf", "surrogate.kernel: was removed in 0.3.0; leave it out"),
         ("levels: 5", "levels: 5.5", "factors.friction.levels: 5.5: input should be a valid integer"),
         ("levels: 5", "levels: 1", "factors.friction.levels: 1: input should be greater than or equal to 2"),
         ("levels: 5", "levels: '5'", "factors.friction.levels: '5': input should be a valid integer"),
@@ -137,7 +141,7 @@ def test_refuses_a_box_of_more_corners_than_are_solved_at_once() -> None:
     axes = ["volume_fraction", "friction", "radius", "load", "charge", "magnetic_charge", "speed", "width", "slope"]
     names = "[a, b, c, d, e, f, g, h]"
     kinds = ", ".join(f"{name}: {names}" for name in ("profile", "electric", "magnetic", "corner"))
-    ranges = ", ".join(f"{name}: {{low: 0.1, high: 0.2}}" for name in axes)
+    ranges = ", ".join(f"{name}: {{low: 0.001, high: 0.002}}" for name in axes)
     told = refusal(f"title: t\nfactors: {{{ranges}}}\ncategories: {{{kinds}}}\n")
     assert told.startswith("factors: a box of 2097152 corners, over all categories, has more than 262144")
 

@@ -175,7 +175,7 @@ def rerun(before: Study, after: Study) -> set[str]:
 
 
 SOLVED = {"slab", "batch", "cases", "calibration", "further"}
-LEARNED = {"surrogate", "own_surrogate", "validation", "levels"}
+LEARNED = {"quantities", "surrogate", "own_surrogate", "validation", "levels", "sensitivity", "design"}
 TARGETS = {"target sensor", "target actuator", "figure_design sensor", "figure_design actuator"}
 PAGE = {"report", "solved"}
 
@@ -183,12 +183,12 @@ PAGE = {"report", "solved"}
 @pytest.mark.parametrize(
     ("change", "wanted"),
     [
-        (lambda study: {"design": {**study.design, "another": study.design["sensor"]}}, PAGE),
+        (lambda study: {"design": {**study.design, "another": study.design["sensor"]}}, PAGE | {"design"}),
         (
             lambda study: {
                 "design": {**study.design, "sensor": study.design["sensor"].model_copy(update={"title": "Another"})}
             },
-            PAGE | {"target sensor", "figure_design sensor"},
+            PAGE | {"design", "target sensor", "figure_design sensor"},
         ),
         (
             lambda study: {"validation": study.validation.model_copy(update={"cases": 100})},

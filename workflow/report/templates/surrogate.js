@@ -24,7 +24,7 @@ function readCore(stored) {
 }
 
 function loadSurrogate(plain) {
-  const model = { ...plain, cores: plain.cores?.map(readCore), sides: plain.sides?.map(loadSurrogate) };
+  const model = { ...plain, cores: plain.cores?.map(readCore) };
   for (const name of ["offset", "scale", "amplitude", "variance"]) if (plain[name]) model[name] = readArray(plain[name]);
   if (plain.calibration) {
     model.calibration = {};
@@ -136,21 +136,9 @@ function grouped(model, t) {
   };
 }
 
-// The side of a kink that answers, and its own coordinates (splitgp.py); of a model without kinks itself.
-function sided(model, t) {
-  if (!model.sides) return [model, t];
-  const { input, at } = model.split, low = t[input] <= at, [begin, end] = low ? [-1, at] : [at, 1];
-  return sided(model.sides[low ? 0 : 1], t.map((one, k) => (k === input ? (2 * one - begin - end) / (end - begin) : one)));
-}
-
 // What the process has learnt at scaled coordinates t, one an input: itself, coordinates along its axes, what every factor
 // contributes there, means with their corrections, and what a deviation along the axes is of an output.
-function learnt(whole, t) {
-  const [model, inside] = sided(whole, t);
-  return model === whole ? learntHere(model, t) : { ...learntHere(model, inside), along: t };
-}
-
-function learntHere(model, t) {
+function learnt(model, t) {
   const by = model.groups ? grouped(model, t) : { along: t, told: (mean) => mean, size: () => 1 };
   const modes = new Array(by.along.length);
   model.order.forEach((k, position) => { modes[k] = model.cores[position].shape[1]; });
@@ -225,17 +213,8 @@ function calibrated(model, t, terms, p, variance) {
   let scale = 0;
   terms.forEach((term, m) => { scale += term * c.trend.data[m * count + p]; });
   scale = Math.min(Math.max(scale, c.trend_range.data[p]), c.trend_range.data[count + p]);
-  const guard = guarded(c.guard, c.corner_guard, null, t, p, count) + patched(c, withinBox(t), p, count);
+  const guard = guarded(c.guard, c.corner_guard, null, t, p, count);
   return meaningful(Math.sqrt(variance + c.floor.data[p]) * Math.exp(scale + guard));
-}
-
-// What is added about cases that were asked for (patches.py): the largest of all boxes that hold the point.
-function patched(c, t, p, count) {
-  if (!c.patch_low) return 0;
-  const [boxes, inputs] = c.patch_low.shape, low = c.patch_low.data, high = c.patch_high.data;
-  const held = Array.from({ length: boxes }, (_, k) => k)
-    .filter((k) => t.every((one, i) => low[k * inputs + i] <= one && one <= high[k * inputs + i]));
-  return held.length ? Math.max(...held.map((k) => c.patch_scale.data[k * count + p])) : 0;
 }
 
 // What the local scale needs beyond it (guard.py): the largest of slabs, of corners of two inputs, and of all corners together.

@@ -1,0 +1,82 @@
+"""Kernels of the layers' contribution along the surface under points, over a distance (points, 4 and 6).
+
+    Lambda(x) = int_0^inf Delta(k) cos(kx) dk,
+    chi(s) = N S(s) + (1/pi) int_0^inf [Lambda(s - s') + Lambda(s + s')] S(s') ds',
+
+of the six pairs of (y, phi, psi), Delta = Y_top - Y0. Friction sigma_xy = eta sigma_yy adds to chi of cos(angle)
+
+    -(1/2) int_0^1 [Lambda_x(s + b) + Lambda_x(s - b)] phi_sigma(b) db,    Lambda_x(x) = int_0^inf Delta_ox sin(kx) dk.
+
+Far away only the beginning of Delta matters: it is tapered over a width that the distance does not resolve.
+"""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from approximation.arrays import Indices
+from approximation.piecewise import Piecewise
+from solver.arrays import Array
+from solver.line.kernel import DEGREE, ENTRIES, growing, octave
+from solver.stack.layers import Stack
+from solver.stack.reflection import waves
+from solver.stack.wavenumbers import strip, tapered
+
+#: The pairs, over (x, y, phi, psi).
+PAIRS = ENTRIES[:6]
+_SHEARED = ENTRIES[6:9]
+
+_FAR = 1e4  # strip widths beyond which Lambda falls like 1/x^2 and Lambda_x like 1/x
+_VALUES_AT_ONCE = 4_000_000  # values of one block of a transform
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceKernel:
+    """Lambda or Lambda_x over the distance."""
+
+    table: Piecewise  # Values of the pairs; (distance, pair)
+    odd: bool  # Whether it is Lambda_x
+
+    def at(self, x: Array) -> Array:
+        """Return Lambda or Lambda_x at distances x >= 0; (..., pair)."""
+        reach = self.table.ends[-1]
+        values = self.table.at(np.minimum(x, reach))
+        beyond = x > reach
+        values[beyond] *= (reach / x[beyond, None]) ** (1 if self.odd else 2)
+        return values
+
+    def of(self, pairs: Indices) -> "SurfaceKernel":
+        """Return the kernel of some of the pairs."""
+        return replace(self, table=replace(self.table, series=self.table.series[..., pairs]))
+
+
+@lru_cache(32)
+def normal_kernel(stack: Stack, reach: float | None = None) -> SurfaceKernel:
+    """Lambda of a stack, tabulated up to `reach`."""
+    return _tabled(stack, reach, odd=False)
+
+
+@lru_cache(32)
+def shear_kernel(stack: Stack, reach: float | None = None) -> SurfaceKernel:
+    """Lambda_x of (y, phi, psi) of a stack, odd in the distance, tabulated up to `reach`."""
+    return _tabled(stack, reach, odd=True)
+
+
+def _tabled(stack: Stack, reach: float | None, *, odd: bool) -> SurfaceKernel:
+    """Tabulate Lambda or Lambda_x over the distance."""
+    width = strip(stack)
+    pairs, wave = (_SHEARED, np.sin) if odd else (PAIRS, np.cos)
+
+    def transformed(x: Array) -> Array:
+        """Transforms at distances of one octave; (x, pair)."""
+        k, weights, taper = tapered(stack, width, x)
+        values = waves(stack, k)[0].difference
+        rows = np.stack([weights * taper * values[:, i, j] for i, j in pairs], -1)
+        sums, step = np.empty((x.size, len(pairs))), max(_VALUES_AT_ONCE // k.size, 1)
+        for start in range(0, x.size, step):
+            sums[start : start + step] = wave(x[start : start + step, None] * k) @ rows
+        return sums
+
+    ends = growing(width, reach or _FAR * width)
+    return SurfaceKernel(Piecewise.of(transformed, ends, DEGREE + 1, octave(ends, width)), odd)

@@ -1,0 +1,147 @@
+"""Galerkin's equations for the tractions of a contact of known radius on a layered body (points, 4).
+
+With x = sqrt(1 - s^2/a^2) a traction is sum_n c_n P_2n(x) / (abs(P_2n(0)) x), whose transform is a^2 c_n j_2n(ka).
+Tested with these functions, the displacements below the punch give
+
+    a sum_n A_mn c_n = u0 delta_m0 + <g>_m,    A_mn = N pi / (2 (4 n + 1)) delta_mn + K_mn,
+    K_mn(a) = int_0^inf Delta(s/a) j_2m(s) j_2n(s) ds,    Delta = Y_top - Y0 over (y, phi, psi).
+
+Delta is the plane's: a surface wave has the same multiplier in space. The half-space's coefficients, known in closed
+form, are kept apart: the layers' contribution has few terms, whatever the profile. On a base that insulates the
+magnetic field the flux leaves sideways: psi is then a logarithm far away, and zero at the distance of all layers'
+thickness.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.point.hankel import even_orders
+from solver.point.profile import Shape
+from solver.stack.electroded import difference
+from solver.stack.layers import Stack
+from solver.stack.reflection import sideways
+from solver.stack.wavenumbers import DECAYED, strip, wavenumbers
+
+_VALUES_AT_ONCE = 2_000_000  # values of the Bessel functions held at once
+_SIZES, _ROWS = 2, 36  # groups of radii per octave; rows of symmetric products at a time
+_ROUNDING, _STEPS = 44.0, 6  # exponent of a value below rounding; steps of the fixed-point iteration for it
+
+
+def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
+    """Return K of a stack at radii [m] in the units of the stack; (radius, 3, 3, count, count)."""
+    K: Array = np.zeros((radii.size, 3, 3, count, count))
+    width = strip(stack)
+    sizes = np.floor(_SIZES * np.log2(1 + radii / width))
+    for size in np.unique(sizes):  # a narrow contact needs fewer wavenumbers
+        same_size = np.flatnonzero(sizes == size)
+        reach = float(np.max(radii[same_size]))
+        k, weights = wavenumbers(stack, 2 * reach, width * DECAYED / _decayed(reach / width))
+        added = weights * np.moveaxis(difference(stack, k)[:, 1:, 1:], 0, -1)
+        step = max(_VALUES_AT_ONCE // (count * k.size), 1)
+        for start in range(0, same_size.size, step):
+            block = same_size[start : start + step]
+            orders = np.moveaxis(even_orders(radii[block, None] * k, count, odd), 0, 1)  # (radius, n, k)
+            for i, j in _coupled(added):
+                K[block, i, j] = K[block, j, i] = _products(orders, added[i, j])
+        if not odd and (spread := sideways(stack)):
+            K[same_size, 2, 2, 0, 0] -= np.sum(weights * spread / k * np.exp(-k * stack.thickness / 2))
+    return np.asarray(K * radii[:, None, None, None, None])
+
+
+def _decayed(ratio: float) -> float:
+    """Exponent s at the largest wavenumber, where e^-s / (s ratio)^2 is below rounding: j_2m j_2n falls like k^-2."""
+    exponent = DECAYED
+    for _ in range(_STEPS):
+        exponent = min(DECAYED, max(_ROUNDING - 2 * np.log(max(exponent * ratio, 1.0)), 1.0))
+    return float(exponent)
+
+
+def _products(orders: Array, weights: Array) -> Array:
+    """Sums of products of the functions (radius, n, k), filled from the diagonal by symmetry; (radius, n, n)."""
+    count = orders.shape[1]
+    products, weighted = np.empty((len(orders), count, count)), orders * weights
+    for first in range(0, count, _ROWS):
+        rows = slice(first, first + _ROWS)
+        products[:, rows, first:] = weighted[:, rows] @ np.swapaxes(orders[:, first:], -1, -2)
+        products[:, first:, rows] = np.swapaxes(products[:, rows, first:], -1, -2)
+    return products
+
+
+def _coupled(added: Array) -> list[tuple[int, int]]:
+    """Pairs of channels that a stack couples."""
+    return [(i, j) for i in range(3) for j in range(i, 3) if np.any(added[i, j])]
+
+
+def added_forms(x: Array, count: int) -> Array:
+    """Return (P_2n(x) - P_2n(0)) / (abs(P_2n(0)) x) at x = sqrt(1 - r^2/a^2) > 0; (..., n)."""
+    values = np.polynomial.legendre.legvander(x, 2 * count - 2)[..., ::2]
+    at_zero = np.polynomial.legendre.legvander(np.zeros(1), 2 * count - 2)[0, ::2]
+    return np.asarray((values - at_zero) / (np.abs(at_zero) * x[..., None]))
+
+
+def added_means(x: Array, count: int) -> Array:
+    """Return int_0^r of ``added_forms`` times s ds over r^2 at r = sqrt(1 - x^2) <= 1; (..., n).
+
+    It follows from int_x^1 P_m(v) dv = (1 - x^2) P_m'(x) / (m (m + 1)).
+    """
+    m = 2 * np.arange(count)
+    antiderivatives = np.eye(2 * count - 1)[::2] / np.maximum(m * (m + 1), 1)[:, None]
+    derived = (
+        np.polynomial.legendre.legval(x, np.polynomial.legendre.legder(antiderivatives, axis=1).T)
+        if count > 1
+        else 0 * x[None]
+    )
+    at_zero = np.polynomial.legendre.legvander(np.zeros(1), 2 * count - 2)[0, ::2]
+    means = np.moveaxis(derived, 0, -1) - at_zero / (1 + x[..., None])
+    return np.asarray(np.where(m > 0, means / np.abs(at_zero), 0.0))
+
+
+def halfspace_terms(compliance: Array, shape: Shape, count: int) -> Array:
+    """Coefficients a c of the half-space of N (3, 3), for u0 in each channel and g = (r/a)^exponent; (3, n, 4)."""
+    inverse = np.linalg.inv(compliance)
+    terms = np.zeros((3, count, 4))
+    terms[:, 0, :3] = 2 / np.pi * inverse
+    moments = 2 / np.pi * (4 * np.arange(count) + 1) * shape.moments(count)
+    terms[:, :, 3] = inverse[:, :1] * moments
+    return terms
+
+
+@dataclass(frozen=True, eq=False)
+class Added:
+    """Coefficients that layers and base add to those of the half-space."""
+
+    compliance: Array  # N of the contact; (3, 3)
+    interactions: Array  # K at the radii; (radius, 3, 3, n, n)
+    shape: Shape
+
+    @cached_property
+    def halfspace(self) -> Array:
+        """Coefficients a c of the half-space, for u0 in each channel and g = (r/a)^exponent; (3, n, 4)."""
+        return halfspace_terms(self.compliance, self.shape, self.interactions.shape[-1])
+
+    @property
+    def loads(self) -> Array:
+        """Share of each coefficient in a load over 2 pi; (n,)."""
+        return np.asarray(np.eye(self.interactions.shape[-1])[0])
+
+    @property
+    def edges(self) -> Array:
+        """Share of each coefficient in the strength at the edge; (n,)."""
+        return np.asarray((-1.0) ** np.arange(self.interactions.shape[-1]))
+
+    def forms(self, x: Array) -> Array:
+        """Traction less its strength over x per coefficient, at x = sqrt(1 - r^2/a^2) > 0; (..., n)."""
+        return added_forms(x, self.interactions.shape[-1])
+
+    @cached_property
+    def coefficients(self) -> Array:
+        """Coefficients a c without the half-space's; (radius, 3, n, 4)."""
+        count = self.interactions.shape[-1]
+        local = np.einsum("ij,mn->imjn", self.compliance, np.diag(np.pi / 2 / (4 * np.arange(count) + 1)))
+        coupling = np.moveaxis(self.interactions, 2, 3).reshape(-1, 3 * count, 3 * count)
+        right = -coupling @ self.halfspace.reshape(3 * count, 4)
+        solved = np.linalg.solve(local.reshape(3 * count, 3 * count) + coupling, right)
+        return np.asarray(solved.reshape(-1, 3, count, 4))

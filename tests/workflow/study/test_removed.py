@@ -1,0 +1,113 @@
+"""A shipped study without some of its keys is a plan or one line: no check reads what a later one sets."""
+
+import random
+from collections.abc import Iterator, Mapping
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import pytest
+import xarray as xr
+import yaml
+
+from solver.names import ALL_QUANTITIES
+from workflow.report import sections as page
+from workflow.run.provenance import ROOT
+from workflow.study import coupling, datum, model, partition, solvable
+from workflow.study.contents import Contents
+from workflow.study.keys import Origin
+from workflow.study.reading import InputError, read_material, read_yaml
+
+STUDIES = sorted(ROOT.glob("config/*.yaml"))
+GROUPED = """\
+title: A grouped contact with a device
+fixed: {{material: PZT-4, magnetic: insulating{body}}}
+factors: {{radius: {{low: 0.01, high: 0.02}}, {load}: {{low: 10, high: 30}}{thickness}}}
+groups: {{{groups}}}
+device: {{{length}amplifier: {{input_capacitance: 10 pF}}}}
+"""
+
+
+@pytest.fixture(autouse=True)
+def _unsolved(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The solver is not asked: every case has all quantities of its kind of body."""
+
+    def answered(study: Contents, factors: Mapping[str, Any]) -> xr.Dataset:
+        return xr.Dataset(dict.fromkeys(study.kind.quantities, 0.0))
+
+    monkeypatch.setattr(solvable, "_answered", answered)
+    monkeypatch.setattr(solvable, "solve_effects", lambda study: None)
+    monkeypatch.setattr(model, "solve_effects", lambda study: None)
+    monkeypatch.setattr(datum, "hanging", lambda study: frozenset({"depth", "voltage"} & {*study.kind.quantities}))
+
+
+def plan(content: dict[str, Any], origin: Origin) -> bool:
+    """Read all that the rules ask of a study; return False for a refusal of several lines."""
+    try:
+        study = partition.with_slabs(model._made(content, origin))
+    except InputError as refusal:
+        return "\n" not in str(refusal)
+    page.figures(study), page.effects(study)
+    coupling.outputs(study), coupling.aims(study), coupling.of_interest(study)
+    study.final_files, study.output_names, study.regions, study.titles, study.crossed, study.frozen()
+    study.digest(*type(study).model_fields)
+    return study.absent <= ALL_QUANTITIES.keys()
+
+
+def keys(content: Mapping[str, Any], depth: int, above: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    for name, value in content.items():
+        yield (*above, name)
+        if depth > 1 and isinstance(value, Mapping):
+            yield from keys(value, depth - 1, (*above, name))
+
+
+def without(content: Mapping[str, Any], removed: tuple[tuple[str, ...], ...]) -> dict[str, Any]:
+    """A copy without some keys."""
+    inner = {path[1:] for path in removed if len(path) > 1}
+    return {
+        name: without(value, tuple(path[1:] for path in removed if path[0] == name and len(path) > 1))
+        if inner and isinstance(value, Mapping)
+        else value
+        for name, value in content.items()
+        if (name,) not in removed
+    }
+
+
+def removals(content: Mapping[str, Any]) -> list[tuple[tuple[str, ...], ...]]:
+    """One key to the third depth, or two to the second."""
+    return [*((path,) for path in keys(content, 3)), *combinations(keys(content, 2), 2)]
+
+
+@pytest.mark.parametrize("file", STUDIES, ids=lambda file: file.stem)
+def test_a_shipped_study_without_some_keys_is_a_plan_or_one_line(file: Path) -> None:
+    content = read_yaml(file)
+    origin = Origin(file, dict(read_material(file.parent / name) for name in content.get("materials", [])))
+    every = removals(content)
+    for removed in [(), *random.Random(file.stem).sample(every, min(len(every), 12))]:
+        assert plan(without(content, removed), origin), removed
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("file", STUDIES, ids=lambda file: file.stem)
+def test_a_shipped_study_without_any_two_keys(file: Path) -> None:
+    content = read_yaml(file)
+    origin = Origin(file, dict(read_material(file.parent / name) for name in content.get("materials", [])))
+    for removed in removals(content):
+        assert plan(without(content, removed), origin), removed
+
+
+@pytest.mark.parametrize("outputs", ["", "surrogate: {outputs: [charge_sensitivity]}\n"])
+@pytest.mark.parametrize("punch", ["", ", punch: steel", ", punch: rigid"])
+@pytest.mark.parametrize("body", ["film", "line", "point"])
+def test_a_grouped_contact_with_a_device_is_a_plan_or_one_line(body: str, punch: str, outputs: str) -> None:
+    point, film = body == "point", body == "film"
+    text = GROUPED.format(
+        body=(", profile: sphere" if point else "") + (", base: steel" if film else "") + punch,
+        load="force" if point else "load",
+        thickness=", thickness: {low: 0.0001, high: 0.0003}" if film else "",
+        groups="load * radius / thickness^2: {levels: 3}, radius / thickness: {levels: 3}"
+        if film
+        else ("force / radius^2: {levels: 3}" if point else "load * radius: {levels: 3}"),
+        length="" if point else "electrode_length: 10 mm, ",
+    )
+    assert plan(yaml.safe_load(text + outputs), Origin(Path("grouped.yaml"), {}))
