@@ -28,8 +28,8 @@ def example(name: str, capsys: pytest.CaptureFixture[str]) -> list[str]:
     """The words of the example below a command's help."""
     with pytest.raises(SystemExit):
         main.main([name, "--help"])
-    told = capsys.readouterr().out
-    program, *words = shlex.split(told.split("example:\n")[1].replace("\\\n", " "))
+    printed = capsys.readouterr().out
+    program, *words = shlex.split(printed.split("example:\n")[1].replace("\\\n", " "))
     assert (program, words[0]) == ("meecontact", name)
     return words
 
