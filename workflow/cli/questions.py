@@ -173,7 +173,11 @@ def _remedy(inversion: Inversion, names: Sequence[str], values: Array, errors: A
     for factor, words in _REMEDIES.items():
         for subset in subsets:
             scale = np.where(subset, factor, 1.0)
-            if inversion.estimate(values * scale, errors * np.abs(scale)).misfit <= _IMPOSSIBLE + len(names):
+            with np.errstate(over="ignore"):
+                scaled, widths = values * scale, errors * np.abs(scale)
+            if not np.isfinite(scaled).all() or not ((widths >= SMALLEST_ERROR) & (widths <= LARGEST_ERROR)).all():
+                continue
+            if inversion.estimate(scaled, widths).misfit <= _IMPOSSIBLE + len(names):
                 which = " and ".join(name for name, chosen in zip(names, subset, strict=True) if chosen)
                 return f"; {which} would fit with {words}"
     return ""

@@ -83,7 +83,7 @@ def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, caps
         ("composite,", "composite [1],", "column 'composite': holds names, which have no unit"),
         ("voltage [kV]", "volts", "column 'volts': unknown column; did you mean"),
         ("voltage [kV]", "capacitance_per_length", "column 'capacitance_per_length': unknown column"),
-        ("voltage [kV]", "thickness", "thickness: neither an input of the surrogate nor learned by it"),
+        ("voltage [kV]", "slope", "slope: neither an input of the surrogate nor learned by it"),
         ("radius [cm]", "radius", "is outside the trained box [0.02, 0.1] m"),
         (",depth,", ",contact_trailing,", "depth_std: without a column depth"),
         (",depth,depth_std,voltage [kV]", ",friction,speed,datum", "friction: neither an input"),
