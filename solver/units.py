@@ -2,6 +2,7 @@
 
 The notation is that of CF (a symbol with its exponent behind it, a blank between symbols), with ``/`` for the symbols
 behind it, ``%``, and the decimal prefixes of the SI (BIPM, The International System of Units, 9th edition, table 7).
+Printed notation is read as well: ``C/m²``, ``kN·m⁻¹``, ``N/(V·m)``, ``1.5×10⁹``, ``GΩ``, with its minus and blanks.
 """
 
 import re
@@ -34,9 +35,24 @@ _SYMBOLS: dict[str, tuple[float, tuple[int, int, int, int, int]]] = {  # exponen
     "H": (1.0, (2, 1, -2, -2, 0)),
     "Ohm": (1.0, (2, 1, -3, -2, 0)),
 }
-_PART = re.compile(r"(?P<over>/)?\s*(?P<symbol>%|1|[A-Za-zµμ]+)\^?(?P<power>[-+]?[0-9]+(?:/[0-9]+)?)?")
+_PART = re.compile(r"(?P<over>/)?\s*(?P<symbol>%|1(?![0-9])|[A-Za-zµμ]+)\^?(?P<power>[-+]?[0-9]+(?:/[0-9]+)?)?")
 _QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)(?![0-9._eE])\s*(\S.*)")
+_RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ᐟ", "0123456789-+/")
+_TYPESET = {  # characters that print what ASCII has another character for
+    **dict.fromkeys("\u2212\u2013\ufe63\uff0d", "-"),  # minus signs
+    **dict.fromkeys("\u00a0\u2007\u2008\u2009\u200a\u202f\u2005\u2006", " "),
+    **dict.fromkeys("\u22c5\u2219\u2022\u2062", "·"),
+    **dict.fromkeys("\u200b\u2060\ufeff", ""),
+}
+_PRINTED = str.maketrans(_TYPESET)
+_OHM = re.compile(r"[\u03a9\u2126](?P<joined>(?=[A-Za-zµμ]))?")  # Greek letter and sign of the unit
+_TEN = re.compile(
+    r"(?P<mantissa>[0-9.])?(?P<times>\s*[×xX*·]\s*)?(?<![0-9.])10"
+    r"(?:(?P<raised>[⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)|(?:\^|\*\*)\(?(?P<power>[-+]?[0-9]+)\)?)"
+)
+_GROUPED = re.compile(r"/\s*\((?P<group>[^()]*)\)")
 _FEW = 2  # symbols of a unit that reads well
+_BARE = re.compile(r"\s*[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,4})?\s*")
 _LARGEST_POWER, _LONGEST = 9, 100  # an exponent, also of its denominator; characters of a unit, or of a number with it
 
 
@@ -101,10 +117,31 @@ def _per_length(exponents: tuple[Fraction, ...]) -> tuple[tuple[str, Fraction], 
     return None
 
 
+def plain(text: str) -> str:
+    """Return a printed number or unit in the characters that are parsed: ``-1.5×10⁻³ C/m²`` as ``-1.5e-3 C/m^2``."""
+    if text.isascii() and "10" not in text and "**" not in text and "(" not in text:
+        return text
+    text = _OHM.sub(lambda ohm: "Ohm" + (" " if ohm["joined"] is not None else ""), text.translate(_PRINTED))
+    # Latin-1 has raised digits, but no raised minus
+    text = re.sub("(?<=[-+])[⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda raised: raised[0].translate(_RAISED), text)
+    text = _TEN.sub(_exponent, text)
+    text = re.sub("[⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ]+", lambda raised: f"^{raised[0].translate(_RAISED)}", text)
+    text = re.sub(r"(?:\^|\*\*)\(?(?P<power>[-+]?[0-9]+(?:/[0-9]+)?)\)?", r"^\g<power>", text)
+    return _GROUPED.sub(lambda under: "/" + re.sub(r"\s*[·* ]\s*", "/", under["group"].strip()), text)
+
+
+def _exponent(ten: re.Match[str]) -> str:
+    """A power of ten behind its number, as ``e9``; one alone as ``1e9``."""
+    power = (ten["raised"] or ten["power"]).translate(_RAISED)
+    if ten["times"] is None:
+        return ten[0] if ten["mantissa"] else f"1e{power}"
+    return f"{ten['mantissa']}e{power}" if ten["mantissa"] else ten[0]
+
+
 def parse(text: str) -> Unit:
     """Read a unit; an empty text is a pure number."""
     unit, position = Unit.none(), 0
-    text = text.strip()
+    text = text.strip() if len(text) > _LONGEST else plain(text).strip()
     if len(text) > _LONGEST:
         raise ValueError(f"a unit of {len(text)} characters is longer than {_LONGEST}")
     while position < len(text):
@@ -134,7 +171,12 @@ def in_si(text: str, units: str) -> float:
 
     What a decimal prefix does is rounded once: ``11.2 nF/m`` is 11.2e-9 to the last bit.
     """
-    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    if "±" in text:
+        raise ValueError(f"{text[:_LONGEST]!r} has an error behind it; write the value alone, as '5 {units}'")
+    read = plain(text) if len(text) <= _LONGEST else text
+    match = _QUANTITY.fullmatch(read) if len(read) <= _LONGEST else None
+    if match is None and read != text and _BARE.fullmatch(read):
+        return float(read)
     if match is None:
         raise ValueError(f"{text[:_LONGEST]!r} is not a finite number [{units}], nor one with its unit")
     unit = parse(match[2])

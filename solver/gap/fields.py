@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -115,9 +117,7 @@ def _tables(films: Films, permittivity: Array) -> Iterator[tuple[Indices, PeakTa
         table = replace(state.of.contact.table, lower=state.half, upper=state.half)
         c = state.of.contact
         extent = Extent(table, c.profile, c.load, c.charges, c.datum, c.punch_datum, half)
-        nets = Nets(films.kind.stack(), state.half, state.half)
-        widest = max(float(np.max(net.positions(half, net.line))) for net in (nets.interface, nets.film)) + 0.5
-        yield np.array([place]), AirPeaks(table, _reaching(state, widest)), extent
+        yield np.array([place]), AirPeaks(table, state), extent
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,12 +137,25 @@ class Extent(FilmContact):
 class AirPeaks(PeakTable):
     """Stresses below one contact, on the nets of its very half-length."""
 
-    tractions: AirTractions
+    state: State
+    outer: ClassVar[int] = 2  # each costs four times as many wavenumbers as the one before
 
     def _series(self, net: Net, names: tuple[str, ...]) -> Array:
         """Stresses themselves; (1, stress, depth, x)."""
-        h = self.tractions.half_lengths
-        return Interior(self.tractions).fields(net.positions(h, net.line), -net.depths(h), names)[..., 0]
+        h = np.array([self.state.half])
+        X = net.positions(h, net.line)
+        tractions = self._near if np.max(X) <= self._reach else _reaching(self.state, float(np.max(X)))
+        return Interior(tractions).fields(X, -net.depths(h), names)[..., 0]
+
+    @cached_property
+    def _reach(self) -> float:
+        """X to which the five panels over the interface extend, the longest of a region's."""
+        net = Nets(self.table.system.kernel.stack, self.state.half, self.state.half).interface
+        return float(np.max(net.positions(np.array([self.state.half]), net.line)))
+
+    @cached_property
+    def _near(self) -> AirTractions:
+        return _reaching(self.state, self._reach)
 
     def read(self, contact: FilmContact, series: Array, some: slice = slice(None)) -> Array:
         """The stresses of the one case.

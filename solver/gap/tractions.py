@@ -56,12 +56,16 @@ class AirTractions(Tractions):
         """The one member: what is known of it is kept."""
         return self
 
-    def wavenumbers(self, body: Stack, reach: float, width: float) -> tuple[Array, Array]:
+    def wavenumbers(self, body: Stack, nearest: float, reach: float, width: float) -> tuple[Array, Array]:
         """As of a contact; charges far away count for long waves alone."""
         reach = max(reach, self.widest)
         here = reach - self.longest
         far = [here + self._half * self._spectrum.reach(start * self._half) for start in self._ends[:-1]]
         return on_panels(self._ends, np.maximum(reach, far))
+
+    def by_distance(self, body: Stack, X: Array) -> list[NDArray[np.intp]]:
+        """All columns together: the charges in the gap lie far from the contact, too."""
+        return [np.arange(X.shape[1])]
 
     def in_fourier_space(self, k: Array) -> ComplexArray:
         """(i sigma_xy, sigma_yy, D_y, B_y) at the surface at wavenumbers k [1/m]; (1, k, 4, 1)."""

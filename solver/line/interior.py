@@ -51,6 +51,12 @@ class Interior:
     def fields(self, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
         """Fields of ``solver.halfplane.interior.LINEAR``, SI; (member, field, y, x, column)."""
         which = [LINEAR.index(name) for name in names]
+        groups = self.tractions.by_distance(self.body, X)
+        values = [self._fields(X[:, columns], Y, which) for columns in groups]
+        return np.concatenate(values, 3)[:, :, :, np.argsort(np.concatenate(groups))]
+
+    def _fields(self, X: Array, Y: Array, which: list[int]) -> Array:
+        """Fields by their number in ``LINEAR`` at positions of like distance; (member, field, y, x, column)."""
         depth = -Y * self.tractions.half_lengths[:, None]
         body = self._body_at(depth)
         if len(which) < 8 and not self._stack.top.graded:  # less to sum than the whole state
@@ -116,12 +122,8 @@ class Interior:
         tractions, width = self.tractions, strip(self.body) / 2
         sizes = tractions.longest if len(X) == 1 else tractions.half_lengths[:, None]
         reach = float(np.max(np.abs(X) * sizes, initial=0.0)) + tractions.longest
-        if reach > FARTHEST * width:
-            raise StackError(
-                f"x: {np.max(np.abs(X)):g} is farther from the contact than the fields inside this film are resolved, "
-                f"{FARTHEST * width / tractions.longest - 1:.3g}"
-            )
-        return tractions.wavenumbers(self.body, reach, width)
+        nearest = float(np.min(np.abs(X) * tractions.half_lengths[:, None], initial=np.inf)) - tractions.longest
+        return tractions.wavenumbers(self.body, nearest, reach, width)
 
     def _summed(self, X: Array, Y: Array, rows: list[Array], *, integrated: bool = False) -> Array:
         """Rows, those of each body, of [u,x; t] in the units of the body; (member, y, row, x, column).
@@ -230,6 +232,12 @@ def fields_of(tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...], 
     """Fields inside films and bases under tractions of one column; (member, field, y, x), SI."""
     if "magnetic_potential" in names and tractions.system.kernel.stack.insulated:
         raise StackError("magnetic_potential: is not given inside a film on a base that insulates the magnetic field")
+    farthest = FARTHEST * strip(tractions.system.kernel.stack) / 2 / tractions.longest - 1
+    if np.max(np.abs(X), initial=0.0) > farthest:
+        raise StackError(
+            f"x: {np.max(np.abs(X)):g} is farther from the contact than the fields inside this film are resolved, "
+            f"{farthest:.3g}"
+        )
     linear = tuple(name for name in names if name in LINEAR)
 
     def parts(sublayers: int) -> Array:

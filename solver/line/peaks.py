@@ -1,19 +1,22 @@
 """Largest stresses of a film, of its base and on its lowest interface, from tables over half-lengths.
 
 Stresses on Chebyshev panels tied to the edges of the contact are linear in the causes at a half-length and smooth in
-its logarithm. A case is a product; the best nodes of several hills start climbs on the interpolant.
+its logarithm. The stresses of a case are a product; climbs on the interpolant start from the best nodes of several
+hills. Panels farther out are added until a bound rules out larger stresses beyond them.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
 from approximation.chebyshev import coefficients, interpolation
-from approximation.measure import ITSELF
+from approximation.measure import Measure
 from approximation.summit import highest
 from solver.arrays import Array, joined
-from solver.curves import PRINCIPAL, REGIONS, SHEAR, VON_MISES
+from solver.curves import PRINCIPAL, PULL, REGIONS, SHEAR, VON_MISES
 from solver.line.contact import FilmContact
 from solver.line.interior import Interior
 from solver.line.stressnets import DEPTH, Net, Nets
@@ -21,14 +24,18 @@ from solver.line.table import RangeError, Table
 from solver.line.tractions import Tractions
 from solver.stack.layers import StackError
 
-#: What is searched for in each region of ``solver.curves.REGIONS``.
+#: Peaks that are searched for in each region of ``solver.curves.REGIONS``.
 PEAKS_OF = {
     "interface": ("interface_shear", "interface_shear_position", "interface_tension", "interface_tension_position"),
     "film": ("film_peak_von_mises", "film_peak_principal_tension"),
     "base": ("base_peak_von_mises", "base_peak_principal_tension"),
 }
+_NORMAL = Measure(PULL.linear[:1], PULL.root[:1])  # sigma_yy of (sigma_xy, sigma_yy), negative where it presses
 _CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width: the next is of its square
 _CHUNK = 256  # cases at a time: bounded memory
+_OUTER = 8  # pairs of panels added to a net at most: 4^8 of its length, where 1/r leaves next to nothing
+_NEGLIGIBLE = 1e-7  # of the largest stress on a net: the error of its interpolant
+_TAIL = (1.0, 0.5, 0.0)  # coordinates in the last panel from which the tail is continued
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,19 +43,23 @@ class PeakTable:
     """Stresses of a film over the half-lengths of a table of contacts."""
 
     table: Table
-    _tabled: dict[str, tuple[Net, Array]] = field(default_factory=dict, init=False, repr=False)
+    #: Pairs of panels that are added to a net at most.
+    outer: ClassVar[int] = _OUTER
+    _nets: dict[tuple[str, int], tuple[Net, Array]] = field(default_factory=dict, init=False, repr=False)
 
     def tabled(self, region: str) -> tuple[Net, Array]:
         """Net over a region, and Chebyshev coefficients in log h of its stresses; (node, stress, depth, x, cause)."""
-        if region not in self._tabled:
-            stack, upper = self.table.system.kernel.stack, self.table.upper
-            if region == "film" and DEPTH * upper >= stack.thickness:
-                raise RangeError(f"film peaks: contacts wider than {1 / DEPTH:g} thicknesses have no film under 0.1 h")
-            if region == "base" and stack.rigid:
-                raise StackError("base peaks: a rigid base has no stresses")
-            net: Net = getattr(Nets(stack, self.table.lower, upper), region)
-            self._tabled[region] = net, self._series(net, REGIONS[region].stresses)
-        return self._tabled[region]
+        stack, upper = self.table.system.kernel.stack, self.table.upper
+        if region == "film" and DEPTH * upper >= stack.thickness:
+            raise RangeError(f"film peaks: contacts wider than {1 / DEPTH:g} thicknesses have no film under 0.1 h")
+        if region == "base" and stack.rigid:
+            raise StackError("base peaks: a rigid base has no stresses")
+        return self._tabled(region, getattr(Nets(stack, self.table.lower, upper), region))
+
+    def _tabled(self, region: str, net: Net) -> tuple[Net, Array]:
+        if (region, net.outer) not in self._nets:
+            self._nets[region, net.outer] = net, self._series(net, REGIONS[region].stresses)
+        return self._nets[region, net.outer]
 
     def _series(self, net: Net, names: tuple[str, ...]) -> Array:
         lengths = self.table.half_lengths
@@ -61,67 +72,135 @@ class PeakTable:
 
     def peaks(self, contact: FilmContact, region: str) -> dict[str, Array]:
         """Peaks in a region of contacts read from the same table, by name; (case,) each. Raises as :meth:`tabled`."""
-        (net, series), h = self.tabled(region), contact.half_width
+        (net, _), h = self.tabled(region), contact.half_width
         parts = []
-        for places in np.split(np.arange(h.size), range(_CHUNK, h.size, _CHUNK)):
-            stresses = self.read(contact, series, slice(places[0], places[-1] + 1))
-            parts.append((places, largest(stresses, net, h[places], region)))
+        for cases in np.split(np.arange(h.size), range(_CHUNK, h.size, _CHUNK)):
+
+            def stresses_on(net: Net, block: slice = slice(cases[0], cases[-1] + 1)) -> Array:
+                return self.read(contact, self._tabled(region, net)[1], block)
+
+            parts.append((cases, largest(stresses_on, net, h[cases], region, self.outer)))
         return joined(parts, h.size)
 
     def curves(self, contact: FilmContact, region: str) -> dict[str, Array]:
         """Fields of a region of ``solver.curves`` of contacts read from the same table, by name; (case, point), SI.
 
-        They are what is searched by :meth:`peaks`, at fewer points in the bodies. Raises as :meth:`tabled`.
+        These are the stresses that :meth:`peaks` searches, at fewer points. Raises as :meth:`tabled`.
         """
-        here, (net, series) = REGIONS[region], self.tabled(region)
-        across, down = here.lines()
+        panels_of, (net, series) = REGIONS[region], self.tabled(region)
+        across, down = panels_of.lines()
         values = interpolation(net.down, down) @ self.read(contact, series) @ _along(net.across, across).T
-        stresses = here.panels.by_panel(values)
-        out = {f"{region}_{name}": stresses[:, k] for k, name in enumerate(here.stresses)}
-        if "position" in here.fields:
+        stresses = panels_of.panels.by_panel(values)
+        out = {f"{region}_{name}": stresses[:, k] for k, name in enumerate(panels_of.stresses)}
+        if "position" in panels_of.fields:
             out[f"{region}_position"] = net.positions(contact.half_width, across)
         return out
 
-    def read(self, contact: FilmContact, series: Array, some: slice = slice(None)) -> Array:
-        """What some contacts read from a series of this table; (case, ...).
+    def read(self, contact: FilmContact, series: Array, cases: slice = slice(None)) -> Array:
+        """Values of some contacts, read from a series of this table; (case, ...).
 
         series: (node, ..., cause), over the table's half-lengths.
         """
-        polynomials = self.table.polynomials(np.log(contact.half_width[some]))
-        weights = np.einsum("cn,cq->cnq", polynomials, contact.causes.values[some]).reshape(len(polynomials), -1)
+        polynomials = self.table.polynomials(np.log(contact.half_width[cases]))
+        weights = np.einsum("cn,cq->cnq", polynomials, contact.causes.values[cases]).reshape(len(polynomials), -1)
         flat = np.moveaxis(series, -1, 1).reshape(weights.shape[1], -1)
         return np.asarray((weights @ flat).reshape(-1, *series.shape[1:-1]))
 
 
-def largest(stresses: Array, net: Net, half_lengths: Array, region: str) -> dict[str, Array]:
-    """Peaks of stresses on the net of a region, by name; (case,) each, positions X = (x - c)/h, SI.
+@dataclass(frozen=True, eq=False)
+class Highest:
+    """Largest value of a measure of stresses, and its place; (case,) each."""
 
-    Principal stresses and tension are 0 where none is tensile, and the position of the tension is then NaN.
+    value: Array
+    position: Array  # X = (x - c)/h
+    down: Array  # Coordinate of the net in the depth
 
-    stresses: (case, stress, depth, x); half_lengths: (case,), in the unit of the net.
+
+def largest(
+    stresses_on: Callable[[Net], Array], net: Net, half_lengths: Array, region: str, outer: int
+) -> dict[str, Array]:
+    """Peaks in a region by name; (case,) each, positions X = (x - c)/h, SI.
+
+    Principal stresses and tension are 0 where none is tensile, and the position of the tension is then NaN. The
+    arguments are those of :func:`highest_stresses`.
     """
-    measured = ((stresses, SHEAR), (stresses[:, 1:], ITSELF))
-    if region != "interface":
-        measured = (stresses, VON_MISES), (stresses, PRINCIPAL)
-    first, second = (highest(fields, net.across, measure, _CLOSE) for fields, measure in measured)
+    measures = (SHEAR, _NORMAL) if region == "interface" else (VON_MISES, PRINCIPAL)
+    first, second = highest_stresses(stresses_on, net, half_lengths, measures, outer)
     tension = np.maximum(second.value, 0.0)
     if region != "interface":
         return dict(zip(PEAKS_OF[region], (first.value, tension), strict=True))
-    places = [
-        net.positions(half_lengths, (2.0 * top.panel - len(net.across) + 1 + top.across)[:, None])[:, 0]
-        for top in (first, second)
-    ]
-    values = (first.value, places[0], tension, np.where(second.value > 0, places[1], np.nan))
+    values = (first.value, first.position, tension, np.where(second.value > 0, second.position, np.nan))
     return dict(zip(PEAKS_OF[region], values, strict=True))
 
 
+def highest_stresses(
+    stresses_on: Callable[[Net], Array], net: Net, half_lengths: Array, measures: Sequence[Measure], outer: int
+) -> list[Highest]:
+    """Largest values of measures on a net, continued outward until a bound rules out larger ones beyond.
+
+    ``stresses_on`` returns the stresses on a net, (case, stress, depth, x); half_lengths: (case,), in the net's unit;
+    at most ``outer`` pairs of panels are added.
+    """
+    searched = [(net, stresses_on(net))]
+    negligible = _NEGLIGIBLE * np.max(np.abs(searched[0][1]), axis=(1, 2, 3))
+    summits = []
+    for measure in measures:
+        best = np.full((3, half_lengths.size), -np.inf)
+        for number in range(outer + 1):
+            if number == len(searched):
+                wider = searched[-1][0].outward()
+                searched.append((wider, stresses_on(wider)))
+            panels, stresses = searched[number]
+            top = highest(stresses, panels.across, measure, _CLOSE)
+            t = panels.coordinates(top.panel, top.across)
+            candidate = np.stack([top.value, panels.positions(half_lengths, t[:, None])[:, 0], top.down])
+            best = np.where(top.value > best[0], candidate, best)
+            if np.all(_bound_beyond(stresses, panels, half_lengths, measure) <= np.maximum(best[0], negligible)):
+                break
+        summits.append(Highest(*best))
+    return summits
+
+
+def _bound_beyond(stresses: Array, net: Net, half_lengths: Array, measure: Measure) -> Array:
+    """Bound on a measure beyond the ends of a net; (case,).
+
+    Far from the contact X times a stress is a series in 1/X. A parabola through three distances of the last panel
+    continues it to infinity; the difference to a line through two of them is the margin.
+    """
+    bounds = []
+    last = len(net.across) - 1
+    for side, panel in ((-1.0, 0), (1.0, last)):
+        local = side * np.array(_TAIL)
+        columns = slice(0, net.across[0]) if panel == 0 else slice(-net.across[-1], None)
+        values = stresses[..., columns] @ interpolation(net.across[panel], local).T
+        X = np.abs(net.positions(half_lengths, net.coordinates(np.full(local.size, panel), local)))
+        scaled, nearness = np.moveaxis(values * X[:, None, None], 1, -1), 1 / X  # (case, depth, distance, stress)
+        limit = _continued(scaled, nearness, 0.0)
+        margin = 2 * np.max(np.abs(limit - _continued(scaled[:, :, :2], nearness[:, :2], 0.0)), axis=-1)
+        tail = [measure.of(_continued(scaled, nearness, share)) for share in (0.0, 0.5, 1.0)]
+        bounds.append(np.max(np.max(tail, axis=0) + margin, axis=1) * nearness[:, 0])
+    return np.asarray(np.max(bounds, axis=0))
+
+
+def _continued(values: Array, nearness: Array, share: float) -> Array:
+    """The polynomial through values (case, depth, node, stress) at a share of the first node; (case, depth, stress).
+
+    nearness: (case, node), where the values are.
+    """
+    place, weights = share * nearness[:, 0], np.ones_like(nearness)
+    for i, j in np.ndindex(nearness.shape[1], nearness.shape[1]):
+        if i != j:
+            weights[:, i] *= (place - nearness[:, j]) / (nearness[:, i] - nearness[:, j])
+    return np.asarray(np.einsum("cdns,cn->cds", values, weights))
+
+
 def _along(counts: tuple[int, ...], places: Array) -> Array:
-    """From values at the points of panels across to those at places; a panel is 2 wide. (place, point)."""
-    whole = np.zeros((places.size, sum(counts)))
+    """Interpolation matrix from the points of panels across, each 2 wide, to places; (place, point)."""
+    matrix = np.zeros((places.size, sum(counts)))
     panel = np.clip(np.floor((places + len(counts)) / 2).astype(int), 0, len(counts) - 1)
     ends = np.cumsum((0, *counts))
     for number, count in enumerate(counts):
-        own = np.flatnonzero(panel == number)
-        local = places[own] + len(counts) - 1 - 2 * number
-        whole[own, ends[number] : ends[number + 1]] = interpolation(count, local)
-    return whole
+        rows = np.flatnonzero(panel == number)
+        local = places[rows] + len(counts) - 1 - 2 * number
+        matrix[rows, ends[number] : ends[number + 1]] = interpolation(count, local)
+    return matrix

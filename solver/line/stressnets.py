@@ -1,16 +1,19 @@
 """Nets of Chebyshev panels tied to the contact, over which the stresses of films are tabulated (film surrogates, 2).
 
-Five panels lie side by side: under the contact, beside its edges, and far, even in the logarithm of the distance from
-the edge. The far ones end where nothing larger can be: beyond, the film carries no bending, the base feels a line force
-and its stresses fall as 1/r. In the depth points are even in its logarithm. Panels have the points that 1e-7 at worst
-takes, less at the tops.
+Five panels lie side by side: under the contact, at its edges, and far from it, where points are even in the logarithm
+of the distance from the edge. Beyond them a base feels a line force, whose stresses fall as 1/r. They can still rise
+where a part that falls faster cancels them, so that :meth:`Net.outward` continues the net until the search has a bound
+on the rest (:mod:`solver.line.peaks`). Down, points are even in the logarithm of the depth. The number of points keeps
+the worst error of a panel's interpolant below 1e-7.
 """
 
 from dataclasses import dataclass, replace
+from typing import Self, overload
 
 import numpy as np
 
-from approximation.chebyshev import gauss_points
+from approximation.arrays import Indices
+from approximation.chebyshev import gauss_points, mapped_points
 from approximation.panels import line
 from solver.arrays import Array
 from solver.stack.layers import Stack
@@ -24,7 +27,8 @@ _BELOW = 1 + 1e-9  # of the thickness: the top of the base
 _BESIDE = 0.4  # width of the film's panels beside the edges, of the half-length
 _NEAR = 2.0  # the same on the interface and in the base, of the thickness
 _TAIL = 8.0  # how much farther the interface is searched: where its tension dies out its sign still changes
-_FARTHEST = 8.0  # thicknesses, or lengths over which a base bends a film that is stiffer
+_FARTHEST = 8.0  # half-lengths and thicknesses, or lengths over which a base bends a film that is stiffer
+_OUTWARD = 4.0  # ratio of the distances at which a panel outside the five ends and starts
 _ERROR = 1e-7  # of a panel's interpolant at its worst point
 _ANGLE = 1.1  # the largest that is reckoned with
 _FEWEST, _MOST = 12, 128  # points of a panel
@@ -37,7 +41,9 @@ class Net:
     # Width of the panels beside the edges: these shares of h and of the thickness together
     half_share: float
     thickness_share: float
-    farthest: float  # Distance from the edges at which the far panels end [m]
+    # Distance from the edges at which the far panels end: this share of h and this length [m]
+    far_share: float
+    far_length: float
     # Where fields are singular about an edge: the distance from a level line over its depth, and the angle
     rate: float
     angle: float
@@ -48,12 +54,15 @@ class Net:
     # Half-lengths [m]
     least: float
     most: float
+    outer: int = 0  # Number of the pair of panels outside the five; 0: the five
 
     @property
     def across(self) -> tuple[int, ...]:
         """Number of points of every panel across."""
+        if self.outer:
+            return (self._even(_OUTWARD),) * 2
         ends = (self.least, self.most)
-        far = max(self._even(self.farthest / self._near(h)) for h in ends)
+        far = max(self._even(self._far(h) / self._near(h)) for h in ends)
         beside = max(self._linear(self._near(h) / self._sharp(h)) for h in ends)
         return far, beside, max(self._linear(2 * h / self._sharp(h)) for h in ends), beside, far
 
@@ -65,9 +74,25 @@ class Net:
         ends = (self.least, self.most)
         return max(self._even(_at(self.bottom, h, self.thickness) / self._sharp(h)) for h in ends)
 
-    def _near(self, h: float) -> float:
-        """Width of the panels beside the edges [m]."""
+    def outward(self) -> Self:
+        """The pair of panels that continues this net to distances four times as large."""
+        return replace(self, outer=self.outer + 1)
+
+    @overload
+    def _near(self, h: float) -> float: ...
+    @overload
+    def _near(self, h: Array) -> Array: ...
+    def _near(self, h: float | Array) -> float | Array:
+        """Width of the panels at the edges [m]."""
         return self.half_share * h + self.thickness_share * self.thickness
+
+    @overload
+    def _far(self, h: float) -> float: ...
+    @overload
+    def _far(self, h: Array) -> Array: ...
+    def _far(self, h: float | Array) -> float | Array:
+        """Distance from the edges at which the far panels end [m]."""
+        return self.far_share * h + self.far_length
 
     def _sharp(self, h: float) -> float:
         """Least distance of the net from the edges [m]."""
@@ -84,14 +109,22 @@ class Net:
     def positions(self, half_lengths: Array, t: Array) -> Array:
         """X = (x - c)/h at coordinates along the surface; (case, point).
 
-        half_lengths: (case,), h [m]; t: (point,) or (case, point), in -5 to 5.
+        half_lengths: (case,), h [m]; t: (point,) or (case, point), in -5 to 5, and beyond of the panels outside.
         """
         h = half_lengths[:, None]
-        near = self.half_share * h + self.thickness_share * self.thickness
-        beside = np.clip((np.abs(t) - 1) / 2, 0.0, 1.0)
-        far = np.clip((np.abs(t) - 3) / 2, 0.0, 1.0)
-        away = near * beside * (self.farthest / near) ** far
-        return np.asarray(np.clip(t, -1.0, 1.0) + np.sign(t) * away / h)
+        near, far, size = self._near(h), self._far(h), np.abs(t)
+        linear, even = (np.clip((size - start) / 2, 0.0, 1.0) for start in (1, 3))
+        distance = near * linear * (far / near) ** even * _OUTWARD ** np.maximum((size - 5) / 2, 0.0)
+        return np.asarray(np.clip(t, -1.0, 1.0) + np.sign(t) * distance / h)
+
+    def coordinates(self, panel: Indices, local: Array) -> Array:
+        """Coordinates t of points in panels, numbered from the left; (point,).
+
+        local: (point,), in -1 to 1.
+        """
+        if self.outer:
+            return np.where(panel == 0, -1.0, 1.0) * (4 + 2 * self.outer) + local
+        return 2.0 * panel - 4 + local
 
     def depths(self, half_lengths: Array) -> Array:
         """-y/h of the points down; (case, point)."""
@@ -105,6 +138,9 @@ class Net:
     @property
     def line(self) -> Array:
         """Coordinates t of the points across."""
+        if self.outer:
+            start, end = 3.0 + 2 * self.outer, 5.0 + 2 * self.outer
+            return np.concatenate([mapped_points(self.across[0], *ends) for ends in ((-end, -start), (start, end))])
         return line(self.across, ENDS)
 
 
@@ -119,7 +155,8 @@ class Nets:
     @property
     def interface(self) -> Net:
         """Points on the upper side of the lowest interface."""
-        return replace(self._net((0.0, _NEAR), (0.0, 1.0), (0.0, 1.0)), farthest=_TAIL * _farthest(self.stack))
+        net = self._net((0.0, _NEAR), (0.0, 1.0), (0.0, 1.0))
+        return replace(net, far_length=_TAIL * net.far_length)
 
     @property
     def film(self) -> Net:
@@ -133,20 +170,21 @@ class Nets:
 
     def _net(self, near: tuple[float, float], top: tuple[float, float], bottom: tuple[float, float]) -> Net:
         stack = self.stack
-        return Net(*near, _farthest(stack), *singular(stack), top, bottom, stack.thickness, self.least, self.most)
+        far = _FARTHEST, _bending_length(stack) * _FARTHEST
+        return Net(*near, *far, *singular(stack), top, bottom, stack.thickness, self.least, self.most)
 
 
 def of_whole(stack: Stack, half: float, bottom: float, farthest: float) -> Net:
     """Points of one body, layers alike, below depth 0.1 h."""
     ends = (DEPTH, 0.0), (bottom, 0.0)
-    return Net(_BESIDE, 0.0, farthest * half, *singular(stack), *ends, stack.thickness, half, half)
+    return Net(_BESIDE, 0.0, farthest, 0.0, *singular(stack), *ends, stack.thickness, half, half)
 
 
-def _farthest(stack: Stack) -> float:
-    """Distance [m] from the edges beyond which nothing is larger: a stiff film bends a soft base over cube roots."""
+def _bending_length(stack: Stack) -> float:
+    """Length [m] over which a soft base bends a stiff film, or the thickness if the base is stiffer."""
     stiffness = max(float(layer.material.c11) for layer in stack.layers)
     base = stiffness if isinstance(stack.base, str) else float(stack.base.c11)
-    return float(_FARTHEST * stack.thickness * np.cbrt(max(1.0, stiffness / base)))
+    return float(stack.thickness * np.cbrt(max(1.0, stiffness / base)))
 
 
 def singular(stack: Stack) -> tuple[float, float]:

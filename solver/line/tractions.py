@@ -18,8 +18,10 @@ from solver.line.system import System
 from solver.line.table import BATCH, Table
 from solver.line.transforms import Transforms
 from solver.stack.layers import Stack
-from solver.stack.wavenumbers import wavenumbers
+from solver.stack.wavenumbers import tapered
 
+_FAR = 8.0  # thicknesses from which fields are far, where a smooth end of the wavenumbers costs less than rounding
+_SPAN = 32.0  # ratio of the distances that share wavenumbers
 _MOST = 1 << 20  # entries of a block of exponentials: bounded memory
 
 
@@ -59,9 +61,19 @@ class Tractions:
         """Some of the members."""
         return selected(self, members, "half_lengths", "pressures", "charges")
 
-    def wavenumbers(self, body: Stack, reach: float, width: float) -> tuple[Array, Array]:
-        """Nodes and weights in k of what decays like exp(-width k) in a body; (k,) each."""
-        return wavenumbers(body, reach, width)
+    def wavenumbers(self, body: Stack, nearest: float, reach: float, width: float) -> tuple[Array, Array]:
+        """Nodes and weights in k of fields in a body that decay like exp(-width k); (k,) each.
+
+        The fields are read at distances from ``nearest`` to ``reach`` from the edges [m].
+        """
+        k, weights, taper = tapered(body, width, np.array([nearest, reach]), _FAR)
+        return k, weights * taper
+
+    def by_distance(self, body: Stack, X: Array) -> list[NDArray[np.intp]]:
+        """Columns of positions X (member or 1, x) that share wavenumbers: far from the contact short waves vanish."""
+        nearest = np.min(np.abs(X) * self.half_lengths[:, None], axis=0) - self.longest
+        octave = np.floor(np.log(np.maximum(nearest / (_FAR * body.thickness), 1 / _SPAN)) / np.log(_SPAN))
+        return [np.flatnonzero(octave == number) for number in np.unique(octave)]
 
     def _vector(self, normal: ComplexArray, fields: Sequence[ComplexArray]) -> list[ComplexArray]:
         """(sigma_xy, sigma_yy, D_y, B_y) from sigma_yy and the terms of D_y and B_y."""

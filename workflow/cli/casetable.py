@@ -1,11 +1,10 @@
 """Tables of cases that people write: CSV with a header of factor names, read in bounded memory and time."""
 
 import csv
-import re
 from array import array
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TextIO
@@ -15,18 +14,16 @@ from numpy.typing import NDArray
 
 from solver import units
 from solver.names import CHOICES, MATERIALS
-from storage.files import regular
-from workflow.language.factors import FACTORS
+from workflow.cli.textfile import LONGEST_CELL, Sheet, heading, is_number, is_unit, missing, refused, sheet, with_point
+from workflow.language.factors import FACTORS, own_kind
+from workflow.language.given import UnitlessError, check_bare
 from workflow.language.renamed import renamed
-from workflow.language.spelling import nearest
+from workflow.language.spelling import suggested
 from workflow.study.reading import InputError, number
 
 _LARGEST = 1 << 28  # bytes
 _MOST_CASES = 1_000_000
 _MOST_LINES = 4 * _MOST_CASES  # blank ones among them
-_LONGEST_ROW = 1 << 16  # characters
-_NAME = re.compile(r"(?P<name>\w+)\s*\[(?P<unit>[^\[\]]*)\]")
-_LONGEST_CELL = 200  # characters; a name or a number has a tenth of that
 
 #: Factors whose values are names.
 TEXT_FACTORS = (*MATERIALS, *CHOICES)
@@ -41,7 +38,8 @@ class Table:
     # One array a factor, one entry a case: numbers as float64, NaN where the cell is empty; names as objects, None
     # where the cell is empty
     columns: dict[str, NDArray[Any]]
-    lines: NDArray[np.int64]  # Line of the file that each case stands on; none of what was not read from a file
+    lines: NDArray[np.int64]  # line of the file that each case stands on; none of what was not read from a file
+    bare: frozenset[str] = frozenset()  # columns with a number that has no unit
 
     def at(self, row: int) -> str:
         """Where a case stands, for messages."""
@@ -65,127 +63,192 @@ class Table:
         return column
 
 
-def read_cases(path: Path, more: Mapping[str, str] = MappingProxyType({})) -> Table:
+def read_cases(path: Path, measured: Mapping[str, str] = MappingProxyType({})) -> Table:
     """Read a table of cases: a header of factor names, then one row a case; a cell may be empty.
 
-    A number may have its unit behind it, as ``20 um``, or its column has it, as ``thickness [um]``;
-    the table holds SI units. What begins with # is
-    a remark.
+    A number may have its unit behind it, as ``20 um``, or its column has it, as ``thickness [um]`` or in a row of units
+    below the header; the table holds SI units. A row that begins with # is a remark. ``measured`` has further columns
+    of numbers with their units.
     """
     try:
-        if regular(path).stat().st_size > _LARGEST:
-            raise InputError(f"{path}: larger than {_LARGEST} bytes")
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            return _read(path, file, more)
+        file = sheet(path, _LARGEST)
+        with file.open() as text:
+            return _Reader(file, measured).table(text)
     except OSError as error:
         raise InputError(f"{path}: {error.strerror or error}") from None
     except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: not a CSV table in UTF-8: {error}") from None
+        raise InputError(f"{path}: not a CSV table in {file.encoding}: {error}") from None
 
 
-def _read(path: Path, file: TextIO, more: Mapping[str, str]) -> Table:
-    rows = _rows(path, file)
-    _, first = next(rows, (0, []))
-    scales = _header(path, first, more)
-    header = list(scales)
-    numbers: dict[str, array[float]] = {name: array("d") for name in header if name not in TEXT_FACTORS}
-    texts: dict[str, list[str | None]] = {name: [] for name in header if name in TEXT_FACTORS}
-    lines = array("q")
-    known: dict[str, str | None] = {"": None}  # every name is kept once, however often it occurs
-    for line, row in rows:
-        if len(lines) == _MOST_CASES:
-            raise InputError(f"{path}: line {line}: more than {_MOST_CASES} cases; split the table")
-        if len(row) != len(header):
-            raise InputError(f"{path}: line {line}: {len(row)} cells, the header has {len(header)}")
-        for name, cell in zip(header, row, strict=True):
-            text = cell.strip()
-            if len(text) > _LONGEST_CELL:
-                shown = f"{text[:20]}..."
-                raise InputError(f"{path}: line {line}: {name}: {shown!r} has more than {_LONGEST_CELL} characters")
-            if name in numbers:
-                numbers[name].append(_number(path, line, name, text, more, scales[name]))
-            else:
-                if text and text not in (allowed := CHOICES.get(name, (text,))):
-                    raise InputError(f"{path}: line {line}: {name}: {text!r} is not one of {', '.join(allowed)}")
-                texts[name].append(known.setdefault(text, text))
-        lines.append(line)
-    if not lines:
-        raise InputError(f"{path}: needs a header of factor names and at least one case")
-    columns: dict[str, NDArray[Any]] = {name: np.frombuffer(values) for name, values in numbers.items()}
-    columns |= {name: np.array(cells, dtype=object) for name, cells in texts.items()}
-    return Table(str(path), {name: columns[name] for name in header}, np.frombuffer(lines, dtype=np.int64))
+@dataclass(frozen=True)
+class _Reader:
+    """A table's file, and the columns of numbers that it may have beside factors."""
 
+    sheet: Sheet
+    measured: Mapping[str, str]  # units by name
 
-def _rows(path: Path, file: TextIO) -> Iterator[tuple[int, list[str]]]:
-    """Rows that are neither blank nor begin with #, with their last lines; one too long is never held."""
-    read = 0
+    @property
+    def known(self) -> tuple[str, ...]:
+        """Names of the columns that a table may have, but for own names of layers."""
+        return (*_COLUMNS, *self.measured)
 
-    def pieces() -> Iterator[str]:
-        nonlocal read
-        while piece := file.readline(_LONGEST_ROW + 1):
-            read += len(piece)
-            if read > _LONGEST_ROW:
-                raise InputError(f"{path}: line {reader.line_num + 1}: longer than {_LONGEST_ROW} characters")
-            yield piece
+    def table(self, file: TextIO) -> Table:
+        """The table of a file."""
+        path = self.sheet.path
+        rows = self.sheet.rows(file, _MOST_LINES)
+        units_of_columns = self.header(next(rows, (0, [""]))[1], rows)
+        header = list(units_of_columns)
+        second = next(rows, None)
+        if second and (behind := self.units_row(header, second[1])):
+            units_of_columns |= {name: unit for name, unit in behind.items() if units_of_columns[name] is None}
+            second = next(rows, None)
+        if second is None:
+            raise InputError(f"{path}: needs a header of factor names and at least one case")
+        scales = {name: 1.0 if unit is None else self.scale(name, unit) for name, unit in units_of_columns.items()}
+        columns: dict[str, array[float]] = {name: array("d") for name in header if name not in TEXT_FACTORS}
+        texts: dict[str, list[str | None]] = {name: [] for name in header if name in TEXT_FACTORS}
+        lines = array("q")
+        names: dict[str, str | None] = {"": None}  # every name is stored once, however often it occurs
+        bare: set[str] = set()
+        for line, row in chain([second], rows):
+            where = f"{path}: line {line}"
+            if len(lines) == _MOST_CASES:
+                raise InputError(f"{where}: more than {_MOST_CASES} cases; split the table")
+            if len(row) > len(header) and not any(map(str.strip, row[len(header) :])):
+                row = row[: len(header)]
+            if len(row) != len(header):
+                raise InputError(f"{where}: {len(row)} cells, the header has {len(header)}{self.hint(row)}")
+            for name, cell in zip(header, row, strict=True):
+                text = cell.strip()
+                if len(text) > LONGEST_CELL:
+                    shown = f"{text[:20]}..."
+                    raise InputError(f"{where}: {name}: {shown!r} has more than {LONGEST_CELL} characters")
+                if name in columns:
+                    columns[name].append(self.number(where, name, text, scales[name], units_of_columns[name], bare))
+                else:
+                    texts[name].append(names.setdefault(text, self.name(where, name, text)))
+            lines.append(line)
+        arrays: dict[str, NDArray[Any]] = {name: np.frombuffer(values) for name, values in columns.items()}
+        arrays |= {name: np.array(cells, dtype=object) for name, cells in texts.items()}
+        return Table(
+            str(path),
+            {name: arrays[name] for name in header},
+            np.frombuffer(lines, dtype=np.int64),
+            frozenset(bare),
+        )
 
-    reader = csv.reader(pieces(), strict=True)
-    for row in islice(reader, _MOST_LINES):
-        read = 0
-        if row and not row[0].startswith("#"):
-            yield reader.line_num, row
-    if next(reader, None) is not None:
-        raise InputError(f"{path}: more than {_MOST_LINES} lines")
+    def header(self, row: list[str], rows: Iterator[tuple[int, list[str]]]) -> dict[str, str | None]:
+        """Names of the columns, and the unit that the header says of each."""
+        path, known = self.sheet.path, self.known
+        columns: dict[str, str | None] = {}
+        last = max((place for place, cell in enumerate(row) if cell.strip()), default=0)
+        row = row[: last + 1]  # without separators at the end of the line
+        if row and all(is_number(cell) for cell in row if cell.strip()) and any(map(str.strip, row)):
+            raise InputError(f"{path}: has no header; the first row must name the columns, as 'radius [mm],force [N]'")
+        for cell in row[: len(known) + 1]:  # one of them is unknown or occurs twice
+            shown = " ".join(cell.split())[:LONGEST_CELL]
+            name, unit = heading(shown, known)
+            name = renamed(name, known)
+            if name not in known and own_kind(name) is None:
+                raise InputError(f"{path}: column {shown!r}: {self.unknown(cell, name, unit, rows)}")
+            if name in columns:
+                raise InputError(f"{path}: column {name!r}: given twice")
+            if unit is not None and name in TEXT_FACTORS:
+                raise InputError(f"{path}: column {name!r}: holds names, which have no unit")
+            columns[name] = unit or None
+            if unit:
+                self.scale(name, unit)
+        return columns
 
+    def unknown(self, cell: str, name: str, unit: str | None, rows: Iterator[tuple[int, list[str]]]) -> str:
+        """Reason for which a column's heading cannot be read, with what was probably meant."""
+        if not cell.strip() and not any(True for _ in islice(rows, 1)):
+            return "is empty: needs a header of factor names and at least one case"
+        marks = [mark for mark in ("|", ";", "\t", "  ") if mark in cell.strip()]
+        if marks:
+            return f"separator: columns are separated by {marks[0]!r}; use commas, semicolons or tabs"
+        for line, row in islice(rows, 20):
+            if len(row) > 1 and all(heading(cell, self.known)[0] in self.known for cell in row):
+                return f"is no heading; the header is line {line}: begin the lines above it with #, or remove them"
+        kind = "column" if self.measured else "factor"
+        if near := suggested(name.casefold(), self.known):
+            return f"unknown {kind}; did you mean {near + (f' [{unit}]' if unit else '')!r}?"
+        return f"unknown {kind}; all names: meecontact list factors"
 
-def _header(path: Path, row: list[str], more: Mapping[str, str]) -> dict[str, float]:
-    """Names of the columns, and what SI units their numbers have to be multiplied by."""
-    scales: dict[str, float] = {}
-    known = (*_COLUMNS, *more)
-    for cell in row[: len(known) + 1]:  # one of them is unknown or stands there twice
-        shown = cell.strip()[:_LONGEST_CELL]
-        match = _NAME.fullmatch(shown)
-        name, unit = (match["name"], match["unit"]) if match else (shown, None)
-        name = renamed(name, known)
-        if name not in known and name not in FACTORS:
-            kind = "column" if more else "factor"
-            raise InputError(f"{path}: column {shown!r}: unknown {kind}; {nearest(name, list(known))}")
-        if name in scales:
-            raise InputError(f"{path}: column {name!r}: given twice")
-        scales[name] = 1.0 if unit is None else _scale(path, name, unit, more)
-    return scales
+    def units_row(self, header: list[str], row: list[str]) -> dict[str, str]:
+        """Units by column, where a row below the header has nothing else."""
+        units_of_columns = {}
+        for name, cell in zip(header, row, strict=False):
+            text = cell.strip().strip("[]()").strip()
+            if not text or text in ("-", "\u2013", "1"):
+                continue
+            if name in TEXT_FACTORS or not is_unit(text):
+                return {}
+            units_of_columns[name] = text
+        return units_of_columns
 
+    def units_of(self, name: str) -> str:
+        """SI units of a column of numbers."""
+        return self.measured.get(name) or FACTORS[name].units
 
-def _scale(path: Path, name: str, unit: str, more: Mapping[str, str]) -> float:
-    if name in TEXT_FACTORS:
-        raise InputError(f"{path}: column {name!r}: holds names, which have no unit")
-    own = more.get(name) or FACTORS[name].units
-    try:
-        parsed = units.parse(unit)
-    except ValueError as error:
-        raise InputError(f"{path}: column {name!r}: {error}") from None
-    if not parsed.fits(units.parse(own)):
-        raise InputError(f"{path}: column {name!r}: unit mismatch: {unit!r} does not measure what {own!r} measures")
-    return parsed.scale
+    def scale(self, name: str, unit: str) -> float:
+        """The factor that takes numbers of a column to SI units."""
+        path = self.sheet.path
+        try:
+            parsed = units.parse(unit)
+        except ValueError as error:
+            raise InputError(f"{path}: column {name!r}: {error}") from None
+        if not parsed.fits(units.parse(self.units_of(name))):
+            said = f"{unit!r} does not measure what {self.units_of(name)!r} measures"
+            raise InputError(f"{path}: column {name!r}: unit mismatch: {said}")
+        return parsed.scale
 
+    def number(self, where: str, name: str, text: str, scale: float, unit: str | None, bare: set[str]) -> float:
+        """A cell of numbers in SI units; NaN where it is empty."""
+        if not text:
+            return np.nan
+        allowed = f"a finite number [{self.measured[name]}]" if name in self.measured else FACTORS[name].allowed
+        if reason := refused(text):
+            raise InputError(f"{where}: {name}: {reason}")
+        try:
+            text = with_point(text, self.sheet.separator)
+        except ValueError as error:
+            raise InputError(f"{where}: {name}: {error}") from None
+        try:
+            value = number(text)
+            if unit is None and value:
+                bare.add(name)
+                check_bare(name, value)
+            value = value if scale == 1 else units.scaled(units.plain(text), scale)
+        except UnitlessError as error:
+            raise InputError(f"{where}: {name}: {error}") from None
+        except ValueError:
+            value = self.with_unit(where, name, text, allowed)
+        if not np.isfinite(value):
+            raise InputError(f"{where}: {name}: {value:g} is not {allowed}")
+        return value
 
-def _number(path: Path, line: int, name: str, text: str, more: Mapping[str, str], scale: float) -> float:
-    if not text:
-        return np.nan
-    allowed = f"a finite number [{more[name]}]" if name in more else FACTORS[name].allowed
-    try:
-        value = number(text)
-        value = value if scale == 1 else units.scaled(text, scale)
-    except ValueError:
-        value = _with_unit(path, line, name, text, more.get(name) or FACTORS[name].units, allowed)
-    if not np.isfinite(value):
-        raise InputError(f"{path}: line {line}: {name}: {value:g} is not {allowed}")
-    return value
+    def with_unit(self, where: str, name: str, text: str, allowed: str) -> float:
+        """A cell that has its own unit, whatever the column's."""
+        try:
+            return units.in_si(text, self.units_of(name))
+        except ValueError as error:
+            wrong = str(error) if "mismatch" in str(error) else f"{text!r} is not {allowed}"
+            raise InputError(f"{where}: {name}: {wrong}") from None
 
+    def name(self, where: str, name: str, text: str) -> str | None:
+        """A cell of names; None where it is empty."""
+        if not text:
+            return None
+        if text not in (allowed := CHOICES.get(name, (text,))) or (name in MATERIALS and missing(text)):
+            reason = "stands for a missing value; leave the cell empty"
+            if not missing(text):
+                reason = f"is not one of {', '.join(allowed)}"
+            raise InputError(f"{where}: {name}: {text!r} {reason}")
+        return text
 
-def _with_unit(path: Path, line: int, name: str, text: str, own: str, allowed: str) -> float:
-    """A cell that bears its own unit, whatever the column's."""
-    try:
-        return units.in_si(text, own)
-    except ValueError as error:
-        wrong = str(error) if "mismatch" in str(error) else f"{text!r} is not {allowed}"
-        raise InputError(f"{path}: line {line}: {name}: {wrong}") from None
+    def hint(self, row: list[str]) -> str:
+        """Probable cause of a row of other length than the header's."""
+        if self.sheet.separator == "," and len(row) > 1:
+            return "; a decimal comma? then separate columns by semicolons or tabs"
+        return f" (columns are separated by {self.sheet.separators})"

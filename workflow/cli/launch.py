@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from workflow.cli import progress
-from workflow.design.told import unreached
+from workflow.design.wording import unreached
 from workflow.language.spelling import nearest
 from workflow.study import configuration, location, partition
 from workflow.study import model as studies
@@ -46,7 +46,7 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
     if status == 0:
         folder = Path(report).parent
         _check_origin(study, folder / "provenance.json")
-        from workflow.design.told import table  # scikit-learn stands behind it, for which the start should not wait
+        from workflow.design.wording import table  # scikit-learn stands behind it, for which the start should not wait
 
         for line in [*table.outcome(folder, list(study.design)), *unreached.lines(folder / "design.nc")]:
             print(line)

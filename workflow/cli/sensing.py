@@ -5,25 +5,31 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from pydantic import ValidationError
 
+from approximation.arrays import Array, Indices
+from solver import solve
 from solver.body import Kind, kind_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.materials import material_of
 from solver.names import FACTORS
-from storage.files import output, write_text
+from storage.files import output, writing
 from workflow.cli.casetable import TEXT_FACTORS, read_cases
+from workflow.cli.forcehistory import MOST_ROWS, ForceFile, read_history
 from workflow.cli.words import named, quantity, say, written_as
 from workflow.device.circuit import Circuit
-from workflow.device.contact import Contact, film
+from workflow.device.contact import ContactCurves, film
 from workflow.device.signal import DROP, Figures, History, Signal, read
+from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.numbers import shown
 from workflow.study.device import Amplifier, Device
 from workflow.study.messages import first_problem
 from workflow.study.reading import InputError, number, read_material
 
-_MOST_ROWS = 2000  # each is an integration of its own
+_MOST_WRITTEN = 1_000_000  # rows of a table of the signal
+_WRITTEN_TOGETHER = 2**16  # rows
 _MOST_PARTS = 1000
 _ROUGH = 1e-6  # of curves that are told to be rough
 
@@ -33,14 +39,16 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
     command = commands.add_parser(
         "signal",
         help="a history of forces to charge, voltage and amplifier output in time",
-        description="Columns of HISTORY.csv: time [s] and force [N], or load [N m-1] of a line contact; forces are "
-        "linear between the rows. The circuit begins without voltage. docs/signal.md has the circuit and its signs.",
+        description="HISTORY is a text file with columns of time and force, in units that its header says; a line "
+        "contact may have a load [N/m]. Titles, remarks and other columns are skipped. The force is linear between "
+        "the rows. The circuit begins without voltage. docs/signal.md has the circuit and its signs.",
     )
     command.add_argument("history", type=Path, metavar="HISTORY.csv")
     command.add_argument("--on", required=True, metavar="CASE.csv | NAME=VALUE,...", help="the contact, without force")
     command.add_argument(
         "--device", required=True, metavar="NAME=VALUE,...", help="'input_capacitance=10 pF,input_resistance=1 GOhm'"
     )
+    command.add_argument("--scale", metavar="'NUMBER N/V'", help="force of a volt, for a force recorded as a voltage")
     command.add_argument("--temperature", default="293.15", metavar="K", help="of the circuit; default: 293.15")
     command.add_argument("--parts", type=int, default=1, help="into which every interval of the history is divided")
     command.add_argument("-o", "--output", type=written_as(csv="CSV"), required=True, metavar="OUT.csv")
@@ -61,22 +69,31 @@ def signal(options: argparse.Namespace) -> None:
     kind = kind_of([*case], case.get("profile", "cylinder"))
     numbers = _device(options.device, kind)
     length = numbers.get("electrode_length", 1.0)
-    history = _history(options.history, kind, length)
+    file = read_history(options.history, line=kind.contact == "line", scale=options.scale)
+    for remark in file.remarks:
+        say(f"{options.history}: {remark}")
+    history = History(file.history.times, file.history.forces * (length if file.per_metre else 1.0))
+    if len(history.times) * options.parts > MOST_ROWS:
+        raise InputError(f"--parts: {options.parts} of {len(history.times)} rows are more than {MOST_ROWS} times")
     most = float(history.forces.max())
     material = material_of(Cases(checked({**case, kind.loads.force: most}), own, ("BaTiO3", "CoFe2O4")))
+    if file.bare:
+        _check_unit(options.history, file, most, solve({**case, kind.loads.force: most / length}, materials=own))
     body = film(case, material) if "collector" in case and "thickness" in case else None
-    contact = Contact.of(case, most, length=length, materials=own, body=body)
+    contact = ContactCurves.from_case(case, most, length=length, materials=own, body=body)
     if contact.roughness > _ROUGH:
         say(f"the contact's curves are not smooth over these forces: they are met to {contact.roughness:.1g} only")
     try:
         circuit = Circuit.of(numbers, material)
     except ValueError as error:
         raise InputError(f"--device: {error}") from None
-    history = history.finer(options.parts)
+    history = history.divided(options.parts)
     reading = read(history, contact, circuit)
-    _write(path, history, reading)
+    written = _write(path, history, reading)
     print("\n".join(_figures(history, reading, contact, circuit, temperature)))
-    say(f"wrote {path}: {len(history.times)} times")
+    count = len(history.times)
+    thinned = "" if written == count else f" of {count}: in groups, the first and the extremes of force and voltage"
+    say(f"wrote {path}: {written} times{thinned}")
 
 
 def _positive(where: str, text: str) -> float:
@@ -127,55 +144,59 @@ def _plain(text: str) -> float | str:
         return text
 
 
-def _history(path: Path, kind: Kind, length: float) -> History:
-    """Times and forces of a table."""
-    table = read_cases(path, {"time": "s"})
-    names = ["force", *(["load"] if kind.contact == "line" else [])]
-    column = next((name for name in names if name in table.columns), names[0])
-    needs = f"a history has time [s] and {' or '.join(names)}"
-    times, forces = (table.numbers(name, needs) for name in ("time", column))
-    for name in table.columns:
-        if name not in ("time", column):
-            raise InputError(f"{path}: {name}: {needs} alone")
-    if not 1 < len(times) <= _MOST_ROWS:
-        raise InputError(f"{path}: {len(times)} rows; a history has 2 to {_MOST_ROWS}")
-    back = np.diff(times) <= 0
-    if back.any():
-        row = int(back.argmax()) + 1
-        raise InputError(f"{table.at(row)}: time: {times[row]:g} is not after {times[row - 1]:g}; time runs forwards")
-    if (forces < 0).any():
-        row = int((forces < 0).argmax())
-        raise InputError(
-            f"{table.at(row)}: {column}: {forces[row]:g} is not a finite number >= 0 [{FACTORS[column].units}]"
-        )
-    if not forces.any():
-        raise InputError(f"{path}: {column}: is 0 all the time; nothing presses")
-    return History(times, forces * (length if column == "load" else 1.0))
+def _check_unit(path: Path, file: ForceFile, most: float, solved: xr.Dataset) -> None:
+    """Refuse a bare force whose contact would be destroyed: it has probably lost its unit."""
+    peak = float(solved["peak_pressure"].values.max()) if "peak_pressure" in solved else 0.0
+    if file.bare and DESTROYED < peak < np.inf:
+        raise InputError(f"{path}: {file.column}: {lost_unit(most, 'N', peak)}")
 
 
-def _write(path: Path, history: History, reading: Signal) -> None:
+def _write(path: Path, history: History, reading: Signal) -> int:
+    """Write a signal as a table, thinned to the extremes of groups of rows where it is long; number of its rows."""
     columns = [history.times, history.forces, reading.charge, reading.voltage, reading.output]
-    rows = (",".join(map(repr, row)) for row in np.stack(columns, 1).tolist())
-    write_text(path, "\n".join(["time [s],force [N],charge [C],voltage [V],output [V]", *rows]) + "\n")
+    rows = _drawn_rows(reading.voltage, history.forces)
+    with writing(path) as file:
+        file.write(b"time [s],force [N],charge [C],voltage [V],output [V]\n")
+        for first in range(0, len(rows), _WRITTEN_TOGETHER):
+            block = rows[first : first + _WRITTEN_TOGETHER]
+            lines = (",".join(map(repr, row)) for row in np.stack([column[block] for column in columns], 1).tolist())
+            file.write(("\n".join(lines) + "\n").encode())
+    return len(rows)
 
 
-def _figures(history: History, reading: Signal, contact: Contact, circuit: Circuit, temperature: float) -> list[str]:
+def _drawn_rows(voltage: Array, forces: Array) -> Indices:
+    """Rows that are written: all, or of groups of equal length the first one and those of extreme voltage and force."""
+    count = len(voltage)
+    if count <= _MOST_WRITTEN:
+        return np.arange(count)
+    length = -(-5 * count // _MOST_WRITTEN)
+    begins = np.arange(0, count - count % length, length)
+    rows = [begins, np.arange(count - count % length, count)]
+    for values in (voltage, forces):
+        groups = values[: len(begins) * length].reshape(-1, length)
+        rows += [begins + groups.argmin(axis=1), begins + groups.argmax(axis=1)]
+    return np.unique(np.concatenate(rows))
+
+
+def _figures(
+    history: History, reading: Signal, contact: ContactCurves, circuit: Circuit, temperature: float
+) -> list[str]:
     """What is told of a signal."""
-    told = Figures.of(contact, circuit, temperature)
-    noise, at_output, as_force = told.noise
+    figures = Figures.of_contact(contact, circuit, temperature)
+    noise, at_output, as_force = figures.noise
     constant = "is held: nothing leaks"
-    if np.isfinite(told.lasting):
+    if np.isfinite(figures.time_constant):
         constant = (
-            f"decays with the time constant {shown(told.lasting, 's', 3)}: {shown(told.drop(DROP), '%', 3)} less after "
-            f"{DROP:g} s"
+            f"decays with the time constant {shown(figures.time_constant, 's', 3)}: "
+            f"{shown(figures.drop(DROP), '%', 3)} less after {DROP:g} s"
         )
     return [
         f"{name}: {shown(float(values[place]), 'V', 3)} at {shown(float(history.times[place]), 's', 3)}"
         for name, values in (("peak voltage of the punch", reading.voltage), ("peak output", reading.output))
         for place in [int(np.abs(values).argmax())]
     ] + [
-        f"contact at {shown(contact.most, 'N', 3)}: {shown(told.charge, 'C', 3)} at zero volts, "
-        f"{shown(told.capacitance, 'F', 3)}",
+        f"contact at {shown(contact.largest_force, 'N', 3)}: {shown(figures.charge, 'C', 3)} at zero volts, "
+        f"{shown(figures.capacitance, 'F', 3)}",
         f"a constant force {constant}",
         f"noise floor: {shown(noise, 'C', 3)}, {shown(at_output, 'V', 3)} at the output, {shown(as_force, 'N', 3)}",
     ]

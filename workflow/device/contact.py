@@ -1,48 +1,53 @@
-"""What a contact gives to a circuit by its force: charge at zero volts, and capacitance, from the exact solver.
+"""Charge at zero volts and capacitance of a contact as functions of its force, from the exact solver.
 
 The charge is that of the punch, or of a patch of an electrode below it where the case has a ``collector``.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
 import xarray as xr
+from numpy.polynomial.chebyshev import chebder, chebval
 
 from approximation.arrays import Array
-from approximation.chebyshev import coefficients, gauss_points, polynomials, slopes
+from approximation.chebyshev import coefficients, gauss_points
 from solver import FactorError, Layer, Material, Stack, solve
-from solver.body import Kind, kind_of
-from solver.names import BODY
+from solver.body import Kind, around, kind_of
+from solver.names import AIR, BODY
 from solver.stack.electrodes import Electrode
 
-_COUNT = 33  # points in the logarithm of the force: 1e-11 of smooth curves
-_SPAN = 1e4  # from the least force of the curves to the largest
+_COUNT = 21  # Chebyshev points in the logarithm of the force: smooth curves are met to 1e-10
+_CONSTANT = 1e-6  # power below which a capacitance does not depend on the force, as that of a flat punch
+_SPAN = 1e4  # largest force over the smallest one that is solved
 
 
 @dataclass(frozen=True, eq=False)
-class Contact:
+class ContactCurves:
     """Charge Q(P) at zero volts and capacitance C(P) of a contact: its charge is Q(P) + C(P) V at a voltage V.
 
-    Both are polynomials in log P through the solver's values at Chebyshev points, over four decades. Below them both go
-    with P.
+    Both are polynomials in log P through the solver's values at Chebyshev points, over four decades. Below them Q goes
+    with P. C goes as C0 + k P^s: k and s continue value and slope, and C0 is the limit of a contact that only touches.
+    C0 is 0 where nothing but the contact conducts, and that of the air beside the contact elsewhere.
 
-    C is what takes the charge Q, at P, from zero volts to the open circuit: -Q over the open-circuit voltage. So the
-    charge is exact at zero volts and at zero charge; between, it is so where the contact does not widen by the voltage,
-    as on half-spaces. On films the capacitance of a contact held fixed differs from it by about one percent. That of a
-    patch is that of plates, whatever presses: its edges, and other patches, are left out.
+    C takes the charge Q, at P, from zero volts to the open circuit: -Q over the open-circuit voltage. So the charge is
+    exact at zero volts and at zero charge. Between them it is exact where the voltage does not widen the contact, as
+    on half-spaces. On films the capacitance of a contact held fixed differs from it by about one percent. A patch has
+    the capacitance of plates: its edges and other patches are left out.
     """
 
-    most: float  # The largest force [N]
-    curves: Array  # Coefficients of Q/P [C/N] and of log C [F]; (2, point)
-    plates: float | None = None  # Capacitance of the patch that is read [F]; None: the punch is read
+    largest_force: float  # [N]
+    curves: Array  # Chebyshev coefficients of Q/P [C/N] and of log C [F]; (2, point)
+    plates: float | None = None  # capacitance of the patch that is read [F]; None: the punch is read
+    air: bool = False  # whether air beside the contact carries charge
 
     @classmethod
-    def of(
+    def from_case(
         cls,
         case: Mapping[str, Any],
-        most: float,
+        largest_force: float,
         *,
         length: float = 1.0,
         materials: Mapping[str, Material] | None = None,
@@ -50,42 +55,56 @@ class Contact:
         body: Stack | None = None,
     ) -> Self:
         """Curves of a case from the exact solver."""
-        forces = most * _SPAN ** ((gauss_points(_COUNT) - 1) / 2)
+        forces = largest_force * _SPAN ** ((gauss_points(_COUNT) - 1) / 2)
         charge, capacitance = response(case, forces, length=length, materials=materials, solved=solved, body=body)
         plates = float(capacitance[0]) if body is not None and "collector" in case else None
         log = np.log(capacitance) if plates is None else 0 * charge
-        return cls(most, coefficients(np.stack([charge, log]), axis=1), plates)
+        air = plates is None and (case.get("surroundings") or around(case)) == AIR
+        return cls(largest_force, coefficients(np.stack([charge, log]), axis=1), plates, air)
 
-    def at(self, force: Array) -> tuple[Array, Array]:
-        """Charge at zero volts [C] and capacitance [F] at forces from 0 to the largest [N], (force,): (force,) each."""
-        charge, capacitance = self.curves @ polynomials(self._places(force), _COUNT)
-        if self.plates is not None:
-            return charge * force, np.full_like(charge, self.plates)
-        return charge * force, np.exp(capacitance) * np.minimum(force / self._least, 1)
+    def charge(self, force: Array) -> Array:
+        """Charge at zero volts [C] at forces from 0 to the largest, (force,)."""
+        return np.asarray(force * chebval(self._abscissae(force), self.curves[0]))
 
-    def rates(self, force: Array) -> tuple[Array, Array]:
-        """Derivatives of both by the force [C/N, F/N] at forces as of :meth:`at`; (force,) each."""
-        places, within = self._places(force), force > self._least
-        T = polynomials(places, _COUNT)
-        charge, capacitance = self.curves @ T
-        charge_slope, slope = np.where(within, self.curves @ slopes(places, T) * 2 / np.log(_SPAN), 0.0)
+    def charge_slope(self, force: Array) -> Array:
+        """Derivative of the charge at zero volts by the force [C/N], (force,)."""
+        abscissae = self._abscissae(force)
+        slope = chebval(abscissae, chebder(self.curves[0])) * 2 / np.log(_SPAN)
+        return np.asarray(chebval(abscissae, self.curves[0]) + np.where(force > self._smallest_force, slope, 0.0))
+
+    def capacitance(self, force: Array) -> Array:
+        """Capacitance [F] at forces from 0 to the largest, (force,)."""
         if self.plates is not None:
-            return charge + charge_slope, np.zeros_like(charge)
-        reached = np.maximum(force, self._least)
-        return charge + charge_slope, np.exp(capacitance) / reached * np.where(within, slope, 1.0)
+            return np.full(np.shape(force), self.plates)
+        limit, exponent = self._touching
+        solved = np.exp(chebval(self._abscissae(force), self.curves[1]))
+        share = np.minimum(force / self._smallest_force, 1) ** exponent
+        return np.asarray(limit + (solved - limit) * share)
+
+    @cached_property
+    def _touching(self) -> tuple[float, float]:
+        """Capacitance at zero force [F], and the power of the force by which it grows from there."""
+        logs = chebval(np.array([-1, -0.5, 0]), self.curves[1])  # at the smallest force, and one and two decades above
+        first, second, third = np.exp(logs)
+        slope = float(chebval(-1.0, chebder(self.curves[1]))) * 2 / np.log(_SPAN) * first
+        bend = third - 2 * second + first
+        limit = first - (second - first) ** 2 / bend if self.air and bend > 0 else 0.0  # Aitken's extrapolation
+        limit = float(np.clip(limit, 0.0, first))
+        exponent = float(slope / (first - limit)) if first > limit else 0.0
+        return limit, exponent if exponent > _CONSTANT else 0.0
 
     @property
-    def _least(self) -> float:
-        """The least force of the curves [N]."""
-        return self.most / _SPAN
+    def _smallest_force(self) -> float:
+        """The smallest force that was solved [N]."""
+        return self.largest_force / _SPAN
 
-    def _places(self, force: Array) -> Array:
-        """Where forces are on the interval of the polynomials."""
-        return np.asarray(1 + 2 * np.log(np.maximum(force, self._least) / self.most) / np.log(_SPAN))
+    def _abscissae(self, force: Array) -> Array:
+        """Abscissae of the polynomials, in [-1, 1]; forces below the solved ones have that of the smallest."""
+        return np.asarray(1 + 2 * np.log(np.maximum(force, self._smallest_force) / self.largest_force) / np.log(_SPAN))
 
     @property
     def roughness(self) -> float:
-        """Last of the coefficients over the largest: how far the polynomials are from having met the curves."""
+        """Last coefficients over the largest: an estimate of the polynomials' error."""
         size = np.abs(self.curves if self.plates is None else self.curves[:1])
         return float(np.max(size[:, -2:].max(axis=1) / size.max(axis=1)))
 

@@ -13,7 +13,7 @@ from solver.face.factors import checked
 from solver.face.materials import material_of
 from solver.stack.electrodes import Electrode
 from workflow.device.circuit import Circuit
-from workflow.device.contact import Contact, film, response
+from workflow.device.contact import ContactCurves, film, response
 from workflow.device.signal import DROP, Figures, History, read
 from workflow.study import layered, uncertainty
 from workflow.study.model import Study
@@ -28,7 +28,7 @@ _PARTS = 40  # into which each part of the history is divided
 def history(pressing: Pressing) -> History:
     """The forces: even up, held, even down, and a fifth of the hold without."""
     times = np.cumsum([0.0, pressing.press, pressing.hold, pressing.press, pressing.hold / 5])
-    return History(times, np.array([0.0, pressing.force, pressing.force, 0.0, 0.0])).finer(_PARTS)
+    return History(times, np.array([0.0, pressing.force, pressing.force, 0.0, 0.0])).divided(_PARTS)
 
 
 def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Dataset:
@@ -36,7 +36,7 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
     assert study.device is not None
     numbers = study.device.constants
     factors, body, material = _pressed(study, pressing, case)
-    contact = Contact.of(
+    contact = ContactCurves.from_case(
         factors,
         pressing.force,
         length=_length(study),
@@ -45,7 +45,7 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
         body=body,
     )
     circuit = Circuit.of(numbers, material)
-    times, told = history(pressing), Figures.of(contact, circuit, numbers["temperature"])
+    times, figures = history(pressing), Figures.of_contact(contact, circuit, numbers["temperature"])
     reading = read(times, contact, circuit)
     out = xr.Dataset(coords={"time": ("time", times.times, {"units": "s", "long_name": "time"})})
     for name, values, units, said in (
@@ -56,13 +56,13 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
     ):
         out[name] = ("time", values, {"units": units, "long_name": said})
     for name, value, units, said in (
-        ("contact_charge", told.charge, "C", "charge at zero volts, at the force that is held"),
-        ("capacitance", told.capacitance, "F", "capacitance of the contact at the force that is held"),
-        ("time_constant", told.lasting, "s", "time constant of a constant force"),
-        ("drop", told.drop(DROP), "1", f"share that a constant force loses in {DROP:g} s"),
-        ("noise_charge", told.noise[0], "C", "noise as a charge, root mean square"),
-        ("noise_output", told.noise[1], "V", "noise at the output, root mean square"),
-        ("noise_force", told.noise[2], "N", "noise as a force, root mean square"),
+        ("contact_charge", figures.charge, "C", "charge at zero volts, at the force that is held"),
+        ("capacitance", figures.capacitance, "F", "capacitance of the contact at the force that is held"),
+        ("time_constant", figures.time_constant, "s", "time constant of a constant force"),
+        ("drop", figures.drop(DROP), "1", f"share that a constant force loses in {DROP:g} s"),
+        ("noise_charge", figures.noise[0], "C", "noise as a charge, root mean square"),
+        ("noise_output", figures.noise[1], "V", "noise at the output, root mean square"),
+        ("noise_force", figures.noise[2], "N", "noise as a force, root mean square"),
     ):
         out[name] = ((), value, {"units": units, "long_name": said})
     return out

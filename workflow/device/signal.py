@@ -1,139 +1,169 @@
 """The signal of a history of forces: charge, voltage and output in time."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Self
 
 import numpy as np
-import scipy  # scipy.integrate, slow to import, when a signal is asked for
 
 from approximation.arrays import Array
 from workflow.device.circuit import Circuit
-from workflow.device.contact import Contact
+from workflow.device.contact import ContactCurves
 
-#: Time over which the drop under a constant force is told [s].
+#: Time after which the drop of a constant force is reported [s].
 DROP = 10.0
-_RELATIVE, _ABSOLUTE = 1e-6, 1e-8  # tolerances of the voltage; the absolute one of the largest
-_SAME = 1e-9  # of the fastest rate, by which rates of one straight line may differ
+_TOLERANCE = 1e-10  # error of an interval over the size of the stored charge
+_BLOCK = 2**15  # intervals that are integrated together: some 30 MB of temporaries
+_DEEPEST = 40  # halvings of a step
+_ROOT = 6**0.5
+# nodes and coefficients of the method Radau IIA of order five (Hairer & Wanner, Solving ODEs II, table IV.5.6)
+_NODES = np.array([(4 - _ROOT) / 10, (4 + _ROOT) / 10, 1.0])
+_COEFFICIENTS = np.array(
+    [
+        [(88 - 7 * _ROOT) / 360, (296 - 169 * _ROOT) / 1800, (-2 + 3 * _ROOT) / 225],
+        [(296 + 169 * _ROOT) / 1800, (88 + 7 * _ROOT) / 360, (-2 - 3 * _ROOT) / 225],
+        [(16 - _ROOT) / 36, (16 + _ROOT) / 36, 1 / 9],
+    ]
+)
 
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """Forces on a punch, linear in time between the given ones."""
+    """Forces on a punch, linear in time between the rows."""
 
-    times: Array  # Ascending [s]; (time,)
-    forces: Array  # None negative [N]; (time,)
+    times: Array  # ascending [s]; (time,)
+    forces: Array  # not negative [N]; (time,)
 
-    def finer(self, parts: int) -> "History":
-        """The same with each interval in equal parts."""
-        places = np.linspace(0, len(self.times) - 1, (len(self.times) - 1) * parts + 1)
+    def __post_init__(self) -> None:
+        if np.ma.is_masked(self.times) or np.ma.is_masked(self.forces):
+            raise ValueError("a history must not have masked times or forces; leave these rows out")
+        if np.shape(self.times) != np.shape(self.forces) or np.ndim(self.times) != 1 or len(self.times) < 2:
+            raise ValueError("a history needs as many forces as times, two or more")
+        if not (np.isfinite(self.times).all() and np.isfinite(self.forces).all()):
+            raise ValueError("times and forces must be finite numbers")
+        if not (np.diff(self.times) > 0).all() or (self.forces < 0).any():
+            raise ValueError("times must ascend, and forces must be >= 0")
+
+    def divided(self, parts: int) -> "History":
+        """Return the history with each interval in equal parts."""
+        fractional_rows = np.linspace(0, len(self.times) - 1, (len(self.times) - 1) * parts + 1)
         rows = np.arange(len(self.times))
-        return History(np.interp(places, rows, self.times), np.interp(places, rows, self.forces))
-
-    @property
-    def rates(self) -> Array:
-        """Force a second of every interval [N/s]; (time - 1,)."""
-        return np.asarray(np.diff(self.forces) / np.diff(self.times))
+        return History(np.interp(fractional_rows, rows, self.times), np.interp(fractional_rows, rows, self.forces))
 
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """What a circuit reads, one entry a time."""
+    """Charge, voltage and output at every time of a history."""
 
-    charge: Array  # Of the contact [C]
-    voltage: Array  # Of the punch [V]
-    output: Array  # Of the amplifier [V]
+    charge: Array  # of the contact [C]
+    voltage: Array  # of the punch [V]
+    output: Array  # of the amplifier [V]
 
 
-def read(history: History, contact: Contact, circuit: Circuit) -> Signal:
-    """The signal of a history, which begins without voltage, at its times.
+def read(history: History, contact: ContactCurves, circuit: Circuit) -> Signal:
+    """Return the signal of a history, which begins without voltage, at its times.
 
-    The balance of charge (``workflow.device.circuit``) is an equation for the voltage, stiff where the circuit is fast:
+    The balance of charge (``workflow.device.circuit``) is an equation for the charge y = (C(P) + C_e) V that the
+    voltage stores, stiff where the circuit is fast:
 
-        (C(P) + C_e) dV/dt = -(Q'(P) + C'(P) V) dP/dt - (C(P)/tau + G_e) V.
+        dy/dt = -y (C(P)/tau + G_e)/(C(P) + C_e) - Q'(P) dP/dt.
 
-    It is integrated by Radau's implicit method of order five (scipy), anew from every time at which dP/dt jumps.
+    It is linear in y, so that an interval takes y to a y + b. Both come from one step of Radau's implicit method of
+    order five, for many intervals together. An interval whose two halves give other numbers is divided.
     """
-    voltage = np.zeros_like(history.times)
-    rates = history.rates
-    same = np.abs(np.diff(rates)) <= _SAME * np.abs(rates).max()
-    ends = np.flatnonzero(np.concatenate([[True], ~same, [True]]))
-    size = _size(history, contact, circuit)
-    for first, last in pairwise(ends):
-        times = history.times[first : last + 1]
-        balance = _Balance(contact, circuit, float(times[0]), float(history.forces[first]), float(rates[first]))
-        solution = scipy.integrate.solve_ivp(
-            balance.slope,
-            (float(times[0]), float(times[-1])),
-            voltage[first : first + 1],
-            "Radau",
-            times,
-            jac=balance.jacobian,
-            rtol=_RELATIVE,
-            atol=_ABSOLUTE * size,
-        )
-        if not solution.success:
-            raise ArithmeticError(solution.message)
-        voltage[first : last + 1] = solution.y[0]
-    charge, capacitance = contact.at(history.forces)
-    return Signal(charge + capacitance * voltage, voltage, circuit.gain * voltage)
+    balance = _Balance(contact, circuit)
+    tolerance = _TOLERANCE * balance.scale(history)
+    steps = np.diff(history.times)
+    stored = np.zeros(len(history.times))
+    for first in range(0, len(steps), _BLOCK):
+        rows = slice(first, first + _BLOCK)
+        factors, changes = balance.advance(steps[rows], history.forces[:-1][rows], history.forces[1:][rows], tolerance)
+        value = stored[first]
+        for row, (factor, change) in enumerate(zip(factors.tolist(), changes.tolist(), strict=True), first + 1):
+            value = factor * value + change
+            stored[row] = value
+    capacitance = contact.capacitance(history.forces)
+    voltage = stored / (capacitance + circuit.capacitance)
+    return Signal(contact.charge(history.forces) + capacitance * voltage, voltage, circuit.gain * voltage)
 
 
 @dataclass(frozen=True)
 class Figures:
-    """What is told of a contact that a circuit reads, at its largest force."""
+    """Figures of a contact and its circuit at the contact's largest force."""
 
-    # At zero volts [C], and of the contact [F]
-    charge: float
-    capacitance: float
-    lasting: float  # Time constant of a constant force [s]; infinite where nothing leaks
-    noise: tuple[float, float, float]  # As charge [C], at the output [V] and as force [N], root mean square
+    charge: float  # at zero volts [C]
+    capacitance: float  # of the contact [F]
+    time_constant: float  # of a constant force [s]; infinite where nothing leaks
+    noise: tuple[float, float, float]  # as charge [C], at the output [V] and as force [N], root mean square
 
     @classmethod
-    def of(cls, contact: Contact, circuit: Circuit, temperature: float) -> Self:
-        """Those of a contact and a circuit."""
-        charge, capacitance = (float(values[0]) for values in contact.at(np.array([contact.most])))
+    def of_contact(cls, contact: ContactCurves, circuit: Circuit, temperature: float) -> Self:
+        """Figures of a contact and a circuit."""
+        largest = np.array([contact.largest_force])
+        charge, capacitance = float(contact.charge(largest)[0]), float(contact.capacitance(largest)[0])
         noise = circuit.noise(capacitance, temperature)
         amplified = abs(circuit.gain) / (capacitance + circuit.capacitance)
-        by_force = noise * contact.most / abs(charge)
+        by_force = noise * contact.largest_force / abs(charge)
         return cls(charge, capacitance, circuit.time_constant(capacitance), (noise, noise * amplified, by_force))
 
     def drop(self, time: float) -> float:
         """Share that a constant force has lost after a time [s]."""
-        return float(-np.expm1(-time / self.lasting))
-
-
-def _size(history: History, contact: Contact, circuit: Circuit) -> float:
-    """How large voltages are at most [V]: by all the charge, or by its current where that leaks at once."""
-    charge, capacitance = (float(values[0]) for values in contact.at(np.array([contact.most])))
-    by_charge = abs(charge) / (capacitance + circuit.capacitance)
-    current = abs(charge) / contact.most * float(np.abs(history.rates).max())
-    leaks = capacitance * circuit.leakage + circuit.conductance
-    return min(by_charge, current / leaks) if leaks and current else by_charge
+        return float(-np.expm1(-time / self.time_constant))
 
 
 @dataclass(frozen=True)
 class _Balance:
-    """The balance of charge while the force grows at one rate."""
+    """The balance of charge on intervals in which the force grows at a constant rate."""
 
-    contact: Contact
+    contact: ContactCurves
     circuit: Circuit
-    time: float
-    force: float
-    rate: float
 
-    def slope(self, time: float, voltage: Array) -> Array:
-        """dV/dt; (1,)."""
-        return np.asarray(self.terms(time) @ np.array([voltage[0], 1.0]))
+    def scale(self, history: History) -> float:
+        """Size of the stored charge [C]: all that the contact draws, or what its current leaves where that leaks."""
+        largest = np.array([self.contact.largest_force])
+        charge = abs(float(self.contact.charge(largest)[0]))
+        rate = float(np.abs(np.diff(history.forces) / np.diff(history.times)).max()) / self.contact.largest_force
+        leak = float(self._leak(largest)[0])
+        return charge * min(1.0, rate / leak) if leak and rate else charge
 
-    def jacobian(self, time: float, _: Array) -> Array:
-        """Its derivative by V; (1, 1)."""
-        return self.terms(time)[:, :1]
+    def step(self, steps: Array, forces: Array, ends: Array) -> tuple[Array, Array]:
+        """Factor and summand by which one step changes the stored charge; (interval,) each.
 
-    def terms(self, time: float) -> Array:
-        """dV/dt = a V + b at a time: (1, 2)."""
-        force = np.array([max(self.force + self.rate * (time - self.time), 0.0)])
-        _, capacitance = self.contact.at(force)
-        charge_rate, capacitance_rate = (slope * self.rate for slope in self.contact.rates(force))
-        leaks = capacitance * self.circuit.leakage + self.circuit.conductance
-        return -np.stack([capacitance_rate + leaks, charge_rate], -1) / (capacitance + self.circuit.capacitance)
+        The summand is that of a step of Radau's method from near the balance of current and leak. What is stored
+        beyond that balance decays by the exact exponential: the method's own decay is poor where a step is long.
+        """
+        pressed = forces[:, None] + (ends - forces)[:, None] * _NODES
+        leaks = self._leak(pressed) * steps[:, None]
+        drawn = self.contact.charge_slope(pressed) * (ends - forces)[:, None]
+        system = np.eye(3) + _COEFFICIENTS * leaks[:, None, :]
+        initial = -drawn[:, :1] / (leaks[:, :1] + 1 / (1 + leaks[:, :1]))
+        reached = np.linalg.solve(system, (initial - drawn @ _COEFFICIENTS.T)[..., None])[:, -1, 0]
+        decay = np.exp(-(leaks @ _COEFFICIENTS[-1]))
+        return decay, reached - decay * initial[:, 0]
+
+    def advance(
+        self, steps: Array, forces: Array, ends: Array, tolerance: float, depth: int = 0
+    ) -> tuple[Array, Array]:
+        """Factor and summand by which intervals change the stored charge, to a tolerance [C]; (interval,) each."""
+        whole = self.step(steps, forces, ends)
+        middle = (forces + ends) / 2
+        factor, change = _in_turn(self.step(steps / 2, forces, middle), self.step(steps / 2, middle, ends))
+        wrong = np.abs(factor - whole[0]) * tolerance / _TOLERANCE + np.abs(change - whole[1]) > tolerance
+        if depth < _DEEPEST and wrong.any():
+            steps, forces, middle, ends = steps[wrong] / 2, forces[wrong], middle[wrong], ends[wrong]
+            halves = [
+                self.advance(steps, begin, end, tolerance, depth + 1)
+                for begin, end in ((forces, middle), (middle, ends))
+            ]
+            factor[wrong], change[wrong] = _in_turn(*halves)
+        return factor, change
+
+    def _leak(self, forces: Array) -> Array:
+        """Rate at which the stored charge leaks [1/s], at forces of any shape."""
+        capacitance = self.contact.capacitance(forces)
+        leaking = capacitance * self.circuit.leakage + self.circuit.conductance
+        return np.asarray(leaking / (capacitance + self.circuit.capacitance))
+
+
+def _in_turn(first: tuple[Array, Array], second: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Factor and summand of one step after another."""
+    return second[0] * first[0], second[0] * first[1] + second[1]

@@ -11,7 +11,7 @@ _SIZE = re.compile(r"\s*(?P<value>\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)\s*(?P<unit>.
 
 def size(name: str, text: str) -> tuple[float, float]:
     """A size of a quantity or factor: its absolute part in SI, and its share of the value."""
-    match = _SIZE.fullmatch(text)
+    match = _SIZE.fullmatch(units.plain(text.strip().removeprefix("±").removeprefix("+-")))
     if match is None or not float(match["value"]) > 0:
         raise ValueError(f"{text!r} is not a positive number with a unit, as '2 V' or '0.5 %'")
     unit = units.parse(match["unit"])

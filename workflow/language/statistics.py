@@ -7,7 +7,7 @@ from typing import ClassVar, Self
 
 
 class Statistic(ABC):
-    """One way to count uncertain cases; `workflow.design.asking.risk` has the numbers to it."""
+    """One way to count uncertain cases; `workflow.design.question.risk` has the numbers to it."""
 
     forms: ClassVar[tuple[str, ...]]  # What a study writes for it
     drawn: ClassVar[bool] = True  # Whether it needs draws of distributions rather than the ends of all ranges

@@ -13,8 +13,8 @@ from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.use.export import exported
 from workflow.dataset import factorial
-from workflow.design.asking import scenarios
-from workflow.design.asking.sources import Predicted
+from workflow.design.question import scenarios
+from workflow.design.question.sources import Predicted
 from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import Answer
 from workflow.language import grammar, titles

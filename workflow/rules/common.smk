@@ -8,7 +8,7 @@ from functools import cache
 from itertools import count
 
 from workflow.dataset import batches, casecache
-from workflow.design.told import unreached
+from workflow.design.wording import unreached
 from workflow.report import sections as page_sections
 from workflow.run import crate, lock, provenance, sources
 from workflow.run.interpreter import quote_interpreter

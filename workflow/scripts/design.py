@@ -4,8 +4,8 @@ from pathlib import Path
 
 from storage.files import write_text
 from storage.netcdf import read_whole, write_whole
-from workflow.design.told import table
 from workflow.design.verdict import netcdf
+from workflow.design.wording import table
 from workflow.run import joblog
 
 snakemake = joblog.start(globals())

@@ -11,7 +11,7 @@ import yaml
 from solver import Material, MaterialError
 from solver.material.constants import UNITS
 from solver.names import LIMITS
-from solver.units import in_si
+from solver.units import in_si, plain
 from storage.files import regular
 
 _LARGEST = 1 << 20  # bytes; a study or a material is a few kB
@@ -39,10 +39,11 @@ def one_line(message: str) -> str:
 
 
 def number(text: str) -> float:
-    """A decimal number in plain digits, inf or nan; ValueError for any other text, such as 1_000 or Arabic digits."""
-    if not text.isascii() or "_" in text:
+    """A decimal number, typed or printed, inf or nan; ValueError for any other text, as 1_000 or Arabic digits."""
+    read = plain(text)
+    if not read.strip().isascii() or "_" in read:
         raise ValueError(f"{text!r} is not a number")
-    return float(text)
+    return float(read)
 
 
 class _Loader(yaml.SafeLoader):

@@ -100,6 +100,32 @@ def test_film_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
         )
 
 
+@pytest.mark.parametrize(
+    ("case", "largest"),
+    [
+        ({"load": 1e6}, 6.22e6),  # 5.3 half-lengths from the middle: the base bends with the width of the contact
+        ({"load": 1e4, "friction": 0.01, "base": "steel"}, None),  # 220 half-lengths from the middle
+        ({"load": 3e4, "base": "polyimide", "punch_modulus": 2e11, "punch_poisson": 0.3}, None),
+    ],
+)
+def test_the_base_is_searched_as_far_as_its_tension_rises(case: dict[str, Any], largest: float | None) -> None:
+    factors = {"material": "BaTiO3", "thickness": 1e-4, "base": "aluminium oxide", "radius": 0.05, "friction": 0.05}
+    factors |= {"surroundings": "insulated", "magnetic": "insulating"} | case
+    answer = solver.solve(factors, peaks=["base_peak_principal_tension"])
+    half = float(answer["contact_trailing"] + answer["contact_leading"]) / 2
+    far = 1 + np.geomspace(0.01, 400.0, 120)
+    x: Array = np.concatenate([-far[::-1], np.linspace(-0.99, 0.99, 21), far])
+    x = x[np.abs(x) * half < 900e-4]
+    top = 1e-4 / half
+    depths = np.geomspace(top * (1 + 1e-9), 2 + 2 * top, 8)
+    inside = solver.solve_interior(factors, x, -depths, fields=["principal_tension"])
+    tension = inside["principal_tension"].values.squeeze()
+    found = float(answer["base_peak_principal_tension"])
+    assert np.max(tension) * (1 - 1e-6) <= found <= np.max(tension) * 1.03
+    if largest is not None:
+        assert found == pytest.approx(largest, rel=1e-3)
+
+
 def test_contacts_without_a_film_below_the_least_depth_are_refused() -> None:
     of = table(ON_STEEL, least=1.0, most=12.0, nodes=4)
     film = FilmContact(of, Profile.cylinder(np.array(0.05)), cases(1e6), np.zeros((1, 2)), np.array(1.0))

@@ -62,7 +62,7 @@ ROW = {
         ({"radius": "-1"}, "radius: -1 is not a finite number > 0"),
         ({"friction": "-0.1"}, "friction: -0.1 is not"),
         ({"load": ""}, "load: missing"),
-        ({"load": "nan"}, "load: nan is not a finite number > 0 [N m-1]"),
+        ({"load": "inf"}, "load: inf is not a finite number > 0 [N m-1]"),
         ({"radius": "1e300", "load": "1e300"}, "not finite for these factors"),
         ({"base": "steel"}, "base: 'steel' without a thickness; only a film has one"),
         ({"thickness": "1e-12", "base": "rigid"}, "contact: wider than the resolved range"),

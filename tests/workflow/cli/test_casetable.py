@@ -45,7 +45,7 @@ def test_units_behind_names_are_those_of_the_numbers(tmp_path: Path) -> None:
     [
         ("", "needs a header of factor names and at least one case"),
         ("load\n", "needs a header of factor names and at least one case"),
-        ("radius [mm,load\n1,1\n", "column 'radius [mm': unknown factor; did you mean 'radius'?"),
+        ("radius [mm,load\n1,1\n", "column 'radius': '[mm' is not a unit"),
         ("radius [ells]\n1\n", "column 'radius': 'ells' is not a unit"),
         ("radius [Pa]\n1\n", "column 'radius': unit mismatch: 'Pa' does not measure what 'm' measures"),
         ("radius [m],radius [mm]\n1,1\n", "column 'radius': given twice"),
@@ -60,8 +60,8 @@ def test_units_behind_names_are_those_of_the_numbers(tmp_path: Path) -> None:
         (f"material\nsteel\n{'x' * 201}\n", "line 3: material: 'xxxxxxxxxxxxxxxxxxxx...' has more than 200 characters"),
         (f"load\n1{' ' * 70_000}\n", "line 2: longer than 65536 characters"),
         ('load\n"1\n' + "\n" * 70_000 + '"\n', "longer than 65536 characters"),
-        (f"load{',' * 60_000}\n", "column '': unknown factor"),
-        (f"load\n1{',' * 60_000}\n", "line 2: 60001 cells, the header has 1"),
+        (f"load{',' * 60_000}\n", "needs a header of factor names and at least one case"),
+        (f"load\n1{',' * 60_000}1\n", "line 2: 60001 cells, the header has 1"),
         ("load\n" + "1\n" * 21, "line 22: more than 20 cases; split the table"),
         ("load\n" + "\n" * 90, "more than 80 lines"),
     ],
@@ -103,3 +103,87 @@ def test_a_cell_may_bear_its_unit(tmp_path: Path) -> None:
     table.write_text("thickness\n20 kg\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"line 2: thickness: '20 kg': unit mismatch: 'kg' does not measure what 'm'"):
         read_cases(table)
+
+
+WAYS = [
+    "thickness [um],force [N]",
+    "thickness (um),force (N)",
+    '"thickness, um","force, N"',
+    "thickness / um,force / N",
+]
+WAYS += ["thickness_um,force_N", "thickness in um,force in N", "Thickness [µm],Force [N]", "thickness,force\num,N"]
+WAYS += ["thickness,force\n[um],[N]", "thickness um,force N", "sep=,\nthickness [μm],force", "thickness [um],force,"]
+
+
+@pytest.mark.parametrize("header", WAYS)
+def test_units_are_read_in_every_way_that_tables_write_them(header: str, tmp_path: Path) -> None:
+    path = tmp_path / "cases.csv"
+    path.write_text(f"{header}\n20,0.01\n20,0.01,\n", encoding="utf-8")
+    columns = read_cases(path).columns
+    assert columns["thickness"].tolist() == [2e-5, 2e-5]
+    assert columns["force"].tolist() == [0.01, 0.01]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "cp1252"])
+@pytest.mark.parametrize(("separator", "mark"), [(";", ","), ("\t", ","), (";", "."), ("\t", "."), (",", ".")])
+def test_tables_of_spreadsheets_are_read(encoding: str, separator: str, mark: str, tmp_path: Path) -> None:
+    rows = [["material", "thickness [µm]", "radius"], ["PZT-4", f"20{mark}5", f'"{mark}05"'], ["", "", f"5{mark}5 mm"]]
+    path = tmp_path / "cases.csv"
+    path.write_bytes("\r\n".join(separator.join(row) for row in rows).encode(encoding))
+    columns = read_cases(path).columns
+    assert columns["material"].tolist() == ["PZT-4", None]
+    np.testing.assert_array_equal(columns["thickness"], [20.5e-6, np.nan])
+    np.testing.assert_array_equal(columns["radius"], [0.05, 5.5e-3])
+
+
+def test_printed_numbers_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "cases.csv"
+    path.write_text("load [kN·m⁻¹],charge,base_modulus\n1.5×10¹,−2 µC·m⁻¹,2.1×10¹¹\n", encoding="utf-8")
+    columns = read_cases(path).columns
+    assert [column.tolist() for column in columns.values()] == [[1.5e4], [-2e-6], [2.1e11]]
+
+
+@pytest.mark.parametrize(
+    "word", ["NA", "N/A", "n.a.", "nan", "NaN", "null", "None", "-", "--", "–", "n.d.", "?", "-9999"]
+)
+def test_words_for_missing_values_are_refused(word: str, tmp_path: Path) -> None:
+    path = tmp_path / "cases.csv"
+    for column, other in (("radius", "0.05"), ("material", "PZT-4")):
+        path.write_text(f"{column}\n{other}\n{word}\n", encoding="utf-8")
+        if column == "material" and word == "-9999":
+            continue
+        with pytest.raises(InputError, match=r"line 3: .* stands for a missing value; leave the cell empty"):
+            read_cases(path)
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"PK\x03\x04\x14\x00", "is a workbook (Excel .xlsx"),
+        (b"\xd0\xcf\x11\xe0\xa1\xb1", "is an Excel workbook (.xls)"),
+        (b"<!DOCTYPE html><table>", "is a page of HTML"),
+        (b"%PDF-1.7", "is a PDF"),
+        (b"radius\n\x00\x01\x02", "is no text file"),
+        (b"radius\n\x81\x8d\n", "encoding: is neither UTF-8 nor UTF-16"),
+        (b"radius|load\n1|2\n", "separator: columns are separated by '|'"),
+        (b"radius  load\n0.1  2\n", "separator: columns are separated by '  '"),
+        (b"0.05,1e5\n", "has no header"),
+        (b"My table\nradius,load\n0.05,1e5\n", "the header is line 2"),
+        (b"radius [mm],lod [kN/m]\n1,1\n", "column 'lod [kN/m]': unknown factor; did you mean 'load [kN/m]'?"),
+        (b"radius [mm],zzz [kg]\n1,1\n", "column 'zzz [kg]': unknown factor; all names: meecontact list factors"),
+        (b"radius,load\n0,05,1e5\n", "3 cells, the header has 2; a decimal comma?"),
+        (b'radius,load\n"0,05",1e5\n', "has a decimal comma in a table with commas"),
+        (b"radius;load\n1.000,5;1e5\n", "groups its digits"),
+        ("radius [mm]\n5 ± 0.1\n".encode(), "has an error behind it"),
+        (b"thickness\n100\n", "100 is 100 m; did you mean 100 um?"),
+        (b"radius\n50\n", "50 is 50 m; did you mean 50 mm?"),
+        (b"base_modulus\n200\n", "200 is 200 Pa; did you mean 200 GPa?"),
+    ],
+)
+def test_what_is_no_table_is_refused_by_its_reason(content: bytes, reason: str, tmp_path: Path) -> None:
+    path = tmp_path / "cases.csv"
+    path.write_bytes(content)
+    with pytest.raises(InputError) as refusal:
+        read_cases(path)
+    assert reason in str(refusal.value)
+    assert len(str(refusal.value)) < 300

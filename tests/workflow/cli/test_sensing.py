@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.workflow.cli.test_main import complaint
-from workflow.cli import main
+from workflow.cli import main, sensing
 from workflow.run.provenance import ROOT
 
 PAGE = (ROOT / "docs/signal.md").read_text(encoding="utf-8")
@@ -36,20 +36,39 @@ def test_the_example_of_the_page_runs(
     assert any(line.startswith("noise floor: ") for line in lines)
 
 
+def test_the_rows_of_an_oscilloscope_are_read_and_long_signals_thinned(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    count = 10_001
+    force = np.minimum(np.arange(count) / 1_000, 1) * 0.04  # V
+    path, out = tmp_path / "scope.csv", tmp_path / "out.csv"
+    path.write_text(
+        "x-axis,1\nsecond,Volt\n" + "".join(f"{k * 1e-4:.4f},{value:.6f}\n" for k, value in enumerate(force))
+    )
+    arguments = ["signal", str(path), "--on", CASE, "--device", DEVICE, "--scale", "50 N/V", "-o", str(out)]
+    assert main.main(arguments) == 0
+    full = np.genfromtxt(out, delimiter=",", skip_header=1)
+    coarse = tmp_path / "coarse.csv"
+    coarse.write_text("time [s],force [N]\n0,0\n0.1,2\n1,2\n", encoding="utf-8")
+    assert main.main([*arguments[:1], str(coarse), *arguments[2:6], "--parts", "10", "-o", str(out)]) == 0
+    few = np.genfromtxt(out, delimiter=",", skip_header=1)
+    np.testing.assert_allclose(
+        np.interp(few[:, 0], full[:, 0], full[:, 3]), few[:, 3], atol=1e-6 * np.abs(few[:, 3]).max()
+    )
+    monkeypatch.setattr(sensing, "_MOST_WRITTEN", 500)
+    assert main.main(arguments) == 0
+    thinned = np.genfromtxt(out, delimiter=",", skip_header=1)
+    assert len(thinned) < 600
+    assert np.abs(thinned[:, 3]).max() == np.abs(full[:, 3]).max()
+    assert "of 10001: in groups" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("history", "case", "device", "words"),
     [
         ("", CASE, DEVICE, "needs a header"),
-        ("time [s],force [N]\n", CASE, DEVICE, "needs a header"),
-        ("time [s],force [N]\n0,0\n", CASE, DEVICE, "1 rows; a history has 2 to 2000"),
-        ("time [s],force [N]\n0,0\n2,1\n1,0\n", CASE, DEVICE, "line 4: time: 1 is not after 2"),
-        ("time [s],force [N]\n0,0\n1,-1\n", CASE, DEVICE, "line 3: force: -1 is not"),
-        ("time [s],force [N]\n0,0\n1,nan\n", CASE, DEVICE, "line 3: force: nan is not"),
-        ("time [s],force [N]\n0,0\n1,\n", CASE, DEVICE, "line 3: force: empty"),
-        ("time [s],force [N]\n0,0\n1,0\n", CASE, DEVICE, "is 0 all the time"),
-        ("time [m],force [N]\n0,0\n1,1\n", CASE, DEVICE, "unit mismatch"),
-        ("time [s],load\n0,0\n1,1\n", CASE, DEVICE, "force: missing"),
-        ("time [s],force,load\n0,0,0\n1,1,1\n", CASE, DEVICE, "load: a history has time [s] and force alone"),
+        ("time [s],force\n0,0\n1,500\n", CASE, DEVICE, "500 has no unit, and 500 N press with"),
+        ("time [s],CH1 [V]\n0,0\n1,1\n", CASE, DEVICE, "--scale 'NUMBER N/V'"),
         ("time,force\n0,0\n1,1\n", CASE, f"{DEVICE},resistivity=0", "resistivity: 0 is not a finite number > 0"),
         ("time,force\n0,0\n1,1\n", CASE, f"{DEVICE},resistivity=1,loss_tangent=1", "give one of them"),
         ("time,force\n0,0\n1,1\n", CASE, "input_resistance=1", "amplifier.input_capacitance: missing"),

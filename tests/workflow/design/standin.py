@@ -8,9 +8,9 @@ import yaml
 from numpy.typing import NDArray
 
 from tests.studies import made
-from workflow.design.asking.designs import Designs
-from workflow.design.asking.question import ask
-from workflow.design.asking.sources import Exact, Factors, Predicted
+from workflow.design.question.pilot import ask
+from workflow.design.question.question import Question
+from workflow.design.question.sources import Exact, Factors, Predicted
 from workflow.design.search.candidate import Candidate
 from workflow.study.model import Study
 from workflow.study.target import Target
@@ -51,11 +51,10 @@ def study(**changed: Any) -> Study:
 def candidate(study: Study, off: float = 0.0, **target: Any) -> Candidate:
     """A question for which nothing is searched yet."""
     predicted = StandIn(study, off)
-    question = ask(study, "mine", Target.model_validate(target), predicted)
-    return Candidate({}, Designs(question, predicted, Exact(study), np.empty((0, len(question.inputs)))))
+    return Candidate({}, ask(study, "mine", Target.model_validate(target), predicted, Exact(study)))
 
 
-def design(study: Study, at: dict[str, float], off: float = 0.0, **target: Any) -> Designs:
+def design(study: Study, at: dict[str, float], off: float = 0.0, **target: Any) -> Question:
     """One design of a question, by its variables in SI."""
-    asked = candidate(study, off, **target).asked
-    return asked.at(np.array([axis.to_unit(at[name]) for name, axis in asked.question.inputs.items()], dtype=float))
+    question = candidate(study, off, **target).question
+    return question.at(np.array([axis.to_unit(at[name]) for name, axis in question.inputs.items()], dtype=float))

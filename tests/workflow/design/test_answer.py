@@ -11,11 +11,11 @@ import pytest
 import xarray as xr
 
 from storage.netcdf import read_whole, write_whole
-from workflow.design.told import table
 from workflow.design.verdict import netcdf
 from workflow.design.verdict.answer import Answer, Category, Choice, Constant, Figure, Overload, Range, Tolerated
 from workflow.design.verdict.term import Term
 from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
+from workflow.design.wording import table
 from workflow.language import statements
 
 CASE = {"radius": 0.105, "load": 1e4}

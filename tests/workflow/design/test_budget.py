@@ -19,14 +19,13 @@ from tests.workflow.conftest import Copy
 from verification.oracles import interior
 from verification.oracles.half_plane import CONSTANTS
 from workflow.dataset import factorial
-from workflow.design.asking import budget
-from workflow.design.asking.designs import Designs
-from workflow.design.asking.question import Question
-from workflow.design.asking.sources import Exact, Factors, Predicted, shape
+from workflow.design.question import budget
+from workflow.design.question.question import Question
+from workflow.design.question.sources import Exact, Factors, Predicted, shape
 from workflow.design.search import targets
-from workflow.design.told import table
 from workflow.design.verdict import netcdf
 from workflow.design.verdict.answer import Answer
+from workflow.design.wording import table
 from workflow.learning import training
 from workflow.study.model import Study
 from workflow.study.target import Target
@@ -281,9 +280,10 @@ def closed(friction: Array) -> Array:
     ],
 )
 def test_few_exact_cases_tell_what_many_would_say(words: dict[str, object], most: int, accuracy: float) -> None:
-    question, known = Question(STUDY, target(**words)), Known()
+    known = Known()
+    question = Question(STUDY, target(**words), Guessed(), known)
     term = next(term for term in question.terms if budget.names(question, term))
-    found = budget.count_exactly(Designs(question, Guessed(), known, np.zeros((1, 2))), term)
+    found = budget.count_exactly(question.at(np.zeros((1, 2))), term)
     assert found.cases == known.cases <= most
     chosen = question.judged[term.key]
     every = closed(chosen.values["friction"]).reshape(1, chosen.groups, chosen.draws)

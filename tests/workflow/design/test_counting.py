@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from approximation.arrays import Array
-from workflow.design.asking import kinks, risk, terms, unitless
+from workflow.design.question import risk, terms
+from workflow.design.question.pilot import smooth_pieces, unit_notes
 from workflow.language import statements, statistics
 from workflow.language.grammar import parse
 from workflow.study.reading import InputError
@@ -43,21 +44,21 @@ def test_two_limits_meet_in_an_equality() -> None:
 def test_the_least_of_smooth_pieces_is_the_expression(text: str) -> None:
     known = {"load": np.linspace(-3, 3, 61)}
     expression = parse(text)
-    pieces = kinks.pieces(expression, 1.0, known)
+    pieces = smooth_pieces(expression, 1.0, known)
     assert len(pieces) > 1
     least = np.min([np.broadcast_to(piece.evaluate(known), 61) for piece in pieces], 0)
     np.testing.assert_allclose(least, expression.evaluate(known), atol=1e-12)
-    assert kinks.pieces(expression, -1.0, known) == [expression]  # the most of them is no least
+    assert smooth_pieces(expression, -1.0, known) == [expression]  # the most of them is no least
 
 
 def test_a_bound_without_a_unit_is_told_or_refused() -> None:
     limit = terms.limited(statements.limit("peak_pressure <= 500"), 1.0, 500.0, drawn=False)
     stresses = np.array([[1e8, 4e8]])
-    with pytest.raises(InputError, match=r"nothing keeps: .* did you mean 500 MPa\?"):
-        unitless.notes("mine", limit, stresses)
+    with pytest.raises(InputError, match=r"no design satisfies: .* did you mean 500 MPa\?"):
+        unit_notes("mine", limit, stresses)
     loose = terms.limited(statements.limit("peak_pressure <= 5e12"), 1.0, 5e12, drawn=False)
-    assert "which everything keeps" in unitless.notes("mine", loose, stresses)[0]
-    assert unitless.notes("mine", term("peak_pressure <= 2e8", 2e8), stresses) == []
+    assert "which every design satisfies" in unit_notes("mine", loose, stresses)[0]
+    assert unit_notes("mine", term("peak_pressure <= 2e8", 2e8), stresses) == []
 
 
 def test_a_new_statistic_is_one_class_and_its_measure() -> None:

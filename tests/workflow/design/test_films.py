@@ -6,7 +6,7 @@ import pytest
 import solver
 from approximation.arrays import Array
 from tests.studies import fitted, made
-from workflow.design.asking import budget, sources
+from workflow.design.question import budget, sources
 from workflow.design.search import targets
 
 FILM = """\

@@ -9,9 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from surrogate.search.optimise import Optimum, Problem, improve
-from workflow.design.asking.designs import Designs
-from workflow.design.asking.question import ask
-from workflow.design.asking.sources import Factors, shape
+from workflow.design.question.pilot import ask
+from workflow.design.question.sources import Factors, shape
 from workflow.design.search import candidate as candidates
 from workflow.design.search import polish
 from workflow.design.search.candidate import Candidate
@@ -66,8 +65,7 @@ class Closed:
 def found(exact: Closed | None = None, choice: str = "PZT-4") -> Candidate:
     """The best design by a source in closed form, to be polished on another."""
     predicted, other = cast(Any, Closed()), cast(Any, exact or Closed())
-    question = ask(STUDY, "test", TARGET, predicted)
-    made = Candidate({"material": choice}, Designs(question, predicted, other, np.empty((0, 1))))
+    made = Candidate({"material": choice}, ask(STUDY, "test", TARGET, predicted, other))
     return made.sought(predicted)
 
 

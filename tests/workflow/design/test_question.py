@@ -13,9 +13,10 @@ from scipy import stats
 
 from surrogate import GridGP, Input
 from workflow.dataset import factorial
-from workflow.design.asking import program, risk, scenarios
-from workflow.design.asking.question import Question, ask
-from workflow.design.asking.sources import Exact, Factors, Predicted
+from workflow.design.question import risk, scenarios
+from workflow.design.question.pilot import ask
+from workflow.design.question.question import Question
+from workflow.design.question.sources import Exact, Factors, Predicted
 from workflow.design.search import targets
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
@@ -56,10 +57,10 @@ TARGETS = {
 
 @pytest.mark.parametrize("name", TARGETS)
 def test_derivatives_are_those_of_differences(study: Study, model: GridGP, name: str) -> None:
-    question = ask(study, name, TARGETS[name], Predicted(model))
+    question = ask(study, name, TARGETS[name], Predicted(model), Exact(study))
     x = np.array([0.3, -0.2, 0.4])[: len(question.inputs)]
     for source, step, room in ((Predicted(model), 1e-5, 1e-6), (Exact(study), 1e-3, 1e-4)):
-        problem = program.problem(question, source)
+        problem = question.problem(source)
         around = np.concatenate([x + step * np.eye(x.size), x - step * np.eye(x.size)])
         for value, slope in zip(problem.value(around), problem.slope(x), strict=True):
             quotient = ((value[: x.size] - value[x.size :]) / (2 * step)).T
@@ -129,16 +130,28 @@ def test_questions_without_sense_are_named(study: Study, model: GridGP, change: 
         {"over": over, "subject_to": []} if over else {"subject_to": [], "at": {"friction": 0.2, "charge": 0.0}}
     )
     with pytest.raises(ValueError, match=reason):
-        ask(study, "mine", Target.model_validate(asked), Predicted(model))
+        ask(study, "mine", Target.model_validate(asked), Predicted(model), Exact(study))
 
 
 @pytest.mark.parametrize(
     ("limit", "refused", "meant"),
     [
-        ("trailing_tension <= 50", True, "50 without a unit is 50 Pa, which nothing keeps: .*; did you mean 50 MPa"),
-        ("radius >= 20", True, "20 without a unit is 20 m, which nothing keeps: .* 0.005 to 0.2 m; did you mean 20 mm"),
-        ("load / depth >= 3e15", True, "which nothing keeps: .*; a unit may stand behind the number"),
-        ("contact_trailing <= 0.3", False, "0.3 without a unit is 0.3 m, which everything keeps: .* mean 0.3 mm"),
+        (
+            "trailing_tension <= 50",
+            True,
+            "50 without .* 50 Pa, which no design satisfies: .*; did you mean 50 MPa",
+        ),
+        (
+            "radius >= 20",
+            True,
+            "20 without .* 20 m, which no design satisfies: .* 0.005 to 0.2 m; did you mean 20 mm",
+        ),
+        ("load / depth >= 3e15", True, "which no design satisfies: .*; write a unit after the number"),
+        (
+            "contact_trailing <= 0.3",
+            False,
+            "0.3 without .* 0.3 m, which every design satisfies: .* mean 0.3 mm",
+        ),
         ("trailing_tension <= 50 Pa", False, ""),
         ("trailing_tension <= 5e7", False, ""),
         ("voltage >= 0", False, ""),
@@ -151,9 +164,9 @@ def test_a_number_without_its_unit_is_told_at_once(
     target = TARGETS["worst"].model_copy(update={"subject_to": [limit]})
     if refused:
         with pytest.raises(InputError, match=meant):
-            ask(study, "mine", target, Predicted(model))
+            ask(study, "mine", target, Predicted(model), Exact(study))
     else:
-        notes = "; ".join(ask(study, "mine", target, Predicted(model)).notes)
+        notes = "; ".join(ask(study, "mine", target, Predicted(model), Exact(study)).notes)
         assert re.search(meant, notes) if meant else notes == ""
 
 
@@ -215,7 +228,8 @@ def test_an_exact_value_outside_its_interval_fails_unless_allowed(
     assert not all(term.inside for term in allowed.terms)
 
 
-def test_inputs_may_be_narrower_than_the_factor(study: Study) -> None:
+def test_inputs_may_be_narrower_than_the_factor(study: Study, model: GridGP) -> None:
     changed = {"over": {"radius": {"low": 0.01, "high": 0.02}}, "at": {"charge": 0.0, "volume_fraction": 0.5}}
-    asked = Question(study, Target.model_validate(TARGETS["worst"].model_dump() | changed))
-    assert asked.inputs["radius"] == Input("radius", 0.01, 0.02, "log", "m", "punch radius R")
+    target = Target.model_validate(TARGETS["worst"].model_dump() | changed)
+    question = Question(study, target, Predicted(model), Exact(study))
+    assert question.inputs["radius"] == Input("radius", 0.01, 0.02, "log", "m", "punch radius R")

@@ -10,7 +10,7 @@ from scipy.stats import qmc
 
 from surrogate import GaussianProcess
 from tests import studies
-from workflow.design.asking import budget
+from workflow.design.question import budget
 from workflow.design.search import targets
 from workflow.design.search.candidate import Candidate
 from workflow.run.sources import ROOT
@@ -43,7 +43,7 @@ def dense(candidate: Candidate) -> float:
     X = 2 * qmc.Sobol(d, rng=1).random_base2(int(np.log2(_CASES / scenarios))) - 1 if d else np.empty((1, 0))
     best = -np.inf
     for part in np.array_split(X, max(1, len(X) // 4096)):
-        counts = candidate.asked.at(part).count(candidate.asked.exact, question.searched)
+        counts = question.at(part).count(question.exact, question.searched)
         kept = np.ones(len(part), dtype=bool)
         for place, term in enumerate(question.terms):
             kept &= term.oriented(counts[:, place]) <= _KEPT if term.limited else True

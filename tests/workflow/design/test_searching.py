@@ -8,7 +8,7 @@ from solver import solve
 from surrogate.search.optimise import maximise
 from surrogate.search.pareto import Front
 from tests.workflow.design import standin
-from workflow.design.asking.question import Question
+from workflow.design.question.question import Question
 from workflow.design.search import front, landscape, polish, tolerances
 from workflow.design.search.candidate import Candidate
 from workflow.study.target import Target
@@ -24,8 +24,8 @@ def test_the_scale_of_an_objective_next_to_zero_is_a_share_of_its_range() -> Non
 
 def searched(asked: Candidate) -> Candidate:
     """A candidate at its best on what stands for the surrogate."""
-    best = maximise(asked.problem(asked.asked.predicted), scan=64)
-    return Candidate({}, asked.asked, best)
+    best = maximise(asked.problem(asked.question.predicted), scan=64)
+    return Candidate({}, asked.question, best)
 
 
 @pytest.mark.parametrize("off", [0.03, -0.03])
@@ -49,7 +49,7 @@ def test_a_tolerance_costs_what_it_keeps_away_from_the_limit() -> None:
     without = searched(standin.candidate(study, **tolerances.nominal(target).model_dump()))
 
     def other(target: Target) -> Question:
-        return Question(study, target, {"load": 1e4})
+        return Question(study, target, asked.question.predicted, asked.question.exact, {"load": 1e4})
 
     found = tolerances.costs(best, without, other)
     assert float(best.design.variables["radius"][0]) == pytest.approx(0.1 / 1.05, rel=1e-9)

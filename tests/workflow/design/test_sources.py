@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from solver import Material
 from surrogate import GridGP, Input
 from tests.surrogate import curved
-from workflow.design.asking.sources import Exact, Predicted
+from workflow.design.question.sources import Exact, Predicted
 from workflow.study.keys import Origin
 from workflow.study.model import Study, remade
 

@@ -6,7 +6,7 @@ import pytest
 from solver import solve
 from tests.studies import fitted, made
 from workflow.design.search import targets
-from workflow.design.told import words
+from workflow.design.wording import words
 
 STUDY = """\
 title: A film, thin to thick

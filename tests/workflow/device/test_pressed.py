@@ -15,7 +15,7 @@ from storage.netcdf import write_whole
 from tests.studies import edited, made, refusal
 from workflow.device import pressed
 from workflow.device.circuit import permittivity
-from workflow.device.contact import Contact, film
+from workflow.device.contact import ContactCurves, film
 from workflow.report import sentences, tables
 from workflow.report import signal_card as report
 from workflow.report.figures import signal_in_time
@@ -75,12 +75,12 @@ def test_a_voltage_amplifier_on_a_patch_divides_by_its_plates() -> None:
         "base": "rigid",
     }
     case |= {"electrode": "top", "collector": 2, "patch_size": 1e-3, "magnetic": "insulating"}
-    contact = Contact.of(case, 1.0, body=film(case, solver.find("PZT-4")))
-    charge, capacitance = contact.at(np.array([0.0, 1e-6, 1.0]))
+    contact = ContactCurves.from_case(case, 1.0, body=film(case, solver.find("PZT-4")))
+    forces = np.array([0.0, 1e-6, 1.0])
+    charge, capacitance = contact.charge(forces), contact.capacitance(forces)
     material = solver.find("PZT-4")
     np.testing.assert_allclose(capacitance, permittivity(material) * np.pi * 1e-6 / 4 / 1e-4, rtol=1e-12)
     assert charge[2] == pytest.approx(-float(material.e33 / material.c33), rel=0.05)  # nearly all of it is on the disc
-    assert contact.rates(np.array([0.5]))[1] == 0
     assert contact.roughness < 1e-6
 
 
@@ -220,4 +220,4 @@ def test_electrodes_without_an_end_are_refused(more: dict[str, Any], words: str)
         "collector": 1,
     }
     with pytest.raises(solver.FactorError, match=words):
-        Contact.of(case | more, 1.0, body=film(case, solver.find("PZT-4")))
+        ContactCurves.from_case(case | more, 1.0, body=film(case, solver.find("PZT-4")))

@@ -13,10 +13,9 @@ import surrogate
 from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
 from tests.workflow.report.browser import needs_browser, opened
-from workflow.design.asking import scenarios
-from workflow.design.asking.designs import Designs
-from workflow.design.asking.question import ask
-from workflow.design.asking.sources import Exact, Predicted
+from workflow.design.question import scenarios
+from workflow.design.question.pilot import ask
+from workflow.design.question.sources import Exact, Predicted
 from workflow.design.search import targets
 from workflow.design.verdict import assessment, netcdf
 from workflow.language.numbers import shown
@@ -109,9 +108,10 @@ def agree(study: Study, name: str, model: surrogate.GaussianProcess, judged: lis
     """Compare what the panel judged, as ``(point, limits)``, with what Python counts, and how far off that may be."""
     for at, limits in judged:
         kinds = {key: at[key] for key in study.categories}
-        question = ask(study.narrowed(kinds), name, study.design[name], source := Predicted(model, kinds))
+        predicted, exact = Predicted(model, kinds), Exact(study)
+        question = ask(study.narrowed(kinds), name, study.design[name], predicted, exact)
         x = np.array([[float(axis.to_unit(at[key])) for key, axis in question.inputs.items()]])
-        design = Designs(question, source, Exact(study), x)
+        design = question.at(x)
         guessed = assessment.predict(design, question.searched)
         terms = zip(question.terms, guessed.values, guessed.reaches + assessment.tolerances(design), strict=True)
         found = {term.label: (value, room) for term, value, room in terms if term.limited}

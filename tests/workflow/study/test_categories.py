@@ -14,7 +14,7 @@ from tests.studies import edited, fitted, refusal
 from tests.surrogate.hypervolume import hypervolume
 from workflow.cli import questions
 from workflow.design.search import targets
-from workflow.design.told import table
+from workflow.design.wording import table
 from workflow.learning import readout_trial
 from workflow.study.categories import output
 from workflow.study.model import Study, load

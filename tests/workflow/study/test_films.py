@@ -4,7 +4,7 @@ import pytest
 
 from solver.names import ALL_PEAKS, FILM_QUANTITIES, QUANTITIES
 from tests.studies import edited, made, refusal
-from workflow.design.asking import budget
+from workflow.design.question import budget
 from workflow.study import datum, solvable
 from workflow.study.model import Study, thawed
 

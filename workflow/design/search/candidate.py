@@ -7,10 +7,8 @@ import numpy as np
 from approximation.arrays import Array
 from surrogate.search.optimise import Optimum, Problem, improve, maximise, retreat
 from surrogate.search.pareto import Front, scalarised
-from workflow.design.asking import program
-from workflow.design.asking.designs import Designs
-from workflow.design.asking.question import Question
-from workflow.design.asking.sources import Source
+from workflow.design.question.question import Question
+from workflow.design.question.sources import Source
 from workflow.language import titles
 
 _SMALL = 1e-3  # share of its range below which an objective is no scale of its own
@@ -22,7 +20,7 @@ class Candidate:
     """The best design of one choice, as far as the search for it has come."""
 
     choice: dict[str, float | str]  # Values of the variables with a list, and names of the categories
-    asked: Designs  # The question for these, with its sources; no design yet
+    question: Question  # for this choice
     best: Optimum = _NOTHING  # The best design
     front: Front | None = None  # The Pareto front, where there are several objectives
     normalisation: tuple[Array, Array] | None = None  # Reference and weights of the one objective that stands for them
@@ -33,14 +31,9 @@ class Candidate:
     passed: "tuple[Candidate, ...]" = ()
 
     @property
-    def question(self) -> Question:
-        """What is asked."""
-        return self.asked.question
-
-    @property
-    def design(self) -> Designs:
-        """The best design, with its question and sources."""
-        return self.asked.at(self.best.x)
+    def design(self) -> Question:
+        """The question at the best design."""
+        return self.question.at(self.best.x)
 
     @property
     def words(self) -> str:
@@ -56,14 +49,14 @@ class Candidate:
 
         safety: (limits,), margins that are added to the relative excesses; None: zero.
         """
-        problem = program.problem(self.question, source, safety)
+        problem = self.question.problem(source, safety)
         if self.normalisation is None:
             return problem
         return scalarised(problem, self.question.objectives, *self.normalisation)
 
     def sought(self, source: Source) -> "Candidate":
         """The best design of the whole box."""
-        return replace(self, best=maximise(self.problem(source), scan=program.scan(self.question)))
+        return replace(self, best=maximise(self.problem(source), scan=self.question.scan))
 
     def improved(self, source: Source, safety: Array) -> "Candidate":
         """The best design near this one, with a safety margin to every limit.

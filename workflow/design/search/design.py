@@ -9,8 +9,8 @@ import pandas as pd
 
 from surrogate import GaussianProcess
 from workflow.design.search.targets import solve_target
-from workflow.design.told.words import Verdict, verdict
 from workflow.design.verdict.answer import Answer
+from workflow.design.wording.words import Verdict, verdict
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.study.model import Study

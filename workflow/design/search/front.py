@@ -8,26 +8,25 @@ import xarray as xr
 from approximation.arrays import Array
 from surrogate.search.optimise import Optimum, Problem
 from surrogate.search.pareto import Front, front, non_dominated
-from workflow.design.asking import budget, program
-from workflow.design.asking.designs import Designs
+from workflow.design.question import budget
+from workflow.design.question.question import Question
 from workflow.design.verdict import assessment
 
 _SAFETY = 1e-6  # relative safety margin to the limits, beside the surrogate's own doubt
 _KEPT = 1e-9  # exact excess that counts as none: the optimiser's own accuracy
 
 
-def trace(asked: Designs, scan: int) -> Front | None:
+def trace(question: Question) -> Front | None:
     """The front on the surrogate, with the safety margin that its uncertainty asks for; None: not feasible."""
-    question, predicted = asked.question, asked.predicted
-    problem = program.problem(question, predicted, _SAFETY * question.inequality)
+    problem = question.problem(question.predicted, _SAFETY * question.inequality)
     if not question.inputs:
         return _point(problem, question.objectives)
-    coarse = front(problem, question.objectives, points=3, fill=1, scan=scan)
+    coarse = front(problem, question.objectives, points=3, fill=1, scan=question.scan)
     if coarse is None:
         return None
-    doubt = assessment.doubts(asked.at(coarse.x[len(coarse.x) // 2]))
-    problem = program.problem(question, predicted, (_SAFETY + doubt) * question.inequality)
-    return front(problem, question.objectives, scan=scan) or coarse
+    doubt = assessment.doubts(question.at(coarse.x[len(coarse.x) // 2]))
+    problem = question.problem(question.predicted, (_SAFETY + doubt) * question.inequality)
+    return front(problem, question.objectives, scan=question.scan) or coarse
 
 
 def _point(problem: Problem, objectives: int) -> Front | None:
@@ -53,21 +52,21 @@ def best_of(traced: Front, problem: Problem) -> Optimum:
     return Optimum(traced.x[best], float(objective[best].min()), excess[best], True)
 
 
-def verified(traced: Designs, share: float = 1.0) -> xr.Dataset:
+def verified(traced: Question, share: float = 1.0) -> xr.Dataset:
     """The front of one choice solved again exactly; what breaks a limit is left out.
 
     What is searched for, milliseconds a case, is solved in the scenarios that decide, for fewer designs if need be.
     """
-    question, (designs, columns) = traced.question, budget.thinned(traced, share)
-    wanted, sets = question.objectives, question.searched
+    designs, columns = budget.thinned(traced, share)
+    wanted, sets = designs.objectives, designs.searched
     exact, guessed = (designs.count(source, sets) for source in (budget.affordable(designs), designs.predicted))
     exact = budget.corrected(designs, exact, columns)
     excess = np.stack(
-        [term.oriented(exact[:, k]) for k, term in enumerate(question.terms) if term.limited] or [np.zeros(len(exact))]
+        [term.oriented(exact[:, k]) for k, term in enumerate(designs.terms) if term.limited] or [np.zeros(len(exact))]
     )
     kept = np.flatnonzero(excess.max(0) <= _KEPT)
     variables = designs.at(designs.x[kept]).variables | {
-        name: np.full(kept.size, value) for name, value in question.held.items() if name in question.target.variables
+        name: np.full(kept.size, value) for name, value in designs.held.items() if name in designs.target.variables
     }
     return xr.Dataset(
         {
@@ -75,7 +74,7 @@ def verified(traced: Designs, share: float = 1.0) -> xr.Dataset:
             "front_predicted": (("front", "objective"), guessed[kept, :wanted]),
             "front_value": (("front", "factor"), np.stack(list(variables.values()), -1)),
         },
-        coords={"objective": [term.label for term in question.terms[:wanted]], "factor": list(variables)},
+        coords={"objective": [term.label for term in designs.terms[:wanted]], "factor": list(variables)},
     )
 
 

@@ -6,16 +6,14 @@ import numpy as np
 import xarray as xr
 
 from approximation.arrays import Array
-from workflow.design.asking import program
-from workflow.design.asking.designs import Designs
-from workflow.design.asking.question import Question
+from workflow.design.question.question import Question
 
 _MAP, _COARSE, _COARSEST = 81, 41, 17  # points a side of the map; fewer where every point stands for many draws
 _MANY = 128  # scenarios a point from which the map is coarse
 _SLICE = 121  # points of a slice
 
 
-def landscape(design: Designs) -> xr.Dataset:
+def landscape(design: Question) -> xr.Dataset:
     """Map and slices of the first objective on the surrogate, through one design."""
     return xr.merge([_map(design), _slices(design)])
 
@@ -27,18 +25,17 @@ def _points(question: Question, fine: int, coarse: int, coarsest: int) -> int:
     return coarsest if question.study.kind.tabled else coarse
 
 
-def _map(design: Designs) -> xr.Dataset:
-    question = design.question
-    names = list(question.inputs)[:2]
+def _map(design: Question) -> xr.Dataset:
+    names = list(design.inputs)[:2]
     if len(names) < 2:
         return xr.Dataset()
-    count = _points(question, _MAP, _COARSE, _COARSEST)
+    count = _points(design, _MAP, _COARSE, _COARSEST)
     side = np.linspace(-1.0, 1.0, count)
     points = np.tile(design.x, (count * count, 1))
     points[:, 0], points[:, 1] = (grid.ravel() for grid in np.meshgrid(side, side, indexing="ij"))
     objective, excess = _counted(design.at(points))
     coords: dict[str, Any] = {
-        f"map_{axis}": (f"map_{axis}", question.inputs[name].from_unit(side), {"factor": name})
+        f"map_{axis}": (f"map_{axis}", design.inputs[name].from_unit(side), {"factor": name})
         for axis, name in zip("xy", names, strict=True)
     }
     maps = {"map_objective": objective, "map_excess": excess}
@@ -47,18 +44,17 @@ def _map(design: Designs) -> xr.Dataset:
     )
 
 
-def _slices(design: Designs) -> xr.Dataset:
-    question = design.question
-    steps = _points(question, _SLICE, _SLICE, _COARSE)
+def _slices(design: Question) -> xr.Dataset:
+    steps = _points(design, _SLICE, _SLICE, _COARSE)
     side = np.linspace(-1.0, 1.0, steps)
-    corner, first = question.searched[False], question.terms[0]
+    corner, first = design.searched[False], design.terms[0]
     parts = []
-    for column, (name, axis) in enumerate(question.inputs.items()):
+    for column, (name, axis) in enumerate(design.inputs.items()):
         points = np.tile(design.x, (steps, 1))
         points[:, column] = side
         along = design.at(points)
         objective, excess = _counted(along)
-        values = along.values(design.predicted, corner, first).reshape(steps, -1)
+        values = along.value(design.predicted, corner, first).reshape(steps, -1)
         columns = {
             "slice_value": axis.from_unit(side),
             "slice_objective": objective,
@@ -70,9 +66,8 @@ def _slices(design: Designs) -> xr.Dataset:
     return xr.concat(parts, "slice") if parts else xr.Dataset()
 
 
-def _counted(designs: Designs) -> tuple[Array, Array]:
+def _counted(designs: Question) -> tuple[Array, Array]:
     """The first objective as it counts, and the largest excess, of every design."""
-    question = designs.question
-    objective, excess = program.problem(question, designs.predicted).value(designs.x)
-    count = objective.shape[1] // question.objectives
-    return question.terms[0].sign * objective[:, :count].min(1), excess.max(1, initial=-np.inf)
+    objective, excess = designs.problem(designs.predicted).value(designs.x)
+    count = objective.shape[1] // designs.objectives
+    return designs.terms[0].sign * objective[:, :count].min(1), excess.max(1, initial=-np.inf)

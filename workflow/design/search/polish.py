@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from approximation.arrays import Array
-from workflow.design.asking import budget
-from workflow.design.asking.designs import Designs
-from workflow.design.asking.sources import Source
+from workflow.design.question import budget
+from workflow.design.question.question import Question
+from workflow.design.question.sources import Source
 from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import ROOM
@@ -42,7 +42,7 @@ def first_feasible(ranked: list[Candidate]) -> Candidate:
 def _missed(passed: Candidate) -> str:
     """Why a choice that is better by the surrogate is not taken."""
     limits = [term for term in passed.question.terms if term.limited]
-    excess = _excess(passed.design, budget.affordable(passed.asked)).judged
+    excess = _excess(passed.design, budget.affordable(passed.question)).judged
     return (
         f"{passed.words} is better and not taken: it misses {limits[excess.argmax()].label} by {excess.max():.2g} of it"
     )
@@ -73,8 +73,8 @@ class _Excess:
         return bool(np.all(self.kept & ((self.judged > -_NEAR) | ~bound)))
 
 
-def _excess(design: Designs, source: Source) -> _Excess:
-    limits = [term for term in design.question.terms if term.limited]
+def _excess(design: Question, source: Source) -> _Excess:
+    limits = [term for term in design.terms if term.limited]
     values, cases = assessment.exactly(design, limits)
     judged = [float(term.oriented(value)) for term, value in zip(limits, values, strict=True)]
     return _Excess(np.array(judged), assessment.excesses(design, source), cases)
@@ -94,13 +94,13 @@ def _polish(candidate: Candidate) -> Candidate:
         or not candidate.question.inputs
     ):
         return polished
-    anew = _shifted(candidate.sought(candidate.asked.exact))
+    anew = _shifted(candidate.sought(candidate.question.exact))
     return anew if anew.best.feasible else polished
 
 
 def _shifted(candidate: Candidate) -> Candidate:
     """The best of the designs that keep the limits, each polished with these shifted by what the last one missed."""
-    question, source = candidate.question, budget.affordable(candidate.asked)
+    question, source = candidate.question, budget.affordable(candidate.question)
     usual = budget.safety(question, _SAFETY) * question.inequality
     rounds = _ROUNDS if question.inputs else 0
     first = candidate.counted(source)

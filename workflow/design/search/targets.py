@@ -11,10 +11,10 @@ from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem
 from surrogate.search.pareto import Front
-from workflow.design.asking import budget, program
-from workflow.design.asking.designs import Designs
-from workflow.design.asking.question import Question, ask
-from workflow.design.asking.sources import Exact, Predicted
+from workflow.design.question import budget
+from workflow.design.question.pilot import ask
+from workflow.design.question.question import Question
+from workflow.design.question.sources import Exact, Predicted
 from workflow.design.search import contact_fields, front, landscape, polish, tolerances
 from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment
@@ -94,7 +94,7 @@ def _refusal(best: Candidate) -> str:
 
     The margin of the edge promises most of all cases, and a search finds the place where it promises too much.
     """
-    return best.design.exact.refusal(best.design.factors(best.question.judged[False]))
+    return best.question.exact.refusal(best.design.factors(best.question.judged[False]))
 
 
 def _candidates(
@@ -140,8 +140,7 @@ def _asked(
     held = {key: float(value) for key, value in choice.items() if key not in categories}
     wanted = [output(quantity, categories) for quantity in target.names() if quantity in ALL_QUANTITIES]
     own, predicted = study.narrowed(categories), Predicted(model.only(wanted) if wanted else model, categories)
-    question = ask(own, name, target, predicted, held)
-    return Candidate(choice, Designs(question, predicted, Exact(own, predicted), np.empty((0, len(question.inputs)))))
+    return Candidate(choice, ask(own, name, target, predicted, Exact(own, predicted), held))
 
 
 def _rank(best: Optimum) -> tuple[bool, float]:
@@ -154,7 +153,7 @@ def _search(asked: list[Candidate], tell: Callable[[str], None]) -> list[Candida
     traced: list[Front | None] = [None] * len(asked)
     if asked[0].question.objectives > 1:
         tell("tracing the front")
-        traced = [front.trace(candidate.asked, program.scan(candidate.question)) for candidate in asked]
+        traced = [front.trace(candidate.question) for candidate in asked]
     fronts = [own for own in traced if own is not None]
     scales = front.normalisation(fronts) if fronts else None
     candidates = []
@@ -165,9 +164,9 @@ def _search(asked: list[Candidate], tell: Callable[[str], None]) -> list[Candida
 
 
 def _climbed(candidate: Candidate) -> Candidate:
-    question, predicted = candidate.question, candidate.asked.predicted
+    question, predicted = candidate.question, candidate.question.predicted
     if not question.inputs:
-        return replace(candidate, best=_only(candidate.problem(budget.affordable(candidate.asked))))
+        return replace(candidate, best=_only(candidate.problem(budget.affordable(candidate.question))))
     if candidate.front is not None:
         first = replace(candidate, best=front.best_of(candidate.front, candidate.problem(predicted)))
     else:
@@ -180,7 +179,7 @@ def _climbed(candidate: Candidate) -> Candidate:
 
 def _front(candidates: list[Candidate]) -> xr.Dataset:
     """The exact front of all choices."""
-    traced = [(candidate, candidate.asked.at(candidate.front.x)) for candidate in candidates if candidate.front]
+    traced = [(candidate, candidate.question.at(candidate.front.x)) for candidate in candidates if candidate.front]
     parts = {candidate.words: front.verified(designs, 1 / len(traced)) for candidate, designs in traced}
     return front.merged(parts, np.array([objective.sign for objective in candidates[0].question.target.objectives]))
 

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from surrogate.search.optimise import improve
-from workflow.design.asking import program
-from workflow.design.asking.question import Question
+from workflow.design.question.question import Question
 from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import Tolerated
@@ -36,7 +35,7 @@ def costs(best: Candidate, without: Candidate, asked: Asked) -> Tolerated:
         tighter = {**target.tolerance, name: _tightened(target, name)}
         gain[name] = _share(_reached(best, asked(target.model_copy(update={"tolerance": tighter}))), whole)
     values = {name: float(column[0]) for name, column in design.variables.items()} | without.question.held
-    exact, _ = assessment.exactly(design, design.question.terms[:1])
+    exact, _ = assessment.exactly(design, design.terms[:1])
     named = ", ".join(kind for kind in without.choice.values() if isinstance(kind, str))
     return Tolerated(cost, gain, values, float(exact[0]), named)
 
@@ -51,13 +50,13 @@ def near(best: Candidate, other: Candidate) -> Candidate:
     physical = best.design.variables
     inputs = other.question.inputs
     start = np.array([float(axis.to_unit(physical[name])[0]) for name, axis in inputs.items()])
-    problem = program.problem(other.question, best.asked.predicted)
+    problem = other.question.problem(best.question.predicted)
     return replace(other, best=improve(problem, np.clip(start, -1, 1), best.size(best.best.objective)))
 
 
 def _reached(best: Candidate, question: Question) -> float:
     """The goal near a design under other tolerances, on the surrogate."""
-    nearby = near(best, replace(best, asked=replace(best.asked, question=question))).best
+    nearby = near(best, replace(best, question=question)).best
     return nearby.objective if nearby.feasible else np.nan
 
 

@@ -9,12 +9,11 @@ from approximation.arrays import Array
 from approximation.sobol import sobol_points
 from solver.names import ALL_QUANTITIES, CHOICES, PROFILES
 from workflow.dataset import factorial
-from workflow.design.asking import budget
-from workflow.design.asking.designs import Designs
-from workflow.design.asking.question import Question
-from workflow.design.asking.scenarios import Scenarios
-from workflow.design.asking.sources import Predicted, Source, shape
-from workflow.design.asking.terms import Key, Term
+from workflow.design.question import budget
+from workflow.design.question.question import Question
+from workflow.design.question.scenarios import Scenarios
+from workflow.design.question.sources import Predicted, Source, shape
+from workflow.design.question.terms import Key, Term
 from workflow.design.verdict import linearity, merit, perturbation, spread
 from workflow.design.verdict.answer import Answer, Range
 from workflow.design.verdict.term import Scenario
@@ -44,39 +43,39 @@ class Prediction:
     reaches: Array
 
 
-def exactly(design: Designs, terms: Sequence[Term]) -> tuple[Array, int]:
+def exactly(design: Question, terms: Sequence[Term]) -> tuple[Array, int]:
     """What some terms exactly count as at one design in the verdict, and the costly cases that they took."""
     values, cases = [], 0
     for term in terms:
-        if budget.names(design.question, term):
+        if budget.names(design, term):
             counted = budget.count_exactly(design, term)
             values.append(counted.value)
             cases += counted.cases
         else:
-            values.append(float(term.counted(design.values(design.exact, design.question.judged[term.key], term))[0]))
+            values.append(float(term.counted(design.value(design.exact, design.judged[term.key], term))[0]))
     return np.array(values), cases
 
 
-def excesses(design: Designs, source: Source) -> Array:
+def excesses(design: Question, source: Source) -> Array:
     """Relative excess of every limit at one design over the scenarios of the search; (k,)."""
-    terms, counts = design.question.terms, design.count(source, design.question.searched)[0]
+    terms, counts = design.terms, design.count(source, design.searched)[0]
     return np.array([float(t.oriented(value)) for t, value in zip(terms, counts, strict=True) if t.limited])
 
 
-def doubts(design: Designs) -> Array:
+def doubts(design: Question) -> Array:
     """Half of the 95 % interval of every limited term at one design, over its scale; (k,)."""
-    terms, reaches = design.question.terms, predict(design, design.question.searched).reaches
+    terms, reaches = design.terms, predict(design, design.searched).reaches
     scaled = [reach / term.scale for term, reach in zip(terms, reaches, strict=True) if term.limited]
     return np.array(scaled).reshape(-1)
 
 
-def predict(design: Designs, sets: Mapping[Key, Scenarios]) -> Prediction:
+def predict(design: Question, sets: Mapping[Key, Scenarios]) -> Prediction:
     """Terms on the surrogate, with what may be off carried through expression and risk measure: errors go together."""
     values, scenarios = [], []
     errors: list[tuple[float, float]] = []
-    for term in design.question.terms:
+    for term in design.terms:
         chosen = sets[term.key]
-        rows = design.values(design.predicted, chosen, term)
+        rows = design.value(design.predicted, chosen, term)
         slopes = term.slopes(rows[0])
         values.append(float(term.counted(rows)[0]))
         scenarios.append(int(np.abs(slopes).argmax()))
@@ -91,21 +90,23 @@ def _quantities(term: Term) -> list[str]:
     return [name for name in term.expression.names() if name in ALL_QUANTITIES]
 
 
-def _partials(design: Designs, chosen: Scenarios, term: Term) -> dict[str, Array]:
+def _partials(design: Question, chosen: Scenarios, term: Term) -> dict[str, Array]:
     """Derivatives of a term's expression by the names in it, on the surrogate: (scenarios,) each."""
-    known = design.question.known(design.predicted, design.factors(chosen), [term.expression])
+    known = design.known(design.predicted, design.factors(chosen), [term.expression])
     return term.expression.partials({name: values[0] for name, values in known.items()})[1]
 
 
-def judge(design: Designs) -> Answer:
+def judge(design: Question) -> Answer:
     """Everything that is said about one design; its name, its choices and its pictures are for others to add."""
-    question, terms = design.question, design.question.terms
-    guessed = predict(design, question.judged)
+    terms = design.terms
+    guessed = predict(design, design.judged)
     exact, _ = exactly(design, terms)
     corner = _corners(design)
     worst = [_case(design, term, scenario) for term, scenario in zip(terms, guessed.scenarios, strict=True)]
-    beyond = linearity.beyond(question.study, corner, _field_below(design, corner))
-    notes = [*(words for words, _ in beyond), *_flags(design, corner), *question.notes]
+    beyond = linearity.beyond(design.study, corner, _field_below(design, corner))
+    thickness = _thickness(design, corner)
+    beyond += linearity.beyond_small_strain(design.study, corner, _radius(design, corner), thickness)
+    notes = [*(words for words, _ in beyond), *_flags(design, corner), *design.notes]
     spreads = spread.over(design, worst)
     out = Answer(
         terms=_terms(design, guessed, exact, worst, spreads),
@@ -114,7 +115,7 @@ def judge(design: Designs) -> Answer:
         beyond="; ".join(f"{words} ({reason})" for words, reason in beyond),
         exceeded=tuple(words for words, _ in beyond),
         flags="; ".join(notes),
-        statistic=str(question.target.statistic),
+        statistic=str(design.target.statistic),
         figures=merit.over(design, corner),
         constants=spreads.constants,
     )
@@ -122,16 +123,16 @@ def judge(design: Designs) -> Answer:
 
 
 def _terms(
-    design: Designs, guessed: Prediction, exact: Array, worst: Sequence[Scenario], spreads: spread.Spread
+    design: Question, guessed: Prediction, exact: Array, worst: Sequence[Scenario], spreads: spread.Spread
 ) -> tuple[JudgedTerm, ...]:
     """What every term comes to."""
-    question, terms = design.question, design.question.terms
-    stated: list[Objective | Limit] = [*question.target.objectives, *question.target.limits]
+    terms = design.terms
+    stated: list[Objective | Limit] = [*design.target.objectives, *design.target.limits]
     half = guessed.reaches + tolerances(design)
     inside = np.abs(exact - guessed.values) <= half + 1e-12 * np.abs(exact)
     margins = [term.sign * (term.bound - value) / term.scale for term, value in zip(terms, exact, strict=True)]
     bounds = [
-        linearity.bound(question.study, statement) if isinstance(statement, Limit) else ("", "") for statement in stated
+        linearity.bound(design.study, statement) if isinstance(statement, Limit) else ("", "") for statement in stated
     ]
     return tuple(
         JudgedTerm(
@@ -154,41 +155,40 @@ def _terms(
     )
 
 
-def _variables(design: Designs, exact: Array, worst: Scenario) -> tuple[Variable, ...]:
+def _variables(design: Question, exact: Array, worst: Scenario) -> tuple[Variable, ...]:
     """Every factor in the case that decides the first objective, the variables without their tolerances."""
-    question = design.question
     nominal = {**worst, **{name: float(values[0]) for name, values in design.variables.items()}}
-    nominal |= {name: value for name, value in question.held.items() if name in question.target.variables}
+    nominal |= {name: value for name, value in design.held.items() if name in design.target.variables}
     unknown, known = Sensitivity((np.nan,) * len(exact)), perturbation.sensitivities(design, exact)
     edges = _edges(design)
     return tuple(
         Variable(
             name,
             value,
-            _role(question, name),
+            _role(design, name),
             known.get(name, unknown),
-            tolerance=_tolerance(question, name),
+            tolerance=_tolerance(design, name),
             edge=edges.get(name),
         )
         for name, value in nominal.items()
     )
 
 
-def _corners(design: Designs) -> dict[str, Array]:
+def _corners(design: Question) -> dict[str, Array]:
     """Every quantity of a design, exactly, over many corners of the ranges; what is costly over a few."""
     out: dict[str, Array] = {}
-    for sets, costly in ((design.question.judged, False), (design.question.searched, True)):
-        names = [name for name in design.exact.quantities if (name in design.question.study.costly) == costly]
+    for sets, costly in ((design.judged, False), (design.searched, True)):
+        names = [name for name in design.exact.quantities if (name in design.study.costly) == costly]
         out |= design.exact.values(design.factors(sets[False]), names) if names else {}
     return out
 
 
-def _field_below(design: Designs, corner: Mapping[str, Array]) -> float | None:
+def _field_below(design: Question, corner: Mapping[str, Array]) -> float | None:
     """Largest field below the middle of the contact, over the same corners; None where others tell it."""
-    kind = design.question.study.kind
+    kind = design.study.kind
     if "voltage" not in corner or "nominal_field" in corner or kind.contact == "point" or kind.air:
         return None
-    return design.exact.field_below(design.factors(design.question.judged[False]))
+    return design.exact.field_below(design.factors(design.judged[False]))
 
 
 def allowances(study: Study, source: Predicted, names: Sequence[str]) -> dict[str, float]:
@@ -202,15 +202,15 @@ def allowances(study: Study, source: Predicted, names: Sequence[str]) -> dict[st
     return {name: float(study.validation.tolerance * size) for name, size in ranges.items()}
 
 
-def tolerances(design: Designs) -> Array:
+def tolerances(design: Question) -> Array:
     """What the study's tolerance may make of each term; (terms,)."""
-    terms = design.question.terms
+    terms = design.terms
     names = list(dict.fromkeys(name for term in terms for name in _quantities(term)))
-    sizes = allowances(design.question.study, design.predicted, names)
+    sizes = allowances(design.study, design.predicted, names)
     out = []
     for term in terms:
-        chosen = design.question.searched[term.key]
-        weights = term.weights(design.values(design.predicted, chosen, term)[0])
+        chosen = design.searched[term.key]
+        weights = term.weights(design.value(design.predicted, chosen, term)[0])
         partials = _partials(design, chosen, term)
         out.append(
             sum(sizes[name] * float(weights @ np.abs(partials[name] + 0 * weights)) for name in _quantities(term))
@@ -218,9 +218,9 @@ def tolerances(design: Designs) -> Array:
     return np.array(out)
 
 
-def _case(design: Designs, term: Term, scenario: int) -> dict[str, float]:
+def _case(design: Question, term: Term, scenario: int) -> dict[str, float]:
     """Every factor of the factorial in one scenario of a term's verdict on one design."""
-    factors = design.factors(design.question.judged[term.key])
+    factors = design.factors(design.judged[term.key])
     return {name: float(np.broadcast_to(values, shape(factors))[0, scenario]) for name, values in factors.items()}
 
 
@@ -237,28 +237,39 @@ def _tolerance(question: Question, name: str) -> str:
     return given if isinstance(given, str) else f"{given:g} {written(FACTORS[name].units)}".strip()
 
 
-def _edges(design: Designs) -> dict[str, End]:
+def _edges(design: Question) -> dict[str, End]:
     """Variables that stand at an end of their range, which is the study's box or a part of it that was asked for."""
     out = {}
-    for (name, axis), u in zip(design.question.inputs.items(), design.x[0], strict=True):
+    for (name, axis), u in zip(design.inputs.items(), design.x[0], strict=True):
         if abs(u) > 1 - _EDGE:
-            low, high = design.question.room(name)
+            low, high = design.room(name)
             out[name] = End.of(upper=u > 0, studied=axis.high == high if u > 0 else axis.low == low)
     return out
 
 
-def _radius(design: Designs, corner: Mapping[str, Array]) -> Array | None:
+def _radius(design: Question, corner: Mapping[str, Array]) -> Array | None:
     """Radius of a round punch over the scenarios, wherever the question has it; None for other profiles."""
-    fixed = design.question.study.fixed
+    fixed = design.study.fixed
     if "radius" not in PROFILES[str(fixed.get("profile", CHOICES["profile"][0]))].needs:
         return None
-    factors = design.factors_of(corner[design.question.study.kind.ends[0]])
+    factors = design.factors_of(corner[design.study.kind.ends[0]])
     return factors["radius"] if "radius" in factors else np.full((1, 1), float(fixed["radius"]))
 
 
-def _flags(design: Designs, corner: Mapping[str, Array]) -> list[str]:
+def _thickness(design: Question, corner: Mapping[str, Array]) -> Array | None:
+    """Thickness of the film over the scenarios; None without one."""
+    if "depth" not in corner:
+        return None
+    factors = design.factors_of(corner["depth"])
+    held = design.study.held("thickness")
+    if "thickness" in factors:
+        return factors["thickness"]
+    return np.full((1, 1), float(held)) if isinstance(held, float | int) else None
+
+
+def _flags(design: Question, corner: Mapping[str, Array]) -> list[str]:
     """Where a design leaves what the theory of the contact holds for."""
-    trailing, leading = design.question.study.kind.ends
+    trailing, leading = design.study.kind.ends
     width, radius = corner[trailing] + corner[leading], _radius(design, corner)
     share = float((width / radius).max()) if radius is not None else 0.0
     told = [f"the contact is {share:.2g} of the radius wide: no longer a parabola"] if share > _SLENDER else []

@@ -6,7 +6,7 @@ import numpy as np
 
 from approximation.arrays import Array
 from solver.face.refusal import FactorError
-from workflow.design.asking.designs import Designs
+from workflow.design.question.question import Question
 from workflow.design.verdict.answer import Figure, Overload
 from workflow.design.verdict.term import Scenario
 from workflow.language import grammar
@@ -20,32 +20,30 @@ _REFINED = 5
 MOST_LOAD = 10.0
 
 
-def over(design: Designs, corner: Mapping[str, Array]) -> tuple[Figure, ...]:
+def over(design: Question, corner: Mapping[str, Array]) -> tuple[Figure, ...]:
     """Least and largest value of every figure that the study's device has."""
-    question = design.question
-    if question.study.device is None:
+    if design.study.device is None:
         return ()
-    meeting = question.target.objectives[0].meeting  # that of all choices, of which this may be one
+    meeting = design.target.objectives[0].meeting  # that of all choices, of which this may be one
     figures = {name: _figure(design, corner, grammar.parse(name, meeting)) for name in FIGURES_BY[meeting]}
     return tuple(
         Figure(name, float(values.min()), float(values.max())) for name, values in figures.items() if values is not None
     )
 
 
-def _figure(design: Designs, corner: Mapping[str, Array], expression: Expression) -> Array | None:
+def _figure(design: Question, corner: Mapping[str, Array], expression: Expression) -> Array | None:
     """A figure's values over the scenarios; None where something of it is not known."""
-    question = design.question
     known: dict[str, Array] = {}
     for name in expression.names():
         if name in corner:
             known[name] = corner[name]
         elif name in CONSTANTS:
             try:
-                known[name] = np.full((1, 1), question.study.constant(name))
+                known[name] = np.full((1, 1), design.study.constant(name))
             except ValueError:
                 return None
         elif name in FACTORS:
-            factors, held = design.factors_of(corner[question.study.kind.ends[0]]), question.study.held(name)
+            factors, held = design.factors_of(corner[design.study.kind.ends[0]]), design.study.held(name)
             if name not in factors and not isinstance(held, float | int):
                 return None
             known[name] = factors[name] if name in factors else np.full((1, 1), float(held or 0.0))
@@ -54,15 +52,15 @@ def _figure(design: Designs, corner: Mapping[str, Array], expression: Expression
     return expression.evaluate(known)
 
 
-def first_limit(design: Designs, worst: Sequence[Scenario]) -> Overload | None:
+def first_limit(design: Question, worst: Sequence[Scenario]) -> Overload | None:
     """How far the load may rise before a limit stops it, all else as in the case that decides that limit."""
     limits = [
         (term, case)
-        for term, case in zip(design.question.terms, worst, strict=True)
+        for term, case in zip(design.terms, worst, strict=True)
         if term.limited and term.sign > 0 and not term.drawn and not term.along
     ]
-    pressing = design.question.study.kind.loads.force
-    if pressing not in design.question.study.factors or not limits:
+    pressing = design.study.kind.loads.force
+    if pressing not in design.study.factors or not limits:
         return None
     least, which = MOST_LOAD, ""
     for term, case in limits:
@@ -72,7 +70,7 @@ def first_limit(design: Designs, worst: Sequence[Scenario]) -> Overload | None:
             factors = {name: np.full((1, 1), value) for name, value in case.items()}
             factors[pressing] = case[pressing] * shares[:, None]
             try:
-                known = design.question.known(design.exact, factors, [term.expression])
+                known = design.known(design.exact, factors, [term.expression])
             except FactorError:  # a load that no case of this kind bears
                 break
             values = np.broadcast_to(term.expression.evaluate(known), (_LOADS, 1))[:, 0]
@@ -81,6 +79,6 @@ def first_limit(design: Designs, worst: Sequence[Scenario]) -> Overload | None:
                 break
             low, high = shares[beyond[0]], shares[beyond[0] + 1]
             least, which = float(high), term.label
-    if not which and len(limits) < sum(term.limited for term in design.question.terms):
+    if not which and len(limits) < sum(term.limited for term in design.terms):
         return None  # a limit that no one case tells may stop it
     return Overload(least, which)

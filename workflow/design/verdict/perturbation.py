@@ -3,10 +3,9 @@
 import numpy as np
 
 from approximation.arrays import Array
-from workflow.design.asking import budget
-from workflow.design.asking.designs import Designs
-from workflow.design.asking.question import Question
-from workflow.design.asking.sources import Exact, Source
+from workflow.design.question import budget
+from workflow.design.question.question import Question
+from workflow.design.question.sources import Exact, Source
 from workflow.design.verdict.variable import Sensitivity
 from workflow.language.factors import FACTORS
 
@@ -16,34 +15,34 @@ _SHARES = 1 + np.array([-_STEP, _STEP, -_ERROR, _ERROR])
 _NOTHING = 1e-9  # share of the goal that counts as no change
 
 
-def sensitivities(design: Designs, exact: Array) -> dict[str, Sensitivity]:
+def sensitivities(design: Question, exact: Array) -> dict[str, Sensitivity]:
     """Elasticity of every term, and what a 1 % error costs, for every continuous variable that is not zero.
 
     By differences on what stands for the exact solver.
     """
-    question, source = design.question, budget.affordable(design)
+    source = budget.affordable(design)
     varied = _varied(design, source)
     # of draws the few of the search: what they lack is added to all alike
-    sets = {key: question.searched[key] if key is True else chosen for key, chosen in question.judged.items()}
-    counts = question.count(source, varied, sets)
+    sets = {key: design.searched[key] if key is True else chosen for key, chosen in design.judged.items()}
+    counts = design.at_variables(varied).count(source, sets)
     counts += exact - counts[0]
     around = counts[1:].reshape(len(varied), len(_SHARES), len(exact))
     largest = np.abs(around).max((0, 1), initial=0.0)
     return {
-        name: _effects(question, values[0], values[1 + 4 * k : 5 + 4 * k], counts[0], around[k], largest)
+        name: _effects(design, values[0], values[1 + 4 * k : 5 + 4 * k], counts[0], around[k], largest)
         for k, (name, values) in enumerate(varied.items())
         if values[0] != 0  # which has no 1 % of it
     }
 
 
-def _varied(design: Designs, source: Source) -> dict[str, Array]:
+def _varied(design: Question, source: Source) -> dict[str, Array]:
     """Variables at the design, then one after another moved by the shares, (1 + 4 d,) each."""
     count = 1 + len(_SHARES) * len(design.variables)
     varied = {name: np.full(count, nominal) for name, (nominal,) in design.variables.items()}
     for k, (name, values) in enumerate(varied.items()):
         # the surrogate, where it stands in, knows no case beyond its box
         factor = FACTORS[name]
-        low, high = (factor.low, factor.high) if isinstance(source, Exact) else design.question.room(name)
+        low, high = (factor.low, factor.high) if isinstance(source, Exact) else design.room(name)
         values[1 + 4 * k : 5 + 4 * k] = np.clip(values[0] * _SHARES, low, high)
     return varied
 

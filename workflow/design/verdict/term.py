@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workflow.design.asking.terms import BINDS
+from workflow.design.question.terms import BINDS
 from workflow.language import titles
 from workflow.language.numbers import number, shown
 from workflow.language.statements import Limit, Objective

@@ -1,0 +1,450 @@
+"""Histories of forces in the files of load cells, testing machines, loggers and oscilloscopes."""
+
+import csv
+import re
+from array import array
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from decimal import Decimal
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+
+from approximation.arrays import Array
+from solver import units
+from workflow.cli.textfile import Sheet, heading, is_number, missing, sheet, with_point
+from workflow.device.signal import History
+from workflow.study.reading import InputError, number
+
+MOST_ROWS = 10_000_000
+_LARGEST = 1 << 30  # bytes
+_MOST_TITLES = 500  # rows before the header
+_NOISE = 0.02  # of the largest force, down to which a force below 0 is noise or an offset
+_RESOLVED = 1e-6  # of the smallest step, to which times must be representable
+_LATE = 1e6  # from which times are subtracted in decimal digits
+_GRAVITY = 9.80665  # m/s^2
+
+_TIME_UNITS = {
+    **dict.fromkeys(["s", "sec", "secs", "second", "seconds", "sekunde", "sekunden", "seg"], 1.0),
+    **dict.fromkeys(["ms", "msec", "millisecond", "milliseconds", "millis"], 1e-3),
+    **dict.fromkeys(["us", "µs", "μs", "usec", "microsecond", "microseconds", "micros"], 1e-6),
+    **dict.fromkeys(["ns", "nsec", "nanoseconds"], 1e-9),
+    **dict.fromkeys(["min", "minute", "minutes", "minuten"], 60.0),
+    **dict.fromkeys(["h", "hr", "hour", "hours", "stunden"], 3600.0),
+}
+_WEIGHTS = {  # units of load cells that weigh, in newtons
+    **dict.fromkeys(["kgf", "kp", "kg"], _GRAVITY),
+    **dict.fromkeys(["gf", "g", "gram", "grams", "p"], 1e-3 * _GRAVITY),
+    **dict.fromkeys(["lbf", "lb", "lbs"], 0.45359237 * _GRAVITY),
+    "ozf": 0.028349523125 * _GRAVITY,
+    "dyn": 1e-5,
+    **dict.fromkeys(["newton", "newtons"], 1.0),
+    **dict.fromkeys(["volt", "volts"], 1.0),
+}
+_TIME_NAMES = """
+time t elapsed_time test_time total_time run_time running_time relative_time x_value zeit prüfzeit
+versuchszeit messzeit testzeit temps tiempo tempo timestamp date_time time_stamp datetime date/time x_axis x
+time_axis elapsed zeitstempel
+"""
+_TIMES = frozenset([*_TIME_NAMES.split(), *_TIME_UNITS])
+_FORCE_NAMES = """
+force load f fn fz f_n axial_force axial_load load_cell loadcell normal_force standard_force compressive_load
+compressive_force compression_load contact_force applied_force kraft standardkraft prüfkraft normalkraft
+druckkraft fuerza forza carga weight force_z normal_load applied_load test_force force_reading load_reading
+force_1 load_1 gewicht
+"""
+_FORCES = frozenset([*_FORCE_NAMES.split()])
+_KNOWN = _TIMES | _FORCES
+_CHANNEL = re.compile(
+    r"(ch|channel|chan|c|kanal|ai|dev\d+/ai)[ _]*[0-9a-h]|[0-9]|volts?|voltage|ampl(itude)?|spannung|signal|"
+    r"value|y_value|untitled( \d+)?|y|y_axis|sensor|reading",
+    re.IGNORECASE,
+)
+_STAMP = re.compile(r"(?:\d{4}-\d\d-\d\d[T ])?\d\d:\d\d:\d\d[.,]\d+ -> ")  # of the Arduino's serial monitor
+_CLOCK = re.compile(r"(?P<hours>\d{1,3}):(?P<minutes>\d\d):(?P<seconds>\d\d(?:[.,]\d+)?)")
+_DATE = re.compile(
+    r"(?P<date>\d{4}-\d\d-\d\d)[T ](?P<clock>\d\d:\d\d(?::\d\d)?)(?:[.,](?P<fraction>\d{1,9}))?\s*"
+    r"(?P<zone>Z|UTC|[-+]\d\d:?\d\d)?"
+)
+_NEEDS = "a history has columns of time and force in its header, as 'time [s],force [N]'"
+
+
+@dataclass(frozen=True)
+class ForceFile:
+    """A history as it was read, with remarks for the user."""
+
+    history: History
+    column: str  # heading of the force
+    per_metre: bool  # whether the forces are loads of a line [N m-1]
+    bare: bool  # whether the force has no unit
+    remarks: list[str]
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """Places, headings and units of the two columns of a history."""
+
+    time: int
+    force: int
+    heading: str
+    time_unit: str | None
+    force_unit: str | None
+    count: int = 0  # cells of the header; 0 where rows may be longer
+    start: Decimal = Decimal(0)  # of the time, where rows are counted
+    increment: Decimal | None = None  # of the time, where rows are counted [s]
+
+
+def read_history(path: Path, *, line: bool, scale: str | None = None) -> ForceFile:
+    """Read a history; ``line`` is whether the contact is a line, ``scale`` the force of a volt, as ``20 N/V``."""
+    try:
+        file = sheet(path, _LARGEST, blanks=True)
+        with file.open() as text:
+            return _read(file, file.rows(text, MOST_ROWS + _MOST_TITLES, remarks=True), line, scale)
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}") from None
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: not a table in {file.encoding}: {error}") from None
+
+
+def _read(file: Sheet, rows: Iterator[tuple[int, list[str]]], line: bool, scale: str | None) -> ForceFile:
+    path = file.path
+    columns, rows = _header(file, rows, scaled=scale is not None)
+    factor, per_metre = _force_scale(path, columns, line, scale)
+    texts: list[str] = []
+    values, lines = array("d"), array("q")
+    stray: tuple[int, str] | None = None
+    last = max(columns.time, columns.force)
+    for place, row in rows:
+        if row[0].lstrip().startswith("#"):
+            continue
+        cells = [_STAMP.sub("", cell) for cell in row] if "->" in row[0] else row
+        if not any(is_number(_pointed(cell, file)) for cell in cells) and not _is_clock(
+            cells[columns.time : columns.time + 1]
+        ):
+            if any(cell.strip() for cell in cells):
+                stray = stray or (place, " ".join(cells)[:40].strip())
+            continue
+        if stray:
+            raise InputError(
+                f"{path}: line {stray[0]}: {stray[1]!r} is no row of numbers; remove it, or begin it with #"
+            )
+        if len(cells) <= last:
+            raise InputError(f"{path}: line {place}: {len(cells)} cells; {columns.heading} is in column {last + 1}")
+        if columns.count and any(cell.strip() for cell in cells[columns.count :]):
+            hint = "; a decimal comma? then separate columns by semicolons or tabs" if file.separator == "," else ""
+            raise InputError(f"{path}: line {place}: {len(cells)} cells, the header has {columns.count}{hint}")
+        if len(values) == MOST_ROWS:
+            raise InputError(f"{path}: more than {MOST_ROWS} rows; a history has 2 to {MOST_ROWS}")
+        values.append(_force(f"{path}: line {place}: {columns.heading}", cells[columns.force].strip(), file))
+        texts.append(cells[columns.time].strip())
+        lines.append(place)
+    if len(values) < 2:
+        raise InputError(f"{path}: {len(values)} rows; a history has 2 to {MOST_ROWS}")
+    times, origin = _times(file, texts, lines, columns)
+    forces = np.frombuffer(values) * factor
+    remarks = []
+    if origin:
+        remarks.append(f"times are counted from the first row, at {origin}")
+    if (unit := (columns.force_unit or "").casefold()) in ("kg", "g", "lb", "lbs", "gram", "grams"):
+        remarks.append(f"{columns.heading}: {unit} is read as the weight of this mass, by 9.80665 m/s2")
+    forces = _pressing(path, columns.heading, forces, lines, remarks)
+    return ForceFile(History(times, forces), columns.heading, per_metre, columns.force_unit is None, remarks)
+
+
+def _pointed(cell: str, file: Sheet) -> str:
+    """A cell with a decimal point; as it is where its comma cannot be one."""
+    try:
+        return with_point(cell.strip(), file.separator)
+    except ValueError:
+        return cell.strip()
+
+
+def _is_clock(cells: list[str]) -> bool:
+    return any(_CLOCK.fullmatch(cell.strip()) or _DATE.fullmatch(cell.strip()) for cell in cells)
+
+
+def _force(where: str, text: str, file: Sheet) -> float:
+    """A force as its column has it."""
+    if not text:
+        raise InputError(f"{where}: empty; must be a number")
+    if missing(text):
+        raise InputError(f"{where}: {text!r} stands for a missing value; remove the row")
+    try:
+        value = number(with_point(text, file.separator))
+    except ValueError as error:
+        reason = str(error) if "decimal" in str(error) or "groups" in str(error) else f"{text[:40]!r} is not a number"
+        raise InputError(f"{where}: {reason}") from None
+    if not np.isfinite(value):
+        raise InputError(f"{where}: {value:g} is not a finite number")
+    return value
+
+
+def _header(
+    file: Sheet, rows: Iterator[tuple[int, list[str]]], *, scaled: bool
+) -> tuple[_Columns, Iterator[tuple[int, list[str]]]]:
+    """The columns of a history from the rows before its numbers, and the rows of numbers."""
+    titles: dict[str, list[str]] = {}
+    earlier: list[list[str]] = []
+    for place, row in rows:
+        cells = [_STAMP.sub("", cell).strip() for cell in row]
+        cells[0] = cells[0].lstrip("#").strip()
+        if cells[0] == "" and len(cells) > 1 and row[0].strip() == "#":
+            cells = cells[1:]  # a header behind a # that stands alone
+        if file.separator == " ":
+            cells = _joined(cells)
+        if cells[0] == "Record Length" and len(cells) > 4:
+            return _tektronix(place, row, rows)
+        if columns := _matched(file, cells, channels=False) or _matched(file, cells, channels=True):
+            if columns.force_unit is None and (unit := titles.get("y_unit_label") or titles.get("vertical units")):
+                columns = _with_units(columns, columns.time_unit, (unit + [""] * 99)[min(columns.force, len(unit) - 1)])
+            return _below(columns, rows)
+        titles[cells[0].casefold()] = cells
+        earlier.append(cells)
+        if len(earlier) > _MOST_TITLES:
+            break
+        if len([cell for cell in cells if is_number(_pointed(cell, file))]) > 1 and _all_numbers(file, cells):
+            break
+    raise InputError(f"{file.path}: {_reason(file, earlier)}")
+
+
+def _joined(cells: list[str]) -> list[str]:
+    """Headings between blanks, each with the unit that stands in brackets behind it."""
+    joined: list[str] = []
+    for cell in filter(None, cells):
+        if joined and cell[0] in "[(":
+            joined[-1] += f" {cell}"
+        else:
+            joined.append(cell)
+    return joined or [""]
+
+
+def _all_numbers(file: Sheet, cells: list[str]) -> bool:
+    return all(is_number(_pointed(cell, file)) for cell in cells if cell)
+
+
+def _reason(file: Sheet, rows: list[list[str]]) -> str:
+    """Reason for which no header was read."""
+    if not any(any(row) for row in rows):
+        return "is empty: needs a header, as 'time [s],force [N]', and two rows or more"
+    if len(rows) == 1 and _all_numbers(file, rows[0]):
+        return f"has no header; {_NEEDS}"
+    names = {heading(cell, _KNOWN)[0] for row in rows for cell in row if cell}
+    if not names & _TIMES:
+        return f"time: missing; {_NEEDS}"
+    if not names & _FORCES:
+        return f"force: missing; {_NEEDS}"
+    return f"no row has the headings of both columns; {_NEEDS}"
+
+
+def _matched(file: Sheet, cells: list[str], *, channels: bool) -> _Columns | None:
+    """The columns of a header; None for another row. With ``channels``, a channel of an oscilloscope is the force."""
+    named = [heading(cell.replace("in ", "time in ", 1) if cell.startswith("in ") else cell, _KNOWN) for cell in cells]
+    times = [place for place, (name, _) in enumerate(named) if name in _TIMES]
+    forces = [place for place, (name, _) in enumerate(named) if name in _FORCES]
+    if channels and not forces:
+        forces = [place for place, (name, _) in enumerate(named) if _CHANNEL.fullmatch(name) and place not in times[:1]]
+        if times and named[times[0]][0] in ("x", "x_axis", "t") and not forces:
+            return None
+    if not times or not forces or (channels and _all_numbers(file, cells)):
+        return None
+    if len(forces) > 1:
+        in_newtons = [place for place in forces if (named[place][1] or "").endswith("N")]
+        if len(in_newtons) != 1 or channels:
+            said = " and ".join(repr(cells[place]) for place in forces[:3])
+            raise InputError(f"{file.path}: {said} may both be the force; leave one of them")
+        forces = in_newtons
+    time, force = times[0], forces[0]
+    unit = named[time][1] or (named[time][0] if named[time][0] in _TIME_UNITS else None)
+    return _Columns(time, force, cells[force], unit, named[force][1], len(cells))
+
+
+def _with_units(columns: _Columns, time_unit: str | None, force_unit: str | None) -> _Columns:
+    """The columns with the units of a row of units, where they have none."""
+    return _Columns(
+        columns.time,
+        columns.force,
+        columns.heading,
+        columns.time_unit or time_unit or None,
+        columns.force_unit or force_unit or None,
+        columns.count,
+        columns.start,
+        columns.increment,
+    )
+
+
+def _below(
+    columns: _Columns, rows: Iterator[tuple[int, list[str]]]
+) -> tuple[_Columns, Iterator[tuple[int, list[str]]]]:
+    """The columns with the units of rows below the header, and the rows of numbers."""
+    for place, row in rows:
+        cells = [cell.strip().strip("[]()").strip() for cell in row] + [""] * (max(columns.time, columns.force) + 1)
+        time, force = cells[columns.time], cells[columns.force]
+        if time.casefold() == "sequence":  # Rigol: rows are counted, from a start by an increment
+            start, increment = (Decimal(cell) for cell in cells[2:4])
+            columns = _Columns(columns.time, columns.force, columns.heading, "s", force, 0, start, increment)
+            continue
+        if not row[0].lstrip().startswith("#") and (is_number(time.replace(",", ".")) or _is_clock([time])):
+            return columns, chain([(place, row)], rows)
+        if time.casefold() in _TIME_UNITS or _unit_of(force):
+            columns = _with_units(
+                columns, time if time.casefold() in _TIME_UNITS else None, force if _unit_of(force) else None
+            )
+            continue
+        if any(cells) and not row[0].lstrip().startswith("#") and (time or force) and "->" in row[0]:
+            return columns, chain([(place, row)], rows)
+    return columns, iter(())
+
+
+def _tektronix(
+    place: int, row: list[str], rows: Iterator[tuple[int, list[str]]]
+) -> tuple[_Columns, Iterator[tuple[int, list[str]]]]:
+    """Columns of a Tektronix file without a header: settings in the first columns, time and channel behind them."""
+    first = [(place, row)]
+    for entry in rows:
+        first.append(entry)
+        if len(first) == 20:
+            break
+    settings = {cells[0].strip(): cells[1].strip() for _, cells in first if len(cells) > 1}
+    name = settings.get("Source", "CH1")
+    columns = _Columns(3, 4, name, settings.get("Horizontal Units") or "s", settings.get("Vertical Units"))
+    return columns, chain(first, rows)
+
+
+def _unit_of(text: str) -> units.Unit | None:
+    """The unit of a force or of a channel; None for any other text."""
+    newton = units.parse("N")
+    if text.casefold() in _WEIGHTS:
+        unit = units.parse("V") if text.casefold().startswith("volt") else newton
+        return units.Unit(_WEIGHTS[text.casefold()], unit.exponents)
+    try:
+        unit = units.parse(text)
+    except ValueError:
+        return None
+    return unit if text.strip() and not is_number(text) else None
+
+
+def _force_scale(path: Path, columns: _Columns, line: bool, scale: str | None) -> tuple[float, bool]:
+    """Factor that takes the force's column to SI units, and whether it is a load of a line."""
+    name, text = columns.heading, columns.force_unit
+    newton, per_metre = units.parse("N"), units.parse("N/m")
+    if scale is not None:
+        try:
+            match = re.fullmatch(r"\s*([-+.\d]*(?:[eE][-+]?\d+)?)\s*(\S.*)", scale)
+            value, unit_text = match.groups() if match else (scale, "")
+            product = units.parse(unit_text) * ((_unit_of(text) if text else None) or units.parse("V"))
+            factor = number(value) * product.scale
+        except ValueError as error:
+            raise InputError(f"--scale: {scale!r}: {error}") from None
+        if not product.fits(newton) or not 0 < abs(factor) < np.inf:
+            raise InputError(f"--scale: {scale!r} times {text or 'V'!r} is no force; must be as '20 N/V'")
+        return factor, False
+    if text is None:
+        known, _ = heading(name, _FORCES)
+        if known == "load" and line:
+            return 1.0, True
+        if known == "force":
+            return 1.0, False
+        raise InputError(f"{path}: {name}: has no unit; write it behind the name, as '{name} [N]'; {_NEEDS}")
+    unit = _unit_of(text)
+    if unit is None:
+        raise InputError(f"{path}: column {name!r}: {text!r} is not a unit")
+    if unit.fits(newton):
+        return unit.scale, False
+    if line and unit.fits(per_metre):
+        return unit.scale, True
+    if unit.fits(units.parse("V")):
+        raise InputError(f"{path}: {name}: is in {text}; --scale 'NUMBER N/V' says the force of a volt")
+    raise InputError(f"{path}: {name}: unit mismatch: {text!r} does not measure a force in N")
+
+
+def _times(file: Sheet, texts: list[str], lines: "array[int]", columns: _Columns) -> tuple[Array, str]:
+    """Ascending times [s], and the first one as it is written where times had to be counted from it."""
+    path = file.path
+    unit = (columns.time_unit or "s").strip().casefold()
+    clock = _is_clock(texts[:1])
+    if unit not in _TIME_UNITS and not clock and columns.increment is None:
+        raise InputError(f"{path}: time: unit mismatch: {columns.time_unit!r} does not measure a time in s")
+    scale = 1.0 if clock else _TIME_UNITS.get(unit, 1.0)
+    read: Callable[[str], float] = (
+        _seconds(texts[0]) if clock else lambda text: number(with_point(text, file.separator))
+    )
+    values = array("d")
+    try:
+        for text in texts:
+            values.append(read(text))
+        times = np.frombuffer(values)
+        late = not clock and abs(times[0]) >= _LATE
+        if late:  # digits that a double of a late time does not have
+            first = Decimal(with_point(texts[0], file.separator))
+            times = np.array([float(Decimal(with_point(text, file.separator)) - first) for text in texts])
+    except (ValueError, ArithmeticError) as error:
+        row = len(values) if len(values) < len(texts) else 0
+        where = f"{path}: line {lines[row]}: time"
+        if not texts[row] or missing(texts[row]):
+            raise InputError(f"{where}: {texts[row]!r}: must be a number; remove the row") from None
+        reason = str(error) if "decimal" in str(error) or "groups" in str(error) else f"{texts[row][:40]!r} is no time"
+        raise InputError(f"{where}: {reason}; times are numbers, clock times hh:mm:ss or ISO dates") from None
+    if not np.isfinite(times).all():
+        raise InputError(f"{path}: line {lines[int((~np.isfinite(times)).argmax())]}: time: is not a finite number")
+    if columns.increment is not None:
+        times = float(columns.start) + times * float(columns.increment)
+    times = times * scale
+    back = np.diff(times) <= 0
+    if back.any():
+        row = int(back.argmax()) + 1
+        again = "is there twice" if times[row] == times[row - 1] else f"is not after {texts[row - 1]}"
+        raise InputError(f"{path}: line {lines[row]}: time: {texts[row]} {again}; time runs forwards")
+    if late:
+        offset = float(Decimal(with_point(texts[0], file.separator))) * scale
+        if np.spacing(abs(offset)) > _RESOLVED * float(np.diff(times).min()):
+            return times, texts[0]
+        return times + offset, ""
+    return times, texts[0] if clock else ""
+
+
+def _seconds(first: str) -> Callable[[str], float]:
+    """Function that takes a clock time or a date to seconds after the first one."""
+    if _CLOCK.fullmatch(first):
+        start = _clock_seconds(first)
+        return lambda text: float(_clock_seconds(text) - start)
+    begin = _nanoseconds(first)
+    return lambda text: (_nanoseconds(text) - begin) * 1e-9
+
+
+def _clock_seconds(text: str) -> Decimal:
+    match = _CLOCK.fullmatch(text)
+    if match is None:
+        raise ValueError(f"{text!r} is no clock time")
+    return 3600 * int(match["hours"]) + 60 * int(match["minutes"]) + Decimal(match["seconds"].replace(",", "."))
+
+
+def _nanoseconds(text: str) -> int:
+    """A date of ISO 8601 in nanoseconds from 1970 on."""
+    match = _DATE.fullmatch(text)
+    if match is None:
+        raise ValueError(f"{text!r} is no date")
+    whole = int(np.datetime64(f"{match['date']}T{match['clock']}", "s").astype(np.int64))
+    if (zone := match["zone"]) and zone[0] in "+-":
+        minutes = 60 * int(zone[1:3]) + int(zone[-2:])
+        whole -= 60 * minutes * (1 if zone[0] == "+" else -1)
+    return whole * 10**9 + int((match["fraction"] or "0").ljust(9, "0"))
+
+
+def _pressing(path: Path, name: str, forces: Array, lines: "array[int]", remarks: list[str]) -> Array:
+    """Forces that press, as positive numbers; a compression that is counted negative is turned."""
+    low, high = float(forces.min()), float(forces.max())
+    if not forces.any():
+        raise InputError(f"{path}: {name}: is 0 all the time; nothing presses")
+    if -low > high and max(high, 0.0) <= -_NOISE * low:
+        remarks.append(f"{name}: counts compression negative; its sign is turned")
+        forces, low, high = -forces, -high, -low
+    if low < -_NOISE * high:
+        row = int(forces.argmin())
+        raise InputError(
+            f"{path}: line {lines[row]}: {name}: {forces[row]:g} N is not a finite number >= 0; subtract the load "
+            "cell's offset, or leave out what pulls"
+        )
+    if low < 0:
+        remarks.append(f"{name}: {int((forces < 0).sum())} forces down to {low:.3g} N are taken as 0")
+    return np.asarray(np.maximum(forces, 0.0))

@@ -1,0 +1,229 @@
+"""Tables in text files as programs and spreadsheets write them: encoding, separator, decimal mark, rows, headings."""
+
+import csv
+import re
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import TextIO
+
+from solver import units
+from storage.files import regular
+from workflow.study.reading import InputError, number
+
+LONGEST_CELL = 200  # characters of a cell; a name or a number has a tenth of that
+_LONGEST_ROW = 1 << 16  # characters
+_HEAD = 1 << 16  # bytes from which encoding and separator are seen
+_SEPARATORS = {"\t": "tabs", ";": "semicolons", ",": "commas"}
+_FORMATS = {
+    b"PK\x03\x04": "a workbook (Excel .xlsx, LibreOffice .ods) or another archive; save the sheet as CSV",
+    b"\xd0\xcf\x11\xe0": "an Excel workbook (.xls); save the sheet as CSV",
+    b"\x1f\x8b": "compressed (gzip); unpack it",
+    b"%PDF": "a PDF; a table is a text file (CSV)",
+    b"\x89HDF": "an HDF5 or netCDF-4 file; a table is a text file (CSV)",
+    b"CDF": "a netCDF file; a table is a text file (CSV)",
+    b"\x89PNG": "a picture; a table is a text file (CSV)",
+    b"TDSm": "a LabVIEW file (.tdms); export it as text (.lvm, CSV)",
+    b"MATLAB 5": "a MATLAB file (.mat); export it as CSV",
+    b"{\\rtf": "a formatted text (RTF); save it as plain text",
+}
+_MARKUP = re.compile(rb"\s*<(!doctype|html|\?xml|table|body)", re.IGNORECASE)
+_MISSING_WORDS = """
+na n/a n.a. n.a #n/a #na nan -nan null none nil - -- --- n.d. n.d nd n.m. ? ?? missing void empty tbd . .. ...
+undefined unknown #value! #div/0! #null! #num! #ref!
+"""
+_MISSING = frozenset(_MISSING_WORDS.split())
+_FILLS = re.compile(r"-9{4,6}(\.0*)?")  # numbers that stand for a missing value
+_BRACKETED = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*(?:\([^()]*\))?)\))\s*")
+_DIVIDED = re.compile(r"(?P<name>[^,;/|]+?)\s*[,;/|]\s*(?P<unit>.+)|(?P<before>.+?)\s+in\s+(?P<behind>\S.*)")
+_DIGITS = re.compile(r"[-+\u2212]?[0-9.,]+")
+_ERROR = re.compile(r"±|\+/-|\+-")
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A table's file: how its characters and cells are told apart."""
+
+    path: Path
+    encoding: str
+    separator: str  # one character; a blank stands for any number of them
+
+    def open(self) -> TextIO:
+        """The file as text."""
+        return self.path.open(newline="", encoding=self.encoding)
+
+    def rows(self, file: TextIO, most_lines: int, *, remarks: bool = False) -> Iterator[tuple[int, list[str]]]:
+        """Rows that are neither blank nor, without ``remarks``, begin with #, each with its last line's number.
+
+        A row that is too long is never held.
+        """
+        characters = 0
+
+        def pieces() -> Iterator[str]:
+            nonlocal characters
+            while piece := file.readline(_LONGEST_ROW + 1):
+                characters += len(piece)
+                if characters > _LONGEST_ROW:
+                    raise InputError(f"{self.path}: line {reader.line_num + 1}: longer than {_LONGEST_ROW} characters")
+                yield piece
+
+        reader = csv.reader(pieces(), strict=True, delimiter=self.separator, skipinitialspace=self.separator == " ")
+        for row in islice(reader, most_lines):
+            characters = 0
+            if row and row[0].startswith("sep="):
+                continue
+            if any(map(str.strip, row)) and (remarks or not row[0].lstrip().startswith("#")):
+                yield reader.line_num, row
+        if next(reader, None) is not None:
+            raise InputError(f"{self.path}: more than {most_lines} lines")
+
+    @property
+    def separators(self) -> str:
+        """The separator in words."""
+        return _SEPARATORS.get(self.separator, "blanks")
+
+
+def sheet(path: Path, largest: int, *, blanks: bool = False) -> Sheet:
+    """How a table's file is written; with ``blanks``, cells may stand apart by blanks alone.
+
+    InputError, by the reason, for what is no table in a text file.
+    """
+    if regular(path).stat().st_size > largest:
+        raise InputError(f"{path}: larger than {largest} bytes")
+    with path.open("rb") as file:
+        head = file.read(_HEAD)
+    for magic, what in _FORMATS.items():
+        if head.startswith(magic):
+            raise InputError(f"{path}: is {what}")
+    if _MARKUP.match(head.removeprefix(b"\xef\xbb\xbf")):
+        raise InputError(f"{path}: is a page of HTML or XML; save its table as CSV")
+    encoding = _encoding(path, head)
+    text = head.decode(encoding, errors="ignore")
+    if control := re.search(r"[\x00-\x08\x0e-\x1b]", text):
+        raise InputError(f"{path}: is no text file: it holds the character {control[0]!r}; a table is CSV in UTF-8")
+    return Sheet(path, encoding, _separator(path, text, blanks))
+
+
+def _encoding(path: Path, head: bytes) -> str:
+    """Encoding by the byte-order mark, by zero bytes, or UTF-8; Windows' own where the file is not UTF-8."""
+    for mark, name in ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"), (b"\xef\xbb\xbf", "utf-8-sig")):
+        if head.startswith(mark):
+            return name
+    if len(head) > 3 and b"\x00" in head[:4]:
+        return "utf-16-le" if head[1] == 0 else "utf-16-be"
+    for name in ("utf-8-sig", "cp1252"):
+        try:
+            with path.open(encoding=name) as file:
+                while file.read(1 << 20):
+                    pass
+        except UnicodeDecodeError as error:
+            reason = error
+        else:
+            return name
+    raise InputError(f"{path}: encoding: is neither UTF-8 nor UTF-16 ({reason.reason}); save it as 'CSV UTF-8'")
+
+
+def _separator(path: Path, text: str, blanks: bool) -> str:
+    """The separator of most cells in the rows of a file's beginning."""
+    quoted = re.sub(r'"[^"]*"', '""', text)
+    lines = [line for line in quoted.splitlines()[:400] if line.strip() and not line.lstrip().startswith("#")]
+    if not lines:
+        return ","
+    if blanks:
+        lines = lines[len(lines) // 2 :]  # behind the titles
+    if (match := re.fullmatch("sep=(.)", lines[0].strip())) and match[1] in _SEPARATORS:  # as Excel writes it
+        return match[1]
+    counts = {mark: [line.count(mark) for line in lines] for mark in _SEPARATORS}
+    for mark in ("\t", ";"):
+        if (counts[mark][0] and not blanks) or sum(map(bool, counts[mark])) > len(lines) / 2:
+            return mark
+    if sum(map(bool, counts[","])) > len(lines) / 2 and not (blanks and _apart(lines)):
+        return ","
+    if blanks and _apart(lines):
+        return " "
+    if "|" in lines[0]:
+        raise InputError(f"{path}: separator: columns are separated by '|'; use commas, semicolons or tabs")
+    return ","
+
+
+def _apart(lines: list[str]) -> bool:
+    """Whether most rows are numbers between blanks."""
+    numeric = [line.replace(",", ".").split() for line in lines]
+    return sum(len(cells) > 1 and all(map(is_number, cells)) for cells in numeric) > len(lines) / 2
+
+
+def is_number(text: str) -> bool:
+    """Whether a cell is a number without a unit."""
+    try:
+        number(text)
+    except ValueError:
+        return False
+    return True
+
+
+def heading(cell: str, known: Collection[str]) -> tuple[str, str | None]:
+    """Name and unit of a column from its heading, in any of the ways that tables write them.
+
+    ``force [N]``, ``force (N)``, ``force, N``, ``force / N``, ``force in N``, ``force_N`` and ``Force N``; the unit is
+    None where there is none. A name that is not known is returned as it is written, without the unit in brackets.
+    """
+    text = " ".join(cell.split())
+    if name := _named(text, known):
+        return name, None
+    if match := _BRACKETED.fullmatch(text):
+        unit = match["square"] if match["square"] is not None else match["round"]
+        return _named(match["name"], known) or match["name"], unit.strip()
+    if match := _DIVIDED.fullmatch(text):
+        name, unit = match["name"] or match["before"], (match["unit"] or match["behind"]).strip()
+        if _named(name, known) or is_unit(unit):
+            return _named(name, known) or name, unit
+    for mark in ("_", " "):
+        head, found, tail = text.rpartition(mark)
+        if found and (name := _named(head, known)) and is_unit(tail):
+            return name, tail
+    return text, None
+
+
+def _named(text: str, known: Collection[str]) -> str | None:
+    """A known name behind how it is written: case, blanks and hyphens count for nothing."""
+    text = text.strip().strip("\"'")
+    if text in known:
+        return text
+    plain = re.sub(r"[\s\-_]+", "_", text).casefold()
+    return plain if plain in known else None
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit, or one in brackets."""
+    try:
+        units.parse(text.strip().strip("[]()"))
+    except ValueError:
+        return False
+    return bool(text.strip()) and not is_number(text)
+
+
+def missing(text: str) -> bool:
+    """Whether a cell holds one of the words or numbers that stand for a missing value."""
+    return text.casefold() in _MISSING or text in ("\u2013", "\u2014", "\u2212") or bool(_FILLS.fullmatch(text))
+
+
+def with_point(text: str, separator: str) -> str:
+    """A cell whose decimal comma is a point; ValueError where commas separate cells, and where it may group digits."""
+    digits = _DIGITS.match(text)
+    if digits is None or "," not in digits[0]:
+        return text
+    if separator == ",":
+        raise ValueError(f"{text!r} has a decimal comma in a table with commas between its cells; write a point")
+    if digits[0].count(",") > 1 or "." in digits[0]:
+        raise ValueError(f"{text!r} groups its digits; write plain digits")
+    return text.replace(",", ".", 1)
+
+
+def refused(text: str) -> str | None:
+    """Reason for which a cell cannot be a number, where it is one of the common ones."""
+    if missing(text):
+        return f"{text!r} stands for a missing value; leave the cell empty"
+    if _ERROR.search(text):
+        return f"{text!r} has an error behind it; write the value alone, and its error in a column of its own"
+    return None

@@ -1,1 +1,0 @@
-"""What is asked: terms over scenarios, counted by a risk measure, as a program for an optimiser."""

@@ -1,0 +1,180 @@
+"""Pilot of a design question: a few hundred designs that show terms without sense, kinks and forgotten units."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import product
+from math import log10
+
+import numpy as np
+
+from approximation.arrays import Array
+from approximation.sobol import sobol_points
+from solver import units
+from workflow.design.question.question import Question
+from workflow.design.question.risk import WorstCase
+from workflow.design.question.sources import Exact, Predicted
+from workflow.design.question.terms import Term
+from workflow.language.expressions import Call, Expression, Number, Operation, Power
+from workflow.study.model import Study
+from workflow.study.reading import InputError
+from workflow.study.target import Target
+
+_POINTS = 512  # designs, which show a constant, unbounded or undefined term
+_EVALUATED = 1 << 13  # evaluations of one term
+_ENDS = 8  # variables of which every combination of ends is evaluated
+_CONSTANT = 1e-9  # relative variation that counts as none
+_PIECES = 8  # most smooth pieces of one expression
+_ROUNDING = 1e-12  # share of the largest value that counts as none
+_FAR = 100.0  # ratio of a bound to the nearest value from which a forgotten unit is likelier than the number
+_PREFIXES = ("p", "n", "u", "m", "k", "M", "G")
+
+
+def ask(
+    study: Study,
+    name: str,
+    target: Target,
+    predicted: Predicted,
+    exact: Exact,
+    chosen: dict[str, float] | None = None,
+) -> Question:
+    """Return the question of a target, checked on the surrogate at a few hundred designs."""
+    held = {name: value for name, value in {**target.at, **(chosen or {})}.items() if not isinstance(value, str)}
+    question = Question(study, target, predicted, exact, held)
+    if not question.inputs:
+        return question
+    corner = question.searched[False]
+    designs = _answered(name, question.at(_pilot(len(question.inputs), corner.count)))
+    factors = designs.factors(corner)
+    scales: dict[str, float] = {}
+    notes: list[str] = []
+    pieces: dict[int, list[Expression]] = {}
+    spread = 0.0
+    for place, term in enumerate(question.terms):
+        label = f"design: {name}: {term.label!r}"
+        values = designs.value(predicted, question.searched[term.key], term)
+        for divisor in _divisors(term.expression):
+            _check_pole(label, divisor, designs.value(predicted, corner, replace(term, expression=divisor)))
+        _check_values(label, question, term, term.measure.rows(values) if term.along else values)
+        if place == 0:
+            spread = float(np.ptp(values))
+        if term.bound == 0:
+            scales[term.label] = float(np.abs(values).max()) or 1.0
+        if isinstance(term.measure, WorstCase):
+            known = question.known(predicted, factors, [term.expression])
+            split = smooth_pieces(term.expression, -term.sign if term.limited else term.sign, known)
+            pieces |= {place: split} if len(split) > 1 else {}
+        if term.unitless:
+            notes += unit_notes(label, term, values)
+    return replace(question, scales=scales, pieces=pieces, spread=spread, notes=tuple(notes))
+
+
+def _answered(name: str, designs: Question) -> Question:
+    """Designs none of whose corners lies beyond the edge of the cases that the solver answers."""
+    edge = designs.predicted.edge
+    if edge is None:
+        return designs
+    factors = designs.factors(designs.searched[False])
+    inside = np.all(edge.excess(factors) <= 0, axis=1)
+    if not inside.any():
+        reason = edge.reason(factors)
+        raise InputError(f"design: {name}: the solver refuses some case of every design: {reason}")
+    return designs.at(designs.x[inside])
+
+
+def _check_pole(label: str, divisor: Expression, values: Array) -> None:
+    if values.min() <= 0 <= values.max():
+        raise InputError(f"{label} is unbounded: {' and '.join(divisor.names())} in a divisor passes 0 in the ranges")
+
+
+def _check_values(label: str, question: Question, term: Term, values: Array) -> None:
+    if not np.all(np.isfinite(values)):
+        raise InputError(f"{label} is not defined everywhere within the ranges of {', '.join(question.inputs)}")
+    if not term.limited and np.ptp(values, 0).max() <= _CONSTANT * np.abs(values).max():
+        raise InputError(f"{label} is constant: it does not depend on {', '.join(question.inputs)}")
+
+
+def _pilot(d: int, scenarios: int) -> Array:
+    """Scaled points inside the ranges and at combinations of their ends, (n, d); fewer with many scenarios."""
+    ends = np.array(list(product([-1.0, 1.0], repeat=min(d, _ENDS))))
+    count = 1 << int(np.clip(np.log2(_EVALUATED / scenarios), 5, np.log2(_POINTS)))
+    inside = 2 * sobol_points(count, d) - 1
+    return np.concatenate([inside, np.pad(ends, ((0, 0), (0, d - ends.shape[1])))])
+
+
+def _divisors(expression: Expression) -> list[Expression]:
+    """Divisors, negative powers and arguments of logarithms in an expression, wherever they hold a name."""
+    inner: list[Expression] = []
+    for node in expression.walk():
+        if isinstance(node, Operation) and node.symbol == "/":
+            inner.append(node.right)
+        elif isinstance(node, Power) and node.exponent < 0:
+            inner.append(node.base)
+        elif isinstance(node, Call) and node.function == "log":
+            inner.append(node.arguments[0])
+    return [node for node in inner if node.names()]
+
+
+def smooth_pieces(
+    expression: Expression, sign: float, known: Mapping[str, Array], most: int = _PIECES
+) -> list[Expression]:
+    """Smooth expressions whose least, times `sign`, is the expression times `sign` at all known points.
+
+    Where -abs(v) is maximised it is the least of v and -v: two smooth rows. A search with gradients would stop short
+    at the kink of one row.
+    """
+    whole = sign * expression.evaluate(known)
+    room = _ROUNDING * np.abs(whole).max()
+    for kink in dict.fromkeys(node for node in expression.walk() if isinstance(node, Call)):
+        parts = [_swapped(expression, kink, branch) for branch in _branches(kink)]
+        if not 1 < len(parts) <= most:
+            continue
+        values = [sign * part.evaluate(known) for part in parts]
+        least = all(np.all(value >= whole - room) for value in values)
+        if least and not any(np.all(value <= whole + room) for value in values):
+            return [piece for part in parts for piece in smooth_pieces(part, sign, known, most // len(parts))]
+    return [expression]
+
+
+def _branches(kink: Call) -> list[Expression]:
+    """Smooth branches of a node, none for a function that is smooth."""
+    if kink.function == "abs":
+        return [kink.arguments[0], Operation("*", Number(-1.0), kink.arguments[0])]
+    return list(kink.arguments) if kink.function in ("min", "max") else []
+
+
+def _swapped(tree: Expression, node: Expression, other: Expression) -> Expression:
+    """The tree with another node in place of every equal one."""
+    if tree == node:
+        return other
+    if isinstance(tree, Operation):
+        return replace(tree, left=_swapped(tree.left, node, other), right=_swapped(tree.right, node, other))
+    if isinstance(tree, Power):
+        return replace(tree, base=_swapped(tree.base, node, other))
+    if isinstance(tree, Call):
+        return replace(tree, arguments=tuple(_swapped(argument, node, other) for argument in tree.arguments))
+    return tree
+
+
+def unit_notes(label: str, term: Term, values: Array) -> list[str]:
+    """Return a note where a bound without unit is far beyond all values; refuse one that nothing keeps."""
+    excess = term.sign * (values - term.bound)
+    low, high = float(excess.min()), float(excess.max())
+    nearest = term.bound + term.sign * (low if low > 0 else high)
+    if low <= 0 <= high or nearest == 0 or 1 / _FAR < abs(nearest / term.bound) < _FAR:
+        return []
+    read = f"{term.bound:g} without a unit is read as {term.bound:g} {term.units}"
+    size = f"{values.min():.3g} to {values.max():.3g} {term.units}{_intended(term, values)}"
+    if low > 0:
+        raise InputError(f"{label}: {read}, which no design satisfies: the values within the ranges are {size}")
+    return [f"{term.label!r}: {read}, which every design satisfies: the values within the ranges are {size}"]
+
+
+def _intended(term: Term, values: Array) -> str:
+    """Question for the prefix that brings the bound closest to the values, where the unit takes one."""
+    unit = term.expression.lone()
+    if unit is None or unit.startswith("kg"):
+        return "; write a unit after the number"
+    size = float(np.abs(values).max())
+    scales = {prefix: units.parse(f"{prefix}{unit}").scale / units.parse(unit).scale for prefix in _PREFIXES}
+    closest = min(scales, key=lambda prefix: abs(log10(abs(term.bound) * scales[prefix] / size)))
+    return f"; did you mean {term.bound:g} {closest}{unit}?"

@@ -1,0 +1,133 @@
+"""The cases that a design must stand: the ends and insides of ranges and tolerances, and draws of distributions."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import reduce
+from itertools import product
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from approximation.arrays import Array
+from approximation.sobol import sobol_points
+from workflow.design.question.terms import Term
+from workflow.study.target import Target
+
+#: Nodes a factor of a tensor of ranges, by the number of factors, while searching and while judging the outcome.
+SEARCHED = {0: 1, 1: 9, 2: 7, 3: 5}
+JUDGED = {0: 1, 1: 201, 2: 31, 3: 11}
+#: Draws of the distributions: powers of two, as Sobol' sequences want.
+DRAWN, DRAWN_TO_JUDGE = 256, 4096
+#: Nodes a worst-case factor beside draws.
+GROUPS = {0: 1, 1: 5}
+_FEW = 9  # nodes of a range up to which a tolerance has three, and five beyond
+_GAUSS = 512  # points by which a distribution's moments are integrated
+
+
+@dataclass(frozen=True)
+class Scenarios:
+    """Values of the factors that a design does not choose."""
+
+    # By factor name, (groups * draws,) each; a group is one case of the ranges, its draws follow each other
+    values: dict[str, Array]
+    # How many
+    groups: int
+    draws: int
+    # The terms of a question that count over them, by their place in it
+    terms: dict[int, Term] = field(default_factory=dict)
+    # By design variable with a tolerance, where in it, -1 to 1, (groups * draws,) each
+    offsets: dict[str, Array] = field(default_factory=dict)
+
+    @property
+    def count(self) -> int:
+        """Number of scenarios."""
+        return self.groups * self.draws
+
+    def only(self, columns: NDArray[np.intp]) -> "Scenarios":
+        """Some of them, a group each."""
+        values = {name: levels[columns] for name, levels in self.values.items()}
+        offsets = {name: levels[columns] for name, levels in self.offsets.items()}
+        return replace(self, values=values, offsets=offsets, groups=len(columns), draws=1)
+
+
+def corners(target: Target, nodes: Mapping[int, int]) -> Scenarios:
+    """Tensor of Chebyshev-Lobatto nodes over every range: worst cases, tolerances, supports of distributions."""
+    return _parted(target, _tensor(_levels(target, nodes)), 1)
+
+
+def along(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Scenarios:
+    """The same in groups: within a group only some names change, over their nodes, which are its draws."""
+    levels = _levels(target, nodes)
+    rest = _tensor({name: values for name, values in levels.items() if name not in names})
+    own = _tensor({name: levels[name] for name in names})
+    size = len(own[names[0]])
+    groups = len(next(iter(rest.values()))) if rest else 1
+    whole = {name: np.repeat(values, size) for name, values in rest.items()}
+    return _parted(target, whole | {name: np.tile(values, groups) for name, values in own.items()}, size)
+
+
+def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Array:
+    """What every draw of `along` weighs in a mean over the distributions of its names; (draws,).
+
+    An uncertain factor has its own distribution, one of ``worst_case`` and a tolerance the uniform one. The weights
+    are those by which a polynomial through the nodes is integrated: for the uniform one C. W. Clenshaw and A. R.
+    Curtis, Numer. Math. 2 (1960) 197.
+    """
+    every, parts = _levels(target, nodes), list[Array]()
+    for name in names:
+        levels = every[name]
+        low, high = levels[0], levels[-1]
+        if len(levels) == 1:
+            parts.append(np.ones(1))
+            continue
+        gauss, share = np.polynomial.legendre.leggauss(_GAUSS)
+        middle = (gauss + 1) / 2
+        distribution = target.uncertain.get(name)
+        points = low + (high - low) * middle if distribution is None else distribution.quantile(middle)
+        moments = chebyshev.chebvander(2 * (points - low) / (high - low) - 1, len(levels) - 1).T @ (share / 2)
+        nodal = chebyshev.chebvander(2 * (levels - low) / (high - low) - 1, len(levels) - 1)
+        parts.append(np.asarray(np.linalg.solve(nodal.T, moments), dtype=np.float64))
+    return np.asarray(reduce(np.multiply.outer, parts)).ravel()
+
+
+def draws(target: Target, count: int) -> Scenarios:
+    """Sobol' draws of the distributions, uniform within tolerances, at a few nodes of every worst-case range."""
+    count_of_nodes = GROUPS.get(len(target.worst_case), 3)
+    groups = _tensor({name: _nodes(low, high, count_of_nodes) for name, (low, high) in target.worst_case.items()})
+    size = len(next(iter(groups.values()))) if groups else 1
+    names = target.random
+    # the middle of its cell instead of the corner: no draw is an end of a support
+    shares = (np.floor(sobol_points(count, len(names), None) * count) + 0.5) / count
+    levels = {name: np.repeat(values, count) for name, values in groups.items()}
+    for column, name in enumerate(names):
+        share = shares[:, column]
+        drawn = target.uncertain[name].quantile(share) if name in target.uncertain else 2 * share - 1
+        levels[name] = np.tile(drawn, size)
+    return _parted(target, levels, count)
+
+
+def _parted(target: Target, levels: dict[str, Array], draws: int) -> Scenarios:
+    """Scenarios of some levels of factors and of places in tolerances, all of one length."""
+    values = {name: values for name, values in levels.items() if name not in target.tolerance}
+    offsets = {name: values for name, values in levels.items() if name in target.tolerance}
+    count = len(next(iter(levels.values()))) if levels else 1
+    return Scenarios(values, count // draws, draws, offsets=offsets)
+
+
+def _levels(target: Target, nodes: Mapping[int, int]) -> dict[str, Array]:
+    """Nodes of every range: of worst cases, of the supports of distributions, and of tolerances, which are short."""
+    ranges = target.ranges
+    count = nodes.get(len(ranges) + len(target.tolerance), 3)
+    levels = {name: _nodes(low, high, count) for name, (low, high) in ranges.items()}
+    return levels | dict.fromkeys(target.tolerance, _nodes(-1.0, 1.0, 3 if count <= _FEW else 5))
+
+
+def _nodes(low: float, high: float, count: int) -> Array:
+    return np.unique(low + (high - low) * (1 - np.cos(np.pi * np.arange(count) / max(count - 1, 1))) / 2)
+
+
+def _tensor(levels: Mapping[str, Array]) -> dict[str, Array]:
+    """Every combination of the levels of some names, (cases,) each; nothing for no name."""
+    cases = np.array(list(product(*levels.values())), dtype=np.float64)
+    return {name: cases[:, column] for column, name in enumerate(levels)}

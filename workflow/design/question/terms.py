@@ -1,0 +1,120 @@
+"""Terms of a design question: objectives and limited expressions, with what they count as over the scenarios."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from approximation.arrays import Array
+from workflow.design.question import risk
+from workflow.language.expressions import Expression
+from workflow.language.statements import Limit, Objective
+from workflow.language.statistics import Statistic
+
+#: Margin below which a limit binds.
+BINDS = 1e-3
+_MEET = 1e-9  # distance of two bounds, over their scale, that leaves one value
+_REST = 1e-3  # share of all weight that scenarios may have which are not among those that decide
+
+#: What tells the sets of scenarios of a question apart: draws or not, or the factors of a deviation.
+Key = bool | tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """What a deviation is taken over."""
+
+    along: tuple[str, ...]  # The factors
+    measure: risk.RelativeDeviation  # With the weights of their means
+
+
+@dataclass(frozen=True)
+class Term:
+    """An objective or a limited expression, with what it counts as over the scenarios."""
+
+    label: str  # As the study has it
+    expression: Expression  # What is computed
+    sign: float  # An objective times its sign is maximised; a limit's excess is its sign times what is beyond the bound
+    measure: risk.RiskMeasure  # How scenarios count: the risk measure
+    drawn: bool  # Whether the scenarios are draws of the distributions rather than the corners of all ranges
+    bound: float = np.nan  # Limit, NaN for an objective
+    scale: float = 1.0  # Size of the bound, or of the expression where the bound is zero
+    unitless: bool = False  # Whether the bound was written without the unit that the expression has
+    along: tuple[str, ...] = ()  # The factors over which a deviation is taken, which have scenarios of their own
+
+    @property
+    def key(self) -> Key:
+        """Which of the question's sets of scenarios it counts over."""
+        return self.along or self.drawn
+
+    @property
+    def limited(self) -> bool:
+        """Whether it is a limit."""
+        return not np.isnan(self.bound)
+
+    @property
+    def units(self) -> str:
+        """Unit in the interface's notation where a quantity has it, in base units otherwise."""
+        if isinstance(self.measure, risk.RelativeDeviation):
+            return "1"
+        return self.expression.lone() or str(self.expression.unit() or "1")
+
+    def meets(self, other: "Term") -> bool:
+        """Whether this limit and another one of the same expression leave one value only: an equality."""
+        same = self.expression == other.expression and all(
+            isinstance(term.measure, risk.WorstCase) for term in (self, other)
+        )
+        return same and self.sign == -other.sign and abs(self.bound - other.bound) <= _MEET * self.scale
+
+    def worst(self, rows: Array) -> Array:
+        """The row that decides, over the last axis: the least objective, the largest use of a limit."""
+        return np.asarray(rows.min(-1) if (self.sign > 0) != self.limited else rows.max(-1))
+
+    def counted(self, values: Array) -> Array:
+        """What values over scenarios count as: (n, groups, draws) -> (n,)."""
+        return self.worst(self.measure.rows(values))
+
+    def weights(self, values: Array) -> Array:
+        """How much every scenario weighs in the row that decides: (groups, draws) -> (scenarios,)."""
+        return np.abs(self.slopes(values))
+
+    def slopes(self, values: Array) -> Array:
+        """Derivatives of the row that decides by the scenarios' values: (groups, draws) -> (scenarios,)."""
+        rows = self.measure.rows(values[None])[0]
+        row = int(np.flatnonzero(rows == self.worst(rows))[0])
+        return np.asarray(self.measure.jacobian(values)[row])
+
+    def deciding(self, values: Array) -> NDArray[np.bool_]:
+        """The fewest scenarios that make the row that decides: (groups, draws) -> (scenarios,)."""
+        weights = self.weights(values)
+        order = np.argsort(weights)
+        kept = np.ones(weights.size, dtype=bool)
+        kept[order[np.cumsum(weights[order]) <= _REST * weights.sum()]] = False
+        return kept
+
+    def oriented(self, rows: Array | float, safety: float = 0.0) -> Array:
+        """Rows that are maximised, or those of a limit as relative excess."""
+        if not self.limited:
+            return np.asarray(self.sign * rows)
+        return np.asarray(self.sign * (rows - self.bound) / self.scale + safety)
+
+
+def wanted(objective: Objective, statistic: Statistic, over: Deviation | None = None) -> Term:
+    """The term of an objective."""
+    sign = objective.sign
+    if over is not None:
+        return Term(str(objective), objective.expression, sign, over.measure, drawn=False, along=over.along)
+    return Term(str(objective), objective.expression, sign, risk.measure(statistic, sign), statistic.drawn)
+
+
+def limited(limit: Limit, scale: float, bound: float, over: Deviation | None = None, *, drawn: bool = True) -> Term:
+    """The term of a limit."""
+    measure: risk.RiskMeasure = risk.WorstCase()
+    promised = limit.probability if drawn else None
+    if over is not None:
+        measure = over.measure
+    elif promised is not None:
+        measure = risk.Quantile(promised if limit.upper else 1 - promised)
+    size, along = abs(bound) or scale, over.along if over else ()
+    random = promised is not None
+    return Term(str(limit), limit.expression, limit.sign, measure, random, bound, size, limit.unitless, along)

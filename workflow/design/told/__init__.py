@@ -1,1 +1,0 @@
-"""The answer told: its verdict in words, its tables."""

@@ -1,0 +1,150 @@
+"""Verdict on a design in words: recommended, at the edge of the studied range, or not reachable."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+
+from workflow.design.verdict import multipliers
+from workflow.design.verdict.answer import ROOM, Answer
+from workflow.design.verdict.term import Term
+from workflow.design.verdict.variable import Variable
+from workflow.design.wording import asides
+from workflow.language import titles
+from workflow.language.evidence import unverified
+from workflow.language.numbers import number
+from workflow.language.titles import capital, listed
+
+RECOMMENDED, AT_EDGE, UNREACHABLE = "recommended", "at the edge of the studied range", "not reachable"
+#: First words of the verdict on a design beyond a limit of its materials or beyond small strain.
+BEYOND = "beyond linear theory"
+
+_UNREAD = 0.5  # share of its range that remains of a factor which a read-out cannot identify
+_NOTHING = 1e-3  # least gain by a wider range that is reported
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Verdict on one design, as sentences; a sentence that does not apply is empty."""
+
+    kind: str  # RECOMMENDED, AT_EDGE or UNREACHABLE; BEYOND is put before it
+    stops: str  # limits and range ends that bind
+    advice: str = ""  # change that would give a better or a feasible design
+    idle: str = ""  # variables and range ends without effect on the goal
+    tolerance: str = ""  # cost of the tolerances, and the optimum without them
+    device: str = ""  # figures of the device, and the overload
+    beyond: str = ""  # exceeded limits of the theory, with sources
+    sources: str = ""  # sources of the material limits that the study names
+
+    @property
+    def why(self) -> str:
+        """Binding limits, and advice."""
+        return " ".join([capital(self.stops), *filter(None, (self.advice, self.idle))])
+
+    def __str__(self) -> str:
+        sentences = (self.advice, self.idle, self.tolerance, self.device, self.beyond, self.sources)
+        return " ".join([f"{capital(self.kind)}: {self.stops}", *filter(None, sentences)])
+
+
+def verdict(answer: Answer) -> Verdict:
+    """Return the verdict on one design."""
+    sentences = replace(
+        _unreachable(answer) if answer.broken else _reached(answer),
+        sources=_sources(answer),
+        tolerance=asides.tolerated(answer),
+        device=asides.device(answer),
+    )
+    if answer.broken or not answer.beyond:
+        return sentences
+    return replace(sentences, kind=f"{BEYOND}; otherwise {sentences.kind}", beyond=f"{capital(answer.beyond)}.")
+
+
+def _sources(answer: Answer) -> str:
+    """Sources of the material limits that the study's limits name."""
+    sources = {term.bound: term.source for term in answer.terms}
+    return " ".join(f"{capital(bound)}: {source}{unverified(source)}." for bound, source in sources.items() if bound)
+
+
+def _idle(answer: Answer) -> str:
+    """Variables without effect on the goal, and the rule that chooses their values."""
+    if not answer.idle:
+        return ""
+    words = listed([variable.title for variable in answer.idle])
+    smallest, leave = ("smallest values are", "leave") if len(answer.idle) > 1 else ("smallest value is", "leaves")
+    return (
+        f"The goal does not depend on {words}; the {smallest} chosen that {leave} every limit "
+        f"{number(100 * ROOM, 2)} % of room, or as much as possible."
+    )
+
+
+def _unreachable(answer: Answer) -> Verdict:
+    """Missed limits of the design closest to them, and the way to a feasible design."""
+    parts = [
+        f"{limit.title} is {limit.shown(limit.exact)} and must be "
+        f"{'at most' if limit.statement.sign > 0 else 'at least'} {limit.at}: "
+        f"{number(-100 * limit.margin, 3)} % beyond the limit"
+        for limit in answer.broken
+    ]
+    return Verdict(UNREACHABLE, f"in the least violated design, {'; '.join(parts)}.", _way_out(answer))
+
+
+def _way_out(answer: Answer) -> str:
+    """Limits that this design satisfies, and ends of ranges that would bring it closer."""
+    loosened = [f"{limit.title} to {_rounded_away(limit)}" for limit in answer.broken]
+    ways = [f"Relaxing the limit on {listed(loosened)} makes the target reachable."]
+    if len(answer.broken) == 1:
+        for end in (variable for variable in answer.variables if variable.edge):
+            gain = multipliers.lessened(answer, answer.broken[0], end)
+            if gain > _NOTHING:
+                ways.append(f"To first order, {_farther(end)} would bring it {_percent(gain)} closer to the limit.")
+    return " ".join(ways)
+
+
+def _rounded_away(limit: Term) -> str:
+    """A bound that the design satisfies, rounded to three digits on the safe side."""
+    digits = ROUND_CEILING if limit.statement.sign > 0 else ROUND_FLOOR
+    rounded = Context(prec=3, rounding=digits).create_decimal_from_float(limit.exact)
+    return limit.shown(float(rounded))
+
+
+def _reached(answer: Answer) -> Verdict:
+    """Verdict on a feasible design: limits and range ends that bind."""
+    gains = multipliers.gains(answer, answer.binding, answer.at_ends)
+    slight = [end for end in answer.at_ends if gains.get(end.name, 1.0) <= _NOTHING]
+    ends = [end for end in answer.at_ends if end not in slight]
+    idle = _idle(answer)
+    if slight:
+        words = listed([f"{end.title} ({end.words}, {_end(end)})" for end in slight])
+        idle = f"A wider range of {words} would change the goal by less than {_percent(_NOTHING)}. {idle}".strip()
+    bounds = [*(f"{end.title} at {_end(end)} ({end.words})" for end in ends), *(term.words for term in answer.binding)]
+    if ends:
+        return Verdict(AT_EDGE, f"limited by {listed(bounds)}.", _enlarged(ends, gains), idle)
+    stops = f"limited by {listed(bounds)}." if bounds else "the best within the ranges; no limit is reached."
+    return Verdict(RECOMMENDED, stops, "", idle)
+
+
+def _end(variable: Variable) -> str:
+    """End of its range at which a variable is; a tolerance keeps it from the end itself."""
+    assert variable.edge is not None
+    return f"{variable.edge.words}{', less the tolerance' if variable.tolerance else ''}"
+
+
+def _enlarged(ends: Sequence[Variable], gains: dict[str, float]) -> str:
+    """Gain of the goal by wider ranges."""
+    parts = [f"{_farther(end)} would gain {_percent(gains[end.name])}" for end in ends if end.name in gains]
+    return f"To first order, {listed(parts)}." if parts else "A wider range may allow a better design."
+
+
+def _farther(end: Variable) -> str:
+    """A value beyond the end of a range, in words."""
+    return f"{end.title} {titles.value(end.name, end.value * (1 + multipliers.moved(end)))}"
+
+
+def _percent(share: float) -> str:
+    return f"{number(100 * share, 2)} %"
+
+
+def unread(name: str, left: float) -> str:
+    """Return the sentence that a read-out cannot identify a factor; empty where it can."""
+    if left < _UNREAD:
+        return ""
+    return f"these measurements do not determine {titles.title(name)}: {_percent(left)} of its range remains"
