@@ -154,7 +154,7 @@ def _margin(own: Input) -> tuple[float, float]:
     return own.low - slack, own.high + slack
 
 
-def _by_name(points: Table | ArrayLike, names: Sequence[str]) -> dict[Any, Any]:
+def _by_name(points: Any, names: Sequence[str]) -> dict[Any, Any]:
     """Return the columns of a table, over the labels of its rows, or of plain points."""
     if isinstance(points, Sequence) and len(points) and all(isinstance(row, Mapping) for row in points):
         points = _table(points)

@@ -412,7 +412,9 @@ def test_masked_cells_are_refused_as_nan_is() -> None:
         FactorialRegressor().fit(cases, cases[:, 0]).predict(hidden)
     assert np.isnan(x.to_unit(column)).tolist() == [False, True]
     with pytest.raises(ValueError, match="not finite"):
-        GridGP([x]).fit(xr.Dataset({"f": ("x", np.ma.masked_array(np.ones(4), [0, 0, 1, 0]))}, {"x": x.levels(4)}))
+        GridGP([x]).fit(
+            xr.Dataset({"f": ("x", np.ma.masked_array(np.ones(4), [False, False, True, False]))}, {"x": x.levels(4)})
+        )
 
 
 def test_the_rows_of_tables_are_points() -> None:
