@@ -70,9 +70,9 @@ lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without dow
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	  --custom-compile-command "make lock" --extra build --extra run -c requirements/run.txt pyproject.toml requirements/bench.in -o requirements/bench.txt
 
-docs: .venv/dev.stamp  ## draw the pictures, run the quickstart and build the site, with its report, into build/docs
-	$(BIN)/python -m docs
+docs: .venv/dev.stamp  ## run the quickstart, draw the figures and the calculator, and build the site into build/docs
 	$(BIN)/meecontact run quickstart
+	$(BIN)/python -m docs
 	$(BIN)/python -m mkdocs build --strict --quiet --site-dir build/docs
 	@echo "documentation: build/docs/index.html"
 

@@ -64,12 +64,12 @@ class Measure:
         branches, count, fields = self.root.shape
         inner = (s @ self.root.reshape(-1, fields).T).reshape(len(s), branches, count)
         norms = np.sqrt((inner * inner).sum(axis=2))
-        every = s @ self.linear.T + norms
-        which, rows = every.argmax(axis=1), np.arange(len(s))
+        values = s @ self.linear.T + norms
+        which, rows = values.argmax(axis=1), np.arange(len(s))
         root, norm = self.root[which], np.maximum(norms[rows, which], _TINY)[:, None]
         along = (inner[rows, which][:, None] @ root)[:, 0] / norm
         bend = (np.swapaxes(root, 1, 2) @ root - along[:, :, None] * along[:, None]) / norm[..., None]
-        return Bent(every[rows, which], self.linear[which] + along, np.where(norm[..., None] > _TINY, bend, 0.0))
+        return Bent(values[rows, which], self.linear[which] + along, np.where(norm[..., None] > _TINY, bend, 0.0))
 
 
 def _product(row: Array, s: Floats) -> Floats:

@@ -50,17 +50,17 @@ class Panels:
     @cached_property
     def scan(self) -> "Scan":
         """The points at which hills are looked for."""
-        kept = [(_some(down), np.arange(across)) for down, across, _ in self.parts]
+        samples = [(_some(down), np.arange(across)) for down, across, _ in self.parts]
         points = [
             (part.start + own_rows[:, None] * across + columns).ravel()
-            for (_, across, part), (own_rows, columns) in zip(self.parts, kept, strict=True)
+            for (_, across, part), (own_rows, columns) in zip(self.parts, samples, strict=True)
         ]
         places = [
             np.stack(np.meshgrid(gauss_points(across)[columns], gauss_points(down)[own_rows])).reshape(2, -1)
-            for (down, across, _), (own_rows, columns) in zip(self.parts, kept, strict=True)
+            for (down, across, _), (own_rows, columns) in zip(self.parts, samples, strict=True)
         ]
-        shapes = tuple((len(own_rows), len(columns)) for own_rows, columns in kept)
-        panel = np.repeat(np.arange(len(points)), [len(own) for own in points])
+        shapes = tuple((len(own_rows), len(columns)) for own_rows, columns in samples)
+        panel = np.repeat(np.arange(len(points)), [len(rows) for rows in points])
         return Scan(shapes, np.concatenate(points), panel, *np.concatenate(places, axis=1))
 
 
@@ -97,8 +97,8 @@ class Scan:
             pairs[0].append(np.stack([net[:, :-1].ravel(), net[:, 1:].ravel()]))
             pairs[1].append(np.stack([net[:-1].ravel(), net[1:].ravel()]))
             start += down * across
-        beside = [np.concatenate(own, axis=1) for own in pairs]
-        return [(own[0], own[1]) for own in beside if own.size]
+        joined = [np.concatenate(pair, axis=1) for pair in pairs]
+        return [(pair[0], pair[1]) for pair in joined if pair.size]
 
 
 def line(counts: Sequence[int], ends: Sequence[float]) -> Array:
@@ -133,7 +133,7 @@ def _derived(count: int) -> Array:
     """From values at the points to Chebyshev coefficients of the polynomial and two derivatives; (count, 3 count)."""
     series = coefficients(np.eye(count))
     derivatives = [chebder(series, m) if count > m else np.zeros((0, count)) for m in (0, 1, 2)]
-    whole = [np.concatenate([own, np.zeros((count - len(own), count))]) for own in derivatives]
+    whole = [np.concatenate([matrix, np.zeros((count - len(matrix), count))]) for matrix in derivatives]
     return np.ascontiguousarray(np.stack(whole, axis=1).reshape(count, 3 * count))
 
 

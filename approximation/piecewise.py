@@ -77,10 +77,10 @@ class Piecewise:
         series = self.series.reshape(len(self.series), count, -1) if mixing is None else self.series @ mixing
         panel = np.searchsorted(self.ends[1:-1], flat, side="right")
         order = np.argsort(panel.astype(np.uint16), kind="stable")
-        own = panel[order]
-        bounds = np.searchsorted(own, np.arange(len(series) + 1)).tolist()
+        panels = panel[order]
+        bounds = np.searchsorted(panels, np.arange(len(series) + 1)).tolist()
         middle, half = (self.ends[1:] + self.ends[:-1]) / 2, np.diff(self.ends) / 2
-        T = polynomials((flat[order] - middle[own]) / half[own], count).T
+        T = polynomials((flat[order] - middle[panels]) / half[panels], count).T
         sorted_values, out = np.empty((flat.size, series.shape[2])), np.empty((flat.size, series.shape[2]))
         for coefficients_here, (start, stop) in zip(series, pairwise(bounds), strict=True):
             if stop > start:

@@ -40,11 +40,14 @@ def highest(fields: Array, counts: tuple[int, ...], measure: Measure, close: flo
     panel = np.searchsorted(ends, across, "right") - 1
     tops = np.empty((3, curves.size))
     for number, count in enumerate(counts):
-        own = np.flatnonzero(panel == number)
-        if own.size:
-            start = gauss_points(count)[across[own] - ends[number]], gauss_points(fields.shape[2])[down[own]]
-            part = fields[curves[own], ..., ends[number] : ends[number + 1]]
-            tops[:, own] = climb(part, measure, start, close)
+        members = np.flatnonzero(panel == number)
+        if members.size:
+            start = (
+                gauss_points(count)[across[members] - ends[number]],
+                gauss_points(fields.shape[2])[down[members]],
+            )
+            part = fields[curves[members], ..., ends[number] : ends[number + 1]]
+            tops[:, members] = climb(part, measure, start, close)
     value = np.full(len(fields), -np.inf)
     np.maximum.at(value, curves, tops[2])
     alike = np.flatnonzero(tops[2] >= (value - _ALIKE * np.abs(value))[curves])
@@ -56,13 +59,13 @@ def highest(fields: Array, counts: tuple[int, ...], measure: Measure, close: flo
 def _hills(values: Floats, down: int, ends: Indices) -> tuple[Indices, Indices, Indices]:
     """Curve, row and column of points that are no lower than those beside them in their panel; the highest few."""
     net = np.pad(values.reshape(len(values), down, -1), ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
-    own = net[:, 1:-1, 1:-1]
-    hill = (own >= net[:, :-2, 1:-1]) & (own >= net[:, 2:, 1:-1])
-    for beside, edge in ((net[:, 1:-1, :-2], ends[:-1]), (net[:, 1:-1, 2:], ends[1:] - 1)):
-        lower = own >= beside
+    inner = net[:, 1:-1, 1:-1]
+    hill = (inner >= net[:, :-2, 1:-1]) & (inner >= net[:, 2:, 1:-1])
+    for neighbour, edge in ((net[:, 1:-1, :-2], ends[:-1]), (net[:, 1:-1, 2:], ends[1:] - 1)):
+        lower = inner >= neighbour
         lower[..., edge] = True
         hill &= lower
-    heights = np.where(hill, own, -np.inf).reshape(len(values), -1)
+    heights = np.where(hill, inner, -np.inf).reshape(len(values), -1)
     few = np.argpartition(-heights, min(CLIMBED, heights.shape[1]) - 1)[:, :CLIMBED]
     best = np.take_along_axis(heights, few, 1)
     top = best.max(1, keepdims=True)
@@ -85,14 +88,14 @@ def climb(
         bent = measure.bent(jet[..., 0, 0])
         gradient, bends = hill(jet, bent)
         step = _step(gradient, bends, u, v, counts)
-        here = np.array([u, v])
-        ahead = np.minimum(np.maximum(here + step, -1.0), 1.0)
+        point = np.array([u, v])
+        ahead = np.minimum(np.maximum(point + step, -1.0), 1.0)
         last = np.abs(step).max(axis=0) < close
         # what the last step brings is its gain on a parabola, to the third order of it
-        gain = np.where(last, np.maximum((gradient * (ahead - here)).sum(axis=0), 0.0) / 2, 0.0)
+        gain = np.where(last, np.maximum((gradient * (ahead - point)).sum(axis=0), 0.0) / 2, 0.0)
         value = bent.value + gain
         up = value > best[2, active]
-        best[:2, active[up]] = np.where(last, ahead, here)[:, up]
+        best[:2, active[up]] = np.where(last, ahead, point)[:, up]
         best[2, active[up]] = value[up]
         u, v = ahead
         if last.any():

@@ -46,9 +46,9 @@ def rows() -> list[dict[str, float | str]]:
             missing = random.uniform() < 0.1
             for name, share in ERRORS.items():
                 std = float(f"{abs(read[name]) * share:.2g}")
-                there = name != "voltage" or not missing
+                measured = name != "voltage" or not missing
                 value = read[name] + std * random.normal()
-                row |= {name: f"{value:.5g}" if there else "", f"{name}_std": f"{std:g}" if there else ""}
+                row |= {name: f"{value:.5g}" if measured else "", f"{name}_std": f"{std:g}" if measured else ""}
             table.append(row)
     return table
 

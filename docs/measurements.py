@@ -29,8 +29,8 @@ def _cells(row: Row) -> list[str]:
     model = [f"{number(quantity['value'])} ± {number(quantity['deviation'], 1)}" for quantity in row["model"]]
     off = ["–" if quantity["off"] is None else _short(quantity["off"]) for quantity in row["model"]]
     link = " because " if row["verdict"] == "cannot be told" else ": "
-    told = f"{row['verdict']}{link}{row['because']}"
-    return [row["of"], f"{number(row['value'])}{error}{unit}", "; ".join(model) or "–", "; ".join(off) or "–", told]
+    verdict = f"{row['verdict']}{link}{row['because']}"
+    return [row["of"], f"{number(row['value'])}{error}{unit}", "; ".join(model) or "–", "; ".join(off) or "–", verdict]
 
 
 def _short(deviations: float) -> str:

@@ -1,7 +1,4 @@
-"""Take the pictures of docs/start.md from the quickstart's report: ``python -m docs.shots``; needs Chromium.
-
-Not a part of ``python -m docs``: a picture of a page is no one's to compare byte for byte.
-"""
+"""Take the README's picture, the answers of the quickstart's report: ``python -m docs.shots``; needs Chromium."""
 
 import subprocess
 from pathlib import Path
@@ -9,34 +6,32 @@ from tempfile import TemporaryDirectory
 
 from PIL import Image, ImageChops
 
-FOLDER = Path(__file__).parent
-REPORT = FOLDER.parent / "results/quickstart/report.html"
-#: What is shown, by the name of its picture: an element of the page, and how much of its height [px].
-SHOWN = {"answers": ("#answers", 900), "whatif": ("#whatif", 1760), "matters": ("#figure-sensitivity", 900)}
-_WIDTH, _EDGE = 1200, 8
+from docs.pages import ROOT
+
+_WIDTH, _HEIGHT, _MARGIN = 1200, 900, 8  # pixels
 _ALONE = """<style>
-  body {{ padding: 24px 12px !important }}
-</style><script>setTimeout(() => document.body.replaceChildren(document.querySelector("{0}")), 3000);</script>"""
+  body { padding: 24px 12px !important }
+</style><script>setTimeout(() => document.body.replaceChildren(document.querySelector("#answers")), 3000);</script>"""
 
 
-def _shoot() -> None:
-    """Write the pictures into this folder."""
-    page = REPORT.read_text(encoding="utf-8")
+def take() -> None:
+    """Write docs/report-answers.png from results/quickstart/report.html."""
+    report = (ROOT / "results/quickstart/report.html").read_text(encoding="utf-8")
     with TemporaryDirectory() as folder:
-        for name, (element, height) in SHOWN.items():
-            alone, picture = Path(folder) / "alone.html", Path(folder) / "picture.png"
-            alone.write_text(page + _ALONE.format(element), encoding="utf-8")
-            options = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--virtual-time-budget=5000"]
-            options += [f"--user-data-dir={folder}/profile", f"--screenshot={picture}"]
-            options += [f"--window-size={_WIDTH},{height}"]
-            subprocess.run(["chromium", *options, alone.as_uri()], check=True, capture_output=True)
-            whole = Image.open(picture).convert("RGB")
-            box = ImageChops.difference(whole, Image.new("RGB", whole.size, whole.getpixel((0, 0)))).getbbox()
-            assert box is not None, element
-            left, top, right, bottom = box
-            room = (max(left - _EDGE, 0), max(top - _EDGE, 0), min(right + _EDGE, _WIDTH), min(bottom + _EDGE, height))
-            whole.crop(room).quantize(256).save(FOLDER / f"report-{name}.png", optimize=True)
+        page, picture = Path(folder) / "alone.html", Path(folder) / "picture.png"
+        page.write_text(report + _ALONE, encoding="utf-8")
+        options = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--virtual-time-budget=5000"]
+        options += [f"--user-data-dir={folder}/profile", f"--screenshot={picture}", f"--window-size={_WIDTH},{_HEIGHT}"]
+        subprocess.run(["chromium", *options, page.as_uri()], check=True, capture_output=True)
+        whole = Image.open(picture).convert("RGB")
+        box = ImageChops.difference(whole, Image.new("RGB", whole.size, whole.getpixel((0, 0)))).getbbox()
+        assert box is not None, "the screenshot is empty"
+        left, top, right, bottom = box
+        edges = (left - _MARGIN, top - _MARGIN, min(right + _MARGIN, _WIDTH), min(bottom + _MARGIN, _HEIGHT))
+        whole.crop((max(edges[0], 0), max(edges[1], 0), *edges[2:])).quantize(256).save(
+            ROOT / "docs/report-answers.png", optimize=True
+        )
 
 
 if __name__ == "__main__":
-    _shoot()
+    take()

@@ -1,13 +1,9 @@
-"""Follow the tutorials as a reader would: ``python -m docs.tutorial`` writes what is printed into them.
-
-It copies their figures too. Not a part of ``python -m docs``: it runs studies, and needs results/quickstart.
-"""
+"""Follow the tutorials as a reader would; ``python -m docs.tutorial`` updates the output that they show."""
 
 import contextlib
 import io
 import os
 import shlex
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -16,16 +12,15 @@ from tempfile import TemporaryDirectory
 
 import matplotlib as mpl
 
-from docs.notebook import Part, parts
+from docs.pages import ROOT, Part, tutorial_parts
 
-FOLDER = Path(__file__).parent / "tutorials"
-ROOT = FOLDER.parents[1]
+FOLDER = ROOT / "docs/tutorials"
 PAGES = sorted(FOLDER.glob("*.md"))
-ON_QUICKSTART = {"measured", "million"}  # what needs results/quickstart
+ON_QUICKSTART = {"measured"}  # tutorials that need results/quickstart
 
 
 def command(line: str) -> str:
-    """What a command prints."""
+    """Standard output of a command."""
     program, *words = shlex.split(line)
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
     called = [str(Path(sys.executable).with_name(program)), *words]
@@ -33,13 +28,13 @@ def command(line: str) -> str:
 
 
 def follow(page: str, folder: Path, run: Callable[[str], str] = command) -> Iterator[tuple[Part, str]]:
-    """Do what a page says, in a folder: every part that is done, and what it prints.
+    """Yield every part of a page with its printed output, after doing in `folder` what the part says.
 
     Files are written, commands run as processes, and all Python of the page is one session of this process.
     """
     session: dict[str, object] = {}
     with contextlib.chdir(folder), mpl.rc_context({"backend": "svg", "svg.hashsalt": "meecontact"}):
-        for part in parts(page):
+        for part in tutorial_parts(page):
             printed = io.StringIO()
             if part.kind == "sh":
                 for line in part.text.splitlines():
@@ -52,8 +47,8 @@ def follow(page: str, folder: Path, run: Callable[[str], str] = command) -> Iter
             yield part, printed.getvalue()
 
 
-def told(page: str, folder: Path, run: Callable[[str], str] = command) -> str:
-    """The page with what its commands and its Python print in the blocks that show it."""
+def updated(page: str, folder: Path, run: Callable[[str], str] = command) -> str:
+    """Return the page with the present output of its commands and its Python."""
     last = ""
     for part, printed in follow(page, folder, run):
         if part.kind == "text":
@@ -63,15 +58,13 @@ def told(page: str, folder: Path, run: Callable[[str], str] = command) -> str:
 
 
 def write() -> None:
-    """Write what every tutorial prints into it, and its figures beside it."""
+    """Update the output in all tutorials; needs results/quickstart."""
     for path in PAGES:
-        with TemporaryDirectory() as made:
+        with TemporaryDirectory() as folder:
             for name in ("config", "results/quickstart"):
-                Path(made, name).parent.mkdir(exist_ok=True)
-                Path(made, name).symlink_to(ROOT / name)
-            path.write_text(told(path.read_text(encoding="utf-8"), Path(made)), encoding="utf-8")
-            for figure in Path(made).glob("*.svg"):
-                shutil.copy(figure, FOLDER)
+                Path(folder, name).parent.mkdir(exist_ok=True)
+                Path(folder, name).symlink_to(ROOT / name)
+            path.write_text(updated(path.read_text(encoding="utf-8"), Path(folder)), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What the rooms offer by name, though it is imported only when asked for."""
+"""The public names of the rooms, which are imported when they are first used."""
 
 import sys
 from importlib import import_module
@@ -25,8 +25,8 @@ def test_names_of_quantities_are_had_without_the_solution() -> None:
 
 def test_a_module_of_another_under_a_room_s_name_is_named(tmp_path: Path) -> None:
     (tmp_path / "solver.py").write_text("", encoding="utf-8")
-    told = run([sys.executable, "-c", "import meecontact"], check=False, cwd=tmp_path, capture_output=True, text=True)
-    last = told.stderr.splitlines()[-1]
+    done = run([sys.executable, "-c", "import meecontact"], check=False, cwd=tmp_path, capture_output=True, text=True)
+    last = done.stderr.splitlines()[-1]
     assert last.startswith(
         f"ImportError: meecontact: the module 'solver' that Python finds is {tmp_path / 'solver.py'}"
     )

@@ -176,8 +176,8 @@ def put(text: str, begins: str, added: str) -> str:
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[object]]:
-    """What a copy of the rooms says in which all recipes were followed."""
+def answers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[object]]:
+    """Answers of a copy of the rooms in which all recipes were followed."""
     copy = tmp_path_factory.mktemp("recipes")
     for room in ROOMS:
         shutil.copytree(ROOT / room, copy / room, ignore=shutil.ignore_patterns("__pycache__"))
@@ -201,15 +201,15 @@ def test_a_recipe_touches_three_files_that_its_row_names(recipe: str) -> None:
         assert name in row or str(Path(name).parent) + "/" in row, name
 
 
-def test_what_the_recipes_add_is_there(told: dict[str, list[object]]) -> None:
-    same, turned, other = told["a composite law"]
+def test_what_the_recipes_add_is_there(answers: dict[str, list[object]]) -> None:
+    same, turned, other = answers["a composite law"]
     assert same == turned != other
-    depth, free, width = told["a profile of the punch"]
+    depth, free, width = answers["a profile of the punch"]
     assert depth == free
     assert width
-    assert told["a quantity"] == [True, 1.0]  # without friction both extents are alike
-    assert told["a limit"] == [1e8, "fatigue_strength"]
-    worst, weights, words = told["a risk measure"]
+    assert answers["a quantity"] == [True, 1.0]  # without friction both extents are alike
+    assert answers["a limit"] == [1e8, "fatigue_strength"]
+    worst, weights, words = answers["a risk measure"]
     assert (worst, weights) == (0.5, [[0.5, 0.5, 0, 0, 0, 0, 0, 0]])  # of eight draws the least two
     assert words == "(mean of the worst 25 %)"
-    assert told["a figure"] == [True]
+    assert answers["a figure"] == [True]

@@ -1,27 +1,31 @@
-"""The tutorials, followed from an empty folder: what they say is printed is printed, and their figures are drawn."""
+"""The tutorials, followed from an empty folder: they show what they print, draw their figures and are notebooks."""
 
+import re
 from pathlib import Path
 
+import nbformat
 import pytest
 
-from docs import notebook, tutorial
+from docs import pages, tutorial
 from tests.workflow import nursery
 
-# the others are followed by tests/test_docs.py
+# tests/test_docs.py follows the others
 PAGES = [page for page in tutorial.PAGES if page.stem not in tutorial.ON_QUICKSTART]
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
-def test_a_tutorial_says_what_is_printed(path: Path, tmp_path: Path) -> None:
+def test_a_tutorial_shows_what_it_prints(path: Path, tmp_path: Path) -> None:
     page = path.read_text(encoding="utf-8")
-    assert tutorial.told(page, tmp_path, nursery.printed) == page
-    assert page.count("```text\n") >= 2
+    assert tutorial.updated(page, tmp_path, nursery.printed) == page
     drawn = {figure.name for figure in tmp_path.glob("*.svg")}
-    assert {name for name in drawn if f"({name})" in page and (path.parent / name).is_file()} == drawn
+    assert drawn == set(re.findall(r"\]\(([\w-]+\.svg)\)", page))
 
 
-def test_a_wrong_page_is_told(tmp_path: Path) -> None:
-    code = "from pathlib import Path\nprint(Path('a.csv').read_text())"
-    page = f"Into `a.csv`:\n\n```csv\nload\n```\n\n```python\n{code}\n```\n\n```text\nloads\n```\n"
-    assert tutorial.told(page, tmp_path) == page.replace("loads\n", "load\n\n")
-    assert [part.kind for part in notebook.parts(page)] == ["markdown", "csv", "python", "text"]
+@pytest.mark.parametrize("path", tutorial.PAGES, ids=lambda path: path.stem)
+def test_a_tutorial_is_a_notebook(path: Path) -> None:
+    page = path.read_text(encoding="utf-8")
+    book = nbformat.reads(pages.notebook(page), as_version=4)
+    nbformat.validate(book)
+    code = [cell for cell in book.cells if cell.cell_type == "code"]
+    assert len(code) == len(re.findall(r"^```(?:python|sh|yaml|csv)$", page, re.MULTILINE))
+    assert f"({path.stem}.ipynb)" in page

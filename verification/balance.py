@@ -109,8 +109,8 @@ def _sides(case: Case, box: Array, across: str, along: str) -> tuple[Array, Arra
 
 def _totals(case: Case) -> float:
     """Resultants on a box about the contact against Q, P, T, J; over the sum of the sizes of its sides' resultants."""
-    found = solver.solve(case)
-    half = half_length(found)
+    solution = solver.solve(case)
+    half = half_length(solution)
     charges = [case.get("charge", 0.0), case.get("magnetic_charge", 0.0)]
     loads = np.array([case["friction"] * case["load"], case["load"], *charges])
     worst = 0.0

@@ -66,27 +66,27 @@ class Compared:
 
     def error(self, what: str) -> float:
         """Relative error of one of ``COMPARED`` or ``FIELDS_COMPARED``."""
-        found, solved = self.contact, self.solved
+        contact, solved = self.contact, self.solved
         if what in FIELDS_COMPARED:
             return self._off_beside() if what == "beside" else self._off_inside()
         if what == "load":
-            return off(found.load, self.case["load"])
+            return off(contact.load, self.case["load"])
         if what == "centre":
-            return off(found.centre, solved["contact_offset"])
-        return off(found.potential(ELECTRIC), solved["voltage"])
+            return off(contact.centre, solved["contact_offset"])
+        return off(contact.potential(ELECTRIC), solved["voltage"])
 
     def _off_beside(self) -> float:
         place, phi = self.contact.beside(ELECTRIC)
-        some = np.flatnonzero((np.abs(place) > _FROM) & (np.abs(place) < _TO))[::5]
-        found = solver.solve_interior(self.case, place[some], [0.0], fields=["electric_potential"])
-        apart = found["electric_potential"].to_numpy()[0] - phi[some]
-        return float(np.max(np.abs(apart)) / abs(self.contact.potential(ELECTRIC)))
+        compared = np.flatnonzero((np.abs(place) > _FROM) & (np.abs(place) < _TO))[::5]
+        inside = solver.solve_interior(self.case, place[compared], [0.0], fields=["electric_potential"])
+        difference = inside["electric_potential"].to_numpy()[0] - phi[compared]
+        return float(np.max(np.abs(difference)) / abs(self.contact.potential(ELECTRIC)))
 
     def _off_inside(self) -> float:
         depth = self.case["thickness"] / 2
         expected, y = self.contact.fields(X, depth), -depth / self.contact.half_length
-        found = solver.solve_interior(self.case, X, [y], fields=INSIDE)
-        return max(off(found[name][0], expected[name]) for name in INSIDE)
+        inside = solver.solve_interior(self.case, X, [y], fields=INSIDE)
+        return max(off(inside[name][0], expected[name]) for name in INSIDE)
 
     @cached_property
     def solved(self) -> xr.Dataset:

@@ -82,18 +82,18 @@ class Solved:
 
     def quantities(self, datum: float) -> Answers:
         """Quantities by name, the largest tractions of the lowest interface among them."""
-        found = solver.solve(self.case | {"datum": datum}, peaks=EXTREMES)
-        return {str(name): value.values for name, value in found.items()}
+        solution = solver.solve(self.case | {"datum": datum}, peaks=EXTREMES)
+        return {str(name): value.values for name, value in solution.items()}
 
-    def surface(self, at: Array) -> Answers:
+    def surface(self, positions: Array) -> Answers:
         """Surface fields by name."""
-        solved = solver.solve(self.case, at)
+        solved = solver.solve(self.case, positions)
         return {name: solved[name].values for name in ("contact_pressure", "stress_xx", *FLUXES)}
 
-    def inside(self, at: Array, Y: Array) -> Answers:
+    def inside(self, X: Array, Y: Array) -> Answers:
         """``FIELDS`` (depth, place).
 
         at: (place,), along the surface over the contact's half-width; Y: (depth,), depths over the same.
         """
-        found = solver.solve_interior(self.case, at, Y, fields=FIELDS)
-        return {name: found[name].values for name in FIELDS}
+        fields = solver.solve_interior(self.case, X, Y, fields=FIELDS)
+        return {name: fields[name].values for name in FIELDS}

@@ -55,8 +55,8 @@ class Compared:
         """Largest error of one of ``COMPARED``."""
         if what == "load":
             return self.load
-        found, expected = getattr(self, what)
-        return max(off(found[name], value) for name, value in expected.items())
+        computed, expected = getattr(self, what)
+        return max(off(computed[name], value) for name, value in expected.items())
 
     @property
     def load(self) -> float:
@@ -66,15 +66,15 @@ class Compared:
     @cached_property
     def contact(self) -> fem_film.FilmContact:
         """The finite elements, at the solver's half-length."""
-        one, numbers = self.solved, np.array([ELECTRIC, MAGNETIC])
-        *upper, (material, thickness) = one.layers
-        grounded = numbers[[name == "grounded" for name in one.interface]]
+        film, numbers = self.solved, np.array([ELECTRIC, MAGNETIC])
+        *upper, (material, thickness) = film.layers
+        grounded = numbers[[name == "grounded" for name in film.interface]]
         layers = [fem_film.Layer(constants(above), thick, grounded=()) for above, thick in upper]
         layers.append(fem_film.Layer(constants(material), thickness, tuple(grounded)))
-        sliding = one.case["radius"], one.case.get("friction", 0.0)
-        punch = fem_film.Punch(*sliding, *one.charges, tuple(numbers[list(one.conducts)]))
-        base = None if one.base is None else constants(one.base)
-        return fem_film.FilmContact(layers, base, punch, one.half_length, self.order)
+        sliding = film.case["radius"], film.case.get("friction", 0.0)
+        punch = fem_film.Punch(*sliding, *film.charges, tuple(numbers[list(film.conducts)]))
+        base = None if film.base is None else constants(film.base)
+        return fem_film.FilmContact(layers, base, punch, film.half_length, self.order)
 
     @cached_property
     def quantities(self) -> Answers:
@@ -95,24 +95,24 @@ class Compared:
         if self.solved.interface[1] == "insulated":
             names.remove("magnetic_potential")
         numbers = {name: number for number, name, _ in self._potentials}
-        found = {k: self.contact.potential(numbers[k]) if k in numbers else self.contact.depth for k in names}
-        return {k: np.array(value) for k, value in found.items()}, {k: self.quantities[k] for k in names}
+        computed = {k: self.contact.potential(numbers[k]) if k in numbers else self.contact.depth for k in names}
+        return {k: np.array(value) for k, value in computed.items()}, {k: self.quantities[k] for k in names}
 
     @property
     def edges(self) -> tuple[Answers, Answers]:
         """Edge intensities."""
-        found = {name: np.array(self.contact.edge_intensities(number)) for number, _, name in self._potentials}
-        return found, {k: np.array([self.quantities[f"{k}_{end}"] for end in _ENDS]) for k in found}
+        computed = {name: np.array(self.contact.edge_intensities(number)) for number, _, name in self._potentials}
+        return computed, {k: np.array([self.quantities[f"{k}_{end}"] for end in _ENDS]) for k in computed}
 
     @property
     def surface(self) -> tuple[Answers, Answers]:
         """Tractions below the punch and the stress beside it."""
-        below, beside = self.contact.fields(X, 0.0), self.contact.fields(BESIDE, 0.0)
+        below, exterior = self.contact.fields(X, 0.0), self.contact.fields(BESIDE, 0.0)
         solved = self.solved.surface(X)
-        found = {"contact_pressure": -below["stress_yy"], **{name: below[name] for name in FLUXES}}
-        expected = {name: solved[name] for name in found}
+        computed = {"contact_pressure": -below["stress_yy"], **{name: below[name] for name in FLUXES}}
+        expected = {name: solved[name] for name in computed}
         name = "stress_xx"
-        return found | {name: beside[name]}, expected | {name: self.solved.surface(BESIDE)[name]}
+        return computed | {name: exterior[name]}, expected | {name: self.solved.surface(BESIDE)[name]}
 
     @property
     def inside(self) -> tuple[Answers, Answers]:
@@ -125,8 +125,8 @@ class Compared:
             places.append((len(self.solved.layers), 1.5 * top))
         rows = [self.contact.fields(WHERE, depth, layer) for layer, depth in places]
         Y = -np.array([depth for _, depth in places]) / self.contact.half_length
-        found = {name: np.array([row[name] for row in rows]) for name in FIELDS}
-        return _by_unit(found), _by_unit(self.solved.inside(WHERE, Y))
+        computed = {name: np.array([row[name] for row in rows]) for name in FIELDS}
+        return _by_unit(computed), _by_unit(self.solved.inside(WHERE, Y))
 
     @property
     def interface(self) -> tuple[Answers, Answers]:
@@ -140,8 +140,8 @@ class Compared:
     @cached_property
     def _potentials(self) -> list[tuple[int, str, str]]:
         """Number, name and edge intensity of the potentials that the punch makes uniform."""
-        every = zip((ELECTRIC, MAGNETIC), RESPONSES[1:], INTENSITIES, strict=True)
-        return [potential for potential, conducts in zip(every, self.solved.conducts, strict=True) if conducts]
+        triples = zip((ELECTRIC, MAGNETIC), RESPONSES[1:], INTENSITIES, strict=True)
+        return [potential for potential, conducts in zip(triples, self.solved.conducts, strict=True) if conducts]
 
 
 def _by_unit(fields: Answers) -> Answers:

@@ -39,11 +39,11 @@ FINER = 1.5  # times as many terms
 
 def run(_: Sizes) -> Findings:
     """All of them."""
-    own = "every quantity of a film of its own base, four kinds of conduction, and of the half-plane"
+    compared = "every quantity of a film of its own base, four kinds of conduction, and of the half-plane"
     checks = [
-        *(check(f"Film of its own base: {name}", own, 1e-11, _own_base, punch) for name, punch in PROFILES.items()),
+        *(check(f"Film of its own base: {name}", compared, 1e-11, _own_base, case) for name, case in PROFILES.items()),
         *(check(f"Thick film on a {name}", "half-length less the closed form's, and the theory's, at 10 and 100 "
-                "half-lengths", 0.03, _thick, *of) for name, of in THICK.items()),
+                "half-lengths", 0.03, _thick, *arguments) for name, arguments in THICK.items()),
         check("Thin film, insulating punch", "P R h1/h^3, h1/h to 0, and 2/3 of the uniaxial modulus", 5e-4, _uniaxial),
         check("Thin film, conducting punch", "charge per load, h1/h to 0, and e33/c33", 1e-3, _thin_charge),
         check("Thin incompressible film", "P R h1^3/h^5, h1/h to 0, and 2/15 of the shear modulus (Johnson 1985)", 1e-2,
@@ -90,23 +90,23 @@ def _uniaxial() -> float:
     material = solver.find("BaTiO3")
     expected = 2 / 3 * float(material.c33 + material.e33**2 / material.eps33)
     case = {"material": material, "electric": "insulating", "magnetic": "insulating"}
-    ratios, found = _thin(case, [expected * ratio**3 for ratio in (7.5, 15, 30)])
-    return off(_limit(ratios, found["load"].values * 0.05 / THIN**2 / ratios**3), expected)
+    ratios, solution = _thin(case, [expected * ratio**3 for ratio in (7.5, 15, 30)])
+    return off(_limit(ratios, solution["load"].values * 0.05 / THIN**2 / ratios**3), expected)
 
 
 def _thin_charge() -> float:
     """Error of the charge per load of a thin film of BaTiO3 on a rigid base at zero volts."""
     material = solver.find("BaTiO3")
-    ratios, found = _thin({"material": material}, [2 / 3 * float(material.c33) * ratio**3 for ratio in (7.5, 15, 30)])
-    return off(_limit(ratios, found.charge_per_force.values), float(material.e33 / material.c33))
+    ratios, thin = _thin({"material": material}, [2 / 3 * float(material.c33) * ratio**3 for ratio in (7.5, 15, 30)])
+    return off(_limit(ratios, thin.charge_per_force.values), float(material.e33 / material.c33))
 
 
 def _incompressible() -> float:
     """Error of the load of a thin incompressible film on a rigid base."""
     shear, poisson = 1e9, 0.4999999
     case = {"material": solver.Material.isotropic(2 * shear * (1 + poisson), poisson), "electric": "insulating"}
-    ratios, found = _thin(case | {"magnetic": "insulating"}, [2 / 15 * shear * ratio**5 for ratio in (7.5, 15, 30)])
-    return off(_limit(ratios, found["load"].values * 0.05 / THIN**2 / ratios**5), 2 / 15 * shear)
+    ratios, solution = _thin(case | {"magnetic": "insulating"}, [2 / 15 * shear * ratio**5 for ratio in (7.5, 15, 30)])
+    return off(_limit(ratios, solution["load"].values * 0.05 / THIN**2 / ratios**5), 2 / 15 * shear)
 
 
 def _thin(case: Case, scaled: list[float]) -> tuple[Array, xr.Dataset]:
@@ -162,12 +162,12 @@ def _systems() -> dict[str, tuple[Stack, float]]:
     titanate, ferrite, steel = (solver.find(name) for name in ("BaTiO3", "CoFe2O4", "steel"))
     mixed = Stack((Layer(solver.fibrous(titanate, ferrite, 0.5), 1.0),), RIGID)
     soft = Stack((Layer(titanate, 1.0),), solver.Material.isotropic(5e9, 0.35))
-    apart = Stack((Layer(titanate, 1.0), Layer(ferrite, 1.0)), steel)
+    contrast = Stack((Layer(titanate, 1.0), Layer(ferrite, 1.0)), steel)
     return {
         "composite, rigid base": (mixed, 0.0),
         "composite, rigid base, friction 1": (mixed, 1.0),
         "BaTiO3, base of 5 GPa": (soft, 0.3),
-        "permittivities 140 times apart": (apart, 1.0),
+        "permittivities 140 times apart": (contrast, 1.0),
     }
 
 

@@ -82,21 +82,21 @@ class Findings:
         return json.dumps(content, indent=2, allow_nan=False) + "\n"
 
 
-def check(name: str, compared: str, tolerance: float, error: Callable[..., float], *of: Any) -> Check:
+def check(name: str, compared: str, tolerance: float, error: Callable[..., float], *arguments: Any) -> Check:
     """Measure one error and its time."""
     start = perf_counter()
-    measured = float(error(*of))
+    measured = float(error(*arguments))
     return Check(name, compared, measured, tolerance, perf_counter() - start)
 
 
-def off(found: ArrayLike, expected: ArrayLike) -> float:
+def off(computed: ArrayLike, expected: ArrayLike) -> float:
     """Largest difference over the largest expected size; itself where nothing is expected."""
-    found, expected = np.asarray(found, dtype=float), np.asarray(expected, dtype=float)
+    computed, expected = np.asarray(computed, dtype=float), np.asarray(expected, dtype=float)
     size = float(np.max(np.abs(expected)))
-    return float(np.max(np.abs(found - expected))) / (size or 1.0)
+    return float(np.max(np.abs(computed - expected))) / (size or 1.0)
 
 
-def off_each(found: ArrayLike, expected: ArrayLike) -> float:
+def off_each(computed: ArrayLike, expected: ArrayLike) -> float:
     """Largest difference of a value over its own expected size."""
-    found, expected = np.asarray(found, dtype=float), np.asarray(expected, dtype=float)
-    return float(np.max(np.abs(found - expected) / np.maximum(np.abs(expected), _NOTHING)))
+    computed, expected = np.asarray(computed, dtype=float), np.asarray(expected, dtype=float)
+    return float(np.max(np.abs(computed - expected) / np.maximum(np.abs(expected), _NOTHING)))

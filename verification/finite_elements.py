@@ -69,28 +69,28 @@ class Loaded:
     def u(self) -> Array:
         """(u_x, u_y, phi, psi) at the nodes."""
         theta = fem.surface_angles(self.body)
-        given = solver.solve(CASE, np.cos(theta).ravel(), regular=True)
+        solution = solver.solve(CASE, np.cos(theta).ravel(), regular=True)
         root = np.sin(theta).ravel()
-        rows = [given.shear_traction * root, -given.contact_pressure * root]
-        rows += [given.electric_displacement_y_regular, given.magnetic_induction_y_regular]
+        rows = [solution.shear_traction * root, -solution.contact_pressure * root]
+        rows += [solution.electric_displacement_y_regular, solution.magnetic_induction_y_regular]
         regular = np.stack([row.values.reshape(theta.shape) for row in rows])
         return self.body.solve(fem.surface_load(self.body, regular, self.half))
 
     def errors(self) -> dict[str, float]:
         """Root mean square error of each field over its root mean square."""
         points = np.stack([grid.ravel() for grid in np.meshgrid(X, Y)])
-        found = self.body.fluxes(self.u, points, self.half)
+        fluxes = self.body.fluxes(self.u, points, self.half)
         exact = solver.solve_interior(CASE, X, Y, fields=fem.FIELDS)
         return {
-            k: float(np.linalg.norm(v - exact[k].values.ravel()) / np.linalg.norm(exact[k])) for k, v in found.items()
+            k: float(np.linalg.norm(v - exact[k].values.ravel()) / np.linalg.norm(exact[k])) for k, v in fluxes.items()
         }
 
     def _surface(self) -> tuple[Array, Array, Array]:
         """X and u of the nodes of the contact, and the mean u of the surface at the datum's distance on both sides."""
         x, y = self.body.basis.doflocs
         top = y == 0
-        away = np.abs(x[top]) - fem_contact.DATUM
-        nearest = top.nonzero()[0][np.argsort(np.abs(away))[:2]]
+        distance = np.abs(x[top]) - fem_contact.DATUM
+        nearest = top.nonzero()[0][np.argsort(np.abs(distance))[:2]]
         self.datum = float(np.abs(x[nearest[0]])) * self.half
         below = top & (np.abs(x) <= 1)
         return x[below], self.u[:, below], self.u[:, nearest].mean(axis=1)
@@ -105,15 +105,15 @@ class Loaded:
 
     def conductor(self) -> float:
         """Largest spread of a potential under the punch over its mean against the datum."""
-        _, u, away = self._surface()
-        return max(float(np.ptp(u[k]) / np.abs(u[k].mean() - away[k])) for k in (2, 3))
+        _, u, at_datum = self._surface()
+        return max(float(np.ptp(u[k]) / np.abs(u[k].mean() - at_datum[k])) for k in (2, 3))
 
     def response(self) -> float:
         """Largest relative error of depth, voltage and magnetic potential."""
-        x, u, away = self._surface()
-        found = [self._gap(x, u[1]).mean() + away[1], u[2].mean() - away[2], u[3].mean() - away[3]]
+        x, u, at_datum = self._surface()
+        response = [self._gap(x, u[1]).mean() + at_datum[1], u[2].mean() - at_datum[2], u[3].mean() - at_datum[3]]
         exact = solver.solve(CASE | {"datum": self.datum})
-        pairs = zip(found, (exact.depth, exact.voltage, exact.magnetic_potential), strict=True)
+        pairs = zip(response, (exact.depth, exact.voltage, exact.magnetic_potential), strict=True)
         return max(off(value, truth) for value, truth in pairs)
 
 
@@ -124,17 +124,17 @@ def _contact(cells: list[int]) -> tuple[list[Check], list[Curve]]:
     rows: dict[int, dict[str, float]] = {}
 
     def errors(count: int) -> dict[str, float]:
-        found = fem_contact.solve(material, CHARGED["radius"], totals, count, start=4e-4)
-        exact = solver.solve(FRICTIONLESS | {"datum": found.datum})
+        contact = fem_contact.solve(material, CHARGED["radius"], totals, count, start=4e-4)
+        exact = solver.solve(FRICTIONLESS | {"datum": contact.datum})
         half = float(exact.contact_trailing)
-        inner = np.abs(found.x) < 0.95 * half
-        places = found.x[inner] / half
+        inner = np.abs(contact.x) < 0.95 * half
+        places = contact.x[inner] / half
         pressure = solver.solve(FRICTIONLESS, places).contact_pressure
         return {
-            "half-width": off(found.half_width, half),
-            "pressure": float(np.max(np.abs(found.pressure[inner] - pressure)) / exact.peak_pressure),
+            "half-width": off(contact.half_width, half),
+            "pressure": float(np.max(np.abs(contact.pressure[inner] - pressure)) / exact.peak_pressure),
             "response": max(
-                off(getattr(found, name), exact[name]) for name in ("depth", "voltage", "magnetic_potential")
+                off(getattr(contact, name), exact[name]) for name in ("depth", "voltage", "magnetic_potential")
             ),
         }
 

@@ -142,14 +142,14 @@ def _answers(numerical: collocation.Contact, surface: SurfaceResponse, datum: fl
     return {**ends, **{name: np.array(value) for name, value in response}, **fields(numerical, surface, X)}
 
 
-def _difference(found: xr.Dataset, expected: dict[str, Array]) -> float:
+def _difference(solution: xr.Dataset, expected: dict[str, Array]) -> float:
     """Largest error; an end is compared over the half-width."""
     worst, half_width = 0.0, float(expected["contact_trailing"] + expected["contact_leading"]) / 2
     for name, value in expected.items():
         if name.startswith("contact_") and value.ndim == 0:
-            worst = max(worst, abs(float(found[name] - value)) / half_width)
-        elif name in found and np.any(value):
-            worst = max(worst, off(found[name], value))
+            worst = max(worst, abs(float(solution[name] - value)) / half_width)
+        elif name in solution and np.any(value):
+            worst = max(worst, off(solution[name], value))
     return worst
 
 
@@ -159,8 +159,8 @@ def _moment(surface: SurfaceResponse) -> float:
     numerical = collocation.solve(_problem("tilted flat", case, 8, surface))
     right, left, weight = end_proof_nodes()
     pressure = -numerical._tractions(right, left)[0]
-    given = numerical.half_width**2 * float(np.sum(weight * pressure * (left - right) / 2))
-    tilted = {name: value for name, value in case.items() if name != "slope"} | {"moment": given}
+    moment = numerical.half_width**2 * float(np.sum(weight * pressure * (left - right) / 2))
+    tilted = {name: value for name, value in case.items() if name != "slope"} | {"moment": moment}
     return _difference(solver.solve(tilted, X), _answers(numerical, surface, case["datum"]))
 
 

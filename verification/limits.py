@@ -75,8 +75,13 @@ def _sliding() -> float:
         inside = X[INSIDE]
         pressure = np.sin(np.pi * alpha) / (lam * PUNCH["radius"]) * width / 2
         pressure = pressure * (1 - inside) ** alpha * (1 + inside) ** (1 - alpha)
-        found = [out.pressure_exponent, out.contact_trailing, out.contact_leading, *out.contact_pressure.values[INSIDE]]
-        worst = max(worst, off_each(found, [alpha, (1 - alpha) * width, alpha * width, *pressure]))
+        result = [
+            out.pressure_exponent,
+            out.contact_trailing,
+            out.contact_leading,
+            *out.contact_pressure.values[INSIDE],
+        ]
+        worst = max(worst, off_each(result, [alpha, (1 - alpha) * width, alpha * width, *pressure]))
     return worst
 
 
@@ -106,7 +111,7 @@ def _uncoupled(field: int) -> float:
     zero, other, charge = _UNCOUPLED[field]
     m = constants(solver.find(SIH_SONG)) | dict.fromkeys(zero, 0.0)
     case = {**PUNCH, "friction": 0.4, **charge}
-    one, two = (
+    alone, coupled = (
         solver.solve({"material": solver.Material.from_mapping(m | change), **case}, X)
         for change in ({}, {name: 7 * m[name] for name in other})
     )
@@ -117,16 +122,16 @@ def _uncoupled(field: int) -> float:
         "depth",
         ("voltage", "magnetic_potential")[field - 1],
     ]
-    same = off_each([one[name] for name in names], [two[name] for name in names])
+    same = off_each([alone[name] for name in names], [coupled[name] for name in names])
     silent = ("magnetic_potential", "magnetic_induction_y") if field == 1 else ("voltage", "electric_displacement_y")
-    answered = max(float(np.max(np.abs(one[name]))) for name in silent)
+    answered = max(float(np.max(np.abs(alone[name]))) for name in silent)
 
     N, k = _smaller(m, field)
     lam = N[0, 0] - N[0, 1] ** 2 / N[1, 1]
     kap = k[0] - N[0, 1] * k[1] / N[1, 1]
     alpha = np.arctan2(1, -case["friction"] * kap / lam) / np.pi
     width = np.sqrt(2 * lam * PUNCH["radius"] * PUNCH["load"] / (np.pi * alpha * (1 - alpha)))
-    values = [one.pressure_exponent, one.contact_trailing, one.contact_leading]
+    values = [alone.pressure_exponent, alone.contact_trailing, alone.contact_leading]
     return max(same, answered, off_each(values, [alpha, (1 - alpha) * width, alpha * width]))
 
 
@@ -144,11 +149,11 @@ def _smaller(m: dict[str, float], field: int) -> tuple[Array, Array]:
 def _reciprocity() -> list[Check]:
     """Betti: without friction the depth per charge is minus the voltage per load; of both fields."""
     case = {"material": SIH_SONG, **PUNCH}
-    rest = solver.solve(case)
+    still = solver.solve(case)
 
     def error(charge: str, size: float, potential: str) -> float:
         moved = solver.solve(case | {charge: size})
-        return off_each((moved.depth - rest.depth) / size, -rest[potential] / PUNCH["load"])
+        return off_each((moved.depth - still.depth) / size, -still[potential] / PUNCH["load"])
 
     return [
         check("Betti, electric", "d depth/dT and -V/P", 1e-10, error, "charge", 1e-4, "voltage"),
@@ -173,14 +178,14 @@ def _mirror() -> float:
 def _units() -> float:
     """Largest relative change of quantities when constants, factors and answers are in other base units."""
     m, kg, A = 1e3, 1e-3, 1e3  # new units in a metre, a kilogram, an ampere
-    of = {"c": kg / m, "e": A / m**2, "f": kg / A, "eps": A**2 / (kg * m**3), "g": 1 / m, "mu": kg * m / A**2}
+    scales = {"c": kg / m, "e": A / m**2, "f": kg / A, "eps": A**2 / (kg * m**3), "g": 1 / m, "mu": kg * m / A**2}
     factors = {"radius": m, "friction": 1, "load": kg, "charge": A / m, "magnetic_charge": kg * m / A, "datum": m}
     answers = {"contact_trailing": m, "contact_leading": m, "pressure_exponent": 1, "peak_pressure": kg / m}
     answers |= {"depth": m, "voltage": kg * m**2 / A, "magnetic_potential": A, "trailing_tension": kg / m}
     answers |= {"electric_edge_intensity_trailing": A / m**1.5, "magnetic_edge_intensity_trailing": kg / A * m**0.5}
     plain = constants(solver.find(SIH_SONG))
     plain.pop("rho", None)
-    changed = {name: value * of[name.rstrip("0123456789")] for name, value in plain.items()}
+    changed = {name: value * scales[name.rstrip("0123456789")] for name, value in plain.items()}
     elastic = solver.solve({"material": solver.Material.from_mapping(plain), **CHARGED})
     two = solver.solve(
         {"material": solver.Material.from_mapping(changed), **{k: v * factors[k] for k, v in CHARGED.items()}}

@@ -154,8 +154,11 @@ def _thin() -> float:
     of_force = np.pi / 4 * float(_BODY.c33) * stiff["contact_radius"].values ** 4 / (R * h * forces)
     of_charge = np.abs(charged["charge_per_force"].values) * float(body.c33 / body.e33)
     errors = []
-    for found, wide in ((of_force, stiff["contact_radius"].values), (of_charge, charged["contact_radius"].values)):
-        errors.append(abs((found[1] * wide[1] - found[0] * wide[0]) / (wide[1] - wide[0]) - 1))
+    for ratio, width in (
+        (of_force, stiff["contact_radius"].values),
+        (of_charge, charged["contact_radius"].values),
+    ):
+        errors.append(abs((ratio[1] * width[1] - ratio[0] * width[0]) / (width[1] - width[0]) - 1))
     return float(max(errors))
 
 
@@ -185,12 +188,12 @@ def _tangents() -> float:
     """
     weights, steps = np.array([1, -8, 8, -1]) / 12, np.array([-2, -1, 1, 2]) * 1e-3
     case, charge = _FILM | {"base": "silicon"}, 1e-9
-    at = solver.solve(case | {"total_charge": charge})
+    solution = solver.solve(case | {"total_charge": charge})
     moved = solver.solve(case | {"total_charge": charge * (1 + steps)})
     stroke = np.sum(weights * moved["depth"].values) / np.sum(weights * moved["voltage"].values)
     pressed = solver.solve(case | {"total_charge": charge, "force": case["force"] * (1 + steps)})
     open_ = case["force"] * 1e-3 / np.sum(weights * pressed["depth"].values)
-    return off_each([at["stroke_per_volt"], at["contact_stiffness_open"]], [stroke, open_])
+    return off_each([solution["stroke_per_volt"], solution["contact_stiffness_open"]], [stroke, open_])
 
 
 def elements(base: str, order: int) -> float:

@@ -53,8 +53,8 @@ def difference(case: Case, friction: float, cells: int) -> Difference:
 def raised(case: Case, friction: float, cells: int) -> tuple[float, float]:
     """What friction adds to the largest pressure of a grounded ball over that at rest: on the grid, in first order."""
     grounded, _, (slid, still) = _on_grids(case, friction, cells)
-    own = solver.solve(grounded | {"friction": np.array([friction, 0.0])})["peak_pressure"].values
-    return slid["peak_pressure"] / still["peak_pressure"] - 1, float(own[0] / own[1]) - 1
+    peaks = solver.solve(grounded | {"friction": np.array([friction, 0.0])})["peak_pressure"].values
+    return slid["peak_pressure"] / still["peak_pressure"] - 1, float(peaks[0] / peaks[1]) - 1
 
 
 def _on_grids(case: Case, friction: float, cells: int) -> tuple[Case, float, tuple[dict[str, float], dict[str, float]]]:
@@ -112,19 +112,19 @@ def in_air(thickness: float = np.inf, charge: float = 0.0) -> AirDifference:
     case = BALL | {"force": other.force, "total_charge": charge, "friction": _AIR_FRICTION, "surroundings": "air"}
     case |= {"thickness": thickness, "base": "rigid"} if np.isfinite(thickness) else {}
     first, last, start, stop = _AIR_PLACES
-    some = np.flatnonzero(((other.r > first) & (other.r < last)) | ((other.r > start) & (other.r < stop)))[::3]
-    r = other.r[some]
-    found = solver.solve(case, np.concatenate([r, -r]))
+    compared = np.flatnonzero(((other.r > first) & (other.r < last)) | ((other.r > start) & (other.r < stop)))[::3]
+    r = other.r[compared]
+    solution = solver.solve(case, np.concatenate([r, -r]))
 
     def missed(name: str, exact: Array) -> float:
-        values = found[name].values.ravel()
+        values = solution[name].values.ravel()
         return off(((values[: r.size] - values[r.size :]) / (2 * _AIR_FRICTION))[: exact.size], exact)
 
     pressures = other.pressures[1]
     return AirDifference(
-        float(found["contact_offset"]) / (_AIR_FRICTION * other.offset) - 1,
-        missed("electric_displacement", other.charges[1][some]),
-        missed("contact_pressure", pressures[some[some < pressures.size]]),
+        float(solution["contact_offset"]) / (_AIR_FRICTION * other.offset) - 1,
+        missed("electric_displacement", other.charges[1][compared]),
+        missed("contact_pressure", pressures[compared[compared < pressures.size]]),
     )
 
 

@@ -48,7 +48,7 @@ def test_damage_is_named_and_not_passed_on(undisturbed: Project, tmp_path: Path)
         for name, target in pairs.items():
             assert f"FormatError: {RESULTS / name}: {says}" in done.stderr
             assert not (results / target).exists(), target
-            (results / name).unlink()  # what the troubleshooting page tells
+            (results / name).unlink()  # as docs/runs.md says
     (results / "report.html").unlink(missing_ok=True)
     project.snakemake(REPORT)
     assert contents(project) == contents(undisturbed)

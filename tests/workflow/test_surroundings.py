@@ -66,8 +66,6 @@ def test_a_study_in_air_runs_to_its_page_with_fields(copy: Copy) -> None:
     assert {"capacitance_at_load", "gap_field"} <= set(open_results(folder).data_vars)
     read_by_its_capacitance(netcdf.read(folder / "design" / "voltage.nc"))
     page = (folder / "report.html").read_text(encoding="utf-8")
-    assert (
-        "Air is beside the contact and carries charge (surroundings: air); with insulated surroundings: voltage" in page
-    )
+    assert "faces air (surroundings: air). With an insulated surface, the design would have voltage" in page
     assert "the punch hangs in air" in page
     assert 'id="figure-contact_voltage"' in page

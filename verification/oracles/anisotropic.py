@@ -12,10 +12,10 @@ _UNITS = np.diag([1e-5, 1e-5, 1e-5, 1e5])  # of displacements and potential, so 
 def compliance(stiffness: ArrayLike, piezo: ArrayLike, permittivity: ArrayLike, axes: ArrayLike) -> Array:
     """N of (u_y, phi) by (sigma_yy, D_y) of a half-plane; (2, 2)."""
     c, e, turn = np.zeros((3, 3, 3, 3)), np.zeros((3, 3, 3)), np.asarray(axes, dtype=np.float64)
-    own, coupling = np.asarray(stiffness), np.asarray(piezo)
+    elastic, coupling = np.asarray(stiffness), np.asarray(piezo)
     for row, (i, j) in enumerate(_VOIGT):
         for column, (k, m) in enumerate(_VOIGT):
-            c[i, j, k, m] = c[j, i, k, m] = c[i, j, m, k] = c[j, i, m, k] = own[row, column]
+            c[i, j, k, m] = c[j, i, k, m] = c[i, j, m, k] = c[j, i, m, k] = elastic[row, column]
         e[:, i, j] = e[:, j, i] = coupling[:, row]
     coupled = np.zeros((3, 4, 4, 3))
     coupled[:, :3, :3] = np.einsum("ia,jb,kc,md,abcd->ijkm", turn, turn, turn, turn, c)

@@ -180,15 +180,15 @@ def _between(problem: Problem, trailing: float, leading: float) -> Contact:
     terms, h, centre = problem.terms, (trailing + leading) / 2, (trailing - leading) / 2
     X = np.cos(np.pi * (np.arange(2 * terms + 2) + 0.5) / (2 * terms + 2))
     families = [(0, 0), *((f, w) for f in range(1, len(problem.unknown)) for w in (0, 1))]
-    given = [f for f in range(len(problem.unknown)) if f or problem.profile.sharp]  # tractions of known total
-    matrix = _matrix(problem, X, families, given)
+    loaded = [f for f in range(len(problem.unknown)) if f or problem.profile.sharp]  # tractions of known total
+    matrix = _matrix(problem, X, families, loaded)
 
     # One right-hand side for every cause (slope, load, charges): each keeps its own relative accuracy.
     scale = problem.scaled()[2]
     totals = np.array([-problem.load, -problem.charge, -problem.magnetic_charge])[problem.unknown] / (h * scale)
-    causes = np.zeros((len(matrix), 1 + len(given)))
+    causes = np.zeros((len(matrix), 1 + len(loaded)))
     causes[: len(X), 0] = scale[0] * problem.profile.slope(centre + h * X)
-    causes[len(matrix) - len(given) :, 1:] = np.diag(totals[given])
+    causes[len(matrix) - len(loaded) :, 1:] = np.diag(totals[loaded])
 
     preference = np.ones(matrix.shape[1])
     preference[: len(families) * terms] = np.tile(_PREFERENCE ** np.arange(terms), len(families))
@@ -203,19 +203,21 @@ def _between(problem: Problem, trailing: float, leading: float) -> Contact:
     return Contact(problem, trailing, leading, coefficients, tilt, float(residual))
 
 
-def _matrix(problem: Problem, X: Array, families: list[tuple[int, int]], given: list[int]) -> Array:
+def _matrix(problem: Problem, X: Array, families: list[tuple[int, int]], loaded: list[int]) -> Array:
     """Rows: the equations at X, then the balances. Columns: the series of every family, then the tilt if it is free."""
     N, k, _ = problem.scaled()
-    terms, (own, root_family) = problem.terms, problem.weights()
-    tables = [transforms(X, *w, terms).T for w in (own, root_family)]
-    means = [np.pi * moments(*w, terms) for w in (own, root_family)]
+    terms, (powers, root_family) = problem.terms, problem.weights()
+    tables = [transforms(X, *w, terms).T for w in (powers, root_family)]
+    means = [np.pi * moments(*w, terms) for w in (powers, root_family)]
     blocks = []
     for f, w in families:
         equations = np.kron(N[:, f : f + 1], tables[w])
         if f == 0:
-            values = ((1 - X) ** own[0] * (1 + X) ** own[1])[:, None] * np.polynomial.chebyshev.chebvander(X, terms - 1)
+            values = ((1 - X) ** powers[0] * (1 + X) ** powers[1])[:, None] * np.polynomial.chebyshev.chebvander(
+                X, terms - 1
+            )
             equations += np.kron(problem.friction * k[:, None], values)
-        balances = np.array([(f == g) * means[w] for g in given]).reshape(len(given), terms)
+        balances = np.array([(f == g) * means[w] for g in loaded]).reshape(len(loaded), terms)
         blocks.append(np.vstack([equations, balances]))
     if problem.profile.smooth:
         tilt = np.zeros((len(blocks[0]), 1))

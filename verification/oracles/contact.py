@@ -77,8 +77,8 @@ def _logarithmic(alpha: mpf | None) -> tuple[list[mpf], list[mpf]]:
         values = functions(alpha, level)
         return [*(fdot(f, _logarithms(level)) for f in values), *map(fsum, values)]
 
-    found = integrate(sums)
-    return found[: len(found) // 2], found[len(found) // 2 :]
+    integrals = integrate(sums)
+    return integrals[: len(integrals) // 2], integrals[len(integrals) // 2 :]
 
 
 @lru_cache(maxsize=2**12)
@@ -160,11 +160,11 @@ class Contact:
     def punch_response(self, datum: mpf) -> list[mpf]:
         """Depth, voltage and magnetic potential: logarithmic potentials at x = a by quadrature, theory section 6."""
         s, half = self.sliding, self.sliding.half
-        log_u, one = (a + b for a, b in zip(_logarithmic(s.alpha), _logarithmic(None), strict=True))
+        log_u, log_1 = (a + b for a, b in zip(_logarithmic(s.alpha), _logarithmic(None), strict=True))
         beyond = log(self.width / datum)
-        logarithms = [log_u_f + beyond * f for log_u_f, f in zip(log_u, one, strict=True)]
+        logarithms = [log_u_f + beyond * f for log_u_f, f in zip(log_u, log_1, strict=True)]
         logarithmic = [self.width * fdot(row, logarithms) for row in self.coefficients]
-        shear = matrix(half.shear_coupling) * s.friction * self.width * self.coefficients[0][0] * one[0] / 2
+        shear = matrix(half.shear_coupling) * s.friction * self.width * self.coefficients[0][0] * log_1[0] / 2
         potentials = shear - half.normal_compliance * matrix(logarithmic) / pi
         a = (1 - s.alpha) * self.width
         return [a**2 / (2 * s.radius) - potentials[0], potentials[1], potentials[2]]

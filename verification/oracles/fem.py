@@ -45,9 +45,9 @@ def constitutive_matrix(material: Mapping[str, float]) -> Array:
     m = material
     M = np.zeros((7, 7))
     M[:3, :3] = [[m["c11"], m["c13"], 0], [m["c13"], m["c33"], 0], [0, 0, m["c44"]]]
-    for at, (k31, k33, k15) in ((3, ("e31", "e33", "e15")), (5, ("f31", "f33", "f15"))):
+    for row, (k31, k33, k15) in ((3, ("e31", "e33", "e15")), (5, ("f31", "f33", "f15"))):
         coupling = np.array([[0, 0, m[k15]], [m[k31], m[k33], 0]])
-        M[at : at + 2, :3], M[:3, at : at + 2] = coupling, coupling.T
+        M[row : row + 2, :3], M[:3, row : row + 2] = coupling, coupling.T
     M[3:5, 3:5] = -np.diag([m["eps11"], m["eps33"]])
     M[3:5, 5:], M[5:, 3:5] = (-np.diag([m["g11"], m["g33"]]),) * 2
     M[5:, 5:] = -np.diag([m["mu11"], m["mu33"]])
@@ -62,8 +62,8 @@ def elliptic_mesh(theta: Array, xi: Array) -> MeshTri:
     wide, deep = np.meshgrid(theta, xi, indexing="ij")
     x, y = np.cosh(deep) * np.cos(wide), -np.sinh(deep) * np.sin(wide)
     y[[0, -1]] = 0.0  # sin(pi) is not zero in floating point
-    at = np.arange(wide.size).reshape(wide.shape)
-    corners = np.stack([at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]]).reshape(4, -1)
+    numbers = np.arange(wide.size).reshape(wide.shape)
+    corners = np.stack([numbers[:-1, :-1], numbers[1:, :-1], numbers[1:, 1:], numbers[:-1, 1:]]).reshape(4, -1)
     points = np.stack([x.ravel(), y.ravel()])
     middle = points.size // 2 + np.arange(corners.shape[1])
     points = np.concatenate([points, points[:, corners].mean(axis=1)], axis=1)
@@ -158,16 +158,16 @@ def surface_load(body: Body, regular: Array, half_width: float) -> Array:
     """
     ends = _ends(body.mesh)
     facets = FacetBasis(body.mesh, body.basis.elem, facets=body.mesh.boundaries["contact"], intorder=2 * body.order)
-    at = _along(facets.global_coordinates()[0], ends)
+    positions = _along(facets.global_coordinates()[0], ends)
     s = _along(np.cos(surface_angles(body)), ends)
     weight = _GAUSS[1] * (np.ptp(np.arccos(ends), axis=0) / np.ptp(ends, axis=0) / 2)[:, None]  # dX = sin(theta) dtheta
     out = np.zeros((4, body.basis.N))
     for i, samples in enumerate(regular):
-        projection = np.zeros_like(at)
+        projection = np.zeros_like(positions)
         for k in range(body.order + 1):
             legendre = np.polynomial.Legendre.basis(k, domain=[0, 1])
             moment = np.sum(weight * samples * legendre(s), axis=1, keepdims=True)
-            projection += (2 * k + 1) * moment * legendre(at)
+            projection += (2 * k + 1) * moment * legendre(positions)
         out[i] = half_width * LinearForm(lambda v, w: w["traction"] * v).assemble(facets, traction=projection)
     return out
 

@@ -49,8 +49,8 @@ def _solve(material: Mapping[str, float], radius: float, totals: Array, cells: i
     surface = np.flatnonzero(mesh.p[1] == 0)
     below = surface[np.abs(mesh.p[0, surface]) <= 1]
     below = below[np.argsort(mesh.p[0, below])]
-    beside = surface[np.argsort(np.abs(np.abs(mesh.p[0, surface]) - DATUM))[:2]]  # one on each side
-    answers, far = _flexibility(Body(material, mesh, order=1), below, beside)
+    exterior = surface[np.argsort(np.abs(np.abs(mesh.p[0, surface]) - DATUM))[:2]]  # one on each side
+    answers, far = _flexibility(Body(material, mesh, order=1), below, exterior)
 
     x = length * mesh.p[0, below]
     height = x**2 / (2 * radius)
@@ -65,19 +65,19 @@ def _solve(material: Mapping[str, float], radius: float, totals: Array, cells: i
         raise ArithmeticError("the set of touching nodes does not settle")
 
     pressure = -loads[0, touching] / np.gradient(x)[touching]
-    away = np.einsum("ijb,jb->i", far, loads)
+    far_values = np.einsum("ijb,jb->i", far, loads)
     return Found(
         x=x[touching],
         pressure=pressure,
         half_width=_end(x[touching], pressure),
-        depth=rigid[0] + away[0],
-        voltage=-rigid[1] - away[1],
-        magnetic_potential=-rigid[2] - away[2],
-        datum=float(length * np.abs(mesh.p[0, beside[0]])),
+        depth=rigid[0] + far_values[0],
+        voltage=-rigid[1] - far_values[1],
+        magnetic_potential=-rigid[2] - far_values[2],
+        datum=float(length * np.abs(mesh.p[0, exterior[0]])),
     )
 
 
-def _flexibility(body: Body, below: NDArray[np.int64], beside: NDArray[np.int64]) -> tuple[Array, Array]:
+def _flexibility(body: Body, below: NDArray[np.int64], exterior: NDArray[np.int64]) -> tuple[Array, Array]:
     """(u_y, phi, psi) of the nodes below, mean of those beside, by kind and node loaded: (3, n, 3, n), (3, 3, n)."""
     n = len(below)
     answers, far = np.empty((3, n, 3, n)), np.empty((3, 3, n))
@@ -85,7 +85,7 @@ def _flexibility(body: Body, below: NDArray[np.int64], beside: NDArray[np.int64]
         load = np.zeros((4, body.basis.N, n))
         load[1 + kind, body.basis.nodal_dofs[0, below], np.arange(n)] = 1.0
         u = body.solve(load)[1:]
-        answers[:, :, kind], far[:, kind] = u[:, below], u[:, beside].mean(axis=1)
+        answers[:, :, kind], far[:, kind] = u[:, below], u[:, exterior].mean(axis=1)
     return answers, far
 
 
@@ -96,8 +96,8 @@ def _held(answers: Array, touching: Array, height: Array, totals: Array) -> tupl
     rigid = np.kron(np.eye(3), np.ones((n, 1)))
     matrix = np.block([[block, rigid], [rigid.T, np.zeros((3, 3))]])
     scale = np.append(np.repeat(_UNITS, n), 1 / _UNITS)
-    given = np.concatenate([height[touching], np.zeros(2 * n), -totals])
-    solution = scale * np.linalg.solve(scale[:, None] * matrix * scale, scale * given)
+    right = np.concatenate([height[touching], np.zeros(2 * n), -totals])
+    solution = scale * np.linalg.solve(scale[:, None] * matrix * scale, scale * right)
     loads = np.zeros((3, len(touching)))
     loads[:, touching] = solution[:-3].reshape(3, n)
     return loads, solution[-3:]

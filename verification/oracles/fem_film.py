@@ -81,7 +81,7 @@ class FilmContact:
         below[self.below[:, None], [1, *self.punch.conducted]] = True
         return below | clamped(self.body, self.layers, self.half_length, rigid=self.base is None)
 
-    def given(self, size: int) -> Array:
+    def prescribed(self, size: int) -> Array:
         """Scaled u of the states u_y = 1, X, X^2 and, of every conducted potential, 1 under the punch; (size, states).
 
         Zero elsewhere, so far.
@@ -96,7 +96,7 @@ class FilmContact:
     def _states(self) -> tuple[Array, Array]:
         """Scaled u (nodes, 4, states) and nodal loads of the contact (nodes there, 4, states)."""
         below, free, matrix = self.below, ~self.held().ravel(), self.body.matrix()
-        u = self.given(len(free))
+        u = self.prescribed(len(free))
         along = csr_array((np.full(len(below), -self.punch.friction), (4 * below, 4 * below + 1)), shape=matrix.shape)
         rows = ((eye_array(len(free)) + along) @ matrix)[free]  # the free rows of a held force: Coulomb's law
         u[free] = -factorised(rows[:, free]).solve(rows @ u)
@@ -166,9 +166,9 @@ class FilmContact:
         """Of the punch [m]; on a half-plane seen, as potentials are, from the surface at ``datum`` on both sides."""
         return float(self.centre**2 / (2 * self.punch.radius) - self.weights[0] + self._away[1])
 
-    def potential(self, one: int) -> float:
+    def potential(self, number: int) -> float:
         """V [V] (``ELECTRIC``) or Psi [A] (``MAGNETIC``) of a punch that conducts, as depth."""
-        return float(self.weights[3 + self.punch.conducted.index(one)] * UNITS[one] - self._away[one])
+        return float(self.weights[3 + self.punch.conducted.index(number)] * UNITS[number] - self._away[number])
 
     @property
     def _away(self) -> Array:
@@ -186,14 +186,14 @@ class FilmContact:
         """Distance of the datum [m]."""
         return float(np.abs(self.body.places[self._far, 0]).mean() * self.half_length)
 
-    def edge_intensities(self, one: int) -> tuple[float, float]:
+    def edge_intensities(self, number: int) -> tuple[float, float]:
         """lim sqrt(2 pi distance) of D_y (``one`` ELECTRIC) or B_y at x = a and at x = -b, SI units."""
-        surface, kept = surface_response(self.layers[0].material), [k - 1 for k in self.punch.conducted]
+        surface, conducted = surface_response(self.layers[0].material), [k - 1 for k in self.punch.conducted]
         N, k = surface.normal_compliance, surface.shear_coupling
-        r, d = (np.linalg.solve(N[np.ix_(kept, kept)], column[kept]) for column in (N[:, 0], k))
-        slope, turn = N[0, 0] - N[0, kept] @ r, k[0] - N[0, kept] @ d
-        at = self.punch.conducted.index(one)
-        regular = self.loads[:, one] - (slope / turn * d[at] - r[at]) * self.loads[:, 1]  # is smooth / sqrt(1-X^2)
+        r, d = (np.linalg.solve(N[np.ix_(conducted, conducted)], column[conducted]) for column in (N[:, 0], k))
+        slope, turn = N[0, 0] - N[0, conducted] @ r, k[0] - N[0, conducted] @ d
+        row = self.punch.conducted.index(number)
+        regular = self.loads[:, number] - (slope / turn * d[row] - r[row]) * self.loads[:, 1]  # is smooth / sqrt(1-X^2)
         n = np.arange(2 * self.order)[:, None]
         series = np.where(n[:, 0], 2, 1) * (eval_chebyt(n, self.places) @ regular) / (np.pi * self.half_length)
         leading, trailing = (np.sqrt(np.pi * self.half_length) * (series @ end ** n[:, 0]) for end in (-1.0, 1.0))
@@ -222,8 +222,8 @@ class FilmContact:
 def contact(body: Body) -> Index:
     """Nodes of the contact, by rising x."""
     x, y = body.places.T
-    found = np.flatnonzero((y == 0) & (np.abs(x) <= 1))
-    return found[np.argsort(x[found])]
+    touching = np.flatnonzero((y == 0) & (np.abs(x) <= 1))
+    return touching[np.argsort(x[touching])]
 
 
 def clamped(body: Body, layers: Sequence[Layer], length: float, *, rigid: bool) -> NDArray[np.bool_]:

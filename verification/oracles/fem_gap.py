@@ -89,13 +89,13 @@ class GapContact(FilmContact):
     def _dry(self) -> Dry:
         """The system without air."""
         below, nodes = self.below, self._beside.nodes
-        beside = np.setdiff1d(nodes, below)
-        airy = np.array([4 * beside + potential for potential in self.punch.conducted], dtype=int).ravel()
+        exterior = np.setdiff1d(nodes, below)
+        airy = np.array([4 * exterior + potential for potential in self.punch.conducted], dtype=int).ravel()
         touched = (4 * below[:, None] + np.arange(4)).ravel()
         raised = [4 * np.unique(nodes) + 1]
         if self._upper is not None:
             raised.append(4 * (len(self.body.places) + np.unique(sides(self._upper))) + 1)
-        u = self.given(self._stiffness.shape[0])
+        u = self.prescribed(self._stiffness.shape[0])
         return Dry.of(self._stiffness, *self._joined, self._free, u, airy, touched, np.concatenate(raised))
 
     def _charged(self, gap: Array) -> tuple[Array, Array]:

@@ -30,17 +30,17 @@ class Revolved(Body):
 
     @cached_property
     def _shapes(self) -> tuple[Index, Index]:
-        every = np.arange(len(self.mesh.vertices))
-        return every, every
+        elements = np.arange(len(self.mesh.vertices))
+        return elements, elements
 
     def _stiffness(self, element: int) -> Array:
         """Scaled matrix over node and field, shape (4 (order + 1)^2,) * 2, per radian."""
         points, weights = np.polynomial.legendre.leggauss(self.order + 2)
-        at = np.stack(np.meshgrid(points, points, indexing="ij"), axis=-1).reshape(-1, 2)
-        (by_r, by_y), jacobian = self._gradients(element, at)
-        first, second = (lagrange(self.line, at[:, axis])[0] for axis in (0, 1))
-        values = (first[:, :, None] * second[:, None, :]).reshape(len(at), -1)
-        r = self.mesh.origin[element][0] + bilinear(at) @ self.mesh.corners[element][:, 0]
+        local = np.stack(np.meshgrid(points, points, indexing="ij"), axis=-1).reshape(-1, 2)
+        (by_r, by_y), jacobian = self._gradients(element, local)
+        first, second = (lagrange(self.line, local[:, axis])[0] for axis in (0, 1))
+        values = (first[:, :, None] * second[:, None, :]).reshape(len(local), -1)
+        r = self.mesh.origin[element][0] + bilinear(local) @ self.mesh.corners[element][:, 0]
         weight = (np.outer(weights, weights).ravel() * jacobian * r)[:, None]
         parts, moduli = (by_r, by_y, values / r[:, None]), _moduli(self.materials[self.mesh.layer[element]])
         n = values.shape[1]
@@ -59,9 +59,9 @@ def _moduli(material: Mapping[str, float]) -> Array:
         "c11", "c12", "c13", "c33", "c44", "e31", "e33", "e15", "f31", "f33", "f15",
         "eps11", "eps33", "g11", "g33", "mu11", "mu33")}  # fmt: skip
     # strains and fields as rows of (d/dr, d/dy, 1/r) of the unknowns: rr, tt, yy, ry, E_r, E_y, H_r, H_y
-    made = np.zeros((8, 3, 4))
-    made[0, 0, 0] = made[1, 2, 0] = made[2, 1, 1] = made[3, 1, 0] = made[3, 0, 1] = 1.0
-    made[4, 0, 2] = made[5, 1, 2] = made[6, 0, 3] = made[7, 1, 3] = -1.0
+    strains = np.zeros((8, 3, 4))
+    strains[0, 0, 0] = strains[1, 2, 0] = strains[2, 1, 1] = strains[3, 1, 0] = strains[3, 0, 1] = 1.0
+    strains[4, 0, 2] = strains[5, 1, 2] = strains[6, 0, 3] = strains[7, 1, 3] = -1.0
     C = np.zeros((8, 8))
     C[:3, :3] = [[get["c11"], get["c12"], get["c13"]], [get["c12"], get["c11"], get["c13"]],
                  [get["c13"], get["c13"], get["c33"]]]  # fmt: skip
@@ -75,7 +75,7 @@ def _moduli(material: Mapping[str, float]) -> Array:
         C[r, r], C[y, y] = -get[along], -get[down]
     C[4, 6] = C[6, 4] = -get["g11"]
     C[5, 7] = C[7, 5] = -get["g33"]
-    return np.asarray(np.einsum("aij,ab,bkl->ikjl", made, C, made))
+    return np.asarray(np.einsum("aij,ab,bkl->ikjl", strains, C, strains))
 
 
 def _mesh(thicknesses: Sequence[float], rigid: bool) -> Quadrilaterals:
@@ -141,10 +141,10 @@ class PointContact:
         u[4 * below + 1, :2] = r[below, None] ** [0, self._profile[0]]
         u[4 * below + ELECTRIC, 2] = 1.0
         nodes = self._beside.nodes
-        beside = np.setdiff1d(nodes, below)
+        exterior = np.setdiff1d(nodes, below)
         touched = (4 * below[:, None] + np.arange(4)).ravel()
-        one = csr_array(eye_array(u.shape[0]))
-        return Dry.of(self.body.matrix(), one, one, ~held.ravel(), u, 4 * beside + ELECTRIC, touched,
+        identity = csr_array(eye_array(u.shape[0]))
+        return Dry.of(self.body.matrix(), identity, identity, ~held.ravel(), u, 4 * exterior + ELECTRIC, touched,
                       4 * np.unique(nodes) + 1)  # fmt: skip
 
     def _charged(self, gap: Array) -> tuple[Array, Array]:
@@ -152,7 +152,7 @@ class PointContact:
         r, weights = self._beside.rule
         wide = np.maximum(gap, LEAST * np.sum(weights, axis=1, keepdims=True))
         strength = self.permittivity * VACUUM[ELECTRIC] * weights * r / (1 + (r * self.radius / self.sphere) ** 2)
-        pushed = np.zeros_like(self._dry.given)
+        pushed = np.zeros_like(self._dry.prescribed)
         spring = self._beside.spring(ELECTRIC, strength / wide, len(pushed))
         pushed[:, 2] = spring.sum(axis=1)
         u, loads = self._dry.charged(spring, pushed)
@@ -166,9 +166,9 @@ class PointContact:
         r = self.body.places[self._below, 0]
         orders = 2 * np.arange(self.order + 4)
         ends = np.polynomial.legendre.legvander(np.zeros(1), orders[-1])[0, ::2]
-        found = _tests(r, orders[-1]).T @ forces
-        found[:, 1] += self._smooth(orders[-1])
-        return np.asarray(((2 * orders + 1) * ends) @ found)
+        moments = _tests(r, orders[-1]).T @ forces
+        moments[:, 1] += self._smooth(orders[-1])
+        return np.asarray(((2 * orders + 1) * ends) @ moments)
 
     def _smooth(self, order: int) -> Array:
         """Minus the scaled nodal forces of p = A int_r^1 s^(e-1) / sqrt(s^2 - r^2) ds, tested."""
@@ -195,8 +195,8 @@ class PointContact:
             states, loads = self._charged(gap)
             rows = np.array([self._strength(loads[self._below, 1]), -loads[:, ELECTRIC].sum(axis=0)])
             right = np.array([0.0, self.charge / self._per_load(ELECTRIC)]) - rows[:, 1] * curved
-            found = np.linalg.solve(rows[:, [0, 2]], right)
-            weights = np.array([found[0], curved, found[1]])
+            weights_outer = np.linalg.solve(rows[:, [0, 2]], right)
+            weights = np.array([weights_outer[0], curved, weights_outer[1]])
             u, size = states @ weights, np.abs(weights)
             change = np.max(np.abs(weights - last) / np.maximum(size, SMALL * size.max()))
             if not self.permittivity or change < _CLOSE:

@@ -52,29 +52,29 @@ def assemble(x: Array, y: Array, layer: Index, edges: list[int]) -> Quadrilatera
 
     x, y: (n,), (m,), the lines of the mesh; layer: (m - 1,), number of the layer between two lines of y.
     """
-    at = np.arange(len(x) * len(y)).reshape(len(x), len(y))
-    vertices, origin, corners, of = [], [], [], []
+    numbering = np.arange(len(x) * len(y)).reshape(len(x), len(y))
+    vertices, origin, corners, layers = [], [], [], []
 
     def add(ids: list[int], centre: tuple[float, float], offsets: Array, material: int) -> None:
         vertices.append(ids)
         origin.append(centre)
         corners.append(offsets)
-        of.append(material)
+        layers.append(material)
 
     for i in range(len(x) - 1):
         for j in range(len(y) - 1):
             if j == 0 and any(edge - 2 <= i < edge + 2 for edge in edges):
                 continue
-            ids = [at[i, j + 1], at[i + 1, j + 1], at[i + 1, j], at[i, j]]
+            ids = [numbering[i, j + 1], numbering[i + 1, j + 1], numbering[i + 1, j], numbering[i, j]]
             wide, deep = x[i + 1] - x[i], y[j] - y[j + 1]
             add(ids, (x[i], y[j]), np.array([[0, -deep], [wide, -deep], [wide, 0], [0, 0]]), layer[j])
-    count = at.size
+    count = numbering.size
     for edge in edges:
         centre = (x[edge], 0.0)
         columns = slice(edge - 2, edge + 3)
         rim = np.column_stack([x[columns] - x[edge], np.full(5, y[1])])
         rim = np.concatenate([[[rim[0, 0], 0]], rim, [[rim[-1, 0], 0]]])
-        outer = [at[edge - 2, 0], *at[columns, 1], at[edge + 2, 0]]
+        outer = [numbering[edge - 2, 0], *numbering[columns, 1], numbering[edge + 2, 0]]
         for ring in range(_RINGS):
             inner = list(range(count, count + 7))
             count += 7
@@ -90,4 +90,4 @@ def assemble(x: Array, y: Array, layer: Index, edges: list[int]) -> Quadrilatera
             offsets = np.stack([left, right, right * [1, 0], left * [1, 0]])
             add([outer[k + 1], outer[k + 2], top[k + 1], top[k]], centre, offsets, layer[0])
     numbers = np.unique(np.array(vertices), return_inverse=True)[1]
-    return Quadrilaterals(numbers.reshape(-1, 4), np.array(origin), np.stack(corners), np.array(of))
+    return Quadrilaterals(numbers.reshape(-1, 4), np.array(origin), np.stack(corners), np.array(layers))

@@ -19,8 +19,8 @@ _PHI = 2  # of (u_x, u_y, phi, psi)
 def half_space(material: Mapping[str, float]) -> tuple[Array, Array]:
     """N over (y, phi) and k; (2, 2) and (2,)."""
     half, units = surface_response(material), UNITS[1:3]
-    own = STIFFNESS / units
-    return half.normal_compliance[:2, :2] * own[:, None] / units, half.shear_coupling[:2] * own
+    scale = STIFFNESS / units
+    return half.normal_compliance[:2, :2] * scale[:, None] / units, half.shear_coupling[:2] * scale
 
 
 def film(

@@ -21,13 +21,13 @@ VACUUM = {ELECTRIC: 8.8541878128e-12, MAGNETIC: 4e-7 * np.pi}
 class Dry:
     """What the bodies answer without air, and to charges on the surface beside the contact."""
 
-    given: Array  # shape (unknowns, states); u of the states without air
+    prescribed: Array  # shape (unknowns, states); u of the states without air
     # Unknowns: potentials beside the contact, all four of the contact, u_y beside it
     airy: Index
     touched: Index
     raised: Index
     # Potentials beside the contact and loads of the contact in the states
-    given_there: Array
+    prescribed_potentials: Array
     given_loads: Array
     # What unit charges on ``airy`` make there, of ``raised`` and of the loads on ``touched``
     flexibility: Array
@@ -46,30 +46,30 @@ class Dry:
         matrix = (rows @ stiffness @ columns)[free]
         factors = factorised(matrix[:, free])
         u[free] = -factors.solve(np.asarray(matrix @ u))
-        given = np.asarray(columns @ u)
+        loads = np.asarray(columns @ u)
         place = np.cumsum(free) - 1
         contact = stiffness[touched]
         flexibility, lift, pressed = (np.empty((len(dofs), len(airy))) for dofs in (airy, raised, touched))
-        for some in np.array_split(np.arange(len(airy)), max(len(airy) // 64, 1)):
-            unit = np.zeros((int(free.sum()), len(some)))
-            unit[place[airy[some]], np.arange(len(some))] = 1.0
-            moved = np.zeros((len(free), len(some)))
+        for block in np.array_split(np.arange(len(airy)), max(len(airy) // 64, 1)):
+            unit = np.zeros((int(free.sum()), len(block)))
+            unit[place[airy[block]], np.arange(len(block))] = 1.0
+            moved = np.zeros((len(free), len(block)))
             moved[free] = factors.solve(unit)
             moved = np.asarray(columns @ moved)
-            flexibility[:, some], lift[:, some] = moved[airy], moved[raised]
-            pressed[:, some] = np.asarray(contact @ moved)
-        return cls(given, airy, touched, raised, given[airy], contact @ given, flexibility, lift, pressed)
+            flexibility[:, block], lift[:, block] = moved[airy], moved[raised]
+            pressed[:, block] = np.asarray(contact @ moved)
+        return cls(loads, airy, touched, raised, loads[airy], contact @ loads, flexibility, lift, pressed)
 
     def charged(self, air: "csr_array[np.float64]", pushed: Array) -> tuple[Array, Array]:
         """Scaled u, right-hand side and nodal loads where air is a spring on potentials; (unknown, state)."""
-        held = self.given.copy()
+        held = self.prescribed.copy()
         held[self.airy] = 0.0  # the ends of the contact are left
-        given = (air @ held - pushed)[self.airy]
+        drive = (air @ held - pushed)[self.airy]
         inner = air[self.airy][:, self.airy].toarray()
         matrix = np.eye(len(inner)) - self.flexibility @ inner
-        potentials = np.linalg.solve(matrix, self.given_there + self.flexibility @ given)
-        charges = inner @ potentials + given
-        u, loads = self.given.copy(), np.zeros_like(self.given)
+        potentials = np.linalg.solve(matrix, self.prescribed_potentials + self.flexibility @ drive)
+        charges = inner @ potentials + drive
+        u, loads = self.prescribed.copy(), np.zeros_like(self.prescribed)
         u[self.airy] = potentials
         u[self.raised] += self.lift @ charges
         loads[self.airy] = charges
@@ -118,25 +118,25 @@ class Gap:
 def sides(body: Body) -> Index:
     """Nodes of elements' sides on y = 0 with |x| >= 1, by rising x."""
     p, nodes = body.order, body.nodes
-    found = []
+    parts = []
     for side in range(4):
         inner = nodes[:, 4 + side * (p - 1) : 4 + (side + 1) * (p - 1)]
         whole = np.concatenate([nodes[:, [side]], inner, nodes[:, [(side + 1) % 4]]], axis=1)
         x, y = np.moveaxis(body.places[whole], -1, 0)
-        found.append(whole[np.all(y == 0, axis=1) & np.all(np.abs(x) >= 1, axis=1)])
-    every = np.concatenate(found)
-    order = np.argsort(body.places[every, 0], axis=1)
-    return np.take_along_axis(every, order, axis=1)
+        parts.append(whole[np.all(y == 0, axis=1) & np.all(np.abs(x) >= 1, axis=1)])
+    sorted_nodes = np.concatenate(parts)
+    order = np.argsort(body.places[sorted_nodes, 0], axis=1)
+    return np.take_along_axis(sorted_nodes, order, axis=1)
 
 
 def along(body: Body, values: Array, x: Array) -> Array:
     """Values between nodes of the surface, by the elements' polynomials."""
-    every = sides(body)
-    ends = body.places[every][:, [0, -1], 0]
-    found = np.empty_like(x)
-    for nodes, (low, high) in zip(every, ends, strict=True):
-        here = (x >= low) & (x <= high)
-        found[here] = lagrange(body.line, (2 * x[here] - low - high) / (high - low))[0] @ values[nodes]
+    node_rows = sides(body)
+    ends = body.places[node_rows][:, [0, -1], 0]
+    interpolated = np.empty_like(x)
+    for nodes, (low, high) in zip(node_rows, ends, strict=True):
+        within = (x >= low) & (x <= high)
+        interpolated[within] = lagrange(body.line, (2 * x[within] - low - high) / (high - low))[0] @ values[nodes]
     outside = np.abs(x) > ends.max()
-    found[outside] = 0.0
-    return found
+    interpolated[outside] = 0.0
+    return interpolated

@@ -90,17 +90,17 @@ def quantities(
         N = half_plane(material).normal_compliance.copy()
         N[0, 0] += mpf(punch_compliance)
         punch = Punch(N, conducted, mpf(coefficient), mpf(exponent))
-        own = {1: mpf(charge), 2: mpf(magnetic_charge)}
-        return {name: float(value) for name, value in _named(punch, mpf(force), own)}
+        charges = {1: mpf(charge), 2: mpf(magnetic_charge)}
+        return {name: float(value) for name, value in _named(punch, mpf(force), charges)}
 
 
-def _named(punch: Punch, P: mpf, own: dict[int, mpf]) -> list[tuple[str, mpf]]:
-    now = _answer(punch, P, own)
-    a, nothing = now["radius"], {1: mpf(0), 2: mpf(0)}
-    named = [("contact_radius", a), ("depth", now["depth"])]
+def _named(punch: Punch, P: mpf, charges: dict[int, mpf]) -> list[tuple[str, mpf]]:
+    answer = _answer(punch, P, charges)
+    a, nothing = answer["radius"], {1: mpf(0), 2: mpf(0)}
+    named = [("contact_radius", a), ("depth", answer["depth"])]
     if punch.exponent > 1:
         named.append(("peak_pressure", punch.central_pressure(a)))
-    held = _inverse_tangent(punch, P, own)
+    held = _inverse_tangent(punch, P, charges)
     stiff = inverse(held)  # d(P, charges) / d(depth, potentials)
     named += [("contact_stiffness", stiff[0, 0]), ("contact_stiffness_open", 1 / held[0, 0])]
     names = {
@@ -113,27 +113,27 @@ def _named(punch: Punch, P: mpf, own: dict[int, mpf]) -> list[tuple[str, mpf]]:
         uncharged = _inverse_tangent(punch, P, nothing)
         grounded = -punch.screening[place - 1]
         # below a conductor D = -r sigma + M^-1 (2/pi) V / sqrt(a^2 - s^2): its edge strength
-        potentials = matrix([now[f"u{j}"] for j in punch.conducted])
+        potentials = matrix([answer[f"u{j}"] for j in punch.conducted])
         strength = 2 / pi * lu_solve(punch.conducting, potentials)[place - 1] / a
         if not punch.exponent:
             strength += punch.screening[place - 1] * P / (2 * pi * a * a)
         values = (
-            now[f"u{i}"], uncharged[place, 0], grounded, -stiff[0, place] / stiff[0, 0], stiff[0, place],
+            answer[f"u{i}"], uncharged[place, 0], grounded, -stiff[0, place] / stiff[0, 0], stiff[0, place],
             -4 * a * inverse(punch.conducting)[place - 1, place - 1], sqrt(pi * a) * strength,
         )  # fmt: skip
         named += list(zip(names[i], values, strict=True))
     return named
 
 
-def _inverse_tangent(punch: Punch, P: mpf, own: dict[int, mpf]) -> matrix:
+def _inverse_tangent(punch: Punch, P: mpf, charges: dict[int, mpf]) -> matrix:
     """d(depth, potentials) / d(P, charges), by central differences."""
     keys = ["depth", *(f"u{i}" for i in punch.conducted)]
 
     def moved(cause: int, share: mpf) -> dict[str, mpf]:
         if cause == 0:
-            return _answer(punch, P * (1 + share), own)
+            return _answer(punch, P * (1 + share), charges)
         i = punch.conducted[cause - 1]
-        return _answer(punch, P, own | {i: own[i] + share * _UNIT[i]})
+        return _answer(punch, P, charges | {i: charges[i] + share * _UNIT[i]})
 
     sizes = [P, *(_UNIT[i] for i in punch.conducted)]
     out = matrix(len(keys), len(keys))

@@ -75,45 +75,45 @@ class SlidingGap:
     @cached_property
     def _rings(self) -> Array:
         """Mean of 1 and of cos over the distance around rings, integrated over the unknowns; (order, n, n)."""
-        found = np.zeros((2, self.r.size, self.r.size))
-        for row, (own, r) in enumerate(zip(self._angles.tolist(), self.r.tolist(), strict=True)):
+        kernels = np.zeros((2, self.r.size, self.r.size))
+        for row, (node, r) in enumerate(zip(self._angles.tolist(), self.r.tolist(), strict=True)):
             out = row >= self._count
             for panel, (outside, low, high) in enumerate(self._panels):
-                target = own if out == outside else (0.0 if outside else np.pi / 2)
-                angle, apart, weights = _towards(target, low, high)
+                target = node if out == outside else (0.0 if outside else np.pi / 2)
+                angle, offset, weights = _towards(target, low, high)
                 if out != outside:  # both distances to the edge
-                    inner, outer = (angle, own) if out else (own, angle)
+                    inner, outer = (angle, node) if out else (node, angle)
                     between = 2 * np.sin((np.pi / 2 - inner) / 2) ** 2 + 2 * np.sinh(outer / 2) ** 2
                 elif out:
-                    between = 2 * np.sinh(apart / 2) * np.sinh(own + apart / 2)
+                    between = 2 * np.sinh(offset / 2) * np.sinh(node + offset / 2)
                 else:
-                    between = 2 * np.sin(apart / 2) * np.cos(own + apart / 2)
+                    between = 2 * np.sin(offset / 2) * np.cos(node + offset / 2)
                 other, carried = _carried(angle, outside)
                 values = np.stack(_means(r, other, np.asarray(between))) * weights * carried
-                found[:, row, _NODES * panel : _NODES * (panel + 1)] = values @ _shape(angle, low, high)
-        return found
+                kernels[:, row, _NODES * panel : _NODES * (panel + 1)] = values @ _shape(angle, low, high)
+        return kernels
 
     def _sums(self, order: int) -> Array:
         """int t J(q r) r dr at the film's wavenumbers, from the unknowns; (q, n)."""
-        q, found = self._film[0], []
+        q, parts = self._film[0], []
         for outside, low, high in self._panels:
             near, far = _carried(np.array([low, high]), outside)[0]
             angle, weights = pieces(low, high, float(q[-1] * (far - near) / (high - low)) if near < _FAR else 1.0)
             other, carried = _carried(angle, outside)
-            found.append((jv(order, q[:, None] * other) * weights * carried) @ _shape(angle, low, high))
-        return np.concatenate(found, 1)
+            parts.append((jv(order, q[:, None] * other) * weights * carried) @ _shape(angle, low, high))
+        return np.concatenate(parts, 1)
 
     def _moved(self, order: int) -> Array:
         """(u_y, phi) at the nodes from (sigma_yy, D_y); (2, 2, n, n)."""
-        found = np.einsum("ij,rn->ijrn", self._half[0], self._rings[order])
+        operator = np.einsum("ij,rn->ijrn", self._half[0], self._rings[order])
         if np.isfinite(self.thickness):
             q, weights, added = self._film
             waves = jv(order, self.r[:, None] * q) * weights
-            found += np.einsum("rq,qij,qn->ijrn", waves, added[..., :2], self._sums(order), optimize=True)
+            operator += np.einsum("rq,qij,qn->ijrn", waves, added[..., :2], self._sums(order), optimize=True)
             far = self.r > _FAR
-            found[:, :, far] = 0.0
-            found[..., far] = 0.0
-        return np.asarray(found)
+            operator[:, :, far] = 0.0
+            operator[..., far] = 0.0
+        return np.asarray(operator)
 
     # -- at rest -------------------------------------------------------------------------------------------------------
     @property
@@ -137,18 +137,18 @@ class SlidingGap:
     @cached_property
     def _edge(self) -> Array:
         """Of sigma_yy, what is singular at the edge; (count,)."""
-        found = np.zeros(self._count)
-        found[-_NODES:] = _shape(np.array([np.pi / 2]), *_INNER[-2:].tolist())[0]
-        return found
+        row = np.zeros(self._count)
+        row[-_NODES:] = _shape(np.array([np.pi / 2]), *_INNER[-2:].tolist())[0]
+        return row
 
     @cached_property
     def _totals(self) -> Array:
         """int t r dr, from the unknowns; (n,)."""
-        found = []
+        parts = []
         for outside, low, high in self._panels:
             angle, weights = pieces(low, high, 1.0)
-            found.append((weights * _carried(angle, outside)[1]) @ _shape(angle, low, high))
-        return np.concatenate(found)
+            parts.append((weights * _carried(angle, outside)[1]) @ _shape(angle, low, high))
+        return np.concatenate(parts)
 
     @cached_property
     def _at_rest(self) -> tuple[Array, Array, Array]:
@@ -166,13 +166,13 @@ class SlidingGap:
             right = np.zeros(x.size)
             rows[:count], right[:count] = levels[0, :count], profile[:count]
             rows[count : 2 * count] = levels[1, :count]
-            beside = slice(2 * count, count + n)
+            gap_rows = slice(2 * count, count + n)
             D = x[2 * count : count + n]
-            rows[beside] = -self._medium * levels[1, count:]
-            rows[beside, 2 * count : count + n] += np.diag(gap * self._widened)
+            rows[gap_rows] = -self._medium * levels[1, count:]
+            rows[gap_rows, 2 * count : count + n] += np.diag(gap * self._widened)
             if step > 1:  # Newton's; before, the gap is as without charges
-                rows[beside] -= (D * self._widened)[:, None] * levels[0, count:]
-                right[beside] = -D * self._widened * (levels[0, count:] @ x)
+                rows[gap_rows] -= (D * self._widened)[:, None] * levels[0, count:]
+                right[gap_rows] = -D * self._widened * (levels[0, count:] @ x)
             rows[-2, :count] = self._edge
             rows[-1, count : count + n], right[-1] = self._totals, -charge
             new = np.asarray(np.linalg.solve(rows, right), dtype=np.float64)
@@ -188,16 +188,16 @@ class SlidingGap:
         """(u_y, phi) of cos(angle) at the nodes by friction sigma_xy = sigma_yy; (2, n)."""
         k = self._half[1][:, None]
         pressure = self._at_rest[0][: self._count]
-        found, start = np.zeros(self.r.size), 0.0
+        integral, start = np.zeros(self.r.size), 0.0
         for panel in range(_INNER.size - 1):  # 1/r of the load within r
-            own, (low, high) = slice(_NODES * panel, _NODES * (panel + 1)), _INNER[panel : panel + 2].tolist()
-            for place in range(own.start, own.stop):
+            block, (low, high) = slice(_NODES * panel, _NODES * (panel + 1)), _INNER[panel : panel + 2].tolist()
+            for place in range(block.start, block.stop):
                 angle, weights = pieces(low, float(self._angles[place]), 1.0)
-                found[place] = start + (weights * np.sin(angle)) @ _shape(angle, low, high) @ pressure[own]
+                integral[place] = start + (weights * np.sin(angle)) @ _shape(angle, low, high) @ pressure[block]
             angle, weights = pieces(low, high, 1.0)
-            start += float((weights * np.sin(angle)) @ _shape(angle, low, high) @ pressure[own])
-        found[self._count :] = start
-        answer = k * found / self.r
+            start += float((weights * np.sin(angle)) @ _shape(angle, low, high) @ pressure[block])
+        integral[self._count :] = start
+        answer = k * integral / self.r
         if np.isfinite(self.thickness):
             q, weights, added = self._film
             waved = self._sums(0)[:, : self._count] @ pressure
@@ -216,14 +216,14 @@ class SlidingGap:
         rows, right = np.zeros((count + n + 1,) * 2), np.zeros(count + n + 1)
         rows[:count], right[:count] = moved[0, :count], -self._pulled[0, :count]
         rows[count : 2 * count], right[count : 2 * count] = moved[1, :count], -self._pulled[1, :count]
-        beside = slice(2 * count, count + n)
-        rows[beside] = -self._medium * moved[1, count:] - (D * far)[:, None] * moved[0, count:]
-        rows[beside, 2 * count : count + n] += np.diag(gap * far)
-        rows[beside, -1] += D * gap * 2 * self.r[count:] * (self.radius / self.sphere) ** 2
-        right[beside] = self._medium * self._pulled[1, count:] + D * far * self._pulled[0, count:]
+        gap_rows = slice(2 * count, count + n)
+        rows[gap_rows] = -self._medium * moved[1, count:] - (D * far)[:, None] * moved[0, count:]
+        rows[gap_rows, 2 * count : count + n] += np.diag(gap * far)
+        rows[gap_rows, -1] += D * gap * 2 * self.r[count:] * (self.radius / self.sphere) ** 2
+        right[gap_rows] = self._medium * self._pulled[1, count:] + D * far * self._pulled[0, count:]
         rows[-1, :count] = self._edge
-        found = np.asarray(np.linalg.solve(rows, right), dtype=np.float64)
-        return found[:-1], float(found[-1])
+        solution = np.asarray(np.linalg.solve(rows, right), dtype=np.float64)
+        return solution[:-1], float(solution[-1])
 
     # -- what is asked of it -------------------------------------------------------------------------------------------
     @property
@@ -259,15 +259,15 @@ class SlidingGap:
 def _towards(target: float, low: float, high: float) -> tuple[Array, Array, Array]:
     """Nodes between two ends that crowd about a target or the end next to it, their distance to it, and weights."""
     x, w = np.polynomial.legendre.leggauss(_RULE)
-    at, parts = min(max(target, low), high), []
-    for sign, length in ((-1.0, at - low), (1.0, high - at)):
+    centre, parts = min(max(target, low), high), []
+    for sign, length in ((-1.0, centre - low), (1.0, high - centre)):
         if length > 0:
             pieces = length * _TOWARDS
             half = np.diff(pieces)[:, None] / 2
-            own = (pieces[:-1, None] + half * (1 + x)).ravel()
-            parts.append(np.stack([at + sign * own, sign * own + (at - target), (half * w).ravel()]))
-    angle, apart, weights = np.concatenate(parts, 1)
-    return angle, apart, weights
+            steps = (pieces[:-1, None] + half * (1 + x)).ravel()
+            parts.append(np.stack([centre + sign * steps, sign * steps + (centre - target), (half * w).ravel()]))
+    angle, offset, weights = np.concatenate(parts, 1)
+    return angle, offset, weights
 
 
 def _shape(angle: Array, low: float, high: float) -> Array:
@@ -285,6 +285,6 @@ def _carried(angle: Array, outside: bool) -> tuple[Array, Array]:
 
 def _means(r: float, other: Array, between: Array) -> tuple[Array, Array]:
     """Mean of 1 and of cos over the distance of a ring from a point; their radii, and the difference of these."""
-    both = r + other
-    K, E = ellipkm1((between / both) ** 2), ellipe(1 - (between / both) ** 2)
-    return 2 / np.pi * K / both, ((r**2 + other**2) * K / both - both * E) / (np.pi * r * other)
+    total = r + other
+    K, E = ellipkm1((between / total) ** 2), ellipe(1 - (between / total) ** 2)
+    return 2 / np.pi * K / total, ((r**2 + other**2) * K / total - total * E) / (np.pi * r * other)

@@ -66,12 +66,12 @@ class SlidingSphere:
         potential = cell(lambda x, y: x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))) / (2 * np.pi)
         pulled = cell(lambda x, y: y * np.log(np.hypot(x, y)) + x * np.arctan(y / x) - y) / (2 * np.pi)
         normal, along = (
-            own[..., None, None] * kernel for own, kernel in zip(self._half, (potential, pulled), strict=True)
+            factor[..., None, None] * kernel for factor, kernel in zip(self._half, (potential, pulled), strict=True)
         )
         if np.isfinite(self.thickness):
             r = np.hypot(x, y)
-            more, turned = self._layers(r)
-            normal, along = normal + more * self._size**2, along + turned * x / np.maximum(r, half) * self._size**2
+            layered, turned = self._layers(r)
+            normal, along = normal + layered * self._size**2, along + turned * x / np.maximum(r, half) * self._size**2
         lengths = [next_fast_len(3 * self.cells, real=True)] * 2
         return rfft2(normal, lengths), rfft2(along, lengths)
 
@@ -80,18 +80,18 @@ class SlidingSphere:
         places = np.linspace(0, float(np.max(r)) * 1.01, _PLACES)
         k, weights, added = film(self.material, self.thickness, float(places[-1]), self.base)
         added *= weights[:, None, None] / (2 * np.pi)
-        own = CubicSpline(places, np.tensordot(j0(places[:, None] * k), added[..., :2], 1))
+        spline = CubicSpline(places, np.tensordot(j0(places[:, None] * k), added[..., :2], 1))
         turned = CubicSpline(places, np.tensordot(j1(places[:, None] * k), added[..., 2], 1))
-        return np.moveaxis(own(r), (-2, -1), (0, 1)), np.moveaxis(turned(r), -1, 0)
+        return np.moveaxis(spline(r), (-2, -1), (0, 1)), np.moveaxis(turned(r), -1, 0)
 
     def _moved(self, t: Array) -> Array:
         """(u_y, phi) of tractions (2, cells, cells), in units; the same."""
         normal, along = self._transforms
         lengths = [next_fast_len(3 * self.cells, real=True)] * 2
         waved = rfft2(t, lengths)
-        found = irfft2(np.einsum("ij...,j...->i...", normal, waved) + self.friction * along * waved[0], lengths)
+        level = irfft2(np.einsum("ij...,j...->i...", normal, waved) + self.friction * along * waved[0], lengths)
         inside = slice(self.cells - 1, 2 * self.cells - 1)
-        return np.asarray(found[:, inside, inside])
+        return np.asarray(level[:, inside, inside])
 
     @cached_property
     def _sharpened(self) -> tuple[Array, Array]:
@@ -113,8 +113,8 @@ class SlidingSphere:
         for _ in range(_ACTIVE):
             t = self._under(inside, wanted, t)
             gap = wanted[0] - self._moved(t)[0]
-            now = np.where(inside, t[0] < 0, gap < 0)
-            if now.tobytes() in seen:  # the same, or one of those in which cells of the rim touch by turns
+            touching = np.where(inside, t[0] < 0, gap < 0)
+            if touching.tobytes() in seen:  # the same, or one of those in which cells of the rim touch by turns
                 area = self._size**2
                 load, charge = t * (STIFFNESS / UNITS[1:3])[:, None, None] * area
                 return {
@@ -122,32 +122,32 @@ class SlidingSphere:
                     "force_moment": -float((x * load).sum()), "charge_moment": -float((x * charge).sum()),
                     "peak_pressure": _crest(-load[:, self.cells // 2]) / area,
                 }  # fmt: skip
-            inside = now
+            inside = touching
             seen.add(inside.tobytes())
         raise RuntimeError("the contact of the grid is not found")
 
     def _under(self, inside: NDArray[np.bool_], level: Array, start: Array) -> Array:
         """Tractions on a given contact; (2, cells, cells)."""
         k, inverse = self._sharpened
-        both = np.stack([inside, inside])
+        cells = np.stack([inside, inside])
 
         def spread(values: Array) -> Array:
-            t = np.zeros(both.shape)
-            t[both] = values
+            t = np.zeros(cells.shape)
+            t[cells] = values
             return t
 
         def sharpened(values: Array) -> Array:
             waved = rfft2(spread(values), [2 * self.cells] * 2)
-            own = irfft2(k * waved, [2 * self.cells] * 2)[:, : self.cells, : self.cells]
-            return np.asarray(np.einsum("ij,j...->i...", inverse, own)[both])
+            smooth = irfft2(k * waved, [2 * self.cells] * 2)[:, : self.cells, : self.cells]
+            return np.asarray(np.einsum("ij,j...->i...", inverse, smooth)[cells])
 
-        count = int(both.sum())
-        applied = LinearOperator((count, count), lambda values: self._moved(spread(values))[both], dtype=np.float64)
+        count = int(cells.sum())
+        applied = LinearOperator((count, count), lambda values: self._moved(spread(values))[cells], dtype=np.float64)
         near = LinearOperator((count, count), sharpened, dtype=np.float64)
-        found, failed = gmres(applied, level[both], start[both], rtol=1e-7, M=near, restart=60, maxiter=4)
+        solution, failed = gmres(applied, level[cells], start[cells], rtol=1e-7, M=near, restart=60, maxiter=4)
         if failed:
             raise RuntimeError("the equations of the grid are not solved")
-        return spread(found)
+        return spread(solution)
 
 
 def _crest(values: Array) -> float:

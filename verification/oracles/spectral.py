@@ -51,9 +51,9 @@ class Body:
     def _places(self) -> tuple[Index, Index]:
         """Local numbers of the nodes on the border (corners, then sides in their direction), and of the inner ones."""
         p = self.order
-        at = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
-        sides = [at[1:-1, 0], at[-1, 1:-1], at[-2:0:-1, -1], at[0, -2:0:-1]]
-        return np.concatenate([[at[0, 0], at[-1, 0], at[-1, -1], at[0, -1]], *sides]), at[1:-1, 1:-1].ravel()
+        grid = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
+        sides = [grid[1:-1, 0], grid[-1, 1:-1], grid[-2:0:-1, -1], grid[0, -2:0:-1]]
+        return np.concatenate([[grid[0, 0], grid[-1, 0], grid[-1, -1], grid[0, -1]], *sides]), grid[1:-1, 1:-1].ravel()
 
     @cached_property
     def nodes(self) -> Index:
@@ -71,9 +71,9 @@ class Body:
         """Coordinates of the nodes of the borders, shape (nodes, 2)."""
         border = self._places[0]
         grid = np.stack(np.meshgrid(self.line, self.line, indexing="ij"), axis=-1).reshape(-1, 2)[border]
-        found = np.empty((self.nodes.max() + 1, 2))
-        found[self.nodes] = self.mesh.origin[:, None] + np.einsum("na,eai->eni", bilinear(grid), self.mesh.corners)
-        return found
+        places = np.empty((self.nodes.max() + 1, 2))
+        places[self.nodes] = self.mesh.origin[:, None] + np.einsum("na,eai->eni", bilinear(grid), self.mesh.corners)
+        return places
 
     @cached_property
     def _shapes(self) -> tuple[Index, Index]:
@@ -81,16 +81,16 @@ class Body:
         corners = self.mesh.corners - self.mesh.corners[:, :1]
         size = np.abs(corners).max(axis=(1, 2))[:, None, None]
         key = np.column_stack([self.mesh.layer, np.round(corners / size, 10).reshape(len(corners), -1)])
-        _, first, of = np.unique(key, axis=0, return_index=True, return_inverse=True)
-        return first, of.ravel()
+        _, first, shape_index = np.unique(key, axis=0, return_index=True, return_inverse=True)
+        return first, shape_index.ravel()
 
-    def _gradients(self, element: int, at: Array) -> tuple[Array, Array]:
+    def _gradients(self, element: int, local: Array) -> tuple[Array, Array]:
         """Derivatives of the shapes by x and y at places (n, 2) of the reference square, and the Jacobian."""
-        values, slopes = zip(*(lagrange(self.line, at[:, i]) for i in (0, 1)), strict=True)
-        by_first = (slopes[0][:, :, None] * values[1][:, None, :]).reshape(len(at), -1)
-        by_second = (values[0][:, :, None] * slopes[1][:, None, :]).reshape(len(at), -1)
+        values, slopes = zip(*(lagrange(self.line, local[:, i]) for i in (0, 1)), strict=True)
+        by_first = (slopes[0][:, :, None] * values[1][:, None, :]).reshape(len(local), -1)
+        by_second = (values[0][:, :, None] * slopes[1][:, None, :]).reshape(len(local), -1)
         corners = self.mesh.corners[element]
-        (x1, y1), (x2, y2) = (np.einsum("na,ai->in", s, corners) for s in _bilinear_slopes(at))
+        (x1, y1), (x2, y2) = (np.einsum("na,ai->in", s, corners) for s in _bilinear_slopes(local))
         jacobian = x1 * y2 - x2 * y1
         gradient = np.stack([y2[:, None] * by_first - y1[:, None] * by_second,
                              x1[:, None] * by_second - x2[:, None] * by_first]) / jacobian[:, None]  # fmt: skip
@@ -99,8 +99,8 @@ class Body:
     def _stiffness(self, element: int) -> Array:
         """Scaled matrix over node and field, shape (4 (order + 1)^2,) * 2."""
         points, weights = np.polynomial.legendre.leggauss(self.order + 2)
-        at = np.stack(np.meshgrid(points, points, indexing="ij"), axis=-1).reshape(-1, 2)
-        gradient, jacobian = self._gradients(element, at)
+        local = np.stack(np.meshgrid(points, points, indexing="ij"), axis=-1).reshape(-1, 2)
+        gradient, jacobian = self._gradients(element, local)
         weighted = gradient * (np.outer(weights, weights).ravel() * jacobian)[:, None]
         M = constitutive_matrix(self.materials[self.mesh.layer[element]])
         scale = UNITS[:, None] * UNITS / STIFFNESS
@@ -125,11 +125,11 @@ class Body:
 
     def matrix(self) -> "csr_array[np.float64]":
         """Scaled stiffness over node and field of the borders, assembled anew."""
-        first, of = self._shapes
+        first, shape_index = self._shapes
         dofs = _dofs(self.nodes).astype(np.int32)  # half the memory
         shape = (*dofs.shape, dofs.shape[1])
         rows, columns = np.broadcast_to(dofs[:, :, None], shape), np.broadcast_to(dofs[:, None, :], shape)
-        entries = np.stack([self._split(element)[0] for element in first])[of]
+        entries = np.stack([self._split(element)[0] for element in first])[shape_index]
         size = 4 * len(self.places)
         return csr_array((entries.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size))
 
@@ -140,14 +140,14 @@ class Body:
         """
         out = np.empty((7, len(points)))
         M, (border, inner) = constitutive_matrix(self.materials[layer]), self._places
-        elements, at = zip(*(self._find(point, layer) for point in points), strict=True)
+        elements, local = zip(*(self._find(point, layer) for point in points), strict=True)
         for element in set(elements):
-            here = np.flatnonzero(np.array(elements) == element)
+            chosen = np.flatnonzero(np.array(elements) == element)
             full = np.empty((len(border) + len(inner), 4))
             full[border] = u[self.nodes[element]] / UNITS
             full[inner] = (self._inside(int(self._shapes[1][element])) @ full[border].ravel()).reshape(-1, 4)
-            along, down = self._gradients(element, np.stack(at)[here])[0] @ (full * UNITS)
-            out[:, here] = M @ (ALONG @ along.T + DOWN @ down.T)
+            along, down = self._gradients(element, np.stack(local)[chosen])[0] @ (full * UNITS)
+            out[:, chosen] = M @ (ALONG @ along.T + DOWN @ down.T)
         return out
 
     def _find(self, point: Array, layer: int) -> tuple[int, Array]:
@@ -157,16 +157,16 @@ class Body:
         slack = _CLOSE * (high - low)
         around = np.all((low - slack <= point) & (point <= high + slack), axis=1) & (mesh.layer == layer)
         for element in np.flatnonzero(around):
-            at, corners = np.zeros((1, 2)), mesh.corners[element]
+            local, corners = np.zeros((1, 2)), mesh.corners[element]
             for _ in range(_STEPS):
-                miss = bilinear(at)[0] @ corners + mesh.origin[element] - point
-                by = np.stack([slopes[0] @ corners for slopes in _bilinear_slopes(at)], axis=1)
+                miss = bilinear(local)[0] @ corners + mesh.origin[element] - point
+                by = np.stack([slopes[0] @ corners for slopes in _bilinear_slopes(local)], axis=1)
                 step = np.linalg.solve(by, miss)
-                at = at - step
+                local = local - step
                 if np.all(np.abs(step) < _CLOSE**2):
                     break
-            if np.all(np.abs(at) <= 1 + _CLOSE):
-                return int(element), at[0]
+            if np.all(np.abs(local) <= 1 + _CLOSE):
+                return int(element), local[0]
         raise ValueError(f"no element of layer {layer} holds {point}")
 
 
@@ -175,15 +175,15 @@ def _dofs(nodes: Index) -> Index:
     return (4 * nodes[..., None] + np.arange(4)).reshape(*nodes.shape[:-1], -1)
 
 
-def bilinear(at: Array) -> Array:
+def bilinear(local: Array) -> Array:
     """Weights of the corners at places (n, 2)."""
-    return np.asarray((1 + _SIGNS[:, 0] * at[:, :1]) * (1 + _SIGNS[:, 1] * at[:, 1:]) / 4)
+    return np.asarray((1 + _SIGNS[:, 0] * local[:, :1]) * (1 + _SIGNS[:, 1] * local[:, 1:]) / 4)
 
 
-def _bilinear_slopes(at: Array) -> tuple[Array, Array]:
+def _bilinear_slopes(local: Array) -> tuple[Array, Array]:
     return (
-        _SIGNS[:, 0] * (1 + _SIGNS[:, 1] * at[:, 1:]) / 4,
-        (1 + _SIGNS[:, 0] * at[:, :1]) * _SIGNS[:, 1] / 4,
+        _SIGNS[:, 0] * (1 + _SIGNS[:, 1] * local[:, 1:]) / 4,
+        (1 + _SIGNS[:, 0] * local[:, :1]) * _SIGNS[:, 1] / 4,
     )
 
 

@@ -16,7 +16,7 @@ from solver import units
 from solver.names import CHOICES, MATERIALS
 from workflow.cli.textfile import LONGEST_CELL, Sheet, heading, is_number, is_unit, missing, refused, sheet, with_point
 from workflow.language.factors import FACTORS, own_kind
-from workflow.language.given import UnitlessError, asked
+from workflow.language.given import UnitlessError, check_bare
 from workflow.language.renamed import renamed
 from workflow.language.spelling import suggested
 from workflow.study.reading import InputError, number
@@ -218,7 +218,7 @@ class _Reader:
             value = number(text)
             if unit is None and value:
                 bare.add(name)
-                asked(name, value)
+                check_bare(name, value)
             value = value if scale == 1 else units.scaled(units.plain(text), scale)
         except UnitlessError as error:
             raise InputError(f"{where}: {name}: {error}") from None

@@ -35,39 +35,48 @@ DEVICE: dict[str, Described] = {
 #: Every name of a constant.
 CONSTANTS: dict[str, Described] = {**ALLOWABLES, **DEVICE}
 
-#: How punch and body meet, as far as figures of a device differ by it: a line or a point, without or with air.
-Meeting = Literal["line", "line in air", "point", "point in air"]
+#: Contact of punch and body, and the amplifier that reads it, as far as figures of a device depend on them.
+Meeting = Literal[
+    "line", "line in air", "point", "point in air", "line, charge amplifier", "line in air, charge amplifier",
+    "point, charge amplifier", "point in air, charge amplifier",
+]  # fmt: skip
+Read = Literal["line", "line in air", "point", "point in air"]
 
 
-def _figures(pressing: str, capacitance: str, blocked: str, *, per_metre: bool) -> dict[str, Described]:
-    """Figures of a device on a contact, from the names of what presses, of its capacitance and of its blocked force."""
-    whole = " * electrode_length" if per_metre else ""
-    circuit = f"({capacitance}{whole} + input_capacitance + cable_capacitance)"
-    noise = f"sqrt(charge_noise^2 + (voltage_noise * {circuit})^2 + thermal_energy * {circuit} + feedback_heat^2)"
-    force = [("force", "N", "load on the whole punch", f"{pressing}{whole}")] if per_metre else []
-    told = (
+def _figures(
+    pressing: str, capacitance: str, blocked: str, *, per_metre: bool, reads_charge: bool
+) -> dict[str, Described]:
+    """Figures of a device, from the names of load, capacitance and blocked load of its contact."""
+    length = " * electrode_length" if per_metre else ""
+    charge = f"charge_per_force * {pressing}{length}"
+    circuit = f"({capacitance}{length} + input_capacitance + cable_capacitance)"
+    seen = f"({circuit} + feedback_capacitance)" if reads_charge else circuit  # by the amplifier's voltage noise
+    noise = f"sqrt(charge_noise^2 + (voltage_noise * {seen})^2 + thermal_energy * {circuit} + feedback_heat^2)"
+    if reads_charge:
+        voltage = ("output voltage of the charge amplifier", f"{charge} / feedback_capacitance")
+        decay = "feedback_resistance * feedback_capacitance"
+    else:
+        voltage = ("open-circuit voltage into cable and amplifier", f"{charge} / {circuit}")
+        decay = f"input_resistance * {circuit}"
+    force = [("force", "N", "load on the whole punch", f"{pressing}{length}")] if per_metre else []
+    rows = (
         *force,
-        ("signal_charge", "C", "charge at zero voltage", f"charge_per_force * {pressing}{whole}"),
+        ("signal_charge", "C", "charge at zero voltage", charge),
         ("circuit_capacitance", "F", "capacitance of punch, cable and amplifier together", circuit),
-        (
-            "signal_voltage",
-            "V",
-            "open-circuit voltage into cable and amplifier",
-            f"charge_per_force * {pressing}{whole} / {circuit}",
-        ),
-        ("time_constant", "s", "time in which the signal decays to 1/e", f"input_resistance * {circuit}"),
-        ("smallest_force", "N", "force whose charge is the noise", f"{noise} / abs(charge_per_force)"),
+        ("signal_voltage", "V", *voltage),
+        ("time_constant", "s", "time in which the signal decays to 1/e", decay),
+        ("smallest_force", "N", "force whose charge equals the noise", f"{noise} / abs(charge_per_force)"),
         (
             "dynamic_range",
             "1",
-            "load over the smallest detectable one",
-            f"{pressing}{whole} * abs(charge_per_force) / {noise}",
+            "load over the smallest detectable force",
+            f"{pressing}{length} * abs(charge_per_force) / {noise}",
         ),
         (
             "position_resolution",
             "m",
-            "distance that the noise hides of a place between two patches, from the difference of their charges",
-            f"sqrt(2) * charge_noise / (abs(patch_charge_gradient) * {pressing}{whole})",
+            "distance between two patches that the noise hides, from the difference of their charges",
+            f"sqrt(2) * charge_noise / (abs(patch_charge_gradient) * {pressing}{length})",
         ),
         ("drive_field", "V m-1", "driving voltage over the thickness", "abs(drive_voltage) / thickness"),
         ("stroke", "m", "stroke of the driving voltage at fixed load", "stroke_per_volt * drive_voltage"),
@@ -75,27 +84,44 @@ def _figures(pressing: str, capacitance: str, blocked: str, *, per_metre: bool) 
             "blocked_force",
             "N",
             "force of the driving voltage at fixed depth, on the whole punch",
-            f"{blocked} * drive_voltage{whole}",
+            f"{blocked} * drive_voltage{length}",
         ),
     )
-    return {name: Described(units, long_name, formula=formula) for name, units, long_name, formula in told}
+    return {name: Described(units, long_name, formula=formula) for name, units, long_name, formula in rows}
 
 
-#: Figures of a device, each a formula of quantities, factors and constants in the language of designs, by meeting. The
-#: force on a point is a factor.
-FIGURES_BY: dict[Meeting, dict[str, Described]] = {
-    "line": _figures("load", "capacitance_per_length", "blocked_load_per_volt", per_metre=True),
-    "line in air": _figures("load", "capacitance_at_load", "blocked_load_per_volt", per_metre=True),
-    "point": _figures("force", "capacitance", "blocked_force_per_volt", per_metre=False),
-    "point in air": _figures("force", "capacitance_at_force", "blocked_force_per_volt", per_metre=False),
+_CONTACTS: dict[Read, tuple[str, str, str]] = {
+    "line": ("load", "capacitance_per_length", "blocked_load_per_volt"),
+    "line in air": ("load", "capacitance_at_load", "blocked_load_per_volt"),
+    "point": ("force", "capacitance", "blocked_force_per_volt"),
+    "point in air": ("force", "capacitance_at_force", "blocked_force_per_volt"),
+}
+_CHARGE: dict[Read, Meeting] = {
+    "line": "line, charge amplifier",
+    "line in air": "line in air, charge amplifier",
+    "point": "point, charge amplifier",
+    "point in air": "point in air, charge amplifier",
 }
 
-#: Every one by name; unit and meaning are those of any meeting.
+
+def meeting_of(contact: Read, *, reads_charge: bool) -> Meeting:
+    """Meeting of a contact that a charge amplifier or another one reads."""
+    return _CHARGE[contact] if reads_charge else contact
+
+
+#: Figures of a device by meeting, each a formula of quantities, factors and constants in the language of designs.
+FIGURES_BY: dict[Meeting, dict[str, Described]] = {
+    meeting_of(contact, reads_charge=charge): _figures(*names, per_metre=names[0] == "load", reads_charge=charge)
+    for charge in (False, True)
+    for contact, names in _CONTACTS.items()
+}
+
+#: Every figure by name; unit and meaning are those of any meeting.
 FIGURES = FIGURES_BY["line"]
 
 
 def of_the_base(name: str) -> bool:
-    """Whether a name of ``ALLOWABLES`` says what the base bears."""
+    """Return whether a name of ``ALLOWABLES`` is a limit of the base."""
     return name.startswith(_BASE)
 
 

@@ -5,36 +5,41 @@ from typing import Any
 
 from solver.units import in_si
 from workflow.language.expressions import units_of
-from workflow.language.factors import FACTORS
+from workflow.language.factors import FACTORS, own_kind
 
 _NUMBERS = ("low", "high", "choices", "uniform", "normal", "triangular")  # of a range or a distribution
-#: Bare numbers from which a lost unit is more likely than the number as it is, and the unit that is probably meant.
-_LARGEST = {
-    "input_capacitance": (1e-3, "pF"),
-    "cable_capacitance": (1e-3, "pF"),
-    "feedback_capacitance": (1e-3, "pF"),
-    "charge_noise": (1e-6, "fC"),
-    "voltage_noise": (1.0, "uV"),
+#: Sizes, in SI, below and from which on a bare number has probably lost its unit, and the unit that was meant.
+_USUAL: dict[str, tuple[float, float, str]] = {
+    "radius": (1e-10, 10.0, "mm"),
+    "width": (1e-10, 1.0, "mm"),
+    "gap_radius": (1e-10, 10.0, "mm"),
+    "thickness": (1e-11, 0.05, "um"),
+    "patch_size": (1e-10, 0.5, "mm"),
+    "patch_pitch": (1e-10, 0.5, "mm"),
+    "patch_position": (0.0, 10.0, "mm"),
+    "load": (1e-9, 1e9, "mN/m"),
+    "force": (1e-15, 1e8, "mN"),
+    "charge": (1e-18, 1.0, "uC/m"),
+    "total_charge": (1e-21, 1e-3, "pC"),
+    "magnetic_charge": (1e-15, 10.0, "uWb/m"),
+    "total_flux": (1e-18, 1.0, "nWb"),
+    "electrode_voltage": (1e-12, 1e6, "mV"),
+    "speed": (1e-15, 1e5, "mm/s"),
+    "base_modulus": (1e4, 1e14, "GPa"),
+    "punch_modulus": (1e4, 1e14, "GPa"),
+    "electrode_length": (1e-9, 100.0, "mm"),
+    "drive_voltage": (1e-9, 1e6, "mV"),
+    "temperature": (1e-3, 1e5, "mK"),
+    "input_capacitance": (1e-18, 1e-3, "pF"),
+    "cable_capacitance": (1e-18, 1e-3, "pF"),
+    "feedback_capacitance": (1e-18, 1e-3, "pF"),
+    "input_resistance": (1e2, 1e21, "GOhm"),
+    "feedback_resistance": (1e2, 1e21, "GOhm"),
+    "charge_noise": (1e-24, 1e-6, "fC"),
+    "voltage_noise": (1e-15, 1.0, "uV"),
+    "press": (1e-9, 1e6, "ms"),
+    "hold": (1e-9, 1e9, "ms"),
 }
-_LARGEST_OF_FACTORS = {
-    "radius": (10.0, "mm"),
-    "width": (1.0, "mm"),
-    "gap_radius": (10.0, "mm"),
-    "thickness": (0.05, "um"),
-    "patch_size": (0.5, "mm"),
-    "patch_hole": (0.5, "mm"),
-    "patch_length": (10.0, "mm"),
-    "patch_pitch": (0.5, "mm"),
-    "patch_position": (10.0, "mm"),
-    "charge": (1.0, "uC/m"),
-    "total_charge": (1e-3, "pC"),
-    "magnetic_charge": (10.0, "uWb/m"),
-    "total_flux": (1.0, "nWb"),
-}
-_IMPLAUSIBLE = 1e9  # over the largest number, up to which a unit may have been lost
-_SMALLEST_OF_FACTORS = {"base_modulus": (1e4, "GPa"), "punch_modulus": (1e4, "GPa")}
-
-
 _IMPLAUSIBLE = 1e9  # times the largest: no unit makes a number of it
 
 
@@ -42,22 +47,20 @@ class UnitlessError(ValueError):
     """A bare number that has probably lost its unit."""
 
 
-def asked(name: str, value: float) -> None:
-    """Raise UnitlessError for a bare number of a factor or device that has probably lost its unit."""
-    largest, usual = (_LARGEST | _LARGEST_OF_FACTORS).get(name, (float("inf"), ""))
-    smallest, lost = _SMALLEST_OF_FACTORS.get(name, (0.0, ""))
-    if largest <= abs(value) < largest * _IMPLAUSIBLE or 0 < value < smallest:
-        text = f"{value:g} {units_of(name)}"
-        usual = "mm" if usual == "um" and abs(value) < 1 else usual or lost
+def check_bare(name: str, value: float, units: str = "") -> None:
+    """Raise UnitlessError for a bare number orders of magnitude outside of what a factor or device has."""
+    least, most, usual = _USUAL.get(own_kind(name) or name, (0.0, float("inf"), ""))
+    if 0 < abs(value) < least or most <= abs(value) < most * _IMPLAUSIBLE:
+        text = f"{value:g} {units or units_of(name)}"
+        usual = "mm" if usual == "um" and abs(value) < 1 else usual
         raise UnitlessError(f"{value:g} is {text}; did you mean {value:g} {usual}? {text!r} is read as it stands")
 
 
-def number(name: str, given: float | str) -> float:
-    """The value in SI of a number of a factor or device."""
+def number(name: str, given: float | str, units: str = "") -> float:
+    """Return the value in SI of a number of a factor or device; a text has its unit, a bare number is checked."""
     if isinstance(given, str):
-        return in_si(given, units_of(name))
-    if name in _LARGEST:
-        asked(name, given)
+        return in_si(given, units or units_of(name))
+    check_bare(name, given, units)
     return given
 
 
@@ -69,7 +72,7 @@ def entries(section: Any) -> Any:
 
 
 def _read(name: str, given: Any, place: tuple[str, ...]) -> Any:
-    if isinstance(given, str):
+    if isinstance(given, str | int | float) and not isinstance(given, bool):
         try:
             return number(name, given)
         except ValueError as error:

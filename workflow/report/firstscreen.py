@@ -1,4 +1,4 @@
-"""The first screen, for the person who decides: each target's drawing to scale and its answer in plain sentences."""
+"""First screen of the page: for each target a drawing to scale and the answer in plain sentences."""
 
 import re
 from collections.abc import Collection, Mapping, Sequence
@@ -34,25 +34,24 @@ Case = Mapping[str, float | str]
 
 @dataclass(frozen=True)
 class Screen:
-    """What a target comes to: a card of three lines, and what stands behind its "why"."""
+    """Card of one target: three lines, and the sentences behind its "why"."""
 
-    # The target's key and title
-    name: str
+    name: str  # key of the target
     title: str
-    code: str  # What is asked, as the study writes it
-    build: str  # What to build: the body, the punch, and their tolerances
-    does: str  # What that does: every goal with its band, and over what
-    doubt: str  # What the library doubts of a material in use; empty where it doubts nothing
-    beyond: str  # What is beyond what its materials bear; empty where nothing is
-    stops: str  # What stops it
-    breaks: str  # Which limit breaks first; empty where there is no limit
-    why: tuple[str, ...]  # All else that is known of it, a sentence or more each
-    verdict: Verdict  # In words
-    drawing: Markup  # To scale
+    code: str  # goal and limits as the study writes them
+    build: str  # body and punch with their tolerances
+    does: str  # every goal with its spread and conditions
+    doubt: str  # constants that the library marks as doubtful; empty without any
+    beyond: str  # exceeded limits of materials and theory; empty without any
+    stops: str  # binding limits
+    breaks: str  # limit with the least room; empty without limits
+    why: tuple[str, ...]  # further sentences
+    verdict: Verdict
+    drawing: Markup  # to scale
 
     @property
     def reachable(self) -> bool:
-        """Whether some design keeps every limit."""
+        """Return whether some design satisfies every limit."""
         return self.verdict.kind != UNREACHABLE
 
 
@@ -65,7 +64,7 @@ def answered(
     around: Mapping[str, Any],
     on_datum: Sequence[Mapping[str, Any]] = (),
 ) -> Screen:
-    """The first screen's part on one target."""
+    """Return the card of one target."""
     own, told = study.narrowed(answer.combination), verdict(answer)
     case: Case = {**study.fixed, **answer.combination, **answer.case}
     built = in_words(own, case)
@@ -93,17 +92,17 @@ def answered(
 
 
 def doubted(study: Study) -> str:
-    """What the library doubts of the materials in use, in words; empty where it doubts nothing."""
+    """Doubtful constants of the materials in use, in words; empty without any."""
     parts = []
     for material in coupling.materials(study):
         if material.note.startswith("doubt"):
             constants = {name for variant in material.alternatives for name in variant.constants}
             parts.append(f"{listed(sorted(constants)) or 'all'} of {material.name}")
-    return f"in doubt: {listed(parts)}" if parts else ""
+    return f"uncertain constants: {listed(parts)}" if parts else ""
 
 
 def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.Device:
-    """What is drawn of a case."""
+    """Return the drawing's data of a case."""
     profile = str(case.get("profile", CHOICES["profile"][0]))
     trailing, leading = study.kind.ends
     return device.Device(
@@ -123,12 +122,12 @@ def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.De
 
 
 def _below(layers: int, base: str) -> str:
-    """What is below the top layer, in few words: layers, and the base."""
+    """Layers below the top one and the base, in few words."""
     return base if layers < 1 else f"{layers} more layer{'s' if layers > 1 else ''} on {base}"
 
 
 def _grounded(study: Study, case: Case) -> bool:
-    """Whether an electrode lies below the film, or below the top one of its layers."""
+    """Return whether an electrode lies below the film, or below the top layer."""
     usual = CHOICES["interface_electric"][0]
     below = study.body[1].material if len(study.body) > 1 else case.get("base")
     if isinstance(below, str) and below != RIGID and find(below, study.own_materials).conductor:
@@ -203,54 +202,55 @@ def _round(profile: str, case: Case) -> str:
 
 
 def _good(target: Target, answer: Answer, moving: Collection[str], reference: float) -> str:
-    """What a design does: every goal's value with its band, its datum if that moves it, and over what."""
+    """Every goal's value with its spread, its datum if it depends on one, and the conditions."""
     datum = f" (ground {titles.value('datum', reference)} away)"
     parts = [f"{goal.title}{datum if goal.name in moving else ''} {_with_band(goal)}" for goal in answer.objectives]
-    together = ", the compromise of both" if len(parts) == 2 else ", the compromise of all" if len(parts) > 2 else ""
+    together = ", the compromise of both goals" if len(parts) == 2 else ""
+    together = ", the compromise of all goals" if len(parts) > 2 else together
     names = {name for goal in answer.objectives for name in goal.statement.expression.names()}
     if names <= {*answer.case}:  # a factor as a goal
-        over = "" if names.isdisjoint(target.tolerance) else ", at worst within the tolerances"
+        over = "" if names.isdisjoint(target.tolerance) else ", tolerance included"
     else:
         over = _over(target)
     return capital(listed(parts)) + together + over
 
 
 def _with_band(goal: Term) -> str:
-    """The exact value of a goal with what the spread of the constants makes of it, in one piece of a line."""
+    """Exact value of a goal with its spread by uncertain constants, without line breaks."""
     return f"{goal.shown(goal.exact)}{asides.band(goal.spread)}".replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _over(target: Target) -> str:
-    """Over which conditions a goal counts, and how."""
+    """Conditions over which a goal counts, and how."""
     spans = [titles.span(name, *ends) for name, ends in target.ranges.items()]
     return f", {target.statistic.told} over {' and '.join(spans)}" if spans else ""
 
 
 def cost(answer: Answer) -> str:
-    """What the tolerances cost, and an error of 1 % in every other variable that matters."""
+    """Cost of the tolerances, and of a 1 % error in every other variable that matters."""
     parts = asides.tolerances(answer)
     for variable in answer.variables:
         error = variable.sensitivity
         if variable.chosen and error.matters and error.cost > 0 and not variable.tolerance:
-            parts.append(f"1 % of {variable.title} costs {_share(error.cost)}")
+            parts.append(f"an error of 1 % in {variable.title} costs {_share(error.cost)} of the goal")
     return f"{capital('; '.join(parts))}." if parts else ""
 
 
 def _sure(answer: Answer) -> str:
-    """How the first goal's value was found, and how far the surrogate was off."""
+    """Error of the surrogate at the exact value of the first goal."""
     goal = answer.terms[0]
     if not goal.exact:
-        return "Solved exactly."
+        return "The values are exact."
     inside = "within" if goal.inside else "outside"
-    return f"Solved exactly; the surrogate was off by {_share(goal.error)}, {inside} its interval."
+    return f"The values are exact; the surrogate differs by {_share(goal.error)}, {inside} its interval."
 
 
 def unbroken(text: str) -> str:
-    """With every unit in one piece with its number."""
+    """Return a text whose numbers and units are not broken between lines."""
     joined = _UNIT.sub("\N{NO-BREAK SPACE}", text).replace(" = ", "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}")
     return joined.replace("± ", "±\N{NO-BREAK SPACE}")
 
 
 def _share(part: float) -> str:
-    """A share of a whole in percent; what is next to none is said to be less than that."""
+    """Share in percent; a very small one as "less than"."""
     return f"{number(100 * part, 2)} %" if part > _LITTLE else f"less than {number(100 * _LITTLE, 1)} %"

@@ -1,4 +1,4 @@
-"""What is beside the contact of a design, and what the other surroundings would make of its device's quantities."""
+"""Quantities of a design's device in the other surroundings: air or insulation beside the contact."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -14,15 +14,15 @@ _READ = (
     "capacitance_per_length",
     "capacitance",
     "charge_per_force",
-)  # what a device is read by, and air changes most
+)  # quantities that read a device and that air changes most
 _HERE = {
-    "insulated": "No charge is beside the contact (surroundings: insulated); with air there",
-    AIR: "Air is beside the contact and carries charge (surroundings: air); with insulated surroundings",
+    "insulated": "The surface beside the contact is insulated (surroundings: insulated). In air",
+    AIR: "The surface beside the contact faces air (surroundings: air). With an insulated surface",
 }
 
 
 def compared(study: Study, case: Mapping[str, float]) -> dict[str, Any]:
-    """What a device is read by in one case, and what it would be in the other surroundings."""
+    """Quantities that read a device in one case, in its own and in the other surroundings."""
     if study.device is None and not study.kind.layered:
         return {}
     here = study.surroundings[0]
@@ -45,11 +45,11 @@ def compared(study: Study, case: Mapping[str, float]) -> dict[str, Any]:
 
 
 def told(compared: Mapping[str, Any]) -> str:
-    """The same in a sentence; empty of nothing."""
+    """Return the comparison as a sentence; empty without one."""
     if not compared:
         return ""
     changed = [
         f"{titles.title(name)} {titles.value(name, other, 3)} instead of {titles.value(name, own, 3)}"
         for name, (own, other) in compared["quantities"].items()
     ]
-    return f"{_HERE[compared['surroundings']]}: {titles.listed(changed)}."
+    return f"{_HERE[compared['surroundings']]}, the design would have {titles.listed(changed)}."

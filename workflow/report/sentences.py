@@ -1,4 +1,4 @@
-"""The sentence with which a section of the page opens: what its numbers say, made from them."""
+"""First sentence of every section of the page, built from the section's numbers."""
 
 import math
 from collections import Counter
@@ -17,10 +17,11 @@ from workflow.study.model import Study
 
 Row = Mapping[str, Any]
 _MOST_NAMED = 3  # categories that a sentence names
+_GONE = 0.99  # decay after which the time constant alone is reported
 
 
 def reached(verdicts: Mapping[str, Verdict]) -> str:
-    """Which targets are reachable: the first line of a page where some are not."""
+    """Sentence on which targets are reachable."""
     missed = [title for title, verdict in verdicts.items() if verdict.kind == UNREACHABLE]
     if not missed:
         several = "Both" if len(verdicts) == 2 else f"All {len(verdicts)}"
@@ -30,7 +31,7 @@ def reached(verdicts: Mapping[str, Verdict]) -> str:
 
 
 def study(study: Study) -> str:
-    """What was varied."""
+    """Sentence on the factors that were varied."""
     body = "a film" if study.kind.layered else f"a {study.kind.unbounded}"
     where = f"{len(study.body)} layers" if len(study.body) > 1 else body
     if not study.factors:
@@ -41,27 +42,29 @@ def study(study: Study) -> str:
 
 
 def dataset(study: Study, cases: int, rows: Sequence[Row]) -> str:
-    """How many cases, and how far the first quantity of interest goes."""
+    """Number of cases, and the range of the first quantity of interest."""
     row = next((row for name in coupling.wanted(study) for row in rows if row["name"] == name), rows[0])
     ends = (shown(row[end], row["units"], 3) for end in ("low", "high"))
-    return f"{counted(cases)} exact cases; over them {titles.title(str(row['name']))} goes from {' to '.join(ends)}."
+    return f"{counted(cases)} exact cases; {titles.title(str(row['name']))} ranges from {' to '.join(ends)}."
 
 
 def surrogate(worst: Row, tolerance: float) -> str:
-    """The largest error against what was asked."""
+    """Largest error of the surrogate against the study's tolerance."""
     met = "met" if worst["error"] <= tolerance else "not met"
-    of = f"of range ({titled(str(worst['name']))})"
-    return f"Largest error {number(worst['error'], 2)} {of}: asked {number(tolerance, 2)}, {met}."
+    share = f"{number(worst['error'], 2)} of the range ({titled(str(worst['name']))})"
+    return f"The largest error is {share}; the tolerance of {number(tolerance, 2)} is {met}."
 
 
 def surface(rows: Sequence[Row]) -> str:
-    """The field with the largest error."""
+    """Sentence on the field with the largest error."""
     worst = max(rows, key=lambda row: row["max_error"])
-    return f"Largest error of a field {number(worst['max_error'], 2)} of its range: {titles.title(worst['name'])}."
+    return (
+        f"The largest error of a field is {number(worst['max_error'], 2)} of its range ({titles.title(worst['name'])})."
+    )
 
 
 def sensitivity(charts: Sequence[Chart]) -> str:
-    """On which factor some outputs depend most: quantities, in each of their categories where these differ."""
+    """Factor with the largest total Sobol' index of each quantity, by category where categories differ."""
     shares: dict[str, dict[str, dict[str, float]]] = {}  # by factor, quantity and names
     for chart in charts:
         quantity, kind = parted(chart.name)
@@ -72,11 +75,11 @@ def sensitivity(charts: Sequence[Chart]) -> str:
         names = [_depending(name, own, whole=len(own) == counts[name]) for name, own in depending.items()]
         said = [f"{name} ({_size(own.values())})" for name, own in zip(names, depending.values(), strict=True)]
         parts.append(f"{listed(said)} depend{'s' if len(said) == 1 else ''} most on {titles.title(factor)}")
-    return f"{capital('; '.join(parts))}: shares of the variance over the box, interactions included."
+    return f"{capital('; '.join(parts))} (shares of the variance over the ranges, with interactions)."
 
 
 def _depending(name: str, shares: Iterable[str], *, whole: bool) -> str:
-    """A quantity, and the categories that are meant where these are not all."""
+    """A quantity, with its categories unless all are included."""
     names, quantity = list(shares), titles.title(name) if name in ALL_QUANTITIES else name
     more = [f"{len(names) - _MOST_NAMED} more"] if len(names) > _MOST_NAMED else []
     return quantity if whole else f"{quantity} of {listed([*names[:_MOST_NAMED], *more])}"
@@ -88,18 +91,18 @@ def _size(shares: Collection[float]) -> str:
 
 
 def time(times: Mapping[str, float]) -> str:
-    """Which of solver and surrogate is the faster, and how much."""
+    """Ratio of the times of solver and surrogate on scattered cases."""
     ratio = times["surrogate_mean_std_per_query"] / times["exact_per_scattered_case"]
     first, second = ("exact solver", "surrogate") if ratio > 1 else ("surrogate", "exact solver")
     return f"On scattered cases the {first} is {number(max(ratio, 1 / ratio), 2)} times faster than the {second}."
 
 
 def readout(readouts: Sequence[Row]) -> str:
-    """How often the intervals held what they infer, and how wide they are."""
+    """Width and coverage of the intervals that a read-out infers."""
     parts = [
         unread(row["name"], row["left"])
-        or f"{titles.title(row['name'])} is read to {number(100 * row['width'], 2)} %, and its 95 % interval held it "
-        f"in {number(100 * row['coverage'], 3)} % of {counted(readout['cases'])} cases"
+        or f"{titles.title(row['name'])} is determined to {number(100 * row['width'], 2)} %; its 95 % interval holds "
+        f"the true value in {number(100 * row['coverage'], 3)} % of {counted(readout['cases'])} cases"
         for readout in readouts
         for row in readout["rows"]
     ]
@@ -107,25 +110,26 @@ def readout(readouts: Sequence[Row]) -> str:
 
 
 def signal(press: Row, on: str) -> str:
-    """What the amplifier shows of a press, what a constant force does, and the noise."""
-    constant = "A constant force is held: nothing leaks"
+    """Output of a press, decay under a constant force, and noise."""
+    constant = "A constant force gives a constant output: no charge leaks"
     if math.isfinite(press["time_constant"]):
         constant = (
-            f"A constant force fades with the time constant {shown(press['time_constant'], 's', 3)}: "
-            f"{number(100 * press['drop'], 2)} % less after 10 s"
+            f"Under a constant force the output decays with the time constant {shown(press['time_constant'], 's', 3)}"
         )
+        if press["drop"] < _GONE:
+            constant += f" ({number(100 * press['drop'], 2)} % in 10 s)"
     return (
-        f"{shown(press['force'], 'N', 3)} on {on} shows {shown(press['output'], 'V', 3)} at the output. "
-        f"{constant}. The noise floor is {shown(press['noise_charge'], 'C', 2)}, "
-        f"{shown(press['noise_output'], 'V', 2)} at the output, as much as {shown(press['noise_force'], 'N', 2)}."
+        f"{shown(press['force'], 'N', 3)} on {on} gives {shown(press['output'], 'V', 3)} at the output. "
+        f"{constant}. The noise is {shown(press['noise_charge'], 'C', 2)} or "
+        f"{shown(press['noise_output'], 'V', 2)} at the output, which equals {shown(press['noise_force'], 'N', 2)}."
     )
 
 
 def checks(group: Row) -> str:
-    """How many checks of a group are green, and which comes nearest to its tolerance."""
-    green = sum(check["passed"] for check in group["checks"])
+    """Number of passed checks of a group, and the check with the largest error over its tolerance."""
+    passed = sum(check["passed"] for check in group["checks"])
     known = [check for check in group["checks"] if check["error"] is not None]
-    text = f"{green} of {len(group['checks'])} checks are green"
+    text = f"{passed} of {len(group['checks'])} checks passed"
     if not known:
         return f"{text}."
     nearest = max(known, key=lambda check: check["error"] / check["tolerance"])
@@ -134,38 +138,38 @@ def checks(group: Row) -> str:
 
 
 def speed(timings: Sequence[Row]) -> str:
-    """How much faster than collocation the closed form is."""
+    """Speed of the closed form over collocation."""
     ratios = [row["numerical"] / row["closed_form_batch"] for row in timings]
     return f"The closed form is {number(min(ratios), 2)} to {number(max(ratios), 2)} times faster than collocation."
 
 
 def effects(study: Study) -> str:
-    """What was varied about which baseline."""
+    """Values of the factors that were varied one at a time."""
     assert study.effects is not None
     spans = []
     for name, values in study.effects.vary.items():
         said = [value.replace("_", " ") if isinstance(value, str) else titles.value(name, value) for value in values]
         named = isinstance(values[0], str)
         spans.append(f"{titles.title(name)} {', '.join(said) if named else f'{said[0]} to {said[-1]}'}")
-    return f"Varied one at a time: {'; '.join(spans)}."
+    return f"Factors are varied one at a time: {'; '.join(spans)}."
 
 
 def strongest(charts: Sequence[Chart]) -> str:
-    """Which factor of a parametric study moves each quantity most: the first bar of its chart."""
-    parts = [f"{chart.title} changes most with {chart.bars[0].title} ({chart.bars[0].told})" for chart in charts]
+    """Factor of a parametric study with the largest effect on each quantity."""
+    parts = [f"{chart.title} depends most on {chart.bars[0].title} ({chart.bars[0].told})" for chart in charts]
     return f"{capital('; '.join(parts))}."
 
 
 def provenance(given: Row) -> str:
-    """What the numbers can be traced to."""
+    """Files, study and sources that the numbers can be traced to."""
     return (
-        f"{len(given['results_sha256'])} files of results, each with its digest, of study "
-        f"{given['study_sha256'][:8]} and sources {given['sources_sha256'][:8]}."
+        f"{len(given['results_sha256'])} result files with digests, from study {given['study_sha256'][:8]} "
+        f"and sources {given['sources_sha256'][:8]}."
     )
 
 
 def measurements(rows: Sequence[Row]) -> str:
-    """How many published measurements agree with the model."""
+    """Number of published measurements that agree with the model."""
     count = Counter(row["verdict"] for row in rows)
     told = (f"{count['agrees']} agree", f"{count['disagrees']} disagree", f"{count['cannot be told']} cannot be told")
     return f"Of {len(rows)} published values, without any constant fitted: {listed(told)}."

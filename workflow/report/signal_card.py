@@ -1,4 +1,4 @@
-"""The card of a contact beside the study's: what is pressed, what its amplifier shows, and what stops it."""
+"""Card of a contact beside the designs: the contact, the amplifier's output, and the limits."""
 
 import math
 from collections.abc import Mapping
@@ -19,36 +19,38 @@ from workflow.study.model import Study
 
 @dataclass(frozen=True)
 class Card:
-    """What its contact comes to, as `workflow.report.firstscreen.Screen` has it of a target."""
+    """Card of a contact that is solved as it is, not searched."""
 
-    title: str  # In words
-    on: str  # What is pressed, within a sentence
-    # The three lines, and what the library doubts
+    title: str
+    on: str  # the contact within a sentence
     build: str
     does: str
     stops: str
-    doubt: str
-    good: bool  # Whether nothing is beyond what its materials bear
-    drawing: Markup  # To scale
+    doubt: str  # constants that the library marks as doubtful
+    good: bool  # no limit of materials and theory is exceeded
+    drawing: Markup  # to scale
 
 
 def card(study: Study, signal: Mapping[str, float], held: Mapping[str, float]) -> Card:
-    """The card of the contact that the study's press names."""
+    """Return the card of the contact that the study's section ``signal`` names."""
     own = signal_case.of(study)
     case = {**own.fixed, own.kind.loads.force: signal["force"]}
     built = firstscreen.in_words(own, case)
     numbers = {name: np.array([value]) for name, value in held.items()}
-    beyond, nearest = linearity.beyond(own, numbers), linearity.nearest(own, numbers)
+    sizes = [np.array([float(case[name])]) if name in case else None for name in ("radius", "thickness")]
+    beyond = [*linearity.beyond(own, numbers), *linearity.beyond_small_strain(own, numbers, *sizes)]
+    nearest = linearity.nearest(own, numbers)
     share = f"{nearest.words} is {number(100 * nearest.share, 2)} % of the {nearest.at_most}" if nearest else ""
     stops = [*(words for words, _ in beyond)] or [share] * bool(share)
-    stops.append(f"less than {shown(signal['noise_force'], 'N', 2)} is noise")
+    stops.append(f"forces below {shown(signal['noise_force'], 'N', 2)} are lost in the noise")
     title = own.title or f"{capital(firstscreen.punch_in_words(case))}, read by its amplifier"
     return Card(
         title=title,
         on=firstscreen.unbroken(f"the contact beside the designs ({built})"),
         build=firstscreen.unbroken(built),
         does=firstscreen.unbroken(
-            f"{shown(signal['force'], 'N', 3)} gives {_banded(signal, 'contact_charge', 'charge_spread', 'C')} and "
+            f"{shown(signal['force'], 'N', 3)} gives a charge of "
+            f"{_banded(signal, 'contact_charge', 'charge_spread', 'C')} and "
             f"{_banded(signal, 'output', 'output_spread', 'V')} at the output{_fading(signal['time_constant'])}"
         ),
         stops=firstscreen.unbroken(f"{capital('; '.join(stops))}."),
@@ -63,12 +65,12 @@ def card(study: Study, signal: Mapping[str, float], held: Mapping[str, float]) -
 
 
 def _banded(signal: Mapping[str, float], name: str, spread: str, units: str) -> str:
-    """The size of a number with what the spread of the constants makes of it."""
+    """Size of a number with its spread by uncertain constants."""
     return f"{shown(abs(signal[name]), units, 3)}{asides.band(signal[spread])}"
 
 
 def _fading(lasting: float) -> str:
-    """What a constant force does."""
+    """Decay of the output under a constant force, in words."""
     if not math.isfinite(lasting):
-        return ", as long as it is held"
-    return f"; held, it fades with a time constant of {shown(lasting, 's', 2)}"
+        return ", which does not decay"
+    return f"; under a constant force the output decays with a time constant of {shown(lasting, 's', 2)}"

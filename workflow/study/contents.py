@@ -16,7 +16,7 @@ from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
 from workflow.language import titles
-from workflow.language.constants import ALLOWABLES, DEVICE, Meeting
+from workflow.language.constants import ALLOWABLES, DEVICE, Meeting, meeting_of
 from workflow.language.factors import FACTORS
 from workflow.study import grouped, layered
 from workflow.study.allowable import MADE_OF, Allowable, allowable
@@ -92,10 +92,11 @@ class Contents(Keys):
 
     @property
     def meeting(self) -> Meeting:
-        """How punch and body meet in its cases, which says what figures of a device are; in air where all cases are."""
-        if set(self.surroundings) == {AIR}:
-            return "line in air" if self.kind.contact == "line" else "point in air"
-        return self.kind.contact
+        """Contact and amplifier of its cases, which decide the figures of a device; in air where all cases are."""
+        reads_charge = bool(self.device and self.device.amplifier and self.device.amplifier.feedback_capacitance)
+        if set(self.surroundings) != {AIR}:
+            return meeting_of(self.kind.contact, reads_charge=reads_charge)
+        return meeting_of("line in air" if self.kind.contact == "line" else "point in air", reads_charge=reads_charge)
 
     @property
     def elastic(self) -> bool:

@@ -4,19 +4,20 @@ from typing import Annotated, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from solver.units import in_si
+from workflow.language.given import number
 from workflow.study.device import Device
 from workflow.study.types import BY_FACTOR, InputName, Number, Strict
 
 
-def _read(units: str) -> BeforeValidator:
-    def number(given: object) -> object:
-        value = in_si(given, units) if isinstance(given, str) else given
-        if isinstance(value, int | float) and not 0 < value < float("inf"):
-            raise ValueError(f"{value:g} is not a finite number > 0 [{units}]")
+def _read(name: str, units: str) -> BeforeValidator:
+    def positive(value: object) -> object:
+        if isinstance(value, str | int | float) and not isinstance(value, bool):
+            value = number(name, value, units)
+            if not 0 < value < float("inf"):
+                raise ValueError(f"{value:g} is not a finite number > 0 [{units}]")
         return value
 
-    return BeforeValidator(number)
+    return BeforeValidator(positive)
 
 
 class Pressing(Strict):
@@ -31,9 +32,11 @@ class Pressing(Strict):
         default_factory=dict, description="all factors but the force, of a contact of its own in place of a design's"
     )
     device: Device | None = Field(None, description="what reads that contact; null: the study's")
-    force: Annotated[Number, _read("N")] = Field(description="that is held [N]")
-    press: Annotated[Number, _read("s")] = Field(0.1, description="how long pressing takes, and letting go [s]")
-    hold: Annotated[Number, _read("s")] = Field(10.0, description="how long the force is held [s]")
+    force: Annotated[Number, _read("force", "N")] = Field(description="that is held [N]")
+    press: Annotated[Number, _read("press", "s")] = Field(
+        0.1, description="how long pressing takes, and letting go [s]"
+    )
+    hold: Annotated[Number, _read("hold", "s")] = Field(10.0, description="how long the force is held [s]")
 
     @model_validator(mode="after")
     def _of_one(self) -> Self:

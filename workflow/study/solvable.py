@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from math import prod
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -15,12 +17,16 @@ from surrogate import Input
 from workflow.language.factors import FACTORS
 from workflow.study import datum, grouped, representatives
 from workflow.study.contents import Contents
-from workflow.study.refusals import MOST, REFUSAL, AllRefusedError, HolesError, answered
+from workflow.study.refusals import MOST, REASON, REFUSAL, AllRefusedError, HolesError, answered
 from workflow.study.sections import MOST_CASES, MOST_CORNERS, MOST_LEARNED, MOST_VALUES
 
 #: Places of the box at which a study with a refused corner is tried, of bodies that need tables for each and of others,
 #: and by how many standard deviations of chance more of them are refused than may be missing.
 _SCOUTS_OF_TABLES, _SCOUTS, _DEVIATIONS = 16, 64, 3.0
+_REFUSED = f"factors: the solver refuses more than {100 * MOST:.0f} % of the box"
+_PATIENCE = 30.0  # seconds of the processor after which no more places of the box are tried
+_HARDEST = 3e9  # pressure [Pa] that no piezoelectric material bears
+_SLOW = 20.0  # seconds of the processor from which on a case is told before the run starts
 
 
 def check_contact(study: Contents) -> None:
@@ -149,6 +155,7 @@ def lacked(study: Contents) -> frozenset[str]:
     """
     if not study.factors:
         return frozenset()
+    began = process_time()
     if study.groups and study.kind.air:
         solved = _solve_stored(study, representatives.corners(study))
     else:
@@ -157,6 +164,8 @@ def lacked(study: Contents) -> frozenset[str]:
         solved = _answered(study, {**study.fixed, **study.categories, **ends})
         if study.groups:
             _solve_stored(study, representatives.ends(study))
+    _tell_time(study, process_time() - began)
+    _tell_pressure(study, solved)
     if REFUSAL in solved:
         _check_share(study)
     peaks = set(study.kind.peaks)
@@ -181,6 +190,34 @@ def _answered(study: Contents, factors: Mapping[str, Any]) -> xr.Dataset:
     return whole(factors) if study.crossed else answered(whole, factors)
 
 
+def _tell_pressure(study: Contents, solved: xr.Dataset) -> None:
+    """Report contacts that are pressed beyond every material in all corners of the box: a unit may have been lost."""
+    lowest = float(solved["peak_pressure"].min()) if "peak_pressure" in solved else 0.0
+    if lowest > _HARDEST:
+        names = [name for name in (study.kind.loads.force, "radius", "width") if name in {*study.factors, *study.fixed}]
+        study.tell_default(
+            f"pressure: {lowest / 1e9:.3g} GPa or more in every corner of the box, beyond any material's strength; "
+            f"check {' and '.join(names)}: bare numbers are in SI"
+        )
+
+
+def _tell_time(study: Contents, seconds: float) -> None:
+    """Report, before a run starts, how long its cases take where one takes longer than people wait."""
+    corners = 2 if study.tabled else 2 ** len(study.axes)
+    each = seconds / (corners * len(study.combinations))
+    if each < _SLOW:
+        return
+    names = study.tabled or list(study.axes)
+    levels = prod(study.axes[name].levels or 1 for name in names if name in study.axes)
+    unit = "a case with tables of its own" if study.tabled else "a case"
+    opened = ", its open numbers of levels counted as 1" if study.open else ""
+    count = levels * len(study.combinations)
+    study.tell_default(
+        f"time: {unit} takes about {each:.0f} s of one core; the {count:,} of the data set{opened} take about "
+        f"{count * each / 3600:.2g} h, and random cases for calibration and validation come on top"
+    )
+
+
 def _check_share(study: Contents) -> None:
     """Refuse a study with a refused corner where a few places in its box show that most of the box is refused.
 
@@ -192,11 +229,23 @@ def _check_share(study: Contents) -> None:
     places = {
         input_.name: xr.DataArray(input_.from_unit(t), dims="place") for input_, t in zip(inputs, shares, strict=True)
     }
-    least = MOST + _DEVIATIONS * np.sqrt(MOST * (1 - MOST) / count)
-    try:
-        answered(partial(study.solved, solve), {**study.fixed, **study.categories, **places}, least * count)
-    except (AllRefusedError, HolesError) as error:
-        raise ValueError(f"factors: the solver refuses more than {100 * MOST:.0f} % of the box: {error}") from None
+    most = (MOST + _DEVIATIONS * np.sqrt(MOST * (1 - MOST) / count)) * count
+    step = 1 if study.tabled else count
+    refused, began = 0, process_time()
+    for first in range(0, count, step):
+        if process_time() - began > _PATIENCE:
+            return
+        batch = {name: values.isel(place=slice(first, first + step)) for name, values in places.items()}
+        try:
+            solved = answered(partial(study.solved, solve), {**study.fixed, **study.categories, **batch}, most)
+        except AllRefusedError as error:
+            solved = error.mask
+        except HolesError as error:
+            raise ValueError(f"{_REFUSED}: {error}") from None
+        if REFUSAL in solved:
+            refused += int((solved[REFUSAL] > 0).sum())
+            if refused > most:
+                raise ValueError(f"{_REFUSED}: {solved[REASON].values[0]}")
 
 
 def check_fields(study: Contents) -> None:

@@ -48,7 +48,7 @@ def test_answers_as_a_table_and_as_json(
     first, told, *rest = tables[0].splitlines()
     assert first == "maximise abs(voltage_per_load)"
     assert told.startswith(
-        "Beyond linear theory; otherwise recommended: tension behind the contact of 50 MPa stops it."
+        "Beyond linear theory; otherwise recommended: limited by tension behind the contact of 50 MPa."
     )
     assert len(told) <= 100  # columns, for people
     assert rest.index("polish: on the exact solver") == rest.index("feasible; binding: trailing_tension<5e7") + 1

@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from tests.studies import data_set, edited, made, refusal
 from workflow.dataset import datacard, factorial, holes
 from workflow.dataset import slabs as dataset
 from workflow.learning import training
-from workflow.study import refusals
+from workflow.study import refusals, solvable
 from workflow.study.model import Study
 from workflow.study.refusals import REASON, REFUSAL
 
@@ -159,6 +160,15 @@ def test_a_factorial_that_lacks_too_much_is_refused_in_one_line() -> None:
 def test_a_box_of_which_most_is_refused_is_bad_input() -> None:
     told = refusal(edited(STUDY, "low: 2e5", "low: 2e4"))
     assert told.startswith("factors: the solver refuses more than 20 % of the box: contact: it would")
+
+
+def test_a_check_that_takes_long_ends_and_tells_the_time_of_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A clock on which every look takes 200 s: no place of the box is tried, and the hours of the run are told."""
+    looks = count(0.0, 200.0)
+    monkeypatch.setattr(solvable, "process_time", lambda: next(looks))
+    study = made(edited(STUDY, "low: 2e5", "low: 2e4"))
+    expected = "time: a case takes about 25 s of one core; the 126 of the data set take about 0.88 h, and random cases"
+    assert study.defaults[-1].startswith(expected)
 
 
 def test_masks_of_slabs_are_joined_by_their_reasons() -> None:

@@ -172,8 +172,8 @@ def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told(ask: 
     answer = ask(SQUARE, {"load": 1e4}, over={"volume_fraction": {"high": 0.7}, "radius": {}}, **target)
     assert "volume_fraction at the upper end of the range asked for" in answer.status
     says = words.verdict(answer)
-    assert says.stops == "volume fraction at its upper end as asked for (0.7) stops it."
-    assert says.idle.startswith("Radius does not matter to the goal: the least is taken at which every limit has 1 % ")
+    assert says.stops == "limited by volume fraction at the upper end of the range asked for (0.7)."
+    assert says.idle.startswith("The goal does not depend on radius; the smallest value is chosen that leaves every")
     # which is the least radius that leaves 1 % to the limit, by the exact solver
     at = {"composite": "fibrous", "friction": 0.2, "load": 1e4, "volume_fraction": 0.7}
     radius = answer.variable("radius").value
@@ -185,7 +185,7 @@ def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told(ask: 
     strokes = np.log(np.abs(solve({**at, "volume_fraction": 0.7 * np.array([0.9999, 1.0001])})["stroke_per_volt"]))
     weight = multipliers.multipliers(answer, [], answer.at_ends)["volume_fraction"]
     assert weight == pytest.approx(float(strokes[1] - strokes[0]) / 2e-4, rel=1e-4)
-    assert says.advice.startswith("By the gradient, volume fraction of 0.77 would likely bring ")
+    assert says.advice.startswith("To first order, volume fraction 0.77 would gain ")
 
 
 def test_next_to_zero_an_error_costs_units_and_no_share(ask: Ask) -> None:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from solver import find
+from tests.studies import shipped
 from tests.workflow.design import standin
 from workflow.design.verdict import assessment, linearity, merit, perturbation, spread
 from workflow.design.verdict.answer import Constant
@@ -84,3 +85,15 @@ def test_a_design_is_judged_with_a_surrogate_that_errs() -> None:
     assert wrong.terms[0].predicted == pytest.approx(1.1 * right.terms[0].exact, rel=1e-12)
     assert [limit.name for limit in right.binding] == ["load <= 10 kN/m"]
     assert right.status.startswith("feasible; binding: load <= 10 kN/m")
+
+
+def test_a_wide_or_deep_contact_is_beyond_small_strain() -> None:
+    """A fingertip on 3 mm of film: a/R = 0.49, and four fifths of the film deep."""
+    fingertip = shipped("point_sensor")
+    corner = {"contact_radius": np.array([[4.9e-3]]), "depth": np.array([[2.4e-3]])}
+    radius, thickness = np.array([[0.01]]), np.array([[3e-3]])
+    wide, deep = linearity.beyond_small_strain(fingertip, corner, radius, thickness)
+    assert wide[0] == "a contact half-width of 4.9 mm is 0.49 of the punch radius and exceeds 0.2 of it"
+    assert deep[0] == "a depth of 2.4 mm is 0.8 of the film's thickness and exceeds 0.1 of it"
+    assert linearity.beyond_small_strain(fingertip, corner, 3 * radius, None) == []
+    assert linearity.beyond_small_strain(fingertip, corner, None, 10 * thickness) == []

@@ -50,12 +50,12 @@ def design(
 
 def test_a_limit_or_nothing_stops_a_recommended_design() -> None:
     held = words.verdict(design([1e-9, 50e6, 1e6], [50e6, 500e6], [[1.0, 1, 0], [2, 2, 0]]))
-    assert str(held) == "Recommended: tension behind the contact of 50 MPa stops it."
+    assert str(held) == "Recommended: limited by tension behind the contact of 50 MPa."
     free = words.verdict(design([1e-9, 5e6, 1e6], [50e6, 500e6], [[0.0, 1, 0], [0, 2, 0]], matters=[False, True]))
     assert (
         str(free)
-        == "Recommended: best within the ranges, and no limit stops it. Radius does not matter to the goal: the "
-        "least is taken at which every limit has 1 % of room, or as much as it can."
+        == "Recommended: the best within the ranges; no limit is reached. The goal does not depend on radius; the "
+        "smallest value is chosen that leaves every limit 1 % of room, or as much as possible."
     )
 
 
@@ -68,26 +68,30 @@ def test_an_end_is_worth_its_multiplier(farther: float, goal: float) -> None:
     assert told.kind == words.AT_EDGE
     found = multipliers.multipliers(answer, answer.limits, answer.at_ends)
     assert found == pytest.approx({"radius": farther - 1})
-    assert told.stops == "radius at its upper end (200 mm) and tension behind the contact of 50 MPa stop it."
-    assert told.advice == f"By the gradient, radius of 220 mm would likely bring {10 * (farther - 1):g} % more."
+    assert told.stops == (
+        "limited by radius at the upper end of its range (200 mm) and tension behind the contact of 50 MPa."
+    )
+    assert told.advice == f"To first order, radius 220 mm would gain {10 * (farther - 1):g} %."
 
 
 def test_an_end_beyond_which_nothing_is_gained_does_not_stop_a_design() -> None:
     upper = End.UPPER
     told = words.verdict(design([1e-9, 5e6], [50e6], [[1e-5, 1.0], [1.0, 1.0]], (upper, upper)))
     assert told.kind == words.AT_EDGE
-    assert told.stops == "load at its upper end (10 kN/m) stops it."
-    assert told.advice == "By the gradient, load of 11 kN/m would likely bring 10 % more."
-    assert told.idle == "Radius at its upper end (200 mm) does not stop it: next to nothing is gained beyond."
+    assert told.stops == "limited by load at the upper end of its range (10 kN/m)."
+    assert told.advice == "To first order, load 11 kN/m would gain 10 %."
+    assert told.idle == (
+        "A wider range of radius (200 mm, the upper end of its range) would change the goal by less than 0.1 %."
+    )
     alone = words.verdict(design([1e-9, 50e6], [50e6], [[1e-5, 0.0], [1.0, 1.0]], (upper, None)))
     assert alone.kind == words.RECOMMENDED
-    assert alone.stops == "tension behind the contact of 50 MPa stops it."
+    assert alone.stops == "limited by tension behind the contact of 50 MPa."
 
 
 def test_a_gradient_that_nothing_explains_promises_nothing() -> None:
     answer = design([1e-9, 5e6], [50e6], [[1.0, 1.0], [1.0, 1.0]], (End.UPPER, None))
     assert multipliers.multipliers(answer, [], answer.at_ends) == {}
-    assert words.verdict(answer).advice == "A better design may lie beyond."
+    assert words.verdict(answer).advice == "A wider range may allow a better design."
 
 
 @pytest.mark.parametrize("matters", [True, False])  # to the goal, which is not what is missed
@@ -97,12 +101,12 @@ def test_a_miss_says_by_how_much_and_what_would_help(matters: bool) -> None:
     told = words.verdict(answer)
     assert told.kind == words.UNREACHABLE
     assert told.stops == (
-        "tension behind the contact must be at most 50 MPa and comes to 91.8 MPa, 83.5 % beyond, in the least "
-        "violated design."
+        "in the least violated design, tension behind the contact is 91.8 MPa and must be at most 50 MPa: "
+        "83.5 % beyond the limit."
     )
     assert told.advice == (
-        "A limit on tension behind the contact of 91.8 MPa would make it reachable. "
-        "Radius of 220 mm would likely change it by 5 % for the better."
+        "Relaxing the limit on tension behind the contact to 91.8 MPa makes the target reachable. "
+        "To first order, radius 220 mm would bring it 5 % closer to the limit."
     )
 
 
@@ -113,7 +117,7 @@ def test_a_limit_of_the_material_is_named_with_its_source_and_linear_theory_come
                     beyond="nominal field of 2 kV/mm exceeds it (a book)")  # fmt: skip
     told = words.verdict(answer)
     assert told.kind == "beyond linear theory; otherwise recommended"
-    assert told.stops == "tension behind the contact of 25 MPa (50 % of the tensile strength of PZT) stops it."
+    assert told.stops == "limited by tension behind the contact of 25 MPa (50 % of the tensile strength of PZT)."
     assert told.beyond == "Nominal field of 2 kV/mm exceeds it (a book)."
     assert told.sources == "Tensile strength of PZT: a table (unverified: no dated source)."
-    assert str(told).startswith("Beyond linear theory; otherwise recommended: tension behind")
+    assert str(told).startswith("Beyond linear theory; otherwise recommended: limited by")

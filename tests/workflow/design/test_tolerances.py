@@ -86,8 +86,8 @@ def test_the_worst_of_the_tolerances_keeps_the_limit_and_costs_what_a_dense_sear
     }  # fmt: skip
     assert float(solve({**box, "composite": "fibrous", "load": 1e4})["trailing_tension"].max()) <= LIMIT * (1 + 1e-9)
     told = words.verdict(found).tolerance
-    assert told.startswith("Within 0.02 of volume fraction and 5 % of radius every limit is kept as it is asked for. ")
-    assert "5 % of radius costs 0.54 % (half of it would gain 0.27 %)" in told
+    assert told.startswith("Every limit holds within volume fraction ± 0.02 and radius ± 5 %. ")
+    assert "the tolerance ± 5 % of radius costs 0.54 % of the goal (half the tolerance would gain 0.27 %)" in told
 
 
 @pytest.mark.soak

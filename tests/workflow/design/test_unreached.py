@@ -29,9 +29,9 @@ def test_a_run_ends_with_it_also_where_nothing_is_to_be_done(ran: Project, tmp_p
         r"+volume fraction 0\.6\d+, radius 1",
         lines[1],
     )
-    assert lines[2].strip() == "Tension behind the contact of 50 MPa stops it."
+    assert lines[2].strip() == "Limited by tension behind the contact of 50 MPa."
     assert re.match("impossible +not reachable +stroke per volt", lines[3])
-    assert "9070 % beyond" in lines[4]
+    assert "9070 % beyond the limit" in lines[4]
     assert "writing the page" not in done.stderr  # nothing was to be done
     assert table.outcome(tmp_path, []) == []
 

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.constants import Boltzmann
 
 from solver import units
 from solver.names import ALL_QUANTITIES, FACTORS
+from workflow.device.circuit import Circuit
 from workflow.language import grammar, statements, statistics
 from workflow.language.constants import FIGURES
 from workflow.language.expressions import units_of
@@ -262,3 +264,20 @@ def test_units_of_expressions_are_those_that_the_reader_knows(text: str, expecte
     assert str(unit) == expected
     assert unit is not None
     assert units.parse(expected).fits(unit)
+
+
+def test_a_charge_amplifier_has_its_own_voltage_decay_and_noise() -> None:
+    """The output is Q/C_f and decays with R_f C_f; figures agree with the circuit that is solved in time."""
+    numbers = {"input_capacitance": 1e-11, "cable_capacitance": 1e-10, "charge_noise": 1e-15, "voltage_noise": 5e-6}
+    numbers |= {"feedback_capacitance": 1e-11, "feedback_resistance": 1e13}
+    heat = np.sqrt(Boltzmann * 293.15 * 1e-11)
+    known = {**numbers, "thermal_energy": 0.0, "feedback_heat": heat, "charge_per_force": 2e-10, "force": 0.2}
+    known |= {"capacitance": 4e-12}
+    values = {name: np.array(value) for name, value in known.items()}
+    names = ("signal_voltage", "time_constant", "smallest_force")
+    voltage, decay, force = (grammar.parse(name, "point, charge amplifier").evaluate(values) for name in names)
+    assert float(voltage) == pytest.approx(2e-10 * 0.2 / 1e-11, rel=1e-12)
+    circuit = Circuit.of(numbers)
+    assert float(decay) == pytest.approx(circuit.time_constant(4e-12), rel=1e-4)
+    assert float(force) == pytest.approx(circuit.noise(4e-12, 293.15) / 2e-10, rel=1e-12)
+    assert float(grammar.parse("signal_voltage", "point").evaluate(values)) == pytest.approx(4e-11 / 1.14e-10)

@@ -53,7 +53,7 @@ def test_a_ball_s_exponents_on_half_spaces_and_films() -> None:
     assert value("indentation_exponent", material="PZT-4", **TIP) == pytest.approx(1.5, abs=1e-12)
     wide = {"profile": "sphere", "radius": 1.0, "force": 1e7, "thickness": 1e-3, **ELASTIC}
     assert value("indentation_exponent", material="polyimide", **wide) == pytest.approx(2.0, abs=1e-3)
-    narrow = {**wide, "force": 1.0, "thickness": 1.0}
+    narrow = {**wide, "force": 1.0, "thickness": "1 m"}
     assert value("indentation_exponent", material="polyimide", **narrow) == pytest.approx(1.5, abs=1e-3)
 
 

@@ -105,10 +105,8 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     one = firstscreen.answered(study, "sensor", target, found, exact.contact(study, found), {}, moved)
     assert one.reachable
     assert one.title == "Largest voltage per load"
-    assert said(one.stops) == "Tension behind the contact of 50 MPa stops it."
-    assert re.fullmatch(
-        r"1 % off in .*, tension behind the contact is the first to break: [\d.]+ % beyond\.", said(one.breaks)
-    )
+    assert said(one.stops) == "Limited by tension behind the contact of 50 MPa."
+    assert re.fullmatch(r"With .* 1 % off, tension behind the contact is [\d.]+ % beyond its limit\.", said(one.breaks))
     assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane; R = .*", said(one.build))
     band = re.fullmatch(
         r"Voltage per load \(ground 1 m away\) ([\d.]+) mV·m/N ± ([\d.]+) %, at worst over friction 0\.1 to 0\.4",
@@ -148,7 +146,7 @@ def test_a_doubt_of_the_library_stands_in_the_headline() -> None:
     study = load("config/quickstart.yaml")
     assert firstscreen.doubted(study) == ""
     own = study.model_copy(update={"fixed": {"material": "P(VDF-TrFE) 75:25"}})
-    assert firstscreen.doubted(own) == "in doubt: c44 of P(VDF-TrFE) 75:25"
+    assert firstscreen.doubted(own) == "uncertain constants: c44 of P(VDF-TrFE) 75:25"
 
 
 def test_a_target_has_a_title_in_words_and_its_name_where_two_ask_the_same() -> None:
@@ -167,7 +165,7 @@ def test_the_first_limit_to_break_is_that_of_the_least_margin(ran: Project) -> N
     tight = replace(other, margin=0.02)
     variables = tuple(replace(one, tolerance="5 %") if one.chosen else one for one in found.variables)
     within = replace(found, variables=variables, terms=(goal, replace(first, margin=0.3), tight))
-    told = f"Within the tolerances {tight.title} comes nearest to its limit: 2 % left."
+    told = f"Within the tolerances, {tight.title} has the least room to its limit: 2 %."
     assert asides.first_to_break(within) == told
     assert asides.within(within).startswith(" (volume fraction ± 5 %")
     assert asides.first_to_break(replace(found, terms=(goal,))) == ""
@@ -235,20 +233,20 @@ def test_the_sentence_about_a_goal_is_that_of_the_chart_under_it(ran: Project) -
 
 def test_every_section_says_what_its_numbers_say() -> None:
     worst = {"name": "voltage", "error": 4.7e-7}
-    assert sentences.surrogate(worst, 1e-6) == "Largest error 4.7×10⁻⁷ of range (voltage): asked 1×10⁻⁶, met."
-    assert sentences.surrogate(worst, 1e-7).endswith("asked 1×10⁻⁷, not met.")
+    assert sentences.surrogate(worst, 1e-6) == (
+        "The largest error is 4.7×10⁻⁷ of the range (voltage); the tolerance of 1×10⁻⁶ is met."
+    )
+    assert sentences.surrogate(worst, 1e-7).endswith("the tolerance of 1×10⁻⁷ is not met.")
     times = {"exact_per_scattered_case": 1e-5, "surrogate_mean_std_per_query": 3e-5}
     assert sentences.time(times) == "On scattered cases the exact solver is 3 times faster than the surrogate."
     times["exact_per_scattered_case"] = 6e-5
     assert sentences.time(times) == "On scattered cases the surrogate is 2 times faster than the exact solver."
     assert told_of([[0.2, 0.9]], ["voltage"], ["load", "charge"]).startswith("Voltage (90 %) depends most on charge")
     rows = [{"name": "a", "error": 2e-4, "tolerance": 1e-3, "passed": True}]
-    assert (
-        sentences.checks({"checks": rows}) == "1 of 1 checks are green; the largest error is 20 % of its tolerance (a)."
-    )
+    assert sentences.checks({"checks": rows}) == "1 of 1 checks passed; the largest error is 20 % of its tolerance (a)."
     assert sentences.readout(
         [{"cases": 50, "rows": [{"name": "load", "coverage": 0.96, "width": 0.01, "left": 0.1}]}]
-    ) == ("Load is read to 1 %, and its 95 % interval held it in 96 % of 50 cases.")
+    ) == ("Load is determined to 1 %; its 95 % interval holds the true value in 96 % of 50 cases.")
     vary = {"volume_fraction": [0.2, 0.8], "friction": [0.0, 0.3], "composite": ["fibrous", "laminate"]}
     effects = Effects.model_validate({"baseline": {"radius": 0.05, "load": 1e5}, "vary": vary})
     study = load("config/quickstart.yaml").model_copy(update={"effects": effects})
@@ -261,7 +259,7 @@ def test_what_a_goal_depends_on_is_told_of_every_goal_and_category() -> None:
     inputs = ["volume_fraction", "load", "radius"]
     assert told_of(totals, outputs, inputs) == (
         "Charge per force (95 to 97 %) depends most on volume fraction; voltage of rigid (90 %) depends most on load; "
-        "voltage of steel (80 %) depends most on radius: shares of the variance over the box, interactions included."
+        "voltage of steel (80 %) depends most on radius (shares of the variance over the ranges, with interactions)."
     )
     sensor = shipped("film_sensor")
     goals = {name for one in sensor.design.values() for goal in one.objectives for name in goal.expression.names()}
@@ -289,4 +287,4 @@ def test_the_strongest_factor_is_that_of_the_widest_span_of_the_table() -> None:
     (zero,) = re.findall(r'<path d="M([\d.]+) ', drawn)
     assert all(float(x) > float(zero) for x, _ in words[2:])
     told = sentences.strongest(charts)
-    assert told.startswith("Tension behind the contact changes most with friction (20 MPa to 150 MPa)")
+    assert told.startswith("Tension behind the contact depends most on friction (20 MPa to 150 MPa)")

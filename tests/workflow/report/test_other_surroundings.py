@@ -57,7 +57,7 @@ def test_nothing_is_compared_without_a_device_or_where_air_means_nothing(bare: S
 def test_both_are_told_with_their_units() -> None:
     quantities = {"voltage": [25.1, 8.03], "capacitance_per_length": [2e-8, 7.4e-8]}
     told = other_surroundings.told({"surroundings": "insulated", "quantities": quantities})
-    assert told.startswith("No charge is beside the contact (surroundings: insulated); with air there: voltage 8.03 V")
+    assert told.startswith("The surface beside the contact is insulated (surroundings: insulated). In air, the design ")
     assert told.endswith("instead of 25.1 V and capacitance 74 nF/m instead of 20 nF/m.")
     told = other_surroundings.told({"surroundings": "air", "quantities": quantities})
-    assert told.startswith("Air is beside the contact and carries charge (surroundings: air); with insulated")
+    assert told.startswith("The surface beside the contact faces air (surroundings: air). With an insulated")

@@ -47,6 +47,43 @@ def test_a_text_that_is_no_number_of_the_factor_is_refused(entries: dict[str, st
     assert told in refusal(STUDY.format(**(BARE | entries)))
 
 
+POINT = """
+title: a ball
+fixed: {{material: PZT-4, profile: sphere, radius: {radius}, surroundings: insulated}}
+factors: {{force: {{low: {low}, high: {high}, levels: 3}}}}
+validation: {{cases: 20, calibration: 40}}
+"""
+BALL = {"radius": "0.01", "low": "1.0", "high": "2.0"}
+
+
+@pytest.mark.parametrize(
+    ("entries", "told"),
+    [
+        ({"radius": "20"}, "fixed: radius: 20 is 20 m; did you mean 20 mm? '20 m' is read as it stands"),
+        ({"radius": "20 m"}, ""),
+        ({"high": "5e9"}, "factors: force: high: 5e+09 is 5e+09 N; did you mean 5e+09 mN?"),
+        ({"high": "5 GN", "low": "1 GN"}, ""),
+        ({"radius": "1e-12"}, "fixed: radius: 1e-12 is 1e-12 m; did you mean 1e-12 mm?"),
+        ({"radius": "1 pm", "low": "1 aN", "high": "2 aN"}, ""),
+        (
+            {"radius": "0.01, punch_modulus: 200, punch_poisson: 0.3"},
+            "punch_modulus: 200 is 200 Pa; did you mean 200 GPa?",
+        ),
+        ({"radius": "0.01, total_charge: 1"}, "total_charge: 1 is 1 C; did you mean 1 pC?"),
+    ],
+)
+def test_a_bare_number_that_has_probably_lost_its_unit_asks(entries: dict[str, str], told: str) -> None:
+    text = POINT.format(**(BALL | entries))
+    assert told in refusal(text) if told else made(text)
+
+
+def test_a_box_that_no_material_bears_is_told_before_it_runs() -> None:
+    assert not made(POINT.format(**BALL)).defaults
+    heavy = made(POINT.format(**(BALL | {"radius": "0.001", "low": "500", "high": "900"}))).defaults
+    assert [line.partition(":")[0] for line in heavy] == ["pressure"]
+    assert heavy[0].endswith("check force and radius: bare numbers are in SI")
+
+
 def test_the_template_of_a_study_reads_with_the_unit_that_it_promises() -> None:
     text = Path("workflow/cli/study.yaml").read_text(encoding="utf-8")
     assert "`high: 20 mm`" in text

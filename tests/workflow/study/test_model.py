@@ -141,7 +141,7 @@ def test_refuses_a_box_of_more_corners_than_are_solved_at_once() -> None:
     axes = ["volume_fraction", "friction", "radius", "load", "charge", "magnetic_charge", "speed", "width", "slope"]
     names = "[a, b, c, d, e, f, g, h]"
     kinds = ", ".join(f"{name}: {names}" for name in ("profile", "electric", "magnetic", "corner"))
-    ranges = ", ".join(f"{name}: {{low: 0.1, high: 0.2}}" for name in axes)
+    ranges = ", ".join(f"{name}: {{low: 0.001, high: 0.002}}" for name in axes)
     told = refusal(f"title: t\nfactors: {{{ranges}}}\ncategories: {{{kinds}}}\n")
     assert told.startswith("factors: a box of 2097152 corners, over all categories, has more than 262144")
 

@@ -104,7 +104,7 @@ def test_a_grouped_contact_with_a_device_is_a_plan_or_one_line(body: str, punch:
     text = GROUPED.format(
         body=(", profile: sphere" if point else "") + (", base: steel" if film else "") + punch,
         load="force" if point else "load",
-        thickness=", thickness: {low: 1e-4, high: 3e-4}" if film else "",
+        thickness=", thickness: {low: 0.0001, high: 0.0003}" if film else "",
         groups="load * radius / thickness^2: {levels: 3}, radius / thickness: {levels: 3}"
         if film
         else ("force / radius^2: {levels: 3}" if point else "load * radius: {levels: 3}"),

@@ -104,6 +104,8 @@ def judge(design: Question) -> Answer:
     corner = _corners(design)
     worst = [_case(design, term, scenario) for term, scenario in zip(terms, guessed.scenarios, strict=True)]
     beyond = linearity.beyond(design.study, corner, _field_below(design, corner))
+    thickness = _thickness(design, corner)
+    beyond += linearity.beyond_small_strain(design.study, corner, _radius(design, corner), thickness)
     notes = [*(words for words, _ in beyond), *_flags(design, corner), *design.notes]
     spreads = spread.over(design, worst)
     out = Answer(
@@ -252,6 +254,17 @@ def _radius(design: Question, corner: Mapping[str, Array]) -> Array | None:
         return None
     factors = design.factors_of(corner[design.study.kind.ends[0]])
     return factors["radius"] if "radius" in factors else np.full((1, 1), float(fixed["radius"]))
+
+
+def _thickness(design: Question, corner: Mapping[str, Array]) -> Array | None:
+    """Thickness of the film over the scenarios; None without one."""
+    if "depth" not in corner:
+        return None
+    factors = design.factors_of(corner["depth"])
+    held = design.study.held("thickness")
+    if "thickness" in factors:
+        return factors["thickness"]
+    return np.full((1, 1), float(held)) if isinstance(held, float | int) else None
 
 
 def _flags(design: Question, corner: Mapping[str, Array]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Where a design is beyond what its materials bear, by their own data: linear theory ends there at the latest."""
+"""Limits of linear theory at a design: known limits of its materials, and small strain."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,13 +9,16 @@ from approximation.arrays import Array
 from solver.names import ALL_QUANTITIES, LIMITED
 from workflow.language import titles
 from workflow.language.constants import ALLOWABLES, of_the_base, plain
-from workflow.language.numbers import shown
+from workflow.language.numbers import number, shown
 from workflow.language.statements import Limit
 from workflow.study.allowable import Allowable
 from workflow.study.model import Study
 
 _CERAMIC_FIELD = 3e5  # V/m: beyond it ferroelectric ceramics are not linear; for materials of which no field is known
 _FIELDS = ("coercive_field", "breakdown_field")
+_WIDE = 0.2  # contact half-width over the radius of a round punch up to which strains are small
+_DEEP = 0.1  # depth over the thickness of a film up to which strains are small
+_SMALL = "strains are small only up to there"
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,29 @@ def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None
         usual = f"{shown(_CERAMIC_FIELD, 'V m-1', 3)}, beyond which ferroelectric ceramics are not linear"
         unknown = "the library has no coercive or breakdown field of the material"
         lines.append((f"{words} of {shown(size, 'V m-1', 3)} exceeds {usual}", unknown))
+    return lines
+
+
+def beyond_small_strain(
+    study: Study, corner: Mapping[str, Array], radius: Array | None, thickness: Array | None
+) -> list[tuple[str, str]]:
+    """Contacts too wide or too deep for small strain, in words with both numbers, and the reason."""
+    lines = []
+    ends = [corner[name] for name in study.kind.ends]
+    if radius is not None:
+        half = (ends[0] + ends[1]) / 2
+        share = float((half / radius).max())
+        if share > _WIDE:
+            words = (
+                f"a contact half-width of {shown(float(half.max()), 'm', 3)} is {number(share, 2)} of the punch radius"
+            )
+            lines.append((f"{words} and exceeds {_WIDE:g} of it", _SMALL))
+    if thickness is not None and "depth" in corner and study.kind.datum == "absolute":
+        share = float((corner["depth"] / thickness).max())
+        if share > _DEEP:
+            depth = shown(float(corner["depth"].max()), "m", 3)
+            words = f"a depth of {depth} is {number(share, 2)} of the film's thickness"
+            lines.append((f"{words} and exceeds {_DEEP:g} of it", _SMALL))
     return lines
 
 

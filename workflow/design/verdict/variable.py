@@ -40,8 +40,8 @@ class End(StrEnum):
     @property
     def words(self) -> str:
         """The end in a sentence about its variable."""
-        asked = " as asked for" if self in (End.UPPER_ASKED, End.LOWER_ASKED) else ""
-        return f"its {'upper' if self.outward > 0 else 'lower'} end{asked}"
+        asked = " of the range asked for" if self in (End.UPPER_ASKED, End.LOWER_ASKED) else " of its range"
+        return f"the {'upper' if self.outward > 0 else 'lower'} end{asked}"
 
 
 @dataclass(frozen=True)

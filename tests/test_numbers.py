@@ -1,0 +1,319 @@
+"""Numbers that docs/limits.md and the pages of theory state, computed by the solver."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+import solver
+from solver.arrays import Array
+from solver.halfplane.contact import Contact
+from solver.halfplane.profile import Profile
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
+from solver.line import outputs
+from solver.line.contact import FilmContact
+from solver.line.table import table
+from solver.stack.layers import Layer, Stack
+from solver.stack.reflection import sideways
+from tests.solver.face import test_film_interior, test_films
+from tests.solver.point.points import BTO, film, on_film
+from workflow.language import grammar
+from workflow.language.constants import Meeting
+from workflow.run.provenance import ROOT
+from workflow.study.device import Device
+from workflow.study.reading import read_yaml
+
+LIMITS, FILMS, POINTS = (
+    " ".join((ROOT / f"docs/{name}.md").read_text(encoding="utf-8").split())
+    for name in ("limits", "theory-films", "theory-points")
+)
+
+
+def rows(page: str) -> list[list[str]]:
+    """Cells of all tables of a page, row by row."""
+    text = (ROOT / f"docs/{page}.md").read_text(encoding="utf-8")
+    return [[cell.strip() for cell in row.split("|")[1:-1]] for row in re.findall(r"^\|.*\|$", text, re.MULTILINE)]
+
+
+# The half-plane of docs/limits.md
+
+CASE = {"volume_fraction": 0.5, "radius": 0.05, "load": 1e5, "friction": 0.3}
+
+
+def test_datum_conduction_and_punch_change_a_contact_as_stated() -> None:
+    datum = solver.solve({**CASE, "datum": [0.01, 0.1, 1.0, 10.0]})
+    volts = ", ".join(f"{abs(value):.3f}" for value in datum["voltage_per_load"].values)
+    assert f"voltage per load {volts} V m/N" in LIMITS
+    for name in ("charge_per_force", "stroke_per_volt", "contact_trailing", "peak_pressure", "trailing_tension"):
+        assert np.ptp(datum[name].values) < 1e-5 * abs(datum[name].values).mean()
+    conduction = ["conducting", "insulating"]
+    conducted = solver.solve({**CASE, "electric": conduction, "magnetic": conduction})
+    width, pressure = conducted["contact_trailing"] + conducted["contact_leading"], conducted["peak_pressure"]
+    spreads = (float(values.max() / values.min() - 1) for values in (width, pressure))
+    assert "width {:.1%}, largest pressure {:.1%}".format(*spreads).replace("%", " %") in LIMITS
+    elastic = solver.solve({**CASE, "punch": ["rigid", "steel"]})
+    rigid, steel = (elastic["contact_trailing"] + elastic["contact_leading"]).values
+    assert f"widens the contact by {100 * (steel / rigid - 1):.0f} %" in LIMITS
+    assert f"(a/R)^2 = {(float(rigid) / 2 / CASE['radius']) ** 2:.0e}".replace("e-0", "e-") in LIMITS
+    assert f"largest pressure is {datum['peak_pressure'].values[0] / 1e6:.0f} MPa" in LIMITS
+    assert f"the tension {datum['trailing_tension'].values[0] / 1e6:.0f} MPa" in LIMITS
+
+
+def test_a_film_on_copper_has_the_stated_charge() -> None:
+    layers = [solver.Layer(solver.find("PZT-4"), 2e-4), solver.Layer(solver.find("copper"), 2e-5)]
+    body = solver.Stack(layers, solver.find("silicon"))
+    charge = solver.solve({"body": body, "surroundings": "insulated", "radius": 0.05, "load": 2e4})
+    assert f"20 kN/m: {abs(float(charge['charge_per_force'])) * 1e12:.0f} pC/N" in LIMITS
+
+
+#: Designs of ``config/film_sensor.yaml``, rounded, in the case that decides.
+DESIGNS: dict[str, dict[str, float | str]] = {
+    "charge": {"volume_fraction": 0.8345, "thickness": 2.16e-4, "radius": 0.0514, "load": 5e3, "base": "steel"},
+    "voltage": {"volume_fraction": 0.8325, "thickness": 1.486e-3, "radius": 0.0432, "load": 5e3, "base": "steel"},
+    "quiet": {"volume_fraction": 0.8325, "thickness": 3.3e-3, "radius": 0.102, "load": 1e4, "base": "steel"},
+}
+FIGURES = {
+    "charge_per_force": 1e12,
+    "circuit_capacitance - input_capacitance - cable_capacitance": 1e12,
+    "signal_voltage": 1.0,
+    "smallest_force": 1e6,
+    "contact_trailing + contact_leading": 1e6,
+    "contact_trailing * contact_leading / (2 * radius)": 1e9,
+}
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_air_changes_a_film_sensor_as_stated(name: str) -> None:
+    case = DESIGNS[name]
+    grounded = {"interface_electric": "grounded", "interface_magnetic": "grounded", "punch": "steel", "friction": 0.3}
+    device = Device.model_validate(read_yaml(Path(ROOT / "config/film_sensor.yaml"))["device"])
+    factors = {factor: value for factor, value in case.items() if not isinstance(value, str)}
+    meetings: tuple[tuple[str, Meeting], ...] = (("insulated", "line"), ("air", "line in air"))
+    columns = []
+    for surroundings, meeting in meetings:
+        answer = solver.solve({**grounded, **case, "surroundings": surroundings})
+        values = {str(quantity): np.abs(array.values) for quantity, array in answer.data_vars.items()}
+        values |= {factor: np.asarray(value) for factor, value in {**device.constants, **factors}.items()}
+        figures = (float(grammar.parse(text, meeting).evaluate(values)) * scale for text, scale in FIGURES.items())
+        columns.append([f"{figure:.3g}" for figure in figures])
+    pairs = (", ".join(pair) for pair in zip(*columns, strict=True))
+    assert f"| {name} | {' | '.join(pairs)} |" in LIMITS
+
+
+# Points of docs/limits.md
+
+RADIUS, THICKNESS = 5e-3, 1e-4
+MATERIALS, RATIOS = ("PZT-4", "BaTiO3"), (0.2, 1.0, 5.0)
+
+
+def pressed(profile: str, loading: str, extent: str) -> dict[str, Array]:
+    """Quantities (material, ratio) of a punch pressed until its contact has the half-width a = ratio h."""
+    body = {"radius": RADIUS, "thickness": THICKNESS, "base": "rigid", "surroundings": "insulated", "profile": profile}
+    material, a = xr.DataArray(list(MATERIALS), dims="sample"), np.array(RATIOS) * THICKNESS
+
+    def solved(log_load: Array) -> xr.Dataset:
+        load = xr.DataArray(np.exp(log_load), dims=("sample", "ratio"))
+        return solver.solve(body | {"material": material, loading: load}).transpose("sample", "ratio", ...)
+
+    area = a**2 if loading == "force" else a
+    previous = np.log([solver.find(name).c33 * np.maximum(RATIOS, 1.0) * a / RADIUS * area for name in MATERIALS])
+    miss = np.log(solved(previous)[extent].values / a)
+    log_load = previous - miss
+    for _ in range(6):  # secant steps; the slope in logarithms hardly varies
+        residual = np.log(solved(log_load)[extent].values / a)
+        change = residual - miss
+        slope = np.where(change == 0, 1.0, (log_load - previous) / np.where(change == 0, 1.0, change))
+        previous, miss, log_load = log_load, residual, log_load - residual * slope
+    answer = solved(log_load)
+    return {
+        "charge per force": answer["charge_per_force"].values * 1e12,
+        "stroke per volt": answer["stroke_per_volt"].values * 1e12,
+        "depth": answer["depth"].values * RADIUS / a**2,
+        "largest pressure": answer["peak_pressure"].values * RADIUS / a / 1e9,
+    }
+
+
+@pytest.fixture(scope="module")
+def ball() -> dict[str, Array]:
+    return pressed("sphere", "force", "contact_radius")
+
+
+def test_a_roller_in_place_of_a_ball_is_as_wrong_as_stated(ball: dict[str, Array]) -> None:
+    roller = pressed("cylinder", "load", "contact_trailing")
+    stated = {(cells[0], cells[1]): cells[2:] for cells in rows("limits") if cells[0] in MATERIALS}
+    for (m, material), (r, ratio) in ((m, r) for m in enumerate(MATERIALS) for r in enumerate(RATIOS)):
+        for name, cell in zip(ball, stated[material, f"{ratio:g}"], strict=True):
+            pair = ball[name][m, r], roller[name][m, r]
+            assert pair == pytest.approx(tuple(map(float, cell.split(","))), rel=6e-4), (material, ratio, name)
+
+
+def ellipsoid(ratio: float) -> tuple[float, float]:
+    """Largest pressure and mean radius of an ellipsoid over those of the ball of its mean curvature.
+
+    Hertz, by Johnson (1985), eq. 4.28 to 4.32.
+    """
+
+    def integrals(e: float) -> tuple[float, float]:
+        return float(ellipk(e * e)), float(ellipe(e * e))
+
+    def curvatures(e: float) -> float:
+        K, E = integrals(e)
+        return (E / (1 - e * e) - K) / (K - E)
+
+    e = float(brentq(lambda e: curvatures(e) - ratio, 1e-3, 1 - 1e-12))
+    (K, E), short = integrals(e), np.sqrt(1 - e * e)
+    cube = 4 / (np.pi * e * e) * short**1.5 * np.sqrt((E / short**2 - K) * (K - E))
+    return float(cube ** (-2 / 3)), float(cube ** (1 / 3))
+
+
+def test_what_points_leave_out_is_as_large_as_stated(ball: dict[str, Array]) -> None:
+    pull = 3 * np.pi * 0.05 * RADIUS  # Johnson, Kendall and Roberts, at 50 mJ/m2
+    wider = [(1 + (pull + np.sqrt(2 * pull * force + pull**2)) / force) ** (1 / 3) - 1 for force in (1.0, 0.01)]
+    assert f"pulled off by {500 * pull:.3g} mN" in LIMITS
+    assert f"wider by {100 * wider[0]:.3g} % at 1 N and by {100 * wider[1]:.3g} % at 10 mN" in LIMITS
+    pressure, radius = ellipsoid(2.0)
+    assert f"pressure {100 * (pressure - 1):.3g} % more, mean radius {100 * (1 - radius):.3g} % less" in LIMITS
+    disc: dict[str, Any] = {"profile": "disc", "width": 1e-4, "force": 1.0, "magnetic": "insulating"}
+    fringe = [
+        4 * 8.8541878188e-12 * 5e-5 / float(solver.solve(disc | {"material": name})["capacitance"])
+        for name in ("BaTiO3", "PVDF")
+    ]
+    assert f"adds {100 * fringe[0]:.3g} % to the capacitance of a disc on BaTiO3, {100 * fringe[1]:.3g} % on" in LIMITS
+    alone = solver.solve({"material": "BaTiO3", "profile": "sphere", "radius": RADIUS, "force": 1.0})
+    charge = 1 - ball["charge per force"][1, 0] / (abs(float(alone["charge_per_force"])) * 1e12)
+    depth = 1 - ball["depth"][1, 0] / float(alone["depth"] * RADIUS / alone["contact_radius"] ** 2)
+    assert f"charge per force {100 * charge:.3g} % less, depth {100 * depth:.3g} % less" in LIMITS
+
+
+# docs/theory-points.md
+
+
+def stated(name: str) -> list[float]:
+    """Numbers of a row of docs/theory-points.md."""
+    return [float(cell) for cell in next(row for row in rows("theory-points") if row[0] == name)[1:]]
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_a_ball_on_a_half_space_has_the_stated_figures(material: str) -> None:
+    case: dict[str, Any] = {"profile": "sphere", "radius": 5e-3, "force": 10.0, "material": material}
+    opened = solver.solve(case)
+    grounded = solver.solve(case | {"total_charge": 10.0 * float(opened["charge_per_force"])})
+    assert abs(float(grounded["voltage"])) < 1e-10 * abs(float(opened["voltage"]))
+    figures = [
+        abs(float(opened["charge_per_force"])) * 1e12,
+        float(opened["contact_radius"]) * 1e6,
+        float(grounded["depth"]) * 1e6,
+        float(opened["peak_pressure"]) / 1e6,
+        abs(float(opened["voltage"])),
+    ]
+    assert figures == pytest.approx(stated(material), rel=8e-5)
+
+
+def test_balls_on_films_have_the_stated_figures() -> None:
+    radii = np.array([0.2, 1.0, 5.0])
+    forces = np.array(stated("$PR/a^3$ [Pa]")) * radii**3
+    grounded = on_film(film(BTO), 1.0, 2.0, 0.5, forces).grounded
+    np.testing.assert_allclose(grounded.radius, radii, rtol=3e-7)
+    charge = np.abs(grounded.loads[:, 1]) / forces * 1e12
+    np.testing.assert_allclose(charge, stated("size of $T/P$ [pC/N]"), rtol=4e-7)
+    np.testing.assert_allclose(-grounded.displacement[:, 0] / radii**2, stated("depth $R/a^2$"), rtol=1e-6)
+
+
+@pytest.mark.parametrize("layered", [False, True])
+def test_a_ball_in_air_has_the_stated_figures(layered: bool) -> None:
+    body = {"thickness": 1e-4, "base": "steel", "interface_electric": "grounded"} if layered else {}
+    case: dict[str, Any] = {"profile": "sphere", "radius": 5e-3, "force": 10.0, "material": "BaTiO3"}
+    case |= body | {"magnetic": "insulating"}
+    bare, air = (solver.solve(case | {"surroundings": kind}) for kind in ("insulated", "air"))
+    charge = [abs(float(answer["charge_per_force"])) * 1e12 for answer in (bare, air)]
+    stored = [float(answer["capacitance"]) * 1e12 for answer in (bare, air)]
+    voltage = float(air["voltage"] / bare["voltage"])
+    name = "BaTiO3 of 0.1 mm on steel, grounded" if layered else "half-space of BaTiO3"
+    row = f"| {name} | {charge[0]:.2f}, air {charge[1]:.2f} | {stored[0]:.3f}, air {stored[1]:.3f} | x {voltage:.3f} |"
+    assert row in POINTS
+
+
+# docs/theory-films.md
+
+MIXED, SILICON = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5), solver.find("silicon")
+CYLINDER = Profile.cylinder(np.array(0.05))
+
+
+def test_figures_of_the_page_of_films_are_those_of_the_tests() -> None:
+    cells = rows("theory-films")
+    start = cells.index(["", "case 1", "case 2", "case 3"]) + 2
+    for case, (name, (_, scalars, on_surface)) in enumerate(test_films.FIGURES.items(), start=1):
+        half_way, shear, normal = test_film_interior.INSIDE[name]
+        tested = [*scalars, *on_surface, *half_way, shear[0], normal[0], shear[1], normal[1]]
+        assert [float(row[case]) for row in cells[start : start + len(tested)]] == tested, name
+    for ratio, (pzt, titanate, depth) in test_films.SHORT_CIRCUIT.items():
+        row = next(row for row in cells if row[0] == f"{ratio:g}")
+        assert [float(cell) for cell in row[1:]] == [*pzt, depth, *titanate], ratio
+
+
+def pressed_film(stack: Stack, friction: float = 0.0, load: float = 1e5, charge: float = 0.0) -> FilmContact:
+    """Contact of a conducting cylinder of 50 mm on a stack."""
+    contacts = table(stack, friction, least=0.3, most=4.0, nodes=20)
+    return FilmContact(contacts, CYLINDER, np.array([load]), np.array([[charge, 0.0]]), np.array(1.0))
+
+
+def thick(material: solver.Material) -> list[float]:
+    """Half-length on a film ten half-lengths thick over the half-plane's, less 1: rigid, bonded, grounded base."""
+    sliding = Sliding(HalfPlane(material), np.array(0.3), np.array([True, True]))
+    load, charges = np.array([1e5]), np.zeros((1, 2))
+    exact = float(np.ravel(Contact(sliding, CYLINDER, load, charges).half_width)[0])
+    stacks = [Stack((Layer(material, 10 * exact),))]
+    stacks += [Stack((Layer(material, 10 * exact, kind),), SILICON) for kind in ("bonded", "grounded")]
+    tables = [table(stack, 0.3, least=0.05, most=0.2, nodes=12) for stack in stacks]
+    contacts = [FilmContact(contacts, CYLINDER, load, charges, np.array(1.0)) for contacts in tables]
+    return [float(contact.half_width[0]) / exact - 1 for contact in contacts]
+
+
+def said(pattern: str) -> float:
+    """The number at ``{}`` of a phrase of the page of films."""
+    number = r"(-?\d+\.?\d*(?:e-\d)?)"
+    match = re.search(re.escape(pattern).replace(r"\{\}", number), FILMS)
+    assert match, pattern
+    return float(match[1])
+
+
+def test_a_thick_film_differs_from_its_half_plane_as_stated() -> None:
+    rigid, bonded, grounded = thick(MIXED)
+    assert rigid == pytest.approx(said("by {} on a rigid base"), rel=0.03)
+    assert bonded == pytest.approx(said("by {} on silicon to which the film is electrically bonded"), rel=0.03)
+    assert grounded == pytest.approx(said("by {} on silicon with a grounded electrode"), rel=0.03)
+    _, bonded, grounded = thick(solver.find("BaTiO3"))
+    assert bonded == pytest.approx(said("BaTiO3 has {} bonded"), rel=0.03)
+    assert grounded == pytest.approx(said("bonded and {} grounded"), rel=0.03)
+
+
+def test_reciprocity_holds_and_fails_as_stated() -> None:
+    contact = pressed_film(Stack((Layer(MIXED, 3e-4),)), load=2e5)
+    read = np.einsum("n,noc->oc", contact.table.polynomials(np.log(contact.half_width))[0], contact.table.series)
+    T = len(contact.table.system.powers)
+    (load_T, u_T, _, psi_T), (load_J, u_J, V_J, _) = read[[outputs.LOAD, 3, 4, 5]][:, [T, T + 1]].T
+    assert load_T * u_J + V_J == pytest.approx(load_J * u_T + psi_T, rel=1e-9)
+    assert abs(V_J / psi_T - 1) == pytest.approx(0.01 * said("alone misses by {} %"), rel=0.03)
+    assert contact.tangents[0][0, 1] == pytest.approx(said("is {} m per C/m"), rel=0.03)
+    assert -contact.tangents[0][1, 0] == pytest.approx(said(r"$-\partial V/\partial P$ is {}"), rel=0.03)
+    assert -contact.potential(0)[0] / 2e5 == pytest.approx(said("the half-plane's identity, {}"), rel=0.03)
+
+
+def test_charge_and_datum_change_a_film_as_stated() -> None:
+    stack = Stack((Layer(MIXED, 2e-4),))
+    wide, plain = (pressed_film(stack, 0.3, charge=charge).half_width[0] for charge in (2e-5, 0.0))
+    assert wide / plain - 1 == pytest.approx(0.01 * said("the half-length by +{} %"), rel=0.03)
+    stack = Stack((Layer(MIXED, 1e-4, magnetic="insulated"),))
+    contact, c_B = pressed_film(stack), sideways(stack) * stack.scale[3] ** 2
+    assert contact.half_width[0] / stack.thickness == pytest.approx(said("contact {} times as long"), rel=0.03)
+    potential = contact.at_fixed_contact[0, 2, 1]
+    phrases = {2 / np.pi: "it is {} Wb/(A m)", 1.0: "the same film has {}", 10.0: "from $10 H$ {}"}
+    for datum, phrase in phrases.items():
+        permeance = 1 / (potential - c_B / 2 * (datum - 2 / np.pi) * stack.thickness)
+        assert permeance == pytest.approx(said(phrase), rel=0.03)
