@@ -122,6 +122,8 @@ def plain(text: str) -> str:
     if text.isascii() and "10" not in text and "**" not in text and "(" not in text:
         return text
     text = _OHM.sub(lambda ohm: "Ohm" + (" " if ohm["joined"] is not None else ""), text.translate(_PRINTED))
+    # Latin-1 has raised digits, but no raised minus
+    text = re.sub("(?<=[-+])[⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda raised: raised[0].translate(_RAISED), text)
     text = _TEN.sub(_exponent, text)
     text = re.sub("[⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ]+", lambda raised: f"^{raised[0].translate(_RAISED)}", text)
     text = re.sub(r"(?:\^|\*\*)\(?(?P<power>[-+]?[0-9]+(?:/[0-9]+)?)\)?", r"^\g<power>", text)

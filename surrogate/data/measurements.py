@@ -22,6 +22,8 @@ class Measurements:
     error: Array  # shape (n,); Standard deviation of its error; NaN where nobody knows it
 
     def __post_init__(self) -> None:
+        if any(map(np.ma.is_masked, (self.points, self.value, self.error))):
+            raise ValueError("measured rows hold masked cells; leave these rows out")
         if not np.isfinite(self.points).all() or not np.isfinite(self.value).all():
             raise ValueError("measured rows must hold finite numbers")
         if (self.error <= 0).any() or np.isinf(self.error).any():

@@ -103,6 +103,8 @@ class Inversion:
         ValueError
             A value that is not finite, an error that is not within `SMALLEST_ERROR` to `LARGEST_ERROR`.
         """
+        if np.ma.is_masked(values) or np.ma.is_masked(errors):
+            raise ValueError("measured values and errors must not be masked; leave these outputs out")
         if not np.isfinite(values).all() or not ((errors >= SMALLEST_ERROR) & (errors <= LARGEST_ERROR)).all():
             raise ValueError(
                 f"measured values must be finite, their errors within {SMALLEST_ERROR:g} to {LARGEST_ERROR:g}"

@@ -12,6 +12,7 @@ from typing import TextIO
 import numpy as np
 
 from solver import FactorError, MaterialError, PrecisionWarning
+from solver.threads import one_thread
 from storage.files import output, write_text
 from surrogate import FormatError, OutOfBoxError
 from workflow.cli import calculating, learn, materials, sensing, solve, studies
@@ -19,7 +20,7 @@ from workflow.cli.helping import Parser, exemplify
 from workflow.cli.launch import launch
 from workflow.cli.progress import busy
 from workflow.cli.query import query
-from workflow.cli.words import cores, say, surrogate_file, written_as
+from workflow.cli.words import cores, printable_streams, say, surrogate_file, written_as
 from workflow.study.reading import InputError, one_line
 
 _ABOUT = """\
@@ -34,9 +35,10 @@ piezomagnetic or magneto-electro-elastic body gives.
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line."""
+    printable_streams()
     options = _parser().parse_args(arguments)
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), one_thread():  # sums that threads share differ in their last digits
             warnings.simplefilter("always", PrecisionWarning)
             warnings.showwarning = _warned
             return int(options.run(options) or 0)

@@ -22,6 +22,7 @@ from workflow.cli.words import named, quantity, say, written_as
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
 from workflow.device.signal import DROP, Figures, History, Signal, read
+from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.numbers import shown
 from workflow.study.device import Amplifier, Device
 from workflow.study.messages import first_problem
@@ -29,7 +30,6 @@ from workflow.study.reading import InputError, number, read_material
 
 _MOST_WRITTEN = 1_000_000  # rows of a table of the signal
 _WRITTEN_TOGETHER = 2**16  # rows
-_DESTROYED = 1.5e9  # pressure that no ceramic bears [Pa], at which a bare force has probably lost its unit
 _MOST_PARTS = 1000
 _ROUGH = 1e-6  # of curves that are told to be rough
 
@@ -78,7 +78,7 @@ def signal(options: argparse.Namespace) -> None:
     most = float(history.forces.max())
     material = material_of(Cases(checked({**case, kind.loads.force: most}), own, ("BaTiO3", "CoFe2O4")))
     if file.bare:
-        _check_unit(file, case, most, solve({**case, kind.loads.force: most / length}, materials=own))
+        _check_unit(options.history, file, most, solve({**case, kind.loads.force: most / length}, materials=own))
     body = film(case, material) if "collector" in case and "thickness" in case else None
     contact = ContactCurves.from_case(case, most, length=length, materials=own, body=body)
     if contact.roughness > _ROUGH:
@@ -144,14 +144,11 @@ def _plain(text: str) -> float | str:
         return text
 
 
-def _check_unit(file: ForceFile, case: dict[str, Any], most: float, solved: xr.Dataset) -> None:
+def _check_unit(path: Path, file: ForceFile, most: float, solved: xr.Dataset) -> None:
     """Refuse a bare force whose contact would be destroyed: it has probably lost its unit."""
     peak = float(solved["peak_pressure"].values.max()) if "peak_pressure" in solved else 0.0
-    if file.bare and _DESTROYED < peak < np.inf:
-        raise InputError(
-            f"{file.column}: {most:g} has no unit, and {most:g} N press with {shown(peak, 'Pa', 3)}; did you mean "
-            f"{most:g} mN? write the unit into the header, as '{file.column} [N]'"
-        )
+    if file.bare and DESTROYED < peak < np.inf:
+        raise InputError(f"{path}: {file.column}: {lost_unit(most, 'N', peak)}")
 
 
 def _write(path: Path, history: History, reading: Signal) -> int:

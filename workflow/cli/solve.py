@@ -7,6 +7,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
 import xarray as xr
 
 from solver import Material, solve, solve_interior
@@ -15,6 +16,7 @@ from solver.names import (
     ALL_QUANTITIES,
     CHOICES,
     ELECTRODE_QUANTITIES,
+    FACTORS,
     OF_AN_ELECTRODE,
     POINT_SLIDING,
 )
@@ -23,7 +25,8 @@ from storage.netcdf import write_whole
 from workflow.cli.case_solver import as_csv, solved
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.words import numbers, say, written_as
-from workflow.study.reading import read_material
+from workflow.language.given import DESTROYED, lost_unit
+from workflow.study.reading import InputError, read_material
 
 _NAMED = 8  # quantities that a message names
 Commands: TypeAlias = "argparse._SubParsersAction[Any]"
@@ -70,6 +73,7 @@ def _solve(options: argparse.Namespace) -> None:
     table, out = _solved(
         options, lambda factors, own: solve(factors, positions, materials=own, peaks=options.peaks), points
     )
+    _check_units(table, out)
     names = [str(name) for name in out.coords]
     around = out["surroundings"].values.flat if "surroundings" in names else [CHOICES["surroundings"][0]]
     pressed = out["profile"].values.flat if "profile" in names else [CHOICES["profile"][0]]
@@ -83,6 +87,19 @@ def _solve(options: argparse.Namespace) -> None:
         more = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""
         print(f"empty where a case has no such quantity: {', '.join(partial[:_NAMED])}{more}", file=sys.stderr)
     _wrote(options, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
+
+
+def _check_units(table: Table, out: xr.Dataset) -> None:
+    """Refuse a bare force that would destroy any ceramic: it has probably lost its unit."""
+    for name in sorted({"force", "load"} & table.bare):
+        if "peak_pressure" not in out:
+            continue
+        pressures = np.broadcast_to(out["peak_pressure"].values, out.sizes["case"])
+        crushed = (pressures > DESTROYED) & np.isfinite(pressures) & ~table.empty(name)
+        if crushed.any():
+            row = int(crushed.argmax())
+            value, unit = float(table.columns[name][row]), FACTORS[name].units
+            raise InputError(f"{table.at(row)}: {name}: {lost_unit(value, unit, float(pressures[row]))}")
 
 
 def _unasked(table: Table) -> set[str]:

@@ -19,7 +19,7 @@ from solver.body import Kind, around, kind_of
 from solver.names import AIR, BODY
 from solver.stack.electrodes import Electrode
 
-_COUNT = 33  # Chebyshev points in the logarithm of the force: smooth curves are met to 1e-11
+_COUNT = 21  # Chebyshev points in the logarithm of the force: smooth curves are met to 1e-10
 _CONSTANT = 1e-6  # power below which a capacitance does not depend on the force, as that of a flat punch
 _SPAN = 1e4  # largest force over the smallest one that is solved
 

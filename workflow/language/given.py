@@ -6,6 +6,7 @@ from typing import Any
 from solver.units import in_si
 from workflow.language.expressions import units_of
 from workflow.language.factors import FACTORS, own_kind
+from workflow.language.numbers import shown
 
 _NUMBERS = ("low", "high", "choices", "uniform", "normal", "triangular")  # of a range or a distribution
 #: Sizes, in SI, below and from which on a bare number has probably lost its unit, and the unit that was meant.
@@ -54,6 +55,18 @@ def check_bare(name: str, value: float, units: str = "") -> None:
         text = f"{value:g} {units or units_of(name)}"
         usual = "mm" if usual == "um" and abs(value) < 1 else usual
         raise UnitlessError(f"{value:g} is {text}; did you mean {value:g} {usual}? {text!r} is read as it stands")
+
+
+#: Pressure that no piezoceramic bears [Pa], at which a bare force has probably lost its unit.
+DESTROYED = 1.5e9
+
+
+def lost_unit(value: float, unit: str, pressure: float) -> str:
+    """Return a question about a bare force that presses with a destructive pressure [Pa]."""
+    return (
+        f"{value:g} has no unit, and {value:g} {unit} press with {shown(pressure, 'Pa', 3)}; did you mean {value:g} "
+        f"m{unit}? the unit stands in the header or behind the number"
+    )
 
 
 def number(name: str, given: float | str, units: str = "") -> float:

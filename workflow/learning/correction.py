@@ -20,6 +20,7 @@ from workflow.study.reading import InputError
 from workflow.study.uncertainty import Constant
 
 _WRONG_UNIT = 30.0  # measured over predicted values, as a factor, by which no constant changes a quantity
+_TURNED = 0.9  # share of readings with the opposite sign from which the sign is the instrument's
 _VAGUE = 1e9  # an error of measurement over the largest value: beyond it a row says nothing, and squares overflow
 
 
@@ -72,17 +73,31 @@ def learn(
 
 
 def _check_size(model: GaussianProcess, rows: Measurements, mean: Array) -> None:
-    """Whether measured values are of the size of what the surrogate gives."""
+    """Refuse measured values whose sign or size shows another convention or unit than the surrogate's."""
     for q in rows.outputs:
         k = rows.of(q)
-        _check_errors(model, q, rows.error[k], float(np.abs([rows.value[k], mean[k]]).max()))
-        ratio = float(np.median(np.abs(rows.value[k])) / max(float(np.median(np.abs(mean[k]))), 1e-300))
+        measured, predicted = rows.value[k], mean[k]
+        _check_errors(model, q, rows.error[k], float(np.abs([measured, predicted]).max()))
+        ratio = float(np.median(np.abs(measured)) / max(float(np.median(np.abs(predicted))), 1e-300))
         noise = np.nanmedian(rows.error[k]) if np.isfinite(rows.error[k]).any() else 0.0
-        small = float(np.median(np.abs(mean[k]))) < 3 * noise  # nothing but noise was to be measured
-        if not small and not 1 / _WRONG_UNIT < ratio < _WRONG_UNIT:
-            name, units = model.outputs_[q], model.attrs_[model.outputs_[q]].get("units", "")
+        if float(np.median(np.abs(predicted))) < 3 * noise * min(1.0, 1 / ratio if ratio else 1.0):
+            continue  # nothing but noise was to be measured
+        large = np.abs(measured) > 3 * noise
+        opposite = bool(large.any()) and float(np.mean(measured[large] * predicted[large] < 0)) > _TURNED
+        name, units = model.outputs_[q], model.attrs_[model.outputs_[q]].get("units", "")
+        if not 1 / _WRONG_UNIT < ratio < _WRONG_UNIT:
+            power = 3 * round(float(np.log10(max(ratio, 1e-300))) / 3)
+            factor = 10.0**-power
+            fits = power and 1 / _WRONG_UNIT < ratio * factor < _WRONG_UNIT
+            sign = " the opposite sign and" if opposite else ""
+            hint = f"; they would fit with{sign} a factor of {factor:g}" if fits else ""
             raise InputError(
-                f"{name}: measured values are {ratio:.2g} times those of the surrogate; are they in {units}?"
+                f"{name}: measured values are {ratio:.2g} times those of the surrogate; are they in {units}?{hint}"
+            )
+        if opposite:
+            raise InputError(
+                f"{name}: {int(large.sum())} measured values have the opposite sign of the surrogate's; they would fit "
+                "with the opposite sign: turn it if the instrument counts the other way"
             )
 
 

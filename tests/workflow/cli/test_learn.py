@@ -88,7 +88,7 @@ def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, caps
         (",depth,", ",contact_trailing,", "depth_std: without a column depth"),
         (",depth,depth_std,voltage [kV]", ",friction,speed,datum", "friction: neither an input"),
         (",composite,", ",material,", "material: neither an input"),
-        ("load,", "charge,", "charge: neither an input"),
+        ("load,", "speed,", "speed: neither an input"),
         (",laminate,", ",AlScN,", "composite: 'AlScN'; must be one of fibrous, laminate"),
         (",laminate,", ",,", "composite: empty; must be one of fibrous, laminate"),
         ("voltage [kV]", "voltage [nV]", "voltage[laminate]: measured values are 1.1e-12 times"),

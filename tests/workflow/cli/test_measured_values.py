@@ -44,6 +44,8 @@ def told(capsys: pytest.CaptureFixture[str], text: str) -> list[float]:
         "-519+-5.19",
         "-519e3mV+-5190 mV",
         "-0.519+-0.00519 kV",
+        "−519 ± 1 %",
+        "-5.19×10² V +/- 5.19 V",
     ],
 )
 def test_one_measurement_in_all_its_forms(text: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -62,6 +64,10 @@ def test_one_measurement_in_all_its_forms(text: str, capsys: pytest.CaptureFixtu
         ("-519+-0%", "'0%' is not a positive number with a unit"),
         ("-519+--5", "'-5' is not a positive number with a unit"),
         ("nan+-1%", "--measured: voltage"),
+        ("519+-1%", "voltage would fit with the opposite sign"),
+        ("-519000+-1%", "voltage would fit with a factor of 0.001"),
+        ("-519uV+-1%", "voltage would fit with a factor of 1e+06"),
+        ("519mV+-1%", "voltage would fit with the opposite sign and a factor of 1000"),
     ],
 )
 def test_what_is_none_is_refused_in_one_line(text: str, says: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -215,3 +215,17 @@ def test_noise_is_that_of_amplifier_and_temperature() -> None:
 def test_contacts_without_a_signal_are_refused(case: dict[str, Any], words: str) -> None:
     with pytest.raises(solver.FactorError, match=words):
         ContactCurves.from_case(case, FORCE)
+
+
+def test_histories_that_cannot_be_are_refused() -> None:
+    times = np.arange(3.0)
+    for forces, words in (
+        (np.ma.masked_equal(times, 1.0), "masked"),
+        (np.array([0.0, np.nan, 1.0]), "finite"),
+        (np.array([0.0, -1.0, 1.0]), "must be >= 0"),
+        (times[:2], "as many forces as times"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            History(times, forces)
+    with pytest.raises(ValueError, match="must ascend"):
+        History(times[::-1], times)

@@ -163,6 +163,15 @@ def test_what_cannot_be_learnt_is_refused(half_plane: tuple[Study, GridGP]) -> N
     good = rows(X, exact, [0, 1], 0.01, 1)
     with pytest.raises(InputError, match="0 rows with a measured value; must be 1 to 1000"):
         correction.learn(study, model, rows(X[:0], exact[:0], [0, 1], 0.01, 1), known)
-    wrong = Measurements(X, good.row, good.output, np.where(good.output == 1, 1e-3, 1.0) * good.value, good.error)
-    with pytest.raises(InputError, match=r"voltage: measured values are 0.001 times .* are they in V\?"):
-        correction.learn(study, model, wrong, known)
+    for factor, words in (
+        (1e-3, r"voltage: measured values are 0.001 times .* are they in V\?; they would fit with a factor of 1000"),
+        (1e6, r"voltage: .* they would fit with a factor of 1e-06"),
+        (-1.0, "voltage: 12 measured values have the opposite sign"),
+        (-1e3, "they would fit with the opposite sign and a factor of 0.001"),
+    ):
+        wrong = np.where(good.output == 1, factor, 1.0)
+        read = Measurements(X, good.row, good.output, wrong * good.value, np.abs(wrong) * good.error)
+        with pytest.raises(InputError, match=words):
+            correction.learn(study, model, read, known)
+    with pytest.raises(ValueError, match="masked"):
+        Measurements(X, good.row, good.output, np.ma.masked_less(good.value, 0), good.error)
