@@ -22,7 +22,7 @@ from solver.point.quantities import quantities, sliding_quantities
 from solver.point.sliding import Rubbed, warn_of_order
 from solver.point.surface import surface_fields
 
-#: Surface fields as fields inside, which have what friction adds.
+#: Surface fields of sliding contacts by the fields inside that equal them at the surface.
 SURFACE = {
     "contact_pressure": "stress_yy", "electric_displacement": "electric_displacement_y",
     "magnetic_induction": "magnetic_induction_y", "radial_stress": "stress_xx", "hoop_stress": "stress_zz",
@@ -30,7 +30,7 @@ SURFACE = {
 
 
 class OnPoints(Body):
-    """What half-spaces and films under points have in common: their punches, and how outputs are put together."""
+    """Half-spaces and films under points: their punches, and their outputs put together."""
 
     _need_c12 = POINT_NEED_C12
     _singular = POINT_SINGULAR
@@ -44,10 +44,10 @@ class OnPoints(Body):
 
     @abstractmethod
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
-        """Places among the cases, and the contacts there."""
+        """Indices among the cases, and the contacts there."""
 
     def quantities(self) -> dict[str, Array]:
-        """Those of ``solver.names.POINT_QUANTITIES`` that every case has; (...)."""
+        """Quantities of ``solver.names.POINT_QUANTITIES`` that every case has; (...)."""
         return self._of_parts(self._quantities)
 
     def _quantities(self, pressed: Pressed, places: Indices) -> dict[str, Array]:
@@ -59,27 +59,27 @@ class OnPoints(Body):
 
     @abstractmethod
     def _rim(self, places: Indices) -> Rim | None:
-        """The surface beside the contacts; None where a c12 is missing."""
+        """Surface just outside the contacts; None where a c12 is missing."""
 
-    def peaks(self, asked: Set[str]) -> dict[str, Array]:
-        """Those of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and every case has; (...)."""
+    def peaks(self, requested: Set[str]) -> dict[str, Array]:
+        """Requested peaks of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that every case has; (...)."""
         self._require_c12("largest stresses under a point need")
-        return self._of_parts(lambda pressed, places: self._peaks(pressed, places, asked), self._apart())
+        return self._of_parts(lambda pressed, places: self._peaks(pressed, places, requested), self._apart())
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
         """Refused: peaks of points are searched for, not learnt from curves."""
         raise FactorError("curves: of a body under a point contact are not given; ask for peaks")
 
     def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
-        values = self._of_parts(lambda pressed, own: surface_fields(pressed, positions, self._rim(own)))
+        values = self._of_parts(lambda pressed, places: surface_fields(pressed, positions, self._rim(places)))
         if np.any(self._friction):
             values |= self._slid(positions)
         return self._with_regular(values, positions) if regular else values
 
     def _slid(self, positions: Array, charged: Collection[str] = ()) -> dict[str, Array]:
-        """Fields on the surface with what friction adds, as those inside that end there; (..., position) each.
+        """Fields on the surface of sliding contacts, as those inside that end there; (..., position) each.
 
-        ``charged``: tractions that the surface carries beside the contact, too.
+        ``charged``: tractions that the surface carries outside the contact, too.
         """
         names = [name for name in SURFACE if self._lacks_c12 is None or SURFACE[name] not in POINT_NEED_C12]
         values = self._at_surface(positions, names)
@@ -101,9 +101,9 @@ class OnPoints(Body):
             self._apart(),
         )
 
-    # -- what is beside the contact has its part in ------------------------------------------------------------------
-    def _peaks(self, pressed: Pressed, places: Indices, asked: Set[str]) -> dict[str, Array]:
-        return peaks(pressed, self._within(places, pressed), asked)
+    # -- overridden for contacts in air --------------------------------------------------------------------------------
+    def _peaks(self, pressed: Pressed, places: Indices, requested: Set[str]) -> dict[str, Array]:
+        return peaks(pressed, self._within(places, pressed), requested)
 
     def _fields(self, pressed: Pressed, places: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
         """Fields of ``LINEAR`` and potentials; (case, field, y, x)."""
@@ -113,7 +113,7 @@ class OnPoints(Body):
         return values
 
     def _apart(self) -> list[tuple[Indices, Pressed]]:
-        """Cases of one body each, lengths apart."""
+        """Cases of one body each, lengths not shared."""
         return self._parts
 
     def _within(self, places: Indices, pressed: Pressed) -> Inside:
@@ -122,7 +122,7 @@ class OnPoints(Body):
 
     @abstractmethod
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
-        """The body of cases of one body."""
+        """Body of cases of one body."""
 
     def _of_parts(
         self,
@@ -137,7 +137,7 @@ class OnPoints(Body):
         exponent, coefficient = self._profile()
         exponents = self._flat(exponent)[places]
         return [
-            (own := places[exponents == e], Shape(e), self._flat(coefficient)[own])
+            (alike := places[exponents == e], Shape(e), self._flat(coefficient)[alike])
             for e in np.unique(exponents).tolist()
         ]
 
@@ -159,5 +159,5 @@ class OnPoints(Body):
         return self._flat(self.cases.number("friction"))
 
     def _loads(self, places: Indices) -> tuple[Array, Array]:
-        """P (case,) and T, J (case, 2)."""
+        """Forces P (case,) and charges T, J (case, 2)."""
         return self._flat(self.cases.force)[places], self._flat(self.cases.charges, 2)[places]

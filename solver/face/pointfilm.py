@@ -22,10 +22,10 @@ from solver.stack.layers import Stack
 
 
 class OnPointFilm(OnPoints):
-    """Points on films, all cases of one film and conduction from the same tables."""
+    """Points on films; all cases of one film and conduction share the same tables."""
 
     def quantities(self) -> dict[str, Array]:
-        """Those of a half-space, and the nominal field."""
+        """Quantities of a half-space, and the nominal field."""
         return self._of_parts(lambda pressed, places: with_nominal_field(self._quantities(pressed, places), pressed))
 
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
@@ -39,23 +39,25 @@ class OnPointFilm(OnPoints):
             if metal := film.electroded or film.stack().conductors[0]:
                 refuse_charge(self.cases)
             held = bool(electric) and not metal, bool(magnetic)
-            for own, shape, coefficient in self._by_exponent(np.flatnonzero(which == number)):
+            for alike, shape, coefficient in self._by_exponent(np.flatnonzero(which == number)):
                 kind = PointKind(film, held, shape, punch)
-                body = Film(kind, thickness[own])
-                read = None if reading is None else reading.part(own)
-                friction = self._rubbing(kind, own, coupling)
-                loads = self._loads(own)
-                pressed.append((own, Pressed(body, kind.scale, coefficient, *loads, np.array(held), read, friction)))
+                body = Film(kind, thickness[alike])
+                part_of_reading = None if reading is None else reading.part(alike)
+                friction = self._rubbing(kind, alike, coupling)
+                loads = self._loads(alike)
+                pressed.append(
+                    (alike, Pressed(body, kind.scale, coefficient, *loads, np.array(held), part_of_reading, friction))
+                )
         return pressed
 
-    def _rubbing(self, kind: PointKind, own: Indices, punch: float) -> Friction | None:
-        """What slides; None where nothing is said of it."""
+    def _rubbing(self, kind: PointKind, places: Indices, punch: float) -> Friction | None:
+        """Friction of some cases; None where no factor gives it."""
         if "friction" not in self.cases.values:
             return None
         stack = kind.film.stack()
         k = -surface(stack)[0, 1:]
         coupling = contact_coupling(k, stack.scale, np.array(punch), np.array(kind.conducts))
-        return Friction(self._friction[own], np.broadcast_to(coupling, (own.size, 3)), punch)
+        return Friction(self._friction[places], np.broadcast_to(coupling, (places.size, 3)), punch)
 
     @cached_property
     def _bodies(self) -> Bodies:
@@ -66,10 +68,10 @@ class OnPointFilm(OnPoints):
         return self._bodies.lacks_c12
 
     def _rim(self, places: Indices) -> Rim | None:
-        """Of the half-plane of the top of cases of one body, where it tells the surface beside their contacts."""
-        stack = next(_stack(pressed) for own, pressed in self._parts if own is places)
-        told = self._lacks_c12 is None and not stack.electroded
-        return Rim.of(stack.media[0].halfplane) if told else None
+        """Rim of the top of cases of one body; None below an electrode or without c12."""
+        stack = next(_stack(pressed) for part, pressed in self._parts if part is places)
+        is_known = self._lacks_c12 is None and not stack.electroded
+        return Rim.of(stack.media[0].halfplane) if is_known else None
 
     def _within(self, places: Indices, pressed: Pressed) -> Inside:
         self._refuse_electroded("fields")
@@ -80,13 +82,14 @@ class OnPointFilm(OnPoints):
 
 
 def _stack(pressed: Pressed) -> Stack:
+    """Stack of contacts on a film."""
     if not isinstance(pressed.body, Film):
         raise TypeError("a half-space is no stack")
     return pressed.body.kind.film.stack()
 
 
 def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Array]:
-    """Quantities of a body, and the nominal field where it is a film."""
+    """Quantities of a body, with the nominal field and the electrode's readings where it is a film."""
     body = pressed.body
     if isinstance(body, Film) and "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (body.thickness * body.kind.film.above_ground)

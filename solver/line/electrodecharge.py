@@ -1,4 +1,4 @@
-"""What a contact along a line brings to an electrode below it, and to strips of it (films, section 11).
+"""Charge that a contact along a line brings to an electrode below it, and to strips of it (films, section 11).
 
 With q(k) the rows of an electrode times the transforms of the tractions, a strip of width w in the distance d collects
 (1/pi) Re int q exp(ikd) 2 sin(kw/2) dk/k. On top a part of q is v of the tractions at the same place, which the
@@ -28,9 +28,9 @@ def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
     reading.refused(conducts=films.kind.conducts[0])
     reading, parts = reading.over(films.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, window, contact in films.parts:
-        own = reading.part(places)
-        read = partial(_OfLine, films.kind, window, contact, own, films.thickness[places])
-        parts.append((places, together(own, read, contact.half_width)))
+        part = reading.part(places)
+        read = partial(_OfLine, films.kind, window, contact, part, films.thickness[places])
+        parts.append((places, together(part, read, contact.half_width)))
     return joined(parts, films.load.size)
 
 
@@ -39,19 +39,19 @@ def together(reading: Reading, read: Callable[[Indices, int, int], "Collected"],
     octaves, parts = octave_of(reading.reach + extent), list[tuple[Indices, dict[str, Array]]]()
     for number in np.unique(reading.collector).tolist():
         for octave in np.unique(octaves).tolist():
-            some = np.flatnonzero((reading.collector == number) & (octaves == octave))
-            if not some.size:
+            cases = np.flatnonzero((reading.collector == number) & (octaves == octave))
+            if not cases.size:
                 continue
             try:
-                parts.append((some, read(some, int(number), octave).quantities()))
+                parts.append((cases, read(cases, int(number), octave).quantities()))
             except FarError as error:
-                size = "" if reading.size is None else f"{reading.size[some].max():.3g} thicknesses of the top layer; "
+                size = "" if reading.size is None else f"{reading.size[cases].max():.3g} thicknesses of the top layer; "
                 raise StackError(f"patch_size: {size}{error}") from None
     return joined(parts, extent.size)
 
 
 class Collected(ABC):
-    """What contacts of either kind bring to one electrode and to patches of it; (case,) each."""
+    """Charge that contacts of either kind bring to one electrode and to patches of it; (case,) each."""
 
     def __init__(self, electrode: Electrode, reading: Reading, force: Array, loads: Array) -> None:
         self.electrode, self.reading, self.force, self.scale = electrode, reading, force, electrode.stack.scale
@@ -75,7 +75,7 @@ class Collected(ABC):
 
     @abstractmethod
     def _pressure(self) -> Array:
-        """On the electrode below the middle of the contact [Pa]."""
+        """Pressure on the electrode below the middle of the contact [Pa]."""
 
     @abstractmethod
     def _patch(self, distance: Array) -> Array:
@@ -83,7 +83,7 @@ class Collected(ABC):
 
     @abstractmethod
     def _gradient(self, distance: Array) -> Array:
-        """Their derivatives by the distance [m]."""
+        """Derivatives of the charges by the distance [m]."""
 
 
 class _OfLine(Collected):
@@ -91,21 +91,21 @@ class _OfLine(Collected):
 
     def __init__(
         self, kind: Kind, window: int, contact: FilmContact, reading: Reading, thickness: Array,
-        some: Indices, number: int, octave: int,
+        cases: Indices, number: int, octave: int,
     ) -> None:  # fmt: skip
-        stack, loads = kind.stack(), np.concatenate([contact.load[:, None], contact.charges], -1)[some]
-        super().__init__(Electrode(stack, number), reading.part(some), contact.load[some], loads)
-        self.thickness = thickness[some]
+        stack, loads = kind.stack(), np.concatenate([contact.load[:, None], contact.charges], -1)[cases]
+        super().__init__(Electrode(stack, number), reading.part(cases), contact.load[cases], loads)
+        self.thickness = thickness[cases]
         if self.electrode.on_top and reading.size is None:
             return
         self.k, self.weights, rows = transfers(stack, number, octave)
-        self.tractions = traction_window(kind, window).read(contact).part(some)
-        self.carried: ComplexArray = np.empty((some.size, 2, self.k.size), np.complex128)
+        self.tractions = traction_window(kind, window).read(contact).part(cases)
+        self.carried: ComplexArray = np.empty((cases.size, 2, self.k.size), np.complex128)
         step = max(_BLOCK // self.k.size, 1)
-        for start in range(0, some.size, step):
-            here = slice(start, start + step)
-            transforms = self.tractions.part(here).in_fourier_space(self.k)[..., 0]
-            self.carried[here] = np.einsum("ckt,krt->crk", transforms, rows) / stack.scale[2]
+        for start in range(0, cases.size, step):
+            block = slice(start, start + step)
+            transforms = self.tractions.part(block).in_fourier_space(self.k)[..., 0]
+            self.carried[block] = np.einsum("ckt,krt->crk", transforms, rows) / stack.scale[2]
 
     def _pressure(self) -> Array:
         pressure = -np.sum(self.carried[:, 1].real * self.weights, -1) / np.pi
@@ -126,10 +126,10 @@ class _OfLine(Collected):
         return charge + self._local(distance, size, order) if self.electrode.on_top else charge
 
     def _local(self, distance: Array, size: Array, order: int) -> Array:
-        """What strips on top get of the tractions on them; (case,)."""
+        """Charge of strips on top by the tractions on them; (case,)."""
         half = self.tractions.half_lengths
         ends = (distance[:, None] + size[:, None] * [-0.5, 0.5]) / half[:, None]
-        at = self.tractions.on_plane(ends.astype(np.complex128), integrated=order == 0)[..., 0]  # (4, case, end)
-        parts = np.concatenate([at[:1].real, at[1:].imag])
+        tractions = self.tractions.on_plane(ends.astype(np.complex128), integrated=order == 0)[..., 0]  # (4, case, end)
+        parts = np.concatenate([tractions[:1].real, tractions[1:].imag])
         charge = np.einsum("t,tc->c", self.electrode.local, parts[..., 1] - parts[..., 0]) / self.scale[2]
         return np.asarray(charge if order else charge * half)

@@ -15,7 +15,7 @@ from solver.stack.electrodereading import Reading
 
 @dataclass(frozen=True, eq=False)
 class Friction:
-    """What slides along x, and what the surfaces do of it."""
+    """Friction along x, and the tangential answer of the surfaces."""
 
     coefficient: Array  # eta; (case,)
     coupling: Array  # k of the half-space of the top less that of the punch, units of the body; (case, 3)
@@ -27,13 +27,13 @@ class Pressed:
     """Punches of revolution, pressed by forces."""
 
     body: HalfSpace | Film
-    scale: Array
-    coefficient: Array
-    force: Array
-    charges: Array
-    conducts: BoolArray
-    reading: Reading | None = None
-    friction: Friction | None = None
+    scale: Array  # Units of (x, y, phi, psi) of the body; (4,) or (case, 4)
+    coefficient: Array  # C of the profile C r^e, or the radius of a disc [m]; (case,)
+    force: Array  # P [N]; (case,)
+    charges: Array  # T [C] and J [Wb]; (case, 2)
+    conducts: BoolArray  # Whether the punch conducts (electric, magnetic); (2,) or (case, 2)
+    reading: Reading | None = None  # Electrode that is read; None: none
+    friction: Friction | None = None  # None: the punch does not slide
 
     @property
     def units(self) -> Array:
@@ -41,50 +41,47 @@ class Pressed:
         return np.broadcast_to(self.scale[..., 1:], (self.force.size, 3))
 
     def contact(self, charges: Array | None = None, held: tuple[bool, bool] = (False, False)) -> "Contact":
-        """The contacts under charges, or potentials where held; without any by default.
-
-        charges: (case, 2), T [C] and J [Wb], or V and Psi where held; None: zero.
-        """
+        """Contacts under charges T [C] and J [Wb], or potentials V and Psi where held; (case, 2), zero by default."""
         flat = self.body.shape.flat
-        given = np.zeros((self.force.size, 2)) if charges is None else charges
+        prescribed = np.zeros((self.force.size, 2)) if charges is None else charges
         units = self.units[:, 1:]
-        own = np.where(held, given / units, given * units)
-        loading = Loading(self.coefficient / self.units[:, 0], self.force * self.units[:, 0], own, held)
+        scaled = np.where(held, prescribed / units, prescribed * units)
+        loading = Loading(self.coefficient / self.units[:, 0], self.force * self.units[:, 0], scaled, held)
         radius = self.coefficient if flat else self.body.radius(loading)
         return Contact(self, radius, loading.state(self.body.stiffness(radius), self.body.shape, radius))
 
     @property
     def length(self) -> Array:
-        """The unit of the body's lengths [m]: the thickness of its top layer, or the contact radius; (case,)."""
+        """Unit of the body's lengths [m]: the thickness of its top layer, or the contact radius; (case,)."""
         return self.body.thickness if isinstance(self.body, Film) else self.charged.radius
 
     @cached_property
     def charged(self) -> "Contact":
-        """With the charges of the cases."""
+        """Contacts with the charges of the cases."""
         return self.contact(self.charges)
 
     @cached_property
     def uncharged(self) -> "Contact":
-        """Without charges."""
+        """Contacts without charges."""
         return self.contact() if np.any(self.charges) else self.charged
 
     @cached_property
     def grounded(self) -> "Contact":
-        """With both potentials held at zero."""
+        """Contacts with both potentials held at zero."""
         return self.contact(held=(True, True))
 
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Contacts of known radii."""
+    """Contacts of known radii, SI."""
 
     pressed: Pressed
-    radius: Array
+    radius: Array  # a [m]; (case,)
     state: State
 
     @property
     def size(self) -> Array:
-        """C a^e, 1 of a disc, in the units of the body; (case,)."""
+        """C a^e, 1 for a disc, in the units of the body; (case,)."""
         shape = self.pressed.body.shape
         if shape.flat:
             return np.ones_like(self.radius)
@@ -92,12 +89,12 @@ class Contact:
 
     @property
     def displacement(self) -> Array:
-        """u0 = (-depth, V, Psi) [m, V, A]; (case, 3)."""
+        """Displacement u0 = (-depth, V, Psi) [m, V, A]; (case, 3)."""
         return self.state.displacement * self.size[:, None] * self.pressed.units
 
     @property
     def loads(self) -> Array:
-        """(P, T, J) [N, C, Wb]; (case, 3)."""
+        """Loads (P, T, J) [N, C, Wb]; (case, 3)."""
         return self.state.loads * (self.size * self.radius)[:, None] / self.pressed.units
 
     @property
@@ -108,12 +105,12 @@ class Contact:
 
     @property
     def tangent(self) -> Array:
-        """-d(P, T, J) / d(-depth, V, Psi), SI; (case, 3, 3)."""
+        """Return -d(P, T, J) / d(-depth, V, Psi), SI; (case, 3, 3)."""
         return self._in_units(self.state.tangent, self.pressed.units)
 
     @property
     def fixed(self) -> Array:
-        """-d(T, J) / d(V, Psi) at a fixed contact, SI; (case, 2, 2)."""
+        """Return -d(T, J) / d(V, Psi) at a fixed contact, SI; (case, 2, 2)."""
         return self._in_units(self.state.fixed, self.pressed.units[:, 1:])
 
     def _in_units(self, values: Array, units: Array) -> Array:
@@ -123,28 +120,34 @@ class Contact:
     def peak_pressure(self) -> Array:
         """Largest pressure below a curved punch [Pa]; (case,)."""
         body = self.pressed.body
-        of_one: Array = np.asarray(2 / np.pi * np.linalg.inv(self.state.stiffness.compliance)[..., 0, 0])
-        own = of_one * halfspace_peak(body.shape) if isinstance(body, HalfSpace) else self._peak_on(body, of_one)
-        return np.asarray(own * self.size / self.radius / self.pressed.units[:, 0])
+        per_form: Array = np.asarray(2 / np.pi * np.linalg.inv(self.state.stiffness.compliance)[..., 0, 0])
+        over_unit = (
+            per_form * halfspace_peak(body.shape) if isinstance(body, HalfSpace) else self._peak_on(body, per_form)
+        )
+        return np.asarray(over_unit * self.size / self.radius / self.pressed.units[:, 0])
 
-    def _peak_on(self, film: Film, of_one: Array) -> Array:
-        """Largest pressure over C a^(e-1) on a film: at the centre, or else climbed to."""
+    def _peak_on(self, film: Film, per_form: Array) -> Array:
+        """Largest pressure over C a^(e-1) on a film, at the centre or climbed to; (case,)."""
         causes, form = self.state.causes, halfspace_form(film.shape, SAMPLES)
-        added = film.gathered(self.radius, lambda of, at, places: of.pressures(at, causes[places]))
-        values = of_one[:, None] * form + added
+        added = film.gathered(self.radius, lambda table, log_ratio, places: table.pressures(log_ratio, causes[places]))
+        values = per_form[:, None] * form + added
         best = np.argmax(values, -1)
-        found = values[np.arange(best.size), best]
-        beside = np.flatnonzero(best < SAMPLES.size - 1)
-        for places, of, log_ratio in film.part(beside).windows(self.radius[beside]):
-            some = beside[places]
-            between = SAMPLES[np.maximum(best[some] - 1, 0)], SAMPLES[best[some] + 1]
-            found[some] = self._climbed(of, log_ratio, causes[some], of_one[some], between)
-        return np.asarray(found)
+        largest = values[np.arange(best.size), best]
+        off_centre = np.flatnonzero(best < SAMPLES.size - 1)
+        for places, table, log_ratio in film.part(off_centre).windows(self.radius[off_centre]):
+            cases = off_centre[places]
+            bracket = SAMPLES[np.maximum(best[cases] - 1, 0)], SAMPLES[best[cases] + 1]
+            largest[cases] = self._climbed(table, log_ratio, causes[cases], per_form[cases], bracket)
+        return np.asarray(largest)
 
-    def _climbed(self, of: Window, at: Array, causes: Array, of_one: Array, between: tuple[Array, Array]) -> Array:
-        added = of.terms.between(of.tractions(at, causes)[:, 0], *between)
+    def _climbed(
+        self, table: Window, log_ratio: Array, causes: Array, per_form: Array, bracket: tuple[Array, Array]
+    ) -> Array:
+        """Largest pressure over C a^(e-1) within brackets of x, each (case,)."""
+        series = table.tractions(log_ratio, causes)[:, 0]
 
         def pressure(x: Array) -> Array:
-            return np.asarray(of_one * halfspace_form(of.kind.shape, x) - added(x))
+            added = np.sum(series * table.terms.forms(x), -1)
+            return np.asarray(per_form * halfspace_form(table.kind.shape, x) - added)
 
-        return climbed(pressure, *between)
+        return climbed(pressure, *bracket)

@@ -9,7 +9,7 @@ A ball that slides adds waves J1(kr) cos(angle). These are -1/k times the deriva
 a patch is -1/k times the derivative by the distance of the charge of J0.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -28,25 +28,27 @@ from solver.point.surface import BelowPunch
 from solver.point.system import halfspace_terms
 from solver.point.table import Window
 from solver.point.tractions import Tractions
-from solver.stack.electrodereading import STRIP, Reading
+from solver.stack.electrodereading import DISC, STRIP, Reading
 from solver.stack.electrodes import Electrode, transfers
 from solver.stack.layers import StackError
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(48)
+_PHASE = 8.0  # phase of a wave over a panel of densities
+_VALUES_AT_ONCE = 1_000_000  # values of Bessel functions or waves held at once: bounded memory
 
 
 @dataclass(frozen=True, eq=False)
 class Covered:
     """Patches of one shape, their lengths over the radius of the contact; (case,) each."""
 
-    shape: int  # Place in ``solver.names.CHOICES["patch"]``
-    distance: Array  # Of the patch's middle from that of the contact
+    shape: int  # Index in ``solver.names.CHOICES["patch"]``
+    distance: Array  # Distance of the patch's middle from that of the contact
     size: Array  # Diameter of a disc, width of a strip
 
     def rule(self, *, slope: bool) -> tuple[Array, Array]:
         """Radii r within the contact, and weights of an integral over the covered part; (case, node) each.
 
-        ``slope``: of its derivative by the distance.
+        With ``slope`` the weights give the integral's derivative by the distance.
         """
         ends = np.sort(np.clip(np.stack([*self._ends, 0 * self.size, 0 * self.size + 1], -1), 0.0, 1.0), -1)
         half, middle = (ends[:, 1:] - ends[:, :-1]) / 2, (ends[:, 1:] + ends[:, :-1]) / 2
@@ -54,24 +56,22 @@ class Covered:
         r = np.asarray(middle[..., None] - half[..., None] * np.cos(angle)).reshape(len(half), -1)
         weights = (half[..., None] * np.sin(angle) * np.pi / 2 * _WEIGHTS).reshape(len(half), -1)
         r = np.clip(r, 1e-300, 1.0)
-        with np.errstate(divide="ignore", invalid="ignore"):  # between ends that are one, whose weight is 0
-            found = np.where(weights > 0, weights * r * self._angle(r, slope=slope), 0.0)
-        return r, found
+        with np.errstate(divide="ignore", invalid="ignore"):  # ends may coincide; their weight is 0
+            return r, np.where(weights > 0, weights * r * self._angle(r, slope=slope), 0.0)
 
     @property
     def _ends(self) -> list[Array]:
-        """Radii at which the angle has a root."""
+        """Radii at which the covered angle has a root."""
         d, half = self.distance, self.size / 2
         return [np.abs(d - half), np.abs(d + half)]
 
     def _angle(self, r: Array, *, slope: bool) -> Array:
-        """Of the circles that the patch covers, or its derivative by the distance."""
+        """Angle of the circles that the patch covers, or its derivative by the distance."""
         d, half = self.distance[:, None], self.size[:, None] / 2
         if self.shape == STRIP:
-            part = _beyond_slope if slope else _beyond
-            return np.asarray(part(d - half, r) - part(d + half, r))
-        disc = _disc_slope if slope else _disc
-        return np.asarray(disc(d, half, r))
+            angle = _beyond_slope if slope else _beyond
+            return np.asarray(angle(d - half, r) - angle(d + half, r))
+        return _disc_slope(d, half, r) if slope else _disc(d, half, r)
 
 
 def _beyond(x: Array, r: Array) -> Array:
@@ -86,35 +86,33 @@ def _beyond_slope(x: Array, r: Array) -> Array:
 
 
 def _disc(d: Array, b: Array, r: Array) -> Array:
-    """Angle of a circle about the origin that lies in the disc of radius b in the distance d."""
+    """Angle of a circle about the origin that lies in the disc of radius b at the distance d."""
     d = np.abs(d)
-    away = np.where(d > 0, d, 1.0)
-    share = np.arccos(np.clip((r**2 + d**2 - b**2) / (2 * r * away), -1.0, 1.0))
-    return np.asarray(2 * np.where(d > 0, share, np.where(r < b, np.pi, 0.0)))
+    distance = np.where(d > 0, d, 1.0)
+    angle = np.arccos(np.clip((r**2 + d**2 - b**2) / (2 * r * distance), -1.0, 1.0))
+    return np.asarray(2 * np.where(d > 0, angle, np.where(r < b, np.pi, 0.0)))
 
 
 def _disc_slope(d: Array, b: Array, r: Array) -> Array:
-    away, side = np.where(d != 0, np.abs(d), 1.0), np.sign(d)
-    root = ((r + away) ** 2 - b**2) * (b**2 - (r - away) ** 2)
-    slope = -2 * (away**2 - r**2 + b**2) / (away * np.sqrt(np.abs(root)))
+    """Derivative of :func:`_disc` by the distance."""
+    distance, side = np.where(d != 0, np.abs(d), 1.0), np.sign(d)
+    root = ((r + distance) ** 2 - b**2) * (b**2 - (r - distance) ** 2)
+    slope = -2 * (distance**2 - r**2 + b**2) / (distance * np.sqrt(np.abs(root)))
     return np.asarray(np.where((root > 0) & (d != 0), side * slope, 0.0))
-
-
-_PHASE = 8.0  # of a wave over a panel of densities
-_BLOCK = 1_000_000  # values of the Bessel functions held at once
 
 
 def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict[str, Array]:
     """Requested quantities of ``solver.names.ELECTRODE_QUANTITIES``, SI; (case,) each."""
     reading.refused(conducts=film.kind.conducts[0])
     reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
-    for places, window, _ in film.windows(contact.radius):
-        own, extent = reading.part(places), (contact.radius / film.thickness)[places]
-        parts.append((places, together(own, partial(_OfPoint, contact, film, window, own, places), extent)))
+    for places, table, _ in film.windows(contact.radius):
+        part, extent = reading.part(places), (contact.radius / film.thickness)[places]
+        parts.append((places, together(part, partial(_OfPoint, contact, film, table, part, places), extent)))
     return joined(parts, contact.radius.size)
 
 
 def _slides(contact: Contact) -> bool:
+    """Return whether any of the contacts has friction."""
     friction = contact.pressed.friction
     return friction is not None and bool(np.any(friction.coefficient))
 
@@ -123,12 +121,12 @@ class _OfPoint(Collected):
     """Cases of one window and electrode whose distances are of like size; lengths over the top layer's thickness."""
 
     def __init__(
-        self, contact: Contact, film: Film, window: Window, reading: Reading, window_places: Indices,
-        some: Indices, number: int, octave: int,
+        self, contact: Contact, film: Film, table: Window, reading: Reading, window_places: Indices,
+        cases: Indices, number: int, octave: int,
     ) -> None:  # fmt: skip
-        stack, places = film.kind.film.stack(), window_places[some]
+        stack, places = film.kind.film.stack(), window_places[cases]
         super().__init__(
-            Electrode(stack, number), reading.part(some), contact.pressed.force[places], contact.loads[places]
+            Electrode(stack, number), reading.part(cases), contact.pressed.force[places], contact.loads[places]
         )
         self.thickness = film.thickness[places]
         self.radius, self.size = contact.radius[places] / self.thickness, contact.size[places] * self.thickness
@@ -140,99 +138,98 @@ class _OfPoint(Collected):
         self.k, self.weights, self.rows = transfers(stack, number, octave)
         self.rubbed = Rubbed(contact).tractions.part(places) if slides else None
         causes, shape = contact.state.causes[places], film.shape
-        added = window.tractions(np.log(self.radius), causes)
+        added = table.tractions(np.log(self.radius), causes)
         count = added.shape[-1]
-        if shape.exponent % 2:  # of an even power few terms are not zero
+        if shape.exponent % 2:  # the half-space's series of an even power ends after a few terms
             count = max(count, int(np.max(self.radius) * self.k[-1] / 2) + 12)
         self.terms = np.einsum("ind,cd->cin", halfspace_terms(film.kind.compliance, shape, count), causes)
         self.terms[..., : added.shape[-1]] += added
         self.tractions = BelowPunch(contact, places, added)
 
     def _pressure(self) -> Array:
-        pressure = self._integrated(1, lambda some: self.k / (2 * np.pi) * np.ones((some.size, 1)))
+        pressure = self._integrated(1, lambda cases, k: k / (2 * np.pi) * np.ones((cases.size, 1)))
         return np.asarray(-pressure / self.thickness**2 * self.scale[2] / self.scale[1])
 
     def _patch(self, distance: Array) -> Array:
-        found = self._charge(distance, slope=False)
-        return found if self.rubbed is None else found + self._turned(self.rubbed, distance)
+        charge = self._charge(distance, slope=False)
+        return charge if self.rubbed is None else charge + self._turned(self.rubbed, distance)
 
     def _gradient(self, distance: Array) -> Array:
         return self._charge(distance, slope=True) / self.thickness
 
     def _turned(self, rubbed: Tractions, distance: Array) -> Array:
-        """What friction adds to charges [C] of patches in distances, odd in these; (case,)."""
-        found = np.zeros_like(distance)
-        at = self._nodes
-        step = max(_BLOCK // (at.b.size * self.k.size), 1)
-        for start in range(0, found.size, step):
-            some = np.arange(start, min(start + step, found.size))
-            turned = rubbed.vectors(at.b, some)[1]
+        """Charges [C] that friction adds to patches at distances, odd in these; (case,)."""
+        charge = np.zeros_like(distance)
+        nodes = hankel.nodes(parts=int(np.max(self.radius) * self.k[-1] / _PHASE) + 4, kinked=True)
+        for cases, waves in self._blocks(nodes.b.size):
+            turned = rubbed.vectors(nodes.b, cases)[1]
             if turned is None:
                 continue
-            phase = self.radius[some, None, None] * self.k[:, None] * at.b
-            carried = np.einsum("ckb,cb,k->ck", np.cos(phase), turned[:, 0] * at.weights, self.rows[:, 0, 0])
-            down = np.einsum("ckb,cib->cki", np.sin(phase), turned[:, 1:] * at.weights, optimize=True)
-            carried += np.einsum("cki,ki->ck", down, self.rows[:, 0, 1:])
-            wave = -self._wave(some, distance, slope=True) / self.k
-            found[some] = 2 * np.pi * self.radius[some] ** 2 * np.sum(carried * wave * self.weights, -1)
-        return np.asarray(found * self.thickness**2 / self.scale[2])
+            k, rows = self.k[waves], self.rows[waves, 0]
+            phase = self.radius[cases, None, None] * k[:, None] * nodes.b
+            carried = np.einsum("ckb,cb,k->ck", np.cos(phase), turned[:, 0] * nodes.weights, rows[:, 0])
+            down = np.einsum("ckb,cib->cki", np.sin(phase), turned[:, 1:] * nodes.weights, optimize=True)
+            carried += np.einsum("cki,ki->ck", down, rows[:, 1:])
+            patch = -self._wave(cases, k, distance, slope=True) / k
+            charge[cases] += 2 * np.pi * self.radius[cases] ** 2 * np.sum(carried * patch * self.weights[waves], -1)
+        return np.asarray(charge * self.thickness**2 / self.scale[2])
 
-    @property
-    def _nodes(self) -> hankel.Nodes:
-        return hankel.nodes(parts=int(np.max(self.radius) * self.k[-1] / _PHASE) + 4, kinked=True)
+    def _blocks(self, count: int) -> Iterator[tuple[Indices, slice]]:
+        """Yield cases and wavenumbers whose arrays of `count` values for each pair fit into the memory."""
+        pairs = max(_VALUES_AT_ONCE // count, 1)
+        waves = min(pairs, self.k.size)
+        step = max(pairs // waves, 1)
+        for start in range(0, self.radius.size, step):
+            for first in range(0, self.k.size, waves):
+                yield np.arange(start, min(start + step, self.radius.size)), slice(first, first + waves)
 
     def _charge(self, distance: Array, *, slope: bool) -> Array:
-        """Charges [C] of patches in distances, or their derivatives by these; without friction."""
-        found = self._integrated(0, lambda some: self._wave(some, distance, slope=slope))
-        return found + self._local(distance, self._size, slope=slope) if self.electrode.on_top else found
+        """Charges [C] of patches at distances, or their derivatives by these; without friction."""
+        charge = self._integrated(0, lambda cases, k: self._wave(cases, k, distance, slope=slope))
+        return charge + self._local(distance, self._size, slope=slope) if self.electrode.on_top else charge
 
     @property
     def _size(self) -> Array:
         return np.zeros_like(self.radius) if self.reading.size is None else self.reading.size
 
-    def _wave(self, some: Indices, distance: Array, *, slope: bool) -> Array:
-        """What patches of some cases make of waves, or its derivative by their distances (case,); (some, k)."""
-        found = np.empty((some.size, self.k.size))
-        for shape in np.unique(self.reading.shape[some]).tolist():
-            own = np.flatnonzero(self.reading.shape[some] == shape)
-            wave = self._strip if shape == STRIP else self._disc
-            found[own] = wave(distance[some[own]], self._size[some[own]], slope=slope)
-        return found
+    def _wave(self, cases: Indices, k: Array, distance: Array, *, slope: bool) -> Array:
+        """Charge of waves on patches of some cases, or its derivative by their distances (case,); (some, k)."""
+        charge, shapes = np.empty((cases.size, k.size)), self.reading.shape[cases]
+        for shape, wave in ((STRIP, _strip), (DISC, _disc_wave)):
+            alike = np.flatnonzero(shapes == shape)
+            charge[alike] = wave(k, distance[cases[alike], None], self._size[cases[alike], None], slope=slope)
+        return charge
 
     def _local(self, distance: Array, size: Array, *, slope: bool) -> Array:
-        """What patches on top get of the tractions on them, or its derivative by the distance."""
-        found = np.zeros_like(distance)
+        """Charge of patches on top by the tractions on them, or its derivative by the distance; (case,)."""
+        charge = np.zeros_like(distance)
         for shape in np.unique(self.reading.shape).tolist():
-            own = np.flatnonzero(self.reading.shape == shape)
-            lengths = (values[own] / self.radius[own] for values in (distance, size))
+            alike = np.flatnonzero(self.reading.shape == shape)
+            lengths = (values[alike] / self.radius[alike] for values in (distance, size))
             r, weights = Covered(int(shape), *lengths).rule(slope=slope)
-            carried = np.einsum("j,cjr->cr", self.electrode.local[1:], self.tractions.at(own, r))
-            found[own] = np.sum(carried * weights, -1) / (self.radius[own] if slope else 1.0)
-        return np.asarray(found * self.size * self.radius / self.scale[2])
+            carried = np.einsum("j,cjr->cr", self.electrode.local[1:], self.tractions.at(alike, r))
+            charge[alike] = np.sum(carried * weights, -1) / (self.radius[alike] if slope else 1.0)
+        return np.asarray(charge * self.size * self.radius / self.scale[2])
 
-    def _disc(self, distance: Array, size: Array, *, slope: bool) -> Array:
-        """What discs make of waves, or its derivative by their distance; (case, k)."""
-        kd, half = self.k * distance[:, None], size[:, None] / 2
-        along = -self.k * j1(kd) if slope else j0(kd)
-        return np.asarray(half * along * j1(self.k * half))
+    def _integrated(self, row: int, wave: Callable[[Indices, Array], Array]) -> Array:
+        """Return int (row of the transfers . tractions) wave dk over the charge's unit; (case,)."""
+        integral, count = np.zeros(self.radius.size), self.terms.shape[-1]
+        for cases, waves in self._blocks(count):
+            k = self.k[waves]
+            orders = even_orders(self.radius[cases, None] * k, count)
+            transforms = np.einsum("cin,nck->cik", self.terms[cases], orders, optimize=True)
+            carried = np.einsum("cik,ki->ck", transforms, self.rows[waves, row, 1:])
+            integral[cases] += np.sum(carried * wave(cases, k) * self.weights[waves], -1)
+        return np.asarray(2 * np.pi * integral * self.size * self.radius / self.scale[2])
 
-    def _strip(self, distance: Array, size: Array, *, slope: bool) -> Array:
-        """What strips make of waves, or its derivative by their distance; (case, k)."""
-        kd = self.k * distance[:, None]
-        along = -self.k * np.sin(kd) if slope else np.cos(kd)
-        return np.asarray(along * 2 * np.sin(self.k * size[:, None] / 2) / (np.pi * self.k))
 
-    def _integrated(self, row: int, wave: Callable[[Indices], Array]) -> Array:
-        """int (row of the transfers . tractions) wave dk over the charge's unit; (case,)."""
-        count = self.terms.shape[-1]
-        found, step = np.empty(self.radius.size), max(_BLOCK // (count * self.k.size), 1)
-        for start in range(0, found.size, step):
-            some = np.arange(start, min(start + step, found.size))
-            carried = np.einsum("cik,ki->ck", self._waves(some), self.rows[:, row, 1:])
-            found[some] = np.sum(carried * wave(some) * self.weights, -1)
-        return np.asarray(2 * np.pi * found * self.size * self.radius / self.scale[2])
+def _disc_wave(k: Array, distance: Array, size: Array, *, slope: bool) -> Array:
+    """Charge of waves on discs, or its derivative by their distance, (case, 1); (case, k)."""
+    along = -k * j1(k * distance) if slope else j0(k * distance)
+    return np.asarray(size / 2 * along * j1(k * size / 2))
 
-    def _waves(self, some: Indices) -> Array:
-        """Transforms of the tractions of some cases, over C a^(e+1) 2 pi; (some, 3, k)."""
-        orders = even_orders(self.radius[some, None] * self.k, self.terms.shape[-1])
-        return np.asarray(np.einsum("cin,nck->cik", self.terms[some], orders, optimize=True))
+
+def _strip(k: Array, distance: Array, size: Array, *, slope: bool) -> Array:
+    """Charge of waves on strips, or its derivative by their distance, (case, 1); (case, k)."""
+    along = -k * np.sin(k * distance) if slope else np.cos(k * distance)
+    return np.asarray(along * 2 * np.sin(k * size / 2) / (np.pi * k))

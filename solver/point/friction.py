@@ -29,36 +29,33 @@ _EDGE = np.ones(1)
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """What a half-space answers to friction, without layers, per eta."""
+    """Half-space's answer to friction, without layers, per eta."""
 
     compliance: Array  # N of the contact; (..., 3, 3)
     coupling: Array  # k of the contact; (..., 3)
     shape: Shape  # The punch
 
     def part(self, cases: Indices) -> "Response":
-        """Some of the cases."""
+        """Answers of some of the cases."""
         return Response(self.compliance[cases], self.coupling[cases], self.shape)
 
     @cached_property
     def answers(self) -> tuple[Array, Array]:
-        """N^-1 k, and N^-1 e_y for a unit shift; (..., 3) each."""
+        """Return N^-1 k, and N^-1 e_y for a unit shift; (..., 3) each."""
         inverse = np.linalg.inv(self.compliance)
         unit = 2 / np.pi * self.shape.exponent * self.shape.rise
         along = np.einsum("...ij,...j->...i", inverse, self.coupling)
         return np.asarray(along), np.asarray(unit * inverse[..., 0])
 
     def shift(self, turned: Array) -> Array:
-        """c over a times the densities' unit that makes the edge smooth, of H[phi_sigma] there; (...); a disc stays."""
+        """Shift c over a times the densities' unit that makes the edge smooth, zero for a disc; (...)."""
         if self.shape.flat:
             return np.zeros_like(turned)
         along, moved = self.answers
         return np.asarray(along[..., 0] * turned / moved[..., 0])
 
     def closed(self, turned: Array, b: Array, shift: Array) -> Array:
-        """psi of H[phi_sigma] (..., b) and shifts (...); (..., 3, b).
-
-        turned: (..., b), H[phi_sigma]; b: (b,); shift: (...), c over a times the densities' unit.
-        """
+        """Density psi of H[phi_sigma], (..., b), and of shifts c/a times the densities' unit, (...); (..., 3, b)."""
         along, moved = self.answers
         return np.asarray(
             shift[..., None, None] * moved[..., None] * b ** (self.shape.exponent - 1)
@@ -66,38 +63,34 @@ class Response:
         )
 
     def settled(self, turned: Array, series: Array, edges: Array) -> Array:
-        """c/a and coefficients of what layers add to psi, where the pressure is smooth at the edge; (cause, 1 + 3 n).
+        """Shift c/a and layers' coefficients of psi for which the pressure is smooth at the edge; (cause, 1 + 3 n).
 
-        turned: (cause,), H[phi_sigma] at the edge, of what is closed; series: (3, n, cause + 1), coefficients per
-        cause, and of a unit shift; edges: (cause + 1,), what layers add to sigma_yy at the edge.
+        turned: (cause,), H[phi_sigma] at the edge of the half-space's part; series: (3, n, cause + 1), coefficients per
+        cause, and of a unit shift; edges: (cause + 1,), layers' contribution to sigma_yy at the edge.
         """
         shift = np.zeros_like(turned)
-        if not self.shape.flat:  # else it stays where it is
-            own = self.closed(turned[:, None], _EDGE, np.zeros(turned.size))[:, 0, 0]
-            shift = -(own + edges[:-1]) / (edges[-1] + self.closed(np.zeros((1, 1)), _EDGE, np.ones(1))[0, 0, 0])
-        both = np.moveaxis(series[..., :-1] + series[..., -1:] * shift, -1, 0)
-        return np.concatenate([shift[:, None], both.reshape(shift.size, -1)], 1)
+        if not self.shape.flat:  # a disc does not shift
+            closed_edge = self.closed(turned[:, None], _EDGE, np.zeros(turned.size))[:, 0, 0]
+            shift = -(closed_edge + edges[:-1]) / (
+                edges[-1] + self.closed(np.zeros((1, 1)), _EDGE, np.ones(1))[0, 0, 0]
+            )
+        settled_series = np.moveaxis(series[..., :-1] + series[..., -1:] * shift, -1, 0)
+        return np.concatenate([shift[:, None], settled_series.reshape(shift.size, -1)], 1)
 
 
 def contact_coupling(coupling: Array, scale: Array, punch: Array | float, conducts: BoolArray) -> Array:
-    """k of the contact from that of the body, in its units; (..., 3)."""
-    own = coupling - np.asarray(punch / (scale[..., 0] * scale[..., 1]))[..., None] * np.eye(3)[0]
-    return np.where(np.concatenate([np.ones_like(conducts[..., :1]), conducts], -1), own, 0.0)
+    """Coupling k of the contact from that of the body, in its units; (..., 3)."""
+    both_surfaces = coupling - np.asarray(punch / (scale[..., 0] * scale[..., 1]))[..., None] * np.eye(3)[0]
+    return np.where(np.concatenate([np.ones_like(conducts[..., :1]), conducts], -1), both_surfaces, 0.0)
 
 
 def legendre(b: Array, count: int) -> Array:
-    """P_n(2 b - 1); (b, n).
-
-    b: (b,), 0 to 1.
-    """
+    """Polynomials P_n(2 b - 1) at b, (b,) from 0 to 1; (b, n)."""
     return np.asarray(np.polynomial.legendre.legvander(2 * b - 1, count - 1))
 
 
 def legendre_rates(b: Array, count: int) -> Array:
-    """d P_n(2 b - 1) / db; (b, n).
-
-    b: (b,), 0 to 1.
-    """
+    """Derivatives d P_n(2 b - 1) / db at b, (b,) from 0 to 1; (b, n)."""
     derived = np.polynomial.legendre.legder(np.eye(count), axis=0) if count > 1 else np.zeros((1, count))
     return np.asarray(2 * np.polynomial.legendre.legvander(2 * b - 1, len(derived) - 1) @ derived)
 
@@ -107,7 +100,7 @@ _ANGLES = 60  # nodes of the integrals around the edge
 
 @dataclass(frozen=True, eq=False)
 class Rim:
-    """What the surface of the top answers beside the contact, SI; (case,) each, or of one body."""
+    """Answers of the top's surface just outside the contact, SI; (case,) each, or of one body."""
 
     coupling: Array  # k of the body; (..., 3)
     # C11 = c11 - h T3^-1 h, and c11 - c12 [Pa]
@@ -120,7 +113,7 @@ class Rim:
 
     @classmethod
     def of(cls, half: HalfPlane) -> "Rim":
-        """Of a material with c12."""
+        """Rim of a material with c12."""
         m = half.material
         shear = np.asarray(m.c11 - m.c12)
         transverse = 1 / np.sqrt(m.c44 * shear / 2)
@@ -128,35 +121,32 @@ class Rim:
         return cls(*of_body, half.tangential_compliance, transverse)
 
     def part(self, cases: Indices | int) -> "Rim":
-        """Those of some cases, or the one body."""
+        """Rim of some of the cases, or the one body."""
         if self.coupling.ndim == 1:
             return self
         return Rim(*(getattr(self, field.name)[cases] for field in fields(self)))
 
     def tension(self, moments: Array, rubbed: tuple[Array, Array]) -> Array:
-        """sigma_xx at the trailing edge of a half-space whose tractions lie below the contact [Pa]; (...).
+        """Stress sigma_xx at the trailing edge of a half-space whose tractions lie below the contact [Pa]; (...).
 
-        moments: (..., 3), int_0^1 (t s + t_1 s^2) ds of (sigma_yy, D_y, B_y) below the contact, SI; rubbed:
-        (ndarray, ndarray), shape (...) each, eta times I_1 and I_3 of :func:`edge_sums`, SI.
+        moments: (..., 3), int_0^1 (t s + t_1 s^2) ds of (sigma_yy, D_y, B_y) below the contact, SI; rubbed: eta times
+        I_1 and I_3 of :func:`edge_sums`, SI, (...) each.
         """
         first, third = rubbed
         along, across = self.tangential, self.transverse * self.shear / 4
-        found = self.shear * np.einsum("...i,...i->...", self.coupling, moments)
-        found = found - (along * (self.stiffness - self.shear / 4) + across) * first
-        return np.asarray(found + (along * self.shear / 4 - across) * third)
+        stress = self.shear * np.einsum("...i,...i->...", self.coupling, moments)
+        stress = stress - (along * (self.stiffness - self.shear / 4) + across) * first
+        return np.asarray(stress + (along * self.shear / 4 - across) * third)
 
-    def charged(self, beside: Array) -> Array:
-        """What charges that the surface carries just outside the edge add to it [Pa]; (...).
-
-        beside: (..., 3), (0, D_y, B_y), SI.
-        """
-        return np.asarray(np.einsum("...i,...i->...", self.share - self.stiffness[..., None] * self.coupling, beside))
+    def charged(self, charges: Array) -> Array:
+        """Stress [Pa] of charges (0, D_y, B_y), (..., 3), that the surface carries just outside the edge; (...)."""
+        return np.asarray(np.einsum("...i,...i->...", self.share - self.stiffness[..., None] * self.coupling, charges))
 
 
 def edge_sums(pressed: Density) -> tuple[Array, Array]:
-    """I_n = -int_0^(pi/2) phi_sigma'(sin angle) sin(n angle) d angle, n of 1 and 3; (column,) each."""
-    x, w = np.polynomial.legendre.leggauss(_ANGLES)
-    angle, weights = np.pi / 4 * (1 + x), np.pi / 4 * w
+    """Return I_n = -int_0^(pi/2) phi_sigma'(sin angle) sin(n angle) d angle, n of 1 and 3; (column,) each."""
+    gauss, gauss_weights = np.polynomial.legendre.leggauss(_ANGLES)
+    angle, weights = np.pi / 4 * (1 + gauss), np.pi / 4 * gauss_weights
     falling = pressed.falling(np.sin(angle))[:, 0]
     return falling @ (np.sin(angle) * weights), falling @ (np.sin(3 * angle) * weights)
 
@@ -167,7 +157,7 @@ _KEPT = 32
 
 
 def added_tension(stack: Stack, rim: Rim, ratio: float, b: Array, plain: Array, turned: Array) -> float:
-    """What they add [Pa]."""
+    """Layers' contribution to sigma_xx at the trailing edge [Pa] of densities `plain` and `turned` at b."""
     last = _FAR * max(1.0, stack.thickness / ratio)
     k, added, sheared = _waves(stack, int(np.ceil(np.log2(ratio * (2 + last)))))
     q, near = k * ratio, b < last
@@ -176,23 +166,23 @@ def added_tension(stack: Stack, rim: Rim, ratio: float, b: Array, plain: Array, 
     falling = (last / b[~near]) ** np.array(_FALLING)[:, None]
 
     def together(values: Array, share: Array) -> Array:
-        """Those far away in one; (b, channel)."""
+        """Join the far values into one; (b, channel)."""
         return np.append(values[:, near], (values[:, ~near] @ share)[:, None], 1).T
 
     first, second = cosines @ together(plain, falling[0]), sines @ together(turned[1:], falling[1])
     J = bessel_orders(q, np.ones(1), ORDERS)[..., 0]
     dilation = q * J[0] * first.T + q * J[1] * second.T
     hoop = J[1] * first.T + J[2] * second.T
-    own = np.einsum("ki,ik->", added[:, 0, 1:], rim.stiffness * dilation - rim.shear * hoop)
+    dilated = np.einsum("ki,ik->", added[:, 0, 1:], rim.stiffness * dilation - rim.shear * hoop)
     rubbed = q * (cosines @ together(turned[:1], falling[0]))[:, 0]
     along, across = (3 * J[1] - J[3]) / 4, (J[1] + J[3]) / 4
     straight = added[:, 0, 0] * (rim.stiffness * along + (rim.stiffness - rim.shear) * across)
-    return float(ratio * stack.scale[0] * (own - rubbed @ (straight + sheared * rim.shear * across)))
+    return float(ratio * stack.scale[0] * (dilated - rubbed @ (straight + sheared * rim.shear * across)))
 
 
 @lru_cache(_KEPT)
 def _waves(stack: Stack, power: int) -> tuple[Array, Array, Array]:
-    """Wavenumbers for distances up to a power of two; Delta, and the same of shear waves, times their weights."""
+    """Wavenumbers for distances up to a power of two; Delta and its like of shear waves, times their weights."""
     k, weights = wavenumbers(stack, 2.0**power, strip(stack))
     shear = ShearWaves(stack, k).at(0, np.zeros(1), reflected=True)[0, :, 0] / stack.scale[0] ** 2
     return k, difference(stack, k) * weights[:, None, None], shear * weights

@@ -20,69 +20,66 @@ from scipy.special import j0, j1
 
 from solver.arrays import Array, ComplexArray
 
-_BEYOND = 24  # orders above the highest one, from which the ratios begin: they forget their beginning
-_SMALL = 0.1  # where series are used
-_MOST = 400_000  # values of all orders held at once
+_ORDERS_ABOVE = 24  # orders above the highest one at which the ratios begin: their error dies out on the way down
+_SMALL = 0.1  # argument below which series avoid cancellation
+_VALUES_AT_ONCE = 400_000  # values of all orders held at once
 
 
 def even_orders(z: Array, count: int, odd: int = 0) -> Array:
-    """j_2n(z), or j_(2n+1)(z) with ``odd`` = 1, of n = 0 .. count - 1 at z > 0; (count, ...).
-
-    z: (...), > 0.
-    """
+    """Return j_2n(z), or j_(2n+1)(z) with ``odd`` = 1, for n = 0 .. count - 1 at z > 0; (count, ...)."""
     flat = z.ravel()
-    found: Array = np.empty((count, flat.size))
-    step = max(_MOST // (2 * count), 1)
+    orders: Array = np.empty((count, flat.size))
+    step = max(_VALUES_AT_ONCE // (2 * count), 1)
     for start in range(0, flat.size, step):
-        some = slice(start, start + step)
-        found[:, some] = _orders(flat[some], 2 * count - 2 + odd)[odd::2]
-    return found.reshape(count, *z.shape)
+        block = slice(start, start + step)
+        orders[:, block] = _orders(flat[block], 2 * count - 2 + odd)[odd::2]
+    return orders.reshape(count, *z.shape)
 
 
 def bessel_orders(k: Array, x: Array, count: int) -> Array:
-    """J_n(kx), n = 0 .. count - 1 of 3 or 4, to rounding of their largest values; (count, k, x)."""
-    away, which = np.unique(np.abs(x), return_inverse=True)
-    z = k[:, None] * away
-    small, apart = z < _SMALL, np.maximum(z, _SMALL)
-    found = [j0(z), j1(z)]
-    found.append(np.where(small, z**2 / 8 * (1 - z**2 / 12 + z**4 / 384), 2 / apart * found[1] - found[0]))
+    """Return J_n(kx), n = 0 .. count - 1 of 3 or 4, to rounding of their largest values; (count, k, x)."""
+    distance, inverse = np.unique(np.abs(x), return_inverse=True)
+    z = k[:, None] * distance
+    is_small, divisor = z < _SMALL, np.maximum(z, _SMALL)
+    orders = [j0(z), j1(z)]
+    orders.append(np.where(is_small, z**2 / 8 * (1 - z**2 / 12 + z**4 / 384), 2 / divisor * orders[1] - orders[0]))
     if count > 3:
-        found.append(np.where(small, z**3 / 48 * (1 - z**2 / 16 + z**4 / 640), 4 / apart * found[2] - found[1]))
-    whole = np.stack(found)[:, :, which]
-    whole[1::2] *= np.sign(x)
-    return np.asarray(whole)
+        orders.append(np.where(is_small, z**3 / 48 * (1 - z**2 / 16 + z**4 / 640), 4 / divisor * orders[2] - orders[1]))
+    at_places = np.stack(orders)[:, :, inverse]
+    at_places[1::2] *= np.sign(x)
+    return np.asarray(at_places)
 
 
 def _orders(z: Array, highest: int) -> Array:
-    """j_0 .. j_highest; (highest + 1, z)."""
+    """Spherical Bessel functions j_0 .. j_highest; (highest + 1, z)."""
     ratios = _ratios(z, highest)
     orders: Array = np.empty((highest + 1, z.size))
-    before, orders[0] = np.cos(z) / z, np.sinc(z / np.pi)
+    previous, orders[0] = np.cos(z) / z, np.sinc(z / np.pi)
     for n in range(highest):
-        ahead = (2 * n + 1) / z * orders[n] - before
-        before = orders[n]
-        orders[n + 1] = np.where(z > n + 1, ahead, orders[n] * ratios[n + 1])
+        upward = (2 * n + 1) / z * orders[n] - previous
+        previous = orders[n]
+        orders[n + 1] = np.where(z > n + 1, upward, orders[n] * ratios[n + 1])
     return orders
 
 
 def _ratios(z: Array, highest: int) -> Array:
-    """j_n / j_(n-1), which is meant where n > z; (highest + 1, z)."""
+    """Ratios j_n / j_(n-1), valid where n > z; (highest + 1, z)."""
     ratios: Array = np.zeros((highest + 1, z.size))
     if np.min(z, initial=np.inf) >= highest:
         return ratios
     ratio = np.zeros_like(z)
-    for n in range(highest + _BEYOND + int(2 * highest ** (1 / 3)), 0, -1):
-        # j_(n-1) + j_(n+1) = (2 n + 1) / z j_n; what the waves below the order z do to it is not used
+    for n in range(highest + _ORDERS_ABOVE + int(2 * highest ** (1 / 3)), 0, -1):
+        # j_(n-1) + j_(n+1) = (2 n + 1) / z j_n; ratios below the order z are not used
         ratio = np.minimum(z / np.maximum(2 * n + 1 - z * ratio, 1.0), 1.0)
         if n <= highest:
             ratios[n] = ratio
     return ratios
 
 
-_NODES = 14  # a panel: panels as long as they are away from what is singular beside them
-_KINKS = 14  # halvings of panels towards b = 0, where a cone's density is kinked, and b = 1, where friction's is steep
+_NODES = 14  # per panel; a panel is as long as its distance from the nearest singularity
+_KINKS = 14  # halvings of panels towards the kink of a cone's density at b = 0 and friction's steep end at b = 1
 _PANEL = 8.0  # phase of a panel in b
-#: The shallowest depth that rounding spares: what is above it is continued from below.
+#: Depth over a above which rounding spoils the sums: shallower fields are extrapolated from below.
 LEAST = 1e-5
 
 
@@ -93,35 +90,34 @@ def _gauss() -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Nodes:
-    """Nodes of panels on 0 to 1, or beyond."""
+    """Nodes of panels in b, on 0 to 1 or beyond; (node,) each."""
 
-    # (node,)
     b: Array
     weights: Array
-    beside: Array  # b - r, which b does not tell near the sharp place; (node,)
+    offset: Array  # b - r, to its own digits near the sharp place
 
 
 def nodes(
     radius: float = np.inf, near: float = 1.0, *, parts: int = 4, kinked: bool = False, beyond: Sequence[float] = ()
 ) -> Nodes:
-    """Nodes for a field point, or for waves."""
+    """Return nodes in b for a field point at `radius` and the depth `near`, or for waves."""
     last = beyond[-1] if beyond else 1.0
-    places = [np.asarray(np.linspace(0.0, 1.0, parts + 1), dtype=np.float64)]
+    breaks = [np.asarray(np.linspace(0.0, 1.0, parts + 1), dtype=np.float64)]
     if kinked:
-        away = np.asarray(0.5 ** np.arange(2, _KINKS), dtype=np.float64)
-        places += [away, 1 - away]
+        kinks = np.asarray(0.5 ** np.arange(2, _KINKS), dtype=np.float64)
+        breaks += [kinks, 1 - kinks]
     sharp = min(radius, last)
-    offsets = np.concatenate([*places, beyond]) - sharp
+    offsets = np.concatenate([*breaks, beyond]) - sharp
     if radius < 2 * last:
         least = max(near, radius - last, LEAST) / 2
         steps = least * 2.0 ** np.arange(int(np.ceil(np.log2(max(1.0, sharp) / least))) + 1)
         offsets = np.concatenate([offsets, [0.0], steps, -steps])
     ends = np.unique(offsets)
     ends = ends[(ends >= -sharp) & (ends <= last - sharp)]
-    x, w = _gauss()
+    gauss, gauss_weights = _gauss()
     half = np.diff(ends)[:, None] / 2
-    offset = (ends[:-1, None] + half * (1 + x)).ravel()
-    return Nodes(sharp + offset, (half * w).ravel(), offset + (sharp - radius))
+    offset = (ends[:-1, None] + half * (1 + gauss)).ravel()
+    return Nodes(sharp + offset, (half * gauss_weights).ravel(), offset + (sharp - radius))
 
 
 def parts(phases: Array) -> int:
@@ -130,20 +126,24 @@ def parts(phases: Array) -> int:
 
 
 def waves(
-    rates: ComplexArray, depth: Array, radius: float, at: Nodes, orders: int, *, potentials: bool = False
+    rates: ComplexArray, depth: Array, radius: float, nodes_in_b: Nodes, orders: int, *, potentials: bool = False
 ) -> tuple[ComplexArray, ComplexArray]:
-    """int exp(-k m z) J_n(kr) k cos(kb) dk and the same of sin(kb), n = 0 .. orders - 1; (n, rate, depth, b) each."""
+    """Integrals int exp(-k m z) J_n(kr) k cos(kb) dk and the same of sin(kb), n < orders; (n, rate, depth, b) each."""
     fall = (rates[:, None] * depth)[..., None]
-    far = radius + at.b
-    before = _powers(fall - 1j * at.b, (fall - 1j * at.beside) * (fall - 1j * far), radius, orders, potentials)
-    after = _powers(fall + 1j * at.b, (fall + 1j * at.beside) * (fall + 1j * far), radius, orders, potentials)
+    far = radius + nodes_in_b.b
+    before = _powers(
+        fall - 1j * nodes_in_b.b, (fall - 1j * nodes_in_b.offset) * (fall - 1j * far), radius, orders, potentials
+    )
+    after = _powers(
+        fall + 1j * nodes_in_b.b, (fall + 1j * nodes_in_b.offset) * (fall + 1j * far), radius, orders, potentials
+    )
     return (before + after) / 2, (before - after) / 2j
 
 
 def _powers(s: ComplexArray, square: ComplexArray, r: float, orders: int, potentials: bool) -> ComplexArray:
-    """int exp(-k s) J_n(kr) k dk = u^n (n R + s) / R^3, R^2 = s^2 + r^2, u = r / (R + s); (n, ...).
+    """Return int exp(-k s) J_n(kr) k dk = u^n (n R + s) / R^3, R^2 = s^2 + r^2, u = r / (R + s); (n, ...).
 
-    Of potentials int exp(-k s) J_n(kr) dk = u^n / R.
+    For potentials it is int exp(-k s) J_n(kr) dk = u^n / R.
     """
     R = np.sqrt(square)
     u, inverse = r / (R + s), 1 / R

@@ -6,6 +6,7 @@ deeper, decay and are integrated over the wavenumbers k with Bessel functions.
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
@@ -19,21 +20,23 @@ from solver.stack.layers import Layer, Stack, StackError
 from solver.stack.reflection import sideways
 from solver.stack.wavenumbers import strip
 
-_NEAR = 0.05  # of a: the depth above which the half-space's part is closed
-_MOST_PHASE = 8000.0  # and everywhere, where the integrals over k would be longer
+_NEAR = 0.05  # depth over a above which the half-space's part is closed
+_MOST_PHASE = 8000.0  # largest phase of the integrals over k; beyond it the closed part serves at any depth
 _STEP = 512  # wavenumbers at a time
-_ENTRIES = 1 << 22  # of a block of waves: bounded memory
+_ENTRIES = 1 << 22  # values of a block of waves: bounded memory
+_PLACES = 4096  # positions along the surface at a time: bounded memory
+_COLUMNS = 1024  # cases at a time: bounded memory
 _ON = 1 + 1e-12  # a depth on an interface belongs to the layer above it
-_DEEP = 4.0  # of a: the layer that stands for a half-space
+_DEEP = 4.0  # thickness over a of the layer that replaces a half-space
 _FARTHEST = 2000.0  # distance over the thickness of the top layer: bounded time
 
 
 @dataclass(frozen=True, eq=False)
 class Inside:
-    """A body with fields inside."""
+    """Body whose fields inside are solved."""
 
     stack: Stack
-    plain: bool = False
+    plain: bool = False  # Whether it is a half-space
 
     def fields(self, tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
         """Fields of ``solver.halfplane.interior.LINEAR``, SI, NaN in a rigid base; (column, field, y, x).
@@ -45,6 +48,9 @@ class Inside:
                 "fields: 'magnetic_potential' over a base that passes no flux on is relative to nothing below it; "
                 "take magnetic_field_x, or a base that is grounded"
             )
+        if (count := tractions.ratio.size) > _COLUMNS:
+            blocks = [np.arange(first, min(first + _COLUMNS, count)) for first in range(0, count, _COLUMNS)]
+            return np.concatenate([self.fields(tractions.part(block), X, Y, names) for block in blocks])
         out = np.zeros((tractions.ratio.size, len(names), Y.size, X.size))
         ratios, which = np.unique(tractions.ratio, return_inverse=True)
         closed = np.zeros((which.size, Y.size), dtype=bool)
@@ -59,18 +65,15 @@ class Inside:
                 out[np.ix_(columns, np.arange(len(names)), np.flatnonzero(bodies == len(self.stack.layers)))] = np.nan
         if np.any(rows := closed.any(0)):
             for part, integrated in parted(names):
-                own = self._closed(tractions, X, -Y[rows], tuple(names[place] for place in part), integrated)
-                own = own * tractions.ratio[:, None, None, None] if integrated else own
+                fields = self._closed(tractions, X, -Y[rows], tuple(names[place] for place in part), integrated)
+                fields = fields * tractions.ratio[:, None, None, None] if integrated else fields
                 out[np.ix_(np.arange(len(out)), part, np.flatnonzero(rows))] += np.where(
-                    closed[:, None, rows, None], own, 0.0
+                    closed[:, None, rows, None], fields, 0.0
                 )
         return out
 
     def of_layers(self, tractions: Tractions, X: Array, names: tuple[str, ...]) -> Array:
-        """What the layers add to fields on the surface at x/a; (column, field, x).
-
-        X: (x,), x/a.
-        """
+        """Layers' contribution to fields on the surface at x/a; (column, field, x)."""
         out = np.zeros((tractions.ratio.size, len(names), 1, X.size))
         points = X, np.zeros(1), np.zeros(1, dtype=np.intp), np.ones(1, dtype=bool)
         for ratio in np.unique(tractions.ratio):
@@ -82,12 +85,12 @@ class Inside:
         return np.cumsum([layer.thickness for layer in self.stack.layers]) * _ON
 
     def _is_near(self, depth: Array, X: Array) -> BoolArray:
-        """Where the half-space's part is closed, of depths over a."""
+        """Return whether the half-space's part is closed at depths over a."""
         far = float(np.max(np.abs(X), initial=1.0)) + 1
         return np.asarray(depth * self._slowest < max(_NEAR, 34 * far / _MOST_PHASE))
 
     def _decay(self, depth: float) -> float:
-        """Of waves on their way down to a depth, over k."""
+        """Decay of waves on their way down to a depth, over k."""
         thickness = np.array([layer.thickness for layer in self.stack.layers])
         above = np.append(0.0, np.cumsum(thickness))[: self._rates.size]
         crossed = np.clip(depth - above, 0.0, np.append(thickness, np.inf)[: self._rates.size])
@@ -95,7 +98,7 @@ class Inside:
 
     @cached_property
     def _rates(self) -> Array:
-        """Of the slowest waves of every layer, and of a base that yields."""
+        """Decay rates of the slowest waves of every layer, and of an elastic base."""
         media = [*self.stack.media, *filter(None, [self.stack.base_medium])]
         base = [] if isinstance(self.stack.base, str) else [self.stack.base]
         shear = [_shear_rate(material) for material in [*(layer.material for layer in self.stack.layers), *base]]
@@ -107,7 +110,7 @@ class Inside:
 
     @cached_property
     def shear(self) -> Sheared | None:
-        """The shear waves of the top; none without c12."""
+        """Shear waves of the top; None without c12."""
         material = self.stack.top.material
         return None if np.isnan(material.c12) else Sheared.of(material)
 
@@ -116,7 +119,7 @@ class Inside:
         self, out: Array, tractions: Tractions, columns: Indices,
         points: tuple[Array, Array, Indices, BoolArray], names: tuple[str, ...],
     ) -> None:  # fmt: skip
-        """Add what is integrated over k: the layers' part near the surface, and everything deeper."""
+        """Add the integrals over k: the layers' part near the surface, and all fields deeper."""
         X, depth, bodies, near = points
         ratio = float(tractions.ratio[columns[0]])
         for number in np.unique(bodies).tolist():
@@ -131,16 +134,19 @@ class Inside:
                 if reach > _FARTHEST * max(width, strip(self.stack) / 2):
                     raise StackError(f"x: {np.max(np.abs(X)):g} is farther from the contact than is resolved")
                 k, weights = tractions.wavenumbers(self.stack, 2 * reach, width)
-                taken = self._rows(number, names)
-                step = max(_ENTRIES // (8 * rows.size * columns.size), 8)
-                for first in range(0, k.size, min(step, _STEP)):
-                    here = slice(first, first + min(step, _STEP))
-                    of = Block(self.stack, tractions, columns, k[here], weights[here] * k[here] * ratio**2)
-                    out[np.ix_(columns, np.arange(len(names)), rows)] += of.summed(
-                        X * ratio, depth[rows], number, names, taken, reflected=reflected
-                    )
+                rows_of_parts, level = self.rows(number, names), 8 * columns.size
+                step = min(max(_ENTRIES // (level * rows.size), 8), _STEP)
+                depths = max(_ENTRIES // (8 * level), 1)
+                for first in range(0, k.size, step):
+                    waves = slice(first, first + step)
+                    block = Block(self.stack, tractions, columns, k[waves], weights[waves] * k[waves] * ratio**2)
+                    for low, left in product(range(0, rows.size, depths), range(0, X.size, _PLACES)):
+                        chosen, along = rows[low : low + depths], np.arange(left, min(left + _PLACES, X.size))
+                        out[np.ix_(columns, np.arange(len(names)), chosen, along)] += block.summed(
+                            X[along] * ratio, depth[chosen], number, names, rows_of_parts, reflected=reflected
+                        )
 
-    def _rows(self, number: int, names: tuple[str, ...]) -> tuple[Array, Array]:
+    def rows(self, number: int, names: tuple[str, ...]) -> tuple[Array, Array]:
         """Return :func:`rows_of` in one body: at rest, and of cos(angle); (n, field, 8) each."""
         medium = [*self.stack.media, self.stack.base_medium][number]
         assert medium is not None
@@ -149,64 +155,83 @@ class Inside:
 
     # -- near the surface ----------------------------------------------------------------------------------------------
     def _closed(self, tractions: Tractions, X: Array, depth: Array, names: tuple[str, ...], potentials: bool) -> Array:
-        """The half-space's part, potentials over a; (column, field, depth, x)."""
-        medium, scale = self.stack.media[0], self.stack.scale
-        rates, parts = medium.modes
-        answers: ComplexArray = np.concatenate([medium.compliance, np.eye(4)]) @ parts  # (rate, 8, 4)
-        sliding = tractions.sines is not None
-        shear = self.shear if sliding else None
-        if shear is not None:
-            rates = np.append(rates, shear.rate)
-        count = len(answers)
-        depth, continued = _from_below(depth)
-        plain, moved = self._rows(0, names)
-        out = np.empty((tractions.ratio.size, len(names), len(continued), X.size))
+        """Half-space's part of the fields, potentials over a; (column, field, depth, x)."""
+        part, columns = _HalfspacePart(self, tractions, names, potentials), tractions.ratio.size
+        shallow = depth < hankel.LEAST
+        base = hankel.LEAST * np.arange(1, 4) if np.any(shallow) else np.empty(0)
+        summed = np.concatenate([base, depth[~shallow]])
+        out = np.empty((columns, len(names), depth.size, X.size))
         for place, x in enumerate(X.tolist()):
-            at = tractions.nodes(abs(x), float(np.min(depth)))
-            cosines, sines = hankel.waves(rates, depth, abs(x), at, ORDERS if sliding else 3, potentials=potentials)
-            weights = at.weights
-            if x < 0:
-                cosines[1::2], sines[1::2] = -cosines[1::2], -sines[1::2]
-            first, second = tractions.vectors(at.b, np.arange(tractions.ratio.size))
-            own = _applied(plain[:3], answers, cosines[:3, :count], first * weights)
-            if second is not None:
-                second = second * weights
-                own = own + _applied(moved, answers[..., :1], cosines[:, :count], second[:, :1])
-                own = own + _applied(moved, answers[..., 1:], sines[:, :count], second[:, 1:])
-                if shear is not None:
-                    # k u is the compliance times tau, and both fall alike
-                    rows = shear_rows(shear, names) @ np.array([shear.compliance, 1.0])
-                    pulled = np.einsum("nzb,cb->nzc", cosines[:, count].real, -second[:, 0])
-                    own = own + np.einsum("nf,nzc->cfz", rows, pulled) / scale[0]
-            out[..., place] = own @ continued.T
+            nodes = tractions.nodes(abs(x), float(np.min(summed)))
+            densities = tractions.vectors(nodes.b, np.arange(columns))
+            step = max(_ENTRIES // (4 * ORDERS * (nodes.b.size + 4 * columns)), 1)
+            levels = [summed[start : start + step] for start in range(0, summed.size, step)]
+            values = np.concatenate([part.at(x, level, nodes, densities) for level in levels], -1)
+            out[:, :, ~shallow, place] = values[..., base.size :]
+            if base.size:  # Lagrange's polynomials through 1, 2, 3
+                t = depth[shallow] / hankel.LEAST
+                share = np.stack([(t - 2) * (t - 3) / 2, (t - 1) * (3 - t), (t - 1) * (t - 2) / 2], -1)
+                out[:, :, shallow, place] = values[..., : base.size] @ share.T
         return out
 
 
+@dataclass(frozen=True, eq=False)
+class _HalfspacePart:
+    """Closed part of the fields, that of the half-space of the top."""
+
+    inside: Inside
+    tractions: Tractions
+    names: tuple[str, ...]
+    potentials: bool  # Whether the names are potentials, whose integrals lack a factor k
+
+    @cached_property
+    def _modes(self) -> tuple[ComplexArray, ComplexArray]:
+        """Decay rates of the half-space's waves, (rate,), and their states per traction; (rate, 8, 4)."""
+        medium = self.inside.stack.media[0]
+        rates, parts = medium.modes
+        return rates, np.concatenate([medium.compliance, np.eye(4)]) @ parts
+
+    @cached_property
+    def _rows(self) -> tuple[Array, Array]:
+        """Rows of the fields: at rest, and of cos(angle); (n, field, 8) each."""
+        return self.inside.rows(0, self.names)
+
+    def at(self, x: float, depth: Array, nodes: hankel.Nodes, densities: tuple[Array, Array | None]) -> Array:
+        """Fields at one x/a and depths over a, of densities at nodes in b; (column, field, depth)."""
+        (rates, states), (at_rest, of_cosine), (first, second) = self._modes, self._rows, densities
+        count, shear = rates.size, None if second is None else self.inside.shear
+        if shear is not None:
+            rates = np.append(rates, shear.rate)
+        orders = 3 if second is None else ORDERS
+        cosines, sines = hankel.waves(rates, depth, abs(x), nodes, orders, potentials=self.potentials)
+        if x < 0:
+            cosines[1::2], sines[1::2] = -cosines[1::2], -sines[1::2]
+        fields = _applied(at_rest[:3], states, cosines[:3, :count], first * nodes.weights)
+        if second is None:
+            return fields
+        second = second * nodes.weights
+        fields = fields + _applied(of_cosine, states[..., :1], cosines[:, :count], second[:, :1])
+        fields = fields + _applied(of_cosine, states[..., 1:], sines[:, :count], second[:, 1:])
+        if shear is None:
+            return fields
+        # k u is the compliance times tau, and both fall alike
+        rows = shear_rows(shear, self.names) @ np.array([shear.compliance, 1.0])
+        pulled = np.einsum("nzb,cb->nzc", cosines[:, count].real, -second[:, 0])
+        return np.asarray(fields + np.einsum("nf,nzc->cfz", rows, pulled) / self.inside.stack.scale[0])
+
+
 def _shear_rate(material: Material) -> float:
-    """Of shear waves along crests; 1 without c12."""
+    """Decay rate of shear waves along crests; 1 without c12."""
     return 1.0 if np.isnan(material.c12) else Sheared.of(material).rate
 
 
-def _from_below(depth: Array) -> tuple[Array, Array]:
-    """Depths at which to sum, and what takes values there to those at all depths; (sum,) and (depth, sum)."""
-    shallow = depth < hankel.LEAST
-    places = hankel.LEAST * np.arange(1, 4)
-    found = np.concatenate([places, depth[~shallow]]) if np.any(shallow) else depth
-    continued = np.zeros((depth.size, found.size))
-    continued[np.flatnonzero(~shallow), np.arange(found.size - np.count_nonzero(~shallow), found.size)] = 1.0
-    t = depth[shallow] / hankel.LEAST
-    if t.size:  # Lagrange's polynomials through 1, 2, 3
-        continued[shallow, :3] = np.stack([(t - 2) * (t - 3) / 2, (t - 1) * (3 - t), (t - 1) * (t - 2) / 2], -1)
-    return found, continued
-
-
-def _applied(rows: Array, answers: ComplexArray, integrals: ComplexArray, density: Array) -> Array:
-    """Real part of rows (n, field, 8) of answers (rate, 8, channel) to densities; (column, field, depth)."""
+def _applied(rows: Array, states: ComplexArray, integrals: ComplexArray, density: Array) -> Array:
+    """Real part of rows (n, field, 8) of states (rate, 8, channel) under densities; (column, field, depth)."""
     moments = np.tensordot(integrals, density, (3, 2))  # (n, rate, z, column, channel)
-    coefficients = np.einsum("nfs,rsi->nrfi", rows, answers)
+    coefficients = np.einsum("nfs,rsi->nrfi", rows, states)
     return np.asarray(np.einsum("nrfi,nrzci->cfz", coefficients, moments, optimize=True).real)
 
 
 def whole(material: Material) -> Inside:
-    """A half-space: a layer of contact radii on its own material."""
+    """Half-space as a layer of some contact radii on its own material."""
     return Inside(Stack((Layer(material, _DEEP, "bonded", "bonded"),), material), plain=True)

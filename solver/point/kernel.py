@@ -27,8 +27,8 @@ from solver.stack.wavenumbers import strip, tapered
 PAIRS = ENTRIES[:6]
 _SHEARED = ENTRIES[6:9]
 
-_FAR = 1e4  # strips from which what is left falls like 1/x^2, of Lambda_x like 1/x
-_MOST = 4_000_000  # values of one block of a transform
+_FAR = 1e4  # strip widths beyond which Lambda falls like 1/x^2 and Lambda_x like 1/x
+_VALUES_AT_ONCE = 4_000_000  # values of one block of a transform
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,43 +39,44 @@ class SurfaceKernel:
     odd: bool  # Whether it is Lambda_x
 
     def at(self, x: Array) -> Array:
-        """Lambda or Lambda_x at distances x >= 0; (..., pair)."""
+        """Return Lambda or Lambda_x at distances x >= 0; (..., pair)."""
         reach = self.table.ends[-1]
-        found = self.table.at(np.minimum(x, reach))
+        values = self.table.at(np.minimum(x, reach))
         beyond = x > reach
-        found[beyond] *= (reach / x[beyond, None]) ** (1 if self.odd else 2)
-        return found
+        values[beyond] *= (reach / x[beyond, None]) ** (1 if self.odd else 2)
+        return values
 
     def of(self, pairs: Indices) -> "SurfaceKernel":
-        """Of some of the pairs."""
+        """Return the kernel of some of the pairs."""
         return replace(self, table=replace(self.table, series=self.table.series[..., pairs]))
 
 
 @lru_cache(32)
 def normal_kernel(stack: Stack, reach: float | None = None) -> SurfaceKernel:
-    """Lambda of a stack."""
+    """Lambda of a stack, tabulated up to `reach`."""
     return _tabled(stack, reach, odd=False)
 
 
 @lru_cache(32)
 def shear_kernel(stack: Stack, reach: float | None = None) -> SurfaceKernel:
-    """Lambda_x of (y, phi, psi) at distances x >= 0, odd in them."""
+    """Lambda_x of (y, phi, psi) of a stack, odd in the distance, tabulated up to `reach`."""
     return _tabled(stack, reach, odd=True)
 
 
 def _tabled(stack: Stack, reach: float | None, *, odd: bool) -> SurfaceKernel:
+    """Tabulate Lambda or Lambda_x over the distance."""
     width = strip(stack)
     pairs, wave = (_SHEARED, np.sin) if odd else (PAIRS, np.cos)
 
     def transformed(x: Array) -> Array:
-        """At distances that are not far apart; (x, pair)."""
+        """Transforms at distances of one octave; (x, pair)."""
         k, weights, taper = tapered(stack, width, x)
         values = waves(stack, k)[0].difference
         rows = np.stack([weights * taper * values[:, i, j] for i, j in pairs], -1)
-        found, step = np.empty((x.size, len(pairs))), max(_MOST // k.size, 1)
+        sums, step = np.empty((x.size, len(pairs))), max(_VALUES_AT_ONCE // k.size, 1)
         for start in range(0, x.size, step):
-            found[start : start + step] = wave(x[start : start + step, None] * k) @ rows
-        return found
+            sums[start : start + step] = wave(x[start : start + step, None] * k) @ rows
+        return sums
 
     ends = growing(width, reach or _FAR * width)
     return SurfaceKernel(Piecewise.of(transformed, ends, DEGREE + 1, octave(ends, width)), odd)

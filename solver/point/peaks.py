@@ -22,6 +22,7 @@ from solver.point.contact import Pressed
 from solver.point.inside import Inside
 from solver.point.sliding import Rubbed
 from solver.point.tractions import Tractions
+from solver.stack.layers import Stack
 
 _CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width
 _BOTTOM, _FAR = 6.0, 6.0  # of a: how deep and how far from the edge a half-space is searched
@@ -39,14 +40,14 @@ class _Searched:
 
     @classmethod
     def on(cls, inside: Inside, net: Net, tractions: Tractions, names: tuple[str, ...]) -> "_Searched":
-        """Of tractions of one radius."""
+        """Stresses on a net of tractions of one radius."""
         ratio = float(tractions.ratio[0])
         sizes = np.array([ratio])
         X, Y = net.positions(sizes, net.line)[0], -net.depths(sizes)[0]
         return cls(net, ratio, inside.fields(tractions, X, Y, names))
 
     def top(self, measure: Measure) -> Top:
-        """Where a measure of the stresses is largest."""
+        """Largest value of a measure of the stresses, and its place."""
         return highest(self.stresses, self.net.across, measure, _CLOSE)
 
     def depth(self, top: Top) -> Array:
@@ -54,29 +55,40 @@ class _Searched:
         return self.net.depth_at(self.ratio, top.down)
 
 
-def peaks(pressed: Pressed, inside: Inside, asked: Set[str]) -> dict[str, Array]:
-    """Quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and the cases have; (case,) each."""
-    return peaks_of(inside, Rubbed(pressed.charged).tractions, pressed.charged.radius, asked)
+def peaks(pressed: Pressed, inside: Inside, requested: Set[str]) -> dict[str, Array]:
+    """Requested quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that the cases have; (case,) each."""
+    return peaks_of(inside, Rubbed(pressed.charged).tractions, pressed.charged.radius, requested)
 
 
-def peaks_of(inside: Inside, tractions: Tractions, radius: Array, asked: Set[str]) -> dict[str, Array]:
-    """The same of tractions; (column,) each.
-
-    radius: (column,), of the contacts [m].
-    """
-    found: dict[str, Array] = {}
+def peaks_of(inside: Inside, tractions: Tractions, radius: Array, requested: Set[str]) -> dict[str, Array]:
+    """Requested peaks of tractions on contacts of the radii (column,) [m]; (column,) each."""
+    if not inside.plain:
+        _refuse_wide(inside.stack, tractions.ratio, requested)
+    peaks: dict[str, Array] = {}
     for places in _by_radius(tractions.ratio):
-        own = tractions.part(places)
-        values = _of_halfspace(inside, own, radius[places]) if inside.plain else _of_film(inside, own, asked)
-        for name in values.keys() & asked:
-            found.setdefault(name, np.empty(tractions.ratio.size))[places] = values[name]
-    return {name: found[name] for name in (*PEAKS, *FILM_PEAKS) if name in found}
+        part = tractions.part(places)
+        values = _of_halfspace(inside, part, radius[places]) if inside.plain else _of_film(inside, part, requested)
+        for name in values.keys() & requested:
+            peaks.setdefault(name, np.empty(tractions.ratio.size))[places] = values[name]
+    return {name: peaks[name] for name in (*PEAKS, *FILM_PEAKS) if name in peaks}
+
+
+def _regions(stack: Stack) -> list[str]:
+    """Regions that are searched: several layers are none, since panels through them would meet their jumps."""
+    return ["interface"] + ["film"] * (len(stack.layers) == 1) + ["base"] * (not stack.rigid)
+
+
+def _refuse_wide(stack: Stack, ratio: Array, requested: Set[str]) -> None:
+    """Refuse contacts so wide that no depth of the film lies below a tenth of the radius."""
+    widest = float(np.max(ratio, initial=0.0)) / stack.thickness
+    if "film" in _regions(stack) and requested & set(PEAKS_OF["film"]) and widest >= 0.99 / DEPTH:
+        raise RangeError(f"contact: radius over thickness {widest:g} is too wide for peaks; must be < {1 / DEPTH:g}")
 
 
 def _by_radius(ratio: Array) -> list[Indices]:
-    """Cases of one radius, some at a time."""
-    alike = [np.flatnonzero(ratio == share) for share in np.unique(ratio)]
-    return [same[start : start + _TOGETHER] for same in alike for start in range(0, same.size, _TOGETHER)]
+    """Indices of cases of one radius, some at a time."""
+    by_radius = [np.flatnonzero(ratio == share) for share in np.unique(ratio)]
+    return [cases[start : start + _TOGETHER] for cases in by_radius for start in range(0, cases.size, _TOGETHER)]
 
 
 def _of_halfspace(inside: Inside, tractions: Tractions, radius: Array) -> dict[str, Array]:
@@ -89,18 +101,12 @@ def _of_halfspace(inside: Inside, tractions: Tractions, radius: Array) -> dict[s
     }
 
 
-def _of_film(inside: Inside, tractions: Tractions, asked: Set[str]) -> dict[str, Array]:
+def _of_film(inside: Inside, tractions: Tractions, requested: Set[str]) -> dict[str, Array]:
     stack, ratio = inside.stack, float(tractions.ratio[0])
     nets, out = Nets(stack, ratio, ratio), dict[str, Array]()
-    regions = ["interface"] + ["film"] * (len(stack.layers) == 1) + ["base"] * (not stack.rigid)
-    for region in regions:  # panels through several layers would meet their jumps
-        if not asked & set(PEAKS_OF[region]):
+    for region in _regions(stack):
+        if not requested & set(PEAKS_OF[region]):
             continue
-        if region == "film" and ratio >= 0.99 / DEPTH * stack.thickness:
-            raise RangeError(
-                f"contact: radius over thickness {ratio / stack.thickness:g} is too wide for peaks; must be < "
-                f"{1 / DEPTH:g}"
-            )
 
         def stresses_on(net: Net, names: tuple[str, ...] = REGIONS[region].stresses) -> Array:
             return _Searched.on(inside, net, tractions, names).stresses

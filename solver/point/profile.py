@@ -24,13 +24,13 @@ DISC = 0.0
 
 @dataclass(frozen=True)
 class Shape:
-    """What a power of r is to contacts of every radius."""
+    """Profile C r^e of a punch, as contacts of every radius have it."""
 
     exponent: float  # Of r; 0 for a disc, whose radius is given
 
     @property
     def flat(self) -> bool:
-        """Whether the end is flat, so that the contact has a sharp edge and a given radius."""
+        """Return whether the end is flat, so that the contact has a sharp edge and a given radius."""
         return self.exponent == DISC
 
     @property
@@ -40,16 +40,16 @@ class Shape:
 
     @property
     def rise(self) -> float:
-        """d / (coefficient a^exponent): how deep a half-space is pressed, sqrt(pi) G(e/2 + 1) / G(e/2 + 1/2)."""
+        """Depth over coefficient a^exponent to which a half-space is pressed, sqrt(pi) G(e/2 + 1) / G(e/2 + 1/2)."""
         return float((self.exponent + 1) * self.mean)
 
     @property
     def mean(self) -> float:
-        """int_0^1 (1 - x^2)^(e/2) dx."""
+        """Return int_0^1 (1 - x^2)^(e/2) dx."""
         return float(beta(0.5, self.exponent / 2 + 1) / 2)
 
     def moments(self, count: int) -> Array:
-        """int_0^1 (1 - x^2)^(e/2) P_2n(x) dx / abs(P_2n(0)), n = 0 .. count - 1; (n,)."""
+        """Return int_0^1 (1 - x^2)^(e/2) P_2n(x) dx / abs(P_2n(0)), n = 0 .. count - 1; (n,)."""
         n, q = np.arange(count), self.exponent / 2
         # the integral by Rodrigues' formula; 1 / Gamma(q + 1 - n) is zero where q is a whole number below n
         whole = q == np.floor(q)
@@ -71,53 +71,50 @@ _RATIO = (np.sqrt(5) - 1) / 2
 
 
 def finite(shape: Shape) -> bool:
-    """Whether the pressure has a largest value: none at the edge of a disc and at the apex of a cone."""
+    """Return whether the pressure has a largest value: it has none at a disc's edge and at the apex of a cone."""
     return shape.exponent > 1
 
 
 def halfspace_form(shape: Shape, x: Array, r: Array | None = None) -> Array:
-    """rise e F of the half-space; any shape, infinite at r = 0 where ``finite`` says so."""
+    """Return rise e F of the half-space; any shape, infinite at r = 0 unless ``finite``."""
     r = np.sqrt((1 - x) * (1 + x)) if r is None else r
     return np.asarray(shape.rise * shape.exponent * _form(shape.exponent, x, r))
 
 
 def _form(e: float, x: Array, r: Array) -> Array:
-    """F."""
+    """Return F, see the module."""
     if e == 1:
         return np.arcsinh(x / r)
-    near = (r > 0) & (r < _NEAR) & (e < _SMOOTH)
-    at, apart = np.where(near, r, 1.0), np.where(near, 0.0, x)
+    is_near = (r > 0) & (r < _NEAR) & (e < _SMOOTH)
+    radius, x_outside = np.where(is_near, r, 1.0), np.where(is_near, 0.0, x)
     return np.where(
-        near,
-        x * at ** (e - 2) * hyp2f1(1 - e / 2, 0.5, 1.5, -((x / at) ** 2)),
-        apart * hyp2f1(1 - e / 2, 1.0, 1.5, apart**2),
+        is_near,
+        x * radius ** (e - 2) * hyp2f1(1 - e / 2, 0.5, 1.5, -((x / radius) ** 2)),
+        x_outside * hyp2f1(1 - e / 2, 1.0, 1.5, x_outside**2),
     )
 
 
 @lru_cache
 def halfspace_peak(shape: Shape) -> float:
-    """The largest of it; at the centre up to the exponent 2, towards the edge above."""
+    """Largest value of ``halfspace_form``: at the centre up to the exponent 2, towards the edge above."""
     values = halfspace_form(shape, SAMPLES)
     best = int(np.argmax(values))
     if best == SAMPLES.size - 1:
         return float(values[best])
-    around = np.array([SAMPLES[max(best - 1, 0)]]), np.array([SAMPLES[best + 1]])
-    return float(climbed(lambda x: halfspace_form(shape, x), *around)[0])
+    bracket = np.array([SAMPLES[max(best - 1, 0)]]), np.array([SAMPLES[best + 1]])
+    return float(climbed(lambda x: halfspace_form(shape, x), *bracket)[0])
 
 
 def climbed(values: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """The largest of values that rise and then fall between low and high, by the golden section; (case,).
-
-    low, high: (case,), limits.
-    """
+    """Largest of values that rise and then fall between `low` and `high`, by the golden section; (case,)."""
     inner, outer = high - _RATIO * (high - low), low + _RATIO * (high - low)
     at_inner, at_outer = values(inner), values(outer)
     for _ in range(_STEPS):
         left = at_inner > at_outer
         high, low = np.where(left, outer, high), np.where(left, low, inner)
-        kept, known = np.where(left, inner, outer), np.where(left, at_inner, at_outer)
-        fresh = np.where(left, high - _RATIO * (high - low), low + _RATIO * (high - low))
-        new = values(fresh)
-        inner, outer = np.where(left, fresh, kept), np.where(left, kept, fresh)
-        at_inner, at_outer = np.where(left, new, known), np.where(left, known, new)
+        inner_or_outer, value = np.where(left, inner, outer), np.where(left, at_inner, at_outer)
+        probe = np.where(left, high - _RATIO * (high - low), low + _RATIO * (high - low))
+        probe_value = values(probe)
+        inner, outer = np.where(left, probe, inner_or_outer), np.where(left, inner_or_outer, probe)
+        at_inner, at_outer = np.where(left, probe_value, value), np.where(left, value, probe_value)
     return np.maximum(at_inner, at_outer)

@@ -16,7 +16,7 @@ from solver.twoport import Stiffness
 
 _INTENSITIES = ("electric_edge_intensity", "magnetic_edge_intensity")
 _ENDS = tuple((f"{name}_trailing", f"{name}_leading") for name in _INTENSITIES)
-#: Of each field: potential, per force, charge per force at zero potential, stroke, blocked force, store.
+#: By field: potential, its change per force, charge per force at zero potential, stroke, blocked force, capacitance.
 RESPONSES = (
     (
         "voltage", "voltage_per_force", "charge_per_force", "stroke_per_volt", "blocked_force_per_volt",
@@ -49,9 +49,9 @@ def quantities(pressed: Pressed) -> dict[str, Array]:
 
 
 def sliding_quantities(pressed: Pressed, rim: Rim | None) -> dict[str, Array]:
-    """What friction adds to them, those of ``solver.names.POINT_SLIDING``, SI; (case,) each."""
+    """Quantities of ``solver.names.POINT_SLIDING``, SI; (case,) each."""
     contact = pressed.charged
-    if pressed.body.shape.flat:  # it stays where it is, and its edge has a logarithm
+    if pressed.body.shape.flat:  # a disc does not shift, and its edge has a logarithm
         return {}
     rubbed = Rubbed(contact)
     out = {"contact_offset": rubbed.offset}
@@ -60,8 +60,8 @@ def sliding_quantities(pressed: Pressed, rim: Rim | None) -> dict[str, Array]:
     size = np.sqrt(np.pi * contact.radius)
     for field in (0, 1):
         if np.all(pressed.conducts[..., field]):
-            own, more = contact.intensities[:, 1 + field], size * rubbed.strengths[:, 1 + field]
-            out |= dict(zip(_ENDS[field], (own + more, own - more), strict=True))
+            at_rest, sliding = contact.intensities[:, 1 + field], size * rubbed.strengths[:, 1 + field]
+            out |= dict(zip(_ENDS[field], (at_rest + sliding, at_rest - sliding), strict=True))
     return out | ({} if rim is None else {"trailing_tension": rubbed.tension(rim)})
 
 

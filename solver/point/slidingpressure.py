@@ -29,7 +29,7 @@ from solver.point.tractions import Density, second_kind_rates, turned_form_rates
 _COUNT = 20  # points of a panel
 _MIDDLE = np.pi / 2 * np.array([0.25, 0.5])
 _HALVINGS = 6  # of panels towards the edge
-_APEX = 0.1  # radius within which the pressure below an apex of infinite curvature is no sum of p0 and p1
+_APEX = 0.1  # r/a within which p0 + p1 cos(angle) fails below an apex of infinite curvature
 _CLOSE = 1e-8
 _TOGETHER = 4096  # cases at a time: bounded memory
 _KEPT = 128
@@ -43,7 +43,7 @@ class Ray:
 
     @classmethod
     def of(cls, shape: Shape) -> "Ray":
-        """From beside the apex, where it is sharper than a sphere's."""
+        """Ray of a shape; it starts outside the apex where that is sharper than a sphere's."""
         toward = np.pi / 2 * (1 - 0.5 ** np.arange(1, _HALVINGS + 1))
         first = np.arcsin(_APEX) if shape.exponent < 2 else 0.0
         return cls(np.unique(np.concatenate([[first], _MIDDLE, toward, [np.pi / 2]])))
@@ -60,74 +60,71 @@ class Ray:
 
     @cached_property
     def r(self) -> Array:
-        """r/a; (place,)."""
+        """Radius r/a; (place,)."""
         return np.sin(self._angles)
 
     @cached_property
     def x(self) -> Array:
-        """sqrt(1 - r^2); (place,)."""
+        """Return sqrt(1 - r^2); (place,)."""
         return np.cos(self._angles)
 
     @cached_property
     def b(self) -> Array:
-        """sqrt(r^2 + w^2) of the integrals; (place, node)."""
+        """Return sqrt(r^2 + w^2) of the integrals; (place, node)."""
         return np.hypot(self.r[:, None], self.x[:, None] * LINE)
 
     def summed(self, rates: Array) -> Array:
-        """(1/r) int of rates at ``b``, (..., place * node); (..., place)."""
+        """Integrate rates at ``b``, (..., place * node), over w, divided by r; (..., place)."""
         return np.asarray(rates.reshape(*rates.shape[:-1], *self.b.shape) @ LINE_WEIGHTS * (self.x / self.r))
 
     def top(self, middle: Array, turned: Array) -> Array:
-        """Largest of p0 + p1 cos(angle); (case,).
-
-        middle, turned: (case, place), p0 and p1 at the places of the ray.
-        """
-        both = np.concatenate([(middle - turned)[:, ::-1], middle + turned], 1)
-        return highest(both[:, None, None], self.counts, ITSELF, _CLOSE).value
+        """Largest of p0 + p1 cos(angle), both (case, place); (case,)."""
+        both_rays = np.concatenate([(middle - turned)[:, ::-1], middle + turned], 1)
+        return highest(both_rays[:, None, None], self.counts, ITSELF, _CLOSE).value
 
 
 @lru_cache(_KEPT)
 def ray_of(shape: Shape) -> Ray:
-    """Made once."""
+    """Ray of a shape, cached."""
     return Ray.of(shape)
 
 
 @lru_cache(_KEPT)
-def _own(shape: Shape) -> tuple[Array, Array]:
-    """Of a unit shift and of the half-space's unit form: (place,) each."""
-    own, e = ray_of(shape), shape.exponent
-    b = own.b.ravel()
-    return (e - 1) * own.summed(b ** (e - 2)), shape.rise * 2 / np.pi * own.summed(turned_form_rates(e, b))
+def _closed_pressures(shape: Shape) -> tuple[Array, Array]:
+    """Pressures p1 of a unit shift and of the half-space's unit form; (place,) each."""
+    ray, e = ray_of(shape), shape.exponent
+    b = ray.b.ravel()
+    return (e - 1) * ray.summed(b ** (e - 2)), shape.rise * 2 / np.pi * ray.summed(turned_form_rates(e, b))
 
 
 @lru_cache(_KEPT)
 def _added(shape: Shape, even: int, count: int) -> tuple[Array, Array]:
-    """Of what layers add without friction, by its even functions, and of P_n(2 b - 1); (n, place) each."""
-    own = ray_of(shape)
-    b = own.b.ravel()
-    return 2 / np.pi * own.summed(second_kind_rates(b, even)), own.summed(legendre_rates(b, count).T)
+    """Pressures p1 of the layers' even functions without friction, and of P_n(2 b - 1); (n, place) each."""
+    ray = ray_of(shape)
+    b = ray.b.ravel()
+    return 2 / np.pi * ray.summed(second_kind_rates(b, even)), ray.summed(legendre_rates(b, count).T)
 
 
 def turned_pressures(response: Response, density: Density, shift: Array, series: Array, channel: int = 0) -> Array:
-    """p1 per eta at the places of the ray, or of another channel what answers to it; (column, place).
+    """Pressures p1 per eta at the places of the ray, or their like of another channel; (column, place).
 
     shift: (column,), c over a times the densities' unit; series: (column, n), coefficients of P_n(2 b - 1) that are
     added to psi of the channel.
     """
     along, unit = response.answers
-    moved, form = _own(density.shape)
+    moved, form = _closed_pressures(density.shape)
     turned = density.form[:, :1] * form
-    even, more = _added(density.shape, density.signed.shape[-1], series.shape[-1])
+    even, per_series = _added(density.shape, density.signed.shape[-1], series.shape[-1])
     turned = turned + density.signed[:, 0] @ even
-    own = (shift * unit[..., channel])[:, None] * moved - along[..., channel, None] * turned
-    return np.asarray(own + series @ more)
+    closed = (shift * unit[..., channel])[:, None] * moved - along[..., channel, None] * turned
+    return np.asarray(closed + series @ per_series)
 
 
 @lru_cache(_KEPT)
 def _of_halfspace(shape: Shape) -> Array:
-    """p1 per eta, of a half-space whose N^-1 k and (2/pi) (N^-1)_yy are 1 in the first channel; (place,)."""
-    one = np.ones((1, 3))
-    density = Density(shape, 0 * one, -one, np.zeros((1, 3, 0)))
+    """Pressures p1 per eta of a half-space whose N^-1 k and (2/pi) (N^-1)_yy are 1 in the first channel; (place,)."""
+    ones = np.ones((1, 3))
+    density = Density(shape, 0 * ones, -ones, np.zeros((1, 3, 0)))
     response = Response(np.eye(3), np.eye(3)[0], shape)
     shift = response.shift(density.turned(np.ones(1))[:, 0, 0])
     return np.asarray(turned_pressures(response, density, shift, np.zeros((1, 1)))[0])
@@ -142,17 +139,14 @@ class TurnedWindow:
     @cached_property
     def _series(self) -> Array:
         """Chebyshev coefficients of p1 per (V, Psi, g) and eta; (node, 3, place)."""
-        found = [
+        pressures = [
             turned_pressures(self.window.response, causes, shift, series[:, 0])
             for causes, shift, series in self.window.solutions
         ]
-        return coefficients(np.array(found))
+        return coefficients(np.array(pressures))
 
     def read(self, log_radius: Array, causes: Array) -> Array:
-        """p1 per eta of causes (V, Psi, g); (case, place).
-
-        log_radius: (case,), log (a/h); causes: (case, 3), V, Psi and g.
-        """
+        """Pressures p1 per eta of causes (V, Psi, g), (case, 3), at log (a/h); (case, place)."""
         read = np.tensordot(self.window.window.polynomials(log_radius), self._series, 1)
         return np.asarray(np.einsum("cdp,cd->cp", read, causes))
 
@@ -165,32 +159,32 @@ def _turned_window(window: SlidingWindow) -> TurnedWindow:
 def largest_pressure(contact: Contact, friction: Friction) -> Array:
     """Largest pressure of curved punches that slide [Pa], p0 + p1 cos(angle) over the contact; (case,).
 
-    At the sharp apex of exponents below 2 it is that at rest.
+    For exponents below 2, whose apex is sharp, it is the pressure at rest.
     """
     at_rest = contact.peak_pressure
-    found = np.array(at_rest)
+    largest = np.array(at_rest)
     slid = np.flatnonzero(friction.coefficient != 0)
     for first in range(0, slid.size, _TOGETHER):
-        some = slid[first : first + _TOGETHER]
-        middle, turned = _pressures(contact, friction, some)
-        size = (contact.size / contact.radius / contact.pressed.units[:, 0])[some]
-        found[some] = np.maximum(at_rest[some], size * ray_of(contact.pressed.body.shape).top(middle, turned))
-    return found
+        cases = slid[first : first + _TOGETHER]
+        middle, turned = _pressures(contact, friction, cases)
+        size = (contact.size / contact.radius / contact.pressed.units[:, 0])[cases]
+        largest[cases] = np.maximum(at_rest[cases], size * ray_of(contact.pressed.body.shape).top(middle, turned))
+    return largest
 
 
-def _pressures(contact: Contact, friction: Friction, some: Indices) -> tuple[Array, Array]:
-    """p0 and p1 of some cases at the places of the ray, over C a^(e-1); (case, place) each."""
-    body, eta = contact.pressed.body, friction.coefficient[some, None]
+def _pressures(contact: Contact, friction: Friction, cases: Indices) -> tuple[Array, Array]:
+    """Pressures p0 and p1 of some cases at the places of the ray, over C a^(e-1); (case, place) each."""
+    body, eta = contact.pressed.body, friction.coefficient[cases, None]
     shape, ray = body.shape, ray_of(body.shape)
-    inverse = np.linalg.inv(np.broadcast_to(contact.state.stiffness.compliance, (contact.radius.size, 3, 3))[some])
+    inverse = np.linalg.inv(np.broadcast_to(contact.state.stiffness.compliance, (contact.radius.size, 3, 3))[cases])
     middle = 2 / np.pi * inverse[:, :1, 0] * halfspace_form(shape, ray.x, ray.r)
     if not isinstance(body, Film):
-        coupled = np.einsum("ci,ci->c", inverse[:, 0], friction.coupling[some])
+        coupled = np.einsum("ci,ci->c", inverse[:, 0], friction.coupling[cases])
         return middle, eta * (2 / np.pi * inverse[:, 0, 0] * coupled)[:, None] * _of_halfspace(shape)
     turned = np.empty_like(middle)
-    for places, of, log_ratio in body.part(some).windows(contact.radius[some]):
-        causes = contact.state.causes[some[places]]
-        middle[places] -= of.tractions(log_ratio, causes)[:, 0] @ of.terms.forms(ray.x).T
-        table = _turned_window(sliding_window(of.kind, of.number, friction.punch))
-        turned[places] = table.read(log_ratio, causes[:, 1:])
+    for places, window, log_ratio in body.part(cases).windows(contact.radius[cases]):
+        causes = contact.state.causes[cases[places]]
+        middle[places] -= window.tractions(log_ratio, causes)[:, 0] @ window.terms.forms(ray.x).T
+        turned_window = _turned_window(sliding_window(window.kind, window.number, friction.punch))
+        turned[places] = turned_window.read(log_ratio, causes[:, 1:])
     return middle, eta * turned

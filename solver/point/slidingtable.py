@@ -21,26 +21,26 @@ from solver.point.tractions import Density, Tractions
 from solver.stack.electroded import difference, surface
 from solver.stack.wavenumbers import strip, wavenumbers
 
-_FIRST, _MORE = 24, 12.0  # nodes of a small contact, and what a wide one adds
+_FIRST, _PER_ROOT = 24, 12.0  # nodes of a small contact; more per root of a/h
 _KEPT = 128
 _EDGE = np.ones(1)
 
 
 @dataclass(frozen=True, eq=False)
 class SlidingWindow:
-    """What layers make of friction over half a decade of radii."""
+    """Layers' contribution to friction over half a decade of radii."""
 
     window: Window
     punch: float
 
     @cached_property
     def _series(self) -> Array:
-        """Chebyshev coefficients of what is solved at the nodes; (node, 3, 1 + 3 n)."""
+        """Chebyshev coefficients of the solutions at the nodes; (node, 3, 1 + 3 n)."""
         return coefficients(self._solved)
 
     @cached_property
     def response(self) -> Response:
-        """Of the half-space of the top."""
+        """Response of the half-space of the top."""
         kind = self.window.kind
         stack = kind.film.stack()
         coupling = contact_coupling(-surface(stack)[0, 1:], stack.scale, self.punch, np.array(kind.conducts))
@@ -48,31 +48,31 @@ class SlidingWindow:
 
     @cached_property
     def _solved(self) -> Array:
-        """c/a and Legendre coefficients per (V, Psi, g) and eta, at the nodes; (node, 3, 1 + 3 n)."""
+        """Shift c/a and Legendre coefficients per (V, Psi, g) and eta, at the nodes; (node, 3, 1 + 3 n)."""
         kind = self.window.kind
         stack, radii = kind.film.stack(), np.exp(self.window.nodes)
-        every = [(self._causes(number), a) for number, a in enumerate(radii.tolist())]
+        causes_and_radii = [(self._causes(number), a) for number, a in enumerate(radii.tolist())]
         k, weights = wavenumbers(stack, 2 * float(np.max(radii)), strip(stack))
-        there = np.array([True, *kind.conducts])
-        added = difference(stack, k)
+        conducts = np.array([True, *kind.conducts])
+        multiplier = difference(stack, k)
         layers = Layers(
             k,
             weights,
-            np.where(there[:, None] & there, added[:, 1:, 1:], 0.0),
-            np.where(there, added[:, 1:, 0], 0.0),
+            np.where(conducts[:, None] & conducts, multiplier[:, 1:, 1:], 0.0),
+            np.where(conducts, multiplier[:, 1:, 0], 0.0),
         )
         reach = float(np.max(radii)) / min(float(stack.media[0].slowest), 1.0)
-        count = _FIRST + int(_MORE * np.sqrt(reach))
-        return np.array([layers.solved(self.response, causes, a, count) for causes, a in every])
+        count = _FIRST + int(_PER_ROOT * np.sqrt(reach))
+        return np.array([layers.solved(self.response, causes, a, count) for causes, a in causes_and_radii])
 
     @property
     def solutions(self) -> Iterator[tuple[Density, Array, Array]]:
-        """Per node: densities of V, Psi and the profile, c/a and Legendre coefficients of each per eta."""
+        """Yield, per node, densities of V, Psi and the profile, and c/a and Legendre coefficients of each per eta."""
         for number, solved in enumerate(self._solved):
             yield self._causes(number), solved[:, 0], solved[:, 1:].reshape(3, 3, -1)
 
     def _causes(self, number: int) -> Density:
-        """Densities of V, Psi and the profile, each with the depth that makes its edge smooth; below a disc of u0."""
+        """Densities of V, Psi and profile, each with the depth that makes its edge smooth; below a disc of u0."""
         shape, edges = self.window.kind.shape, self.window.edges[number]
         causes = np.zeros((3, 4))
         causes[:, shape.driving] = np.eye(3)
@@ -83,86 +83,83 @@ class SlidingWindow:
         return replace(density, strengths=density.strengths * [0.0, 1.0, 1.0])
 
     def read(self, log_radius: Array) -> Array:
-        """At radii within the window; (case, 3, 1 + 3 n)."""
+        """Shift and coefficients at radii within the window; (case, 3, 1 + 3 n)."""
         return np.asarray(np.tensordot(self.window.polynomials(log_radius), self._series, 1))
 
     @cached_property
     def _tensions(self) -> Array:
-        """Chebyshev coefficients of what the layers add to sigma_xx at the trailing edge; (node, 2, 3).
+        """Chebyshev coefficients of the layers' contribution to sigma_xx at the trailing edge [Pa]; (node, 2, 3).
 
-        Per (V, Psi, g), without friction and per eta [Pa].
+        It is given per (V, Psi, g), without friction and per eta.
         """
         kind, nodes = self.window.kind, self.window.nodes
         inside, rows, rim = Inside(kind.film.stack()), ("stress_xx",), np.ones(1)
-        found = []
+        stresses = []
         for number, ratio in enumerate(np.exp(nodes).tolist()):
             density = self._causes(number)
             ratios, sines = np.full(3, ratio), _Slid(self.response, density, self._solved[number])
             plain = inside.of_layers(Tractions(ratios, density, np.zeros(3)), rim, rows)[:, 0, 0]
             slid = inside.of_layers(Tractions(ratios, density, np.ones(3), sines), rim, rows)[:, 0, 0]
-            found.append([plain, slid - plain])
-        return coefficients(np.array(found))
+            stresses.append([plain, slid - plain])
+        return coefficients(np.array(stresses))
 
     def tensions(self, log_radius: Array) -> Array:
-        """At radii within the window; (case, 2, 3)."""
+        """Layers' contribution to sigma_xx at the trailing edge, at radii within the window [Pa]; (case, 2, 3)."""
         return np.asarray(np.tensordot(self.window.polynomials(log_radius), self._tensions, 1))
 
 
 @dataclass(frozen=True, eq=False)
 class _Slid:
-    """psi of causes from what is solved of them, per eta."""
+    """Density psi of causes from their solutions, per eta."""
 
-    # What is closed
     response: Response
     causes: Density
     solved: Array  # c/a and Legendre coefficients; (cause, 1 + 3 n)
 
     def __call__(self, b: Array, columns: Indices) -> Array:
-        """psi; (column, 3, b)."""
+        """Density psi; (column, 3, b)."""
         series = self.solved[columns, 1:].reshape(columns.size, 3, -1)
-        own = self.response.closed(self.causes.part(columns).turned(b)[:, 0], b, self.solved[columns, 0])
-        return np.asarray(own + series @ legendre(b, series.shape[-1]).T)
+        closed = self.response.closed(self.causes.part(columns).turned(b)[:, 0], b, self.solved[columns, 0])
+        return np.asarray(closed + series @ legendre(b, series.shape[-1]).T)
 
 
 @dataclass(frozen=True, eq=False)
 class Layers:
-    """What layers and base add to the half-space of the top, at wavenumbers."""
+    """Layers' contribution to the half-space of the top, at wavenumbers."""
 
-    # (k,)
-    k: Array
-    weights: Array
-    # Delta over (y, phi, psi), and of these to the traction along x; (k, 3, 3) and (k, 3)
-    normal: Array
-    along: Array
+    k: Array  # Wavenumbers; (k,)
+    weights: Array  # Weights of integrals over k; (k,)
+    normal: Array  # Delta over (y, phi, psi); (k, 3, 3)
+    along: Array  # Delta of these to the traction along x; (k, 3)
 
     def solved(self, response: Response, causes: Density, radius: float, count: int) -> Array:
-        """c/a and Legendre coefficients of psi without the half-space's, per eta; (cause, 1 + 3 count)."""
+        """Shift c/a and Legendre coefficients of psi without the half-space's, per eta; (cause, 1 + 3 count)."""
         phases = self.k * radius
-        x, w = np.polynomial.legendre.leggauss(count)
-        b, weights = (1 + x) / 2, w / 2
+        gauss, gauss_weights = np.polynomial.legendre.leggauss(count)
+        b, weights = (1 + gauss) / 2, gauss_weights / 2
         sines = np.sin(phases[:, None] * b)
         shares = 2 / np.pi * self.weights * radius
-        own = np.einsum("ij,mn->imjn", response.compliance, np.eye(count))
+        local = np.einsum("ij,mn->imjn", response.compliance, np.eye(count))
         kernel = np.einsum("km,kn,kij->imjn", sines, sines * shares[:, None], self.normal, optimize=True) * weights
-        whole = (own + kernel).reshape(3 * count, 3 * count)
+        system = (local + kernel).reshape(3 * count, 3 * count)
 
-        at = hankel.nodes(parts=int(np.max(phases) / 8) + 4, kinked=True)
-        turned = causes.turned(at.b)[:, 0]
-        free = response.closed(turned, at.b, np.zeros(len(turned)))
-        moved = response.closed(np.zeros((1, at.b.size)), at.b, np.ones(1))
-        waved = np.sin(phases[:, None] * at.b) * at.weights
+        fine = hankel.nodes(parts=int(np.max(phases) / 8) + 4, kinked=True)
+        turned = causes.turned(fine.b)[:, 0]
+        free = response.closed(turned, fine.b, np.zeros(len(turned)))
+        moved = response.closed(np.zeros((1, fine.b.size)), fine.b, np.ones(1))
+        waved = np.sin(phases[:, None] * fine.b) * fine.weights
         carried = np.einsum("kij,kb,cjb->ick", self.normal, waved, np.concatenate([free, moved]), optimize=True)
         pushed = np.einsum(
-            "kb,cb->ck", np.cos(phases[:, None] * at.b) * at.weights, causes.at(at.b)[:, 0], optimize=True
+            "kb,cb->ck", np.cos(phases[:, None] * fine.b) * fine.weights, causes.at(fine.b)[:, 0], optimize=True
         )
         carried[:, :-1] -= self.along.T[:, None] * pushed
         right = -np.einsum("ick,k,kn->inc", carried, shares, sines, optimize=True)
-        values = np.linalg.solve(whole, right.reshape(3 * count, -1)).reshape(3, count, -1)
+        values = np.linalg.solve(system, right.reshape(3 * count, -1)).reshape(3, count, -1)
         series = (2 * np.arange(count) + 1)[:, None] * (legendre(b, count).T * weights) @ values  # (3, n, cause)
         return response.settled(causes.turned(_EDGE)[:, 0, 0], series, np.sum(series[0], 0))  # P_n(1) = 1
 
 
 @lru_cache(_KEPT)
 def sliding_window(kind: PointKind, number: int, punch: float) -> SlidingWindow:
-    """Made once."""
+    """Sliding window of a kind, cached."""
     return SlidingWindow(window(kind, number), punch)

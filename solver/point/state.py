@@ -21,10 +21,10 @@ from solver.point.profile import Shape
 
 @dataclass(frozen=True, eq=False)
 class Stiffness:
-    """What contacts of given radii answer, in the units of their bodies."""
+    """Loads and edge strengths of contacts of given radii, in the units of their bodies."""
 
-    # N of the contact over (y, phi, psi): that of the top and of the punch; (..., 3, 3). A field that the punch does
-    # not conduct has no entries but its own on the diagonal, here and in all others.
+    # N of the contact over (y, phi, psi), of the top and of the punch; (..., 3, 3). A field that the punch does not
+    # conduct has a diagonal entry only, here and in the other arrays.
     compliance: Array
     loads: Array  # int t over a; (..., 3, 4)
     edges: Array  # Strengths times a; (..., 3, 4)
@@ -32,17 +32,14 @@ class Stiffness:
 
 
 def conducted(compliance: Array, conducts: BoolArray) -> Array:
-    """N without what couples fields that the punch does not conduct; (..., 3, 3)."""
-    there = np.concatenate([np.ones_like(conducts[..., :1]), conducts], -1)
-    both = (there[..., :, None] & there[..., None, :]) | np.eye(3, dtype=bool)
-    return np.asarray(np.where(both, compliance, 0.0))
+    """Return N without the entries that couple fields which the punch does not conduct; (..., 3, 3)."""
+    is_active = np.concatenate([np.ones_like(conducts[..., :1]), conducts], -1)
+    is_coupled = (is_active[..., :, None] & is_active[..., None, :]) | np.eye(3, dtype=bool)
+    return np.asarray(np.where(is_coupled, compliance, 0.0))
 
 
 def halfspace(compliance: Array, shape: Shape) -> Stiffness:
-    """Contacts on a half-space of N (..., 3, 3), whatever their radius.
-
-    compliance: (..., 3, 3), N of the contact.
-    """
+    """Contacts on a half-space of N (..., 3, 3), whatever their radius."""
     inverse = np.linalg.inv(compliance)
     loads = 4 * np.concatenate([inverse, shape.mean * inverse[..., :1]], -1)
     edges = 2 / np.pi * np.concatenate([inverse, shape.rise * inverse[..., :1]], -1)
@@ -51,17 +48,17 @@ def halfspace(compliance: Array, shape: Shape) -> Stiffness:
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Contacts of given radii under charges or held potentials."""
+    """Contacts of given radii under charges or held potentials, over C a^e and C a^(e+1)."""
 
     stiffness: Stiffness
     shape: Shape
-    given: Array
-    held: tuple[bool, bool] = (False, False)
-    force: Array | None = None
+    prescribed: Array  # Charges over the load's unit, or potentials where held; (..., 2)
+    held: tuple[bool, bool] = (False, False)  # Whether the electric and the magnetic potential are held
+    force: Array | None = None  # -P of a disc over the load's unit; None: the edge is smooth
 
     @cached_property
     def _rows(self) -> Array:
-        """The three conditions on (u0, g); (..., 3, 4)."""
+        """Rows of the three conditions on (u0, g); (..., 3, 4)."""
         loads, edges = self.stiffness.loads, self.stiffness.edges
         rows = np.array(loads)
         if not self.shape.flat:
@@ -73,51 +70,51 @@ class State:
 
     @cached_property
     def displacement(self) -> Array:
-        """u0 = (-depth, V, Psi) over C a^e; (..., 3)."""
-        normal = np.zeros(self.given.shape[:-1]) if self.force is None else self.force
-        right = np.concatenate([normal[..., None], self.given], -1) - self._profile * self._rows[..., 3]
+        """Return u0 = (-depth, V, Psi) over C a^e; (..., 3)."""
+        normal = np.zeros(self.prescribed.shape[:-1]) if self.force is None else self.force
+        right = np.concatenate([normal[..., None], self.prescribed], -1) - self._profile * self._rows[..., 3]
         return np.asarray(np.linalg.solve(self._rows[..., :3], right[..., None])[..., 0])
 
     @property
     def _profile(self) -> float:
-        """1 of a curved punch: that of a disc has no part."""
+        """Return 1 for a curved punch, 0 for a disc, which has no profile."""
         return 0.0 if self.shape.flat else 1.0
 
     @cached_property
     def causes(self) -> Array:
-        """(u0, g); (..., 4)."""
-        there = np.full((*self.displacement.shape[:-1], 1), self._profile)
-        return np.concatenate([self.displacement, there], -1)
+        """Causes (u0, g); (..., 4)."""
+        profile = np.full((*self.displacement.shape[:-1], 1), self._profile)
+        return np.concatenate([self.displacement, profile], -1)
 
     @cached_property
     def loads(self) -> Array:
-        """(P, T, J) over C a^(e+1); (..., 3)."""
+        """Loads (P, T, J) over C a^(e+1); (..., 3)."""
         return np.asarray(-np.einsum("...ij,...j->...i", self.stiffness.loads, self.causes))
 
     @cached_property
     def strengths(self) -> Array:
         """Strengths of (sigma_yy, D_y, B_y) at the edge over C a^(e-1); (..., 3)."""
-        found = np.einsum("...ij,...j->...i", self.stiffness.edges, self.causes)
+        strengths = np.einsum("...ij,...j->...i", self.stiffness.edges, self.causes)
         if not self.shape.flat:
-            found[..., 0] = 0.0
-        return np.asarray(found)
+            strengths[..., 0] = 0.0
+        return np.asarray(strengths)
 
     @cached_property
     def _released(self) -> Array:
-        """-d loads / d log a at fixed displacements, over C a^(e+1); (..., 3)."""
-        own = np.einsum("...ij,...j->...i", self.stiffness.compliance, self.strengths)
-        return np.asarray(np.pi**2 * np.einsum("...ji,...j->...i", self.stiffness.edges[..., :3], own))
+        """Return -d loads / d log a at fixed displacements, over C a^(e+1); (..., 3)."""
+        displaced = np.einsum("...ij,...j->...i", self.stiffness.compliance, self.strengths)
+        return np.asarray(np.pi**2 * np.einsum("...ji,...j->...i", self.stiffness.edges[..., :3], displaced))
 
     @cached_property
     def _opening(self) -> Array:
-        """d (strength of the pressure) / d log a at fixed displacements, over C a^(e-1); (...)."""
+        """Return d (strength of the pressure) / d log a at fixed displacements, over C a^(e-1); (...)."""
         s = self.stiffness
         rates = np.einsum("...j,...j->...", s.edge_rates[..., 0, :], self.causes)
         return np.asarray(rates + self.shape.exponent * s.edges[..., 0, 3])
 
     @cached_property
     def force_rate(self) -> Array:
-        """dP / d log a with the charges or potentials as they are, over C a^(e+1); (...). Not of a disc."""
+        """Return dP / d log a with the charges or potentials held, over C a^(e+1); (...). Not for a disc."""
         right = -np.concatenate([self._opening[..., None], np.where(self.held, 0.0, self._released[..., 1:])], -1)
         moved = np.linalg.solve(self._rows[..., :3], right[..., None])[..., 0]
         followed = np.einsum("...j,...j->...", self.stiffness.loads[..., 0, :3], moved)
@@ -125,17 +122,17 @@ class State:
 
     @cached_property
     def tangent(self) -> Array:
-        """-d(P, T, J) / d(-depth, V, Psi) over a, the edge going where it must; (..., 3, 3)."""
-        own = self.stiffness.loads[..., :3]
+        """Return -d(P, T, J) / d(-depth, V, Psi) over a, with the edge moving along; (..., 3, 3)."""
+        loads = self.stiffness.loads[..., :3]
         if self.shape.flat:
-            return own
+            return loads
         edge = self.stiffness.edges[..., None, 0, :3] / self._opening[..., None, None]
-        return np.asarray(own - self._released[..., :, None] * edge)
+        return np.asarray(loads - self._released[..., :, None] * edge)
 
     @cached_property
     def fixed(self) -> Array:
-        """-d(T, J) / d(V, Psi) over a at a fixed radius, with a smooth edge or the force of a disc; (..., 2, 2)."""
-        own = self.stiffness.loads[..., :3]
-        row = own[..., 0, :] if self.shape.flat else self.stiffness.edges[..., 0, :3]
+        """Return -d(T, J) / d(V, Psi) over a at a fixed radius, edge smooth or a disc's force fixed; (..., 2, 2)."""
+        loads = self.stiffness.loads[..., :3]
+        row = loads[..., 0, :] if self.shape.flat else self.stiffness.edges[..., 0, :3]
         follows = row[..., None, 1:] / row[..., :1, None]
-        return np.asarray(own[..., 1:, 1:] - own[..., 1:, :1] * follows)
+        return np.asarray(loads[..., 1:, 1:] - loads[..., 1:, :1] * follows)

@@ -30,25 +30,28 @@ _KEPT = 16  # of a hundred places 0.1 MB each
 
 
 def added_stresses(contact: Contact, positions: Array) -> Array:
-    """What the layers add to sigma_rr and sigma_tt at r/a, SI; (case, 2, position)."""
+    """Layers' contribution to sigma_rr and sigma_tt at r/a, SI; (case, 2, position)."""
     body = contact.pressed.body
     if not isinstance(body, Film):
         return np.zeros((contact.radius.size, 2, 1))
     places = tuple(positions.tolist())
-    read = body.gathered(contact.radius, lambda of, at, _: of.polynomials(at) @ _series(of.kind, of.number, places))
+    read = body.gathered(
+        contact.radius,
+        lambda table, log_ratio, _: table.polynomials(log_ratio) @ _series(table.kind, table.number, places),
+    )
     causes = contact.state.causes * (contact.size / contact.radius)[:, None]
     return np.asarray(np.einsum("ckd,cd->ck", read.reshape(len(read), -1, 4), causes)).reshape(len(read), 2, -1)
 
 
 @lru_cache(_KEPT)
 def _series(kind: PointKind, number: int, positions: tuple[float, ...]) -> Array:
-    """Chebyshev coefficients per (u0, g) over C a^e; (node, stress and position and cause)."""
-    of, inside, places = window(kind, number), Inside(kind.film.stack()), np.array(positions)
-    found = [
-        inside.of_layers(Tractions(np.full(4, ratio), of.density(number, np.eye(4)), np.zeros(4)), places, _STRESSES)
-        for number, ratio in enumerate(np.exp(of.nodes).tolist())
+    """Chebyshev coefficients of the stresses per (u0, g) over C a^e; (node, stress and position and cause)."""
+    table, inside, places = window(kind, number), Inside(kind.film.stack()), np.array(positions)
+    stresses = [
+        inside.of_layers(Tractions(np.full(4, ratio), table.density(number, np.eye(4)), np.zeros(4)), places, _STRESSES)
+        for number, ratio in enumerate(np.exp(table.nodes).tolist())
     ]
-    return coefficients(np.moveaxis(np.stack(found), 1, -1).reshape(len(found), -1))
+    return coefficients(np.moveaxis(np.stack(stresses), 1, -1).reshape(len(stresses), -1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,72 +59,72 @@ class Along:
     """Fields of contacts along a line through the middle."""
 
     contact: Contact
-    positions: Array
+    positions: Array  # r/a with a sign; (position,)
 
     @property
     def _inside(self) -> Array:
-        """1 below the punch, 0 beside it; (position,)."""
+        """Return 1 below the punch, 0 outside; (position,)."""
         return np.where(np.abs(self.positions) < 1, 1.0, 0.0)
 
     @property
     def _x(self) -> Array:
-        """sqrt(1 - r^2/a^2) below the punch, 0 beside it; (position,)."""
+        """Return sqrt(1 - r^2/a^2) below the punch, 0 outside; (position,)."""
         return np.sqrt(np.maximum((1 - self.positions) * (1 + self.positions), 0.0))
 
     @property
     def _units(self) -> Array:
-        """SI per unit of a traction; (case, 3, 1)."""
+        """Unit of a traction in SI; (case, 3, 1)."""
         pressed = self.contact.pressed
         return np.asarray(((self.contact.size / self.contact.radius)[:, None] / pressed.units)[..., None])
 
     @property
     def _per_form(self) -> Array:
-        """What the half-space's bounded part is per form of the pressure; (case, 3, 1)."""
+        """Half-space's bounded part per form of the pressure; (case, 3, 1)."""
         inverse = np.linalg.inv(self.contact.state.stiffness.compliance)
         return np.asarray(-2 / np.pi * inverse[..., :, :1])
 
     def _form(self) -> Array:
-        """The half-space's pressure but for its size; (position,)."""
+        """Form of the half-space's pressure; (position,)."""
         shape = self.contact.pressed.body.shape
         return np.zeros(self.positions.size) if shape.flat else halfspace_form(shape, self._x, np.abs(self.positions))
 
     def tractions(self) -> Array:
-        """sigma_yy, D_y, B_y [Pa, C m-2, T]; (case, 3, position)."""
+        """Tractions sigma_yy, D_y, B_y [Pa, C m-2, T]; (case, 3, position)."""
         below = np.flatnonzero(self._inside)
         strength, x = self.contact.state.strengths[..., None], self._x[below]
-        found = np.zeros((*strength.shape[:-1], self.positions.size))
-        found[..., below] = strength / x + self._per_form * self._form()[below]
-        for places, of, series in self._layers():
-            found[places[:, None, None], np.arange(3)[:, None], below] += series @ of.terms.forms(x).T
-        return np.asarray(found * self._units)
+        tractions = np.zeros((*strength.shape[:-1], self.positions.size))
+        tractions[..., below] = strength / x + self._per_form * self._form()[below]
+        for places, table, series in self._layers():
+            tractions[places[:, None, None], np.arange(3)[:, None], below] += series @ table.terms.forms(x).T
+        return np.asarray(tractions * self._units)
 
     def _layers(self) -> Iterator[tuple[Indices, Window, Array]]:
-        """Cases, their window and what the layers add, whose strength is counted with the half-space's."""
+        """Yield cases, their window and the layers' coefficients, whose strength is in the half-space's part."""
         contact = self.contact
         if isinstance(film := contact.pressed.body, Film):
-            for places, of, log_ratio in film.windows(contact.radius):
-                yield places, of, of.tractions(log_ratio, contact.state.causes[places])
+            for places, table, log_ratio in film.windows(contact.radius):
+                yield places, table, table.tractions(log_ratio, contact.state.causes[places])
 
     def means(self) -> Array:
-        """int_0^r t s ds / r^2, half the mean traction within r; (case, 3, position)."""
+        """Return int_0^r t s ds / r^2, half the mean traction within r; (case, 3, position)."""
         e, x = self.contact.pressed.body.shape.exponent, self._x
         within = 1 / (1 + x)
         form = (self.contact.pressed.body.shape.rise * e * within + self._form()) / (e + 1)
         beyond = 1 / np.maximum(np.abs(self.positions), 1.0) ** 2
-        own = self.contact.state.strengths[..., None] * within + self._per_form * form
+        means = self.contact.state.strengths[..., None] * within + self._per_form * form
         for places, _, series in self._layers():
-            own[places] += series @ added_means(x, series.shape[-1]).T
-        return np.asarray(own * beyond * self._units)
+            means[places] += series @ added_means(x, series.shape[-1]).T
+        return np.asarray(means * beyond * self._units)
 
     def stresses(self, rim: Rim) -> dict[str, Array]:
-        """sigma_rr and sigma_tt [Pa] of the half-space of the top; (case, position) each."""
+        """Stresses sigma_rr and sigma_tt [Pa] of the half-space of the top; (case, position) each."""
         tractions = self.tractions()
         dilation = -np.einsum("...j,...jp->...p", rim.coupling, tractions)
         hoop = -np.einsum("...j,...jp->...p", rim.coupling, self.means())
         shear = rim.shear[..., None]
         pressed = np.einsum("...j,...jp->...p", rim.share, tractions)
-        both = (rim.stiffness[..., None] - shear) * dilation + pressed
-        return {"radial_stress": both + shear * (dilation - hoop), "hoop_stress": both + shear * hoop}
+        common = (rim.stiffness[..., None] - shear) * dilation + pressed
+        return {"radial_stress": common + shear * (dilation - hoop), "hoop_stress": common + shear * hoop}
 
 
 def surface_fields(pressed: Pressed, positions: Array, rim: Rim | None = None) -> dict[str, Array]:
@@ -133,30 +136,30 @@ def surface_fields(pressed: Pressed, positions: Array, rim: Rim | None = None) -
     normal, electric, magnetic = np.moveaxis(along.tractions(), 1, 0)
     out = {"contact_pressure": 0.0 - normal, "electric_displacement": electric, "magnetic_induction": magnetic}
     if isinstance(pressed.body, Film) and pressed.body.kind.film.electroded:
-        del out["electric_displacement"]  # the electrode's, also beside the punch
+        del out["electric_displacement"]  # it is the electrode's, also outside the punch
     if rim is None:
         return out
     added = added_stresses(along.contact, positions)
-    return out | {name: own + added[:, number] for number, (name, own) in enumerate(along.stresses(rim).items())}
+    return out | {
+        name: halfspace_stress + added[:, number]
+        for number, (name, halfspace_stress) in enumerate(along.stresses(rim).items())
+    }
 
 
 @dataclass(frozen=True, eq=False)
 class BelowPunch:
-    """Tractions of some cases below the punch, at places of each case's own, as :class:`Along` has them."""
+    """Tractions of some cases below the punch, each at its own places."""
 
-    contact: Contact  # The contacts
-    cases: Indices  # Which of them
-    series: Array  # Coefficients that the layers add; (case, 3, n)
+    contact: Contact
+    cases: Indices  # Indices among the contacts
+    series: Array  # Layers' coefficients; (case, 3, n)
 
-    def at(self, some: Indices, r: Array) -> Array:
-        """(sigma_yy, D_y, B_y) over C a^(e-1) of some of the cases at r/a <= 1 (case, place); (case, 3, place).
-
-        r: (case, place), r/a <= 1.
-        """
-        shape, state, cases = self.contact.pressed.body.shape, self.contact.state, self.cases[some]
+    def at(self, chosen: Indices, r: Array) -> Array:
+        """Tractions (sigma_yy, D_y, B_y) over C a^(e-1) of some cases at r/a <= 1, (case, place); (case, 3, place)."""
+        shape, state, cases = self.contact.pressed.body.shape, self.contact.state, self.cases[chosen]
         x = np.sqrt(np.maximum((1 - r) * (1 + r), 1e-32))
         compliance = np.broadcast_to(state.stiffness.compliance, (self.contact.radius.size, 3, 3))[cases]
         form = np.zeros_like(r) if shape.flat else halfspace_form(shape, x, r)
-        own = -2 / np.pi * np.linalg.inv(compliance)[..., :, :1] * form[:, None]
-        added = np.einsum("cin,crn->cir", self.series[some], added_forms(x, self.series.shape[-1]))
-        return np.asarray(state.strengths[cases, :, None] / x[:, None] + own + added)
+        closed = -2 / np.pi * np.linalg.inv(compliance)[..., :, :1] * form[:, None]
+        added = np.einsum("cin,crn->cir", self.series[chosen], added_forms(x, self.series.shape[-1]))
+        return np.asarray(state.strengths[cases, :, None] / x[:, None] + closed + added)

@@ -12,7 +12,6 @@ magnetic field the flux leaves sideways: psi is then a logarithm far away, and z
 thickness.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -26,49 +25,49 @@ from solver.stack.layers import Stack
 from solver.stack.reflection import sideways
 from solver.stack.wavenumbers import DECAYED, strip, wavenumbers
 
-_BLOCK = 2_000_000  # values of the Bessel functions held at once
-_SIZES, _ROWS = 2, 36  # groups of radii an octave, and rows of symmetric products at a time
-_LEAST, _STEPS = 44.0, 6  # exponent of what is below rounding, and steps of the iteration that finds where
+_VALUES_AT_ONCE = 2_000_000  # values of the Bessel functions held at once
+_SIZES, _ROWS = 2, 36  # groups of radii per octave; rows of symmetric products at a time
+_ROUNDING, _STEPS = 44.0, 6  # exponent of a value below rounding; steps of the fixed-point iteration for it
 
 
 def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
-    """K of a stack at radii [m] in the units of the stack; (radius, 3, 3, count, count)."""
-    found: Array = np.zeros((radii.size, 3, 3, count, count))
+    """Return K of a stack at radii [m] in the units of the stack; (radius, 3, 3, count, count)."""
+    K: Array = np.zeros((radii.size, 3, 3, count, count))
     width = strip(stack)
     sizes = np.floor(_SIZES * np.log2(1 + radii / width))
     for size in np.unique(sizes):  # a narrow contact needs fewer wavenumbers
-        alike = np.flatnonzero(sizes == size)
-        reach = float(np.max(radii[alike]))
+        same_size = np.flatnonzero(sizes == size)
+        reach = float(np.max(radii[same_size]))
         k, weights = wavenumbers(stack, 2 * reach, width * DECAYED / _decayed(reach / width))
         added = weights * np.moveaxis(difference(stack, k)[:, 1:, 1:], 0, -1)
-        step = max(_BLOCK // (count * k.size), 1)
-        for start in range(0, alike.size, step):
-            some = alike[start : start + step]
-            orders = np.moveaxis(even_orders(radii[some, None] * k, count, odd), 0, 1)  # (radius, n, k)
+        step = max(_VALUES_AT_ONCE // (count * k.size), 1)
+        for start in range(0, same_size.size, step):
+            block = same_size[start : start + step]
+            orders = np.moveaxis(even_orders(radii[block, None] * k, count, odd), 0, 1)  # (radius, n, k)
             for i, j in _coupled(added):
-                found[some, i, j] = found[some, j, i] = _products(orders, added[i, j])
+                K[block, i, j] = K[block, j, i] = _products(orders, added[i, j])
         if not odd and (spread := sideways(stack)):
-            found[alike, 2, 2, 0, 0] -= np.sum(weights * spread / k * np.exp(-k * stack.thickness / 2))
-    return np.asarray(found * radii[:, None, None, None, None])
+            K[same_size, 2, 2, 0, 0] -= np.sum(weights * spread / k * np.exp(-k * stack.thickness / 2))
+    return np.asarray(K * radii[:, None, None, None, None])
 
 
 def _decayed(ratio: float) -> float:
     """Exponent s at the largest wavenumber, where e^-s / (s ratio)^2 is below rounding: j_2m j_2n falls like k^-2."""
     exponent = DECAYED
     for _ in range(_STEPS):
-        exponent = min(DECAYED, max(_LEAST - 2 * np.log(max(exponent * ratio, 1.0)), 1.0))
+        exponent = min(DECAYED, max(_ROUNDING - 2 * np.log(max(exponent * ratio, 1.0)), 1.0))
     return float(exponent)
 
 
 def _products(orders: Array, weights: Array) -> Array:
-    """Sums of products of the functions (radius, n, k), symmetric: from the diagonal on; (radius, n, n)."""
+    """Sums of products of the functions (radius, n, k), filled from the diagonal by symmetry; (radius, n, n)."""
     count = orders.shape[1]
-    found, weighted = np.empty((len(orders), count, count)), orders * weights
+    products, weighted = np.empty((len(orders), count, count)), orders * weights
     for first in range(0, count, _ROWS):
         rows = slice(first, first + _ROWS)
-        found[:, rows, first:] = weighted[:, rows] @ np.swapaxes(orders[:, first:], -1, -2)
-        found[:, first:, rows] = np.swapaxes(found[:, rows, first:], -1, -2)
-    return found
+        products[:, rows, first:] = weighted[:, rows] @ np.swapaxes(orders[:, first:], -1, -2)
+        products[:, first:, rows] = np.swapaxes(products[:, rows, first:], -1, -2)
+    return products
 
 
 def _coupled(added: Array) -> list[tuple[int, int]]:
@@ -77,83 +76,72 @@ def _coupled(added: Array) -> list[tuple[int, int]]:
 
 
 def added_forms(x: Array, count: int) -> Array:
-    """(P_2n(x) - P_2n(0)) / (abs(P_2n(0)) x) at x > 0; (..., n).
-
-    x: (...), sqrt(1 - r^2/a^2) > 0.
-    """
+    """Return (P_2n(x) - P_2n(0)) / (abs(P_2n(0)) x) at x = sqrt(1 - r^2/a^2) > 0; (..., n)."""
     values = np.polynomial.legendre.legvander(x, 2 * count - 2)[..., ::2]
-    middle = np.polynomial.legendre.legvander(np.zeros(1), 2 * count - 2)[0, ::2]
-    return np.asarray((values - middle) / (np.abs(middle) * x[..., None]))
+    at_zero = np.polynomial.legendre.legvander(np.zeros(1), 2 * count - 2)[0, ::2]
+    return np.asarray((values - at_zero) / (np.abs(at_zero) * x[..., None]))
 
 
 def added_means(x: Array, count: int) -> Array:
-    """int_0^r of ``added_forms`` times s ds over r^2 at r = sqrt(1 - x^2) <= 1; (..., n).
+    """Return int_0^r of ``added_forms`` times s ds over r^2 at r = sqrt(1 - x^2) <= 1; (..., n).
 
-    As int_x^1 P_m(v) dv = (1 - x^2) P_m'(x) / (m (m + 1)).
-
-    x: (...), sqrt(1 - r^2/a^2).
+    It follows from int_x^1 P_m(v) dv = (1 - x^2) P_m'(x) / (m (m + 1)).
     """
     m = 2 * np.arange(count)
-    whole = np.eye(2 * count - 1)[::2] / np.maximum(m * (m + 1), 1)[:, None]
-    own = np.polynomial.legendre.legval(x, np.polynomial.legendre.legder(whole, axis=1).T) if count > 1 else 0 * x[None]
-    middle = np.polynomial.legendre.legvander(np.zeros(1), 2 * count - 2)[0, ::2]
-    found = np.moveaxis(own, 0, -1) - middle / (1 + x[..., None])
-    return np.asarray(np.where(m > 0, found / np.abs(middle), 0.0))
+    antiderivatives = np.eye(2 * count - 1)[::2] / np.maximum(m * (m + 1), 1)[:, None]
+    derived = (
+        np.polynomial.legendre.legval(x, np.polynomial.legendre.legder(antiderivatives, axis=1).T)
+        if count > 1
+        else 0 * x[None]
+    )
+    at_zero = np.polynomial.legendre.legvander(np.zeros(1), 2 * count - 2)[0, ::2]
+    means = np.moveaxis(derived, 0, -1) - at_zero / (1 + x[..., None])
+    return np.asarray(np.where(m > 0, means / np.abs(at_zero), 0.0))
 
 
 def halfspace_terms(compliance: Array, shape: Shape, count: int) -> Array:
-    """a c of the half-space of N (3, 3), of u0 in each channel and of g = (r/a)^exponent; (3, n, 4).
-
-    compliance: (3, 3), N of the contact.
-    """
+    """Coefficients a c of the half-space of N (3, 3), for u0 in each channel and g = (r/a)^exponent; (3, n, 4)."""
     inverse = np.linalg.inv(compliance)
-    found = np.zeros((3, count, 4))
-    found[:, 0, :3] = 2 / np.pi * inverse
+    terms = np.zeros((3, count, 4))
+    terms[:, 0, :3] = 2 / np.pi * inverse
     moments = 2 / np.pi * (4 * np.arange(count) + 1) * shape.moments(count)
-    found[:, :, 3] = inverse[:, :1] * moments
-    return found
+    terms[:, :, 3] = inverse[:, :1] * moments
+    return terms
 
 
 @dataclass(frozen=True, eq=False)
 class Added:
-    """What layers and base add to the coefficients of the half-space."""
+    """Coefficients that layers and base add to those of the half-space."""
 
-    compliance: Array
-    interactions: Array
+    compliance: Array  # N of the contact; (3, 3)
+    interactions: Array  # K at the radii; (radius, 3, 3, n, n)
     shape: Shape
 
     @cached_property
     def halfspace(self) -> Array:
-        """a c of the half-space, of u0 in each channel and of g = (r/a)^exponent; (3, n, 4)."""
+        """Coefficients a c of the half-space, for u0 in each channel and g = (r/a)^exponent; (3, n, 4)."""
         return halfspace_terms(self.compliance, self.shape, self.interactions.shape[-1])
 
     @property
     def loads(self) -> Array:
-        """Shares of the coefficients in a load over 2 pi; (n,)."""
+        """Share of each coefficient in a load over 2 pi; (n,)."""
         return np.asarray(np.eye(self.interactions.shape[-1])[0])
 
     @property
     def edges(self) -> Array:
-        """Shares of them in the strength at the edge; (n,)."""
+        """Share of each coefficient in the strength at the edge; (n,)."""
         return np.asarray((-1.0) ** np.arange(self.interactions.shape[-1]))
 
     def forms(self, x: Array) -> Array:
-        """Shares of them in a traction less its strength over x = sqrt(1 - r^2/a^2) > 0; (..., n)."""
+        """Traction less its strength over x per coefficient, at x = sqrt(1 - r^2/a^2) > 0; (..., n)."""
         return added_forms(x, self.interactions.shape[-1])
-
-    def between(self, series: Array, low: Array, high: Array) -> Callable[[Array], Array]:
-        """A traction less its strength over x at x within limits (case,), of coefficients (case, n).
-
-        series: (case, n), coefficients; low, high: (case,), limits of x.
-        """
-        return lambda x: np.asarray(np.sum(series * self.forms(x), -1))
 
     @cached_property
     def coefficients(self) -> Array:
-        """a c without the half-space's; (radius, 3, n, 4)."""
+        """Coefficients a c without the half-space's; (radius, 3, n, 4)."""
         count = self.interactions.shape[-1]
-        own = np.einsum("ij,mn->imjn", self.compliance, np.diag(np.pi / 2 / (4 * np.arange(count) + 1)))
-        layers = np.moveaxis(self.interactions, 2, 3).reshape(-1, 3 * count, 3 * count)
-        right = -layers @ self.halfspace.reshape(3 * count, 4)
-        solved = np.linalg.solve(own.reshape(3 * count, 3 * count) + layers, right)
+        local = np.einsum("ij,mn->imjn", self.compliance, np.diag(np.pi / 2 / (4 * np.arange(count) + 1)))
+        coupling = np.moveaxis(self.interactions, 2, 3).reshape(-1, 3 * count, 3 * count)
+        right = -coupling @ self.halfspace.reshape(3 * count, 4)
+        solved = np.linalg.solve(local.reshape(3 * count, 3 * count) + coupling, right)
         return np.asarray(solved.reshape(-1, 3, count, 4))

@@ -21,19 +21,19 @@ from solver.point.system import Added, interactions
 from solver.point.tractions import Density
 from solver.stack.electroded import surface
 
-_A_DECADE = 2  # windows, those of the plane
+_A_DECADE = 2  # windows per decade, as along a line
 _OVERLAP = 1.05  # of a window with its neighbours
 _NODES = 20  # radii of a window up to a/h = 10: 1e-13 between them
-_WIDE, _DIGITS = 2, 28.0  # first window beyond, and the exponent of what is left between its radii: 1e-12
+_WIDE, _DIGITS = 2, 28.0  # first window beyond a/h = 10; exponent of the error between its radii: 1e-12
 _RUNGS = 9
 _KEPT, _KERNELS = 512, 24
-_FIRST, _SMOOTH, _KINKED = 12, 9.0, 14.0  # number of functions: of a small contact, and what a wide one adds
+_FIRST, _SMOOTH, _KINKED = 12, 9.0, 14.0  # functions of a small contact; more per root of a/h, by the profile
 _SMOOTH_WIDE = 7.0  # the same beyond a/h = 10: loads to 1e-12, edge strengths to 2e-10
 
 
 @dataclass(frozen=True)
 class PointKind:
-    """What cases share that one set of tables answers."""
+    """Film and punch that cases share, so that one set of tables serves them."""
 
     film: Kind  # Layers and base, the top layer of unit thickness
     conducts: tuple[bool, bool]  # Whether the punch conducts (electric, magnetic)
@@ -51,19 +51,19 @@ class PointKind:
         return _contact_compliance(surface(self.film.stack())[1:, 1:], self)
 
     def stiffness(self, added: Array) -> Stiffness:
-        """Of the half-space and of what the layers add to loads, edges and their rates (..., 3, 3, 4)."""
-        own = halfspace(self.compliance, self.shape)
+        """Stiffness of the half-space and the layers' contribution to loads, edges and rates (..., 3, 3, 4)."""
+        bare = halfspace(self.compliance, self.shape)
         return Stiffness(
-            np.broadcast_to(own.compliance, (*added.shape[:-3], 3, 3)),
-            own.loads + added[..., 0, :, :], own.edges + added[..., 1, :, :], added[..., 2, :, :],
+            np.broadcast_to(bare.compliance, (*added.shape[:-3], 3, 3)),
+            bare.loads + added[..., 0, :, :], bare.edges + added[..., 1, :, :], added[..., 2, :, :],
         )  # fmt: skip
 
 
 def _contact_compliance(compliance: Array, kind: PointKind) -> Array:
-    """N of the body with that of the punch, without what the punch does not conduct; (3, 3)."""
-    both = np.array(compliance)
-    both[0, 0] += kind.punch / kind.scale[1] ** 2
-    return conducted(both, np.array(kind.conducts))
+    """N of the body and the punch, without the fields that the punch does not conduct; (3, 3)."""
+    total = np.array(compliance)
+    total[0, 0] += kind.punch / kind.scale[1] ** 2
+    return conducted(total, np.array(kind.conducts))
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +80,7 @@ class Window:
 
     @property
     def nodes(self) -> Array:
-        """log a of the radii that are solved, rising; (node,)."""
+        """Logarithms of the radii that are solved, rising; (node,)."""
         return self.interval.points
 
     @cached_property
@@ -102,10 +102,7 @@ class Window:
         return self.kind.stiffness(self.read(self.nodes)).edges
 
     def density(self, number: int, causes: Array) -> Density:
-        """Of causes over C a^e at a node, one column each.
-
-        causes: (column, 4), u0 and g.
-        """
+        """Densities of causes (u0, g), (column, 4), over C a^e at a node, one column each."""
         kind = self.kind
         form = causes[:, 3:] * (-2 / np.pi * np.linalg.inv(kind.compliance)[:, 0])
         series = np.einsum("ind,cd->cin", self.added[number], causes)
@@ -123,51 +120,45 @@ class Window:
 
     @cached_property
     def _read(self) -> Array:
-        """Those of loads, edge strengths and the derivatives of these in log a; (node, 36)."""
+        """Chebyshev coefficients of loads, edge strengths and the latter's derivatives in log a; (node, 36)."""
         return np.concatenate([self._series[:, :24], self.interval.derived(self._series[:, 12:24])], -1)
 
     def read(self, log_radius: Array) -> Array:
-        """What the layers add to loads, edges and their rates, at radii within the window; (case, 3, 3, 4)."""
+        """Layers' contribution to loads, edges and their rates, at radii within the window; (case, 3, 3, 4)."""
         return np.asarray(self.polynomials(log_radius) @ self._read).reshape(-1, 3, 3, 4)
 
     @property
     def rungs(self) -> Array:
-        """log a between which forces are bracketed, the ends among them; (rung,)."""
+        """Values of log a that bracket forces, the ends of the window among them; (rung,)."""
         return np.linspace(self.interval.low, self.interval.high, _RUNGS)
 
     def forces(self, log_radius: Array, held: tuple[bool, bool]) -> tuple[Array, Array]:
-        """P over C a^(e+1) and d log P / d log a of contacts without charges, or with potentials held at zero.
-
-        log_radius: (case,), log (a/h).
-        """
+        """P over C a^(e+1) and d log P / d log a at log (a/h), without charges or with potentials held at zero."""
         series, rates = self._forces[held]
         polynomials = self.polynomials(log_radius)
         return np.exp(polynomials @ series), polynomials @ rates + self.kind.shape.exponent + 1
 
     @cached_property
     def _forces(self) -> dict[tuple[bool, bool], tuple[Array, Array]]:
-        """Chebyshev coefficients of log P and of its derivative, by the potentials that are held."""
-        stiffness, found = self.kind.stiffness(self.read(self.nodes)), dict[tuple[bool, bool], tuple[Array, Array]]()
+        """Chebyshev coefficients of log P and of its derivative, by the held potentials."""
+        stiffness, series_of = (
+            self.kind.stiffness(self.read(self.nodes)),
+            dict[tuple[bool, bool], tuple[Array, Array]](),
+        )
         for electric, magnetic in product((False, True), repeat=2):
             held = electric, magnetic
             state = State(stiffness, self.kind.shape, np.zeros((self.nodes.size, 2)), held)
             series = coefficients(np.log(state.loads[..., 0]))
-            found[held] = series, self.interval.derived(series)
-        return found
+            series_of[held] = series, self.interval.derived(series)
+        return series_of
 
     def pressures(self, log_radius: Array, causes: Array) -> Array:
-        """What the layers add to the pressure at ``SAMPLES``; (case, sample).
-
-        log_radius: (case,), log (a/h); causes: (case, 4), u0 and g.
-        """
+        """Layers' contribution to the pressure at ``SAMPLES`` of causes (u0, g), (case, 4); (case, sample)."""
         read = (self.polynomials(log_radius) @ self._series[:, 24:]).reshape(-1, SAMPLES.size, 4)
         return np.asarray(np.einsum("csd,cd->cs", read, causes))
 
     def tractions(self, log_radius: Array, causes: Array) -> Array:
-        """Coefficients that the layers add to the tractions, times a; (case, 3, n).
-
-        log_radius: (case,), log (a/h); causes: (case, 4), u0 and g.
-        """
+        """Layers' coefficients of the tractions of causes (u0, g), (case, 4), times a; (case, 3, n)."""
         read = np.tensordot(self.polynomials(log_radius), coefficients(self.added), 1)
         return np.asarray(np.einsum("cind,cd->cin", read, causes))
 
@@ -177,7 +168,7 @@ class Window:
 
 
 def interval(number: int, count: int | None = None) -> Interval:
-    """Range of log a of a window, with so many Chebyshev points."""
+    """Range of log a of a window, with `count` Chebyshev points."""
     step, beyond = np.log(10) / _A_DECADE, np.log(_OVERLAP)
     low, high = np.clip([number * step - beyond, (number + 1) * step + beyond], np.log(LEAST), np.log(MOST)).tolist()
     if count is None:
@@ -187,7 +178,7 @@ def interval(number: int, count: int | None = None) -> Interval:
 
 @lru_cache(_KEPT)
 def window(kind: PointKind, number: int) -> Window:
-    """The window of a kind, made once."""
+    """Window of a kind, cached."""
     return Window(kind, number)
 
 
@@ -204,6 +195,6 @@ def _kernel(film: Kind, number: int, smooth: bool) -> Array:
 
 
 def _masked(interactions_of_all: Array, kind: PointKind) -> Array:
-    """Interactions without what couples fields that the punch does not conduct."""
+    """Interactions without the entries that couple fields which the punch does not conduct."""
     ahead = np.moveaxis(interactions_of_all, (1, 2), (-2, -1))
     return np.moveaxis(conducted(ahead, np.array(kind.conducts)), (-2, -1), (1, 2))

@@ -17,7 +17,7 @@ from solver.point.profile import Shape
 from solver.stack.layers import Stack
 from solver.stack.wavenumbers import wavenumbers
 
-_HALF = 40  # nodes of the integral that a kink leaves beside the logarithm
+_NODES = 40  # of the integral that a kinked profile adds to the logarithm
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,55 +25,55 @@ class Density:
     """Densities of (sigma_yy, D_y, B_y) without friction, lengths over a; columns of cases or causes."""
 
     shape: Shape
-    strengths: Array
-    form: Array
-    series: Array
+    strengths: Array  # Strengths at the edge; (column, 3)
+    form: Array  # Half-space's pressure over ``halfspace_form``; (column, 3)
+    series: Array  # Layers' coefficients; (column, 3, n)
 
     @property
     def kinked(self) -> bool:
-        """Whether the profile is no polynomial of r^2."""
+        """Return whether the profile is not a polynomial of r^2."""
         return not self.shape.flat and self.shape.exponent % 2 != 0
 
     def part(self, columns: Indices) -> "Density":
-        """Some of the columns."""
+        """Densities of some of the columns."""
         return Density(self.shape, self.strengths[columns], self.form[columns], self.series[columns])
 
     def times(self, units: Array) -> "Density":
-        """In other units of the channels; (3,)."""
+        """Densities in other units of the channels, (3,)."""
         form, series = self.form * units, self.series * units[:, None]
         return Density(self.shape, self.strengths * units, form, series)
 
     def at(self, b: Array) -> Array:
-        """phi; (column, 3, b)."""
-        own = self.strengths[..., None] + self._rise * self.form[..., None] * (1 - self._power(b))
+        """Density phi at b, (b,) from 0 to 1; (column, 3, b)."""
+        closed = self.strengths[..., None] + self._rise * self.form[..., None] * (1 - self._power(b))
         legendre = np.polynomial.legendre.legvander(b, 2 * max(self._count - 1, 0))[:, ::2][:, : self._count]
-        return np.asarray(own + self._signed @ (legendre - 1).T)
+        return np.asarray(closed + self._signed @ (legendre - 1).T)
 
     def falling(self, b: Array) -> Array:
-        """-d phi / db; (column, 3, b)."""
+        """Return -d phi / db; (column, 3, b)."""
         e, count = self.shape.exponent, self._count
-        own = 0.0 if self.shape.flat else self._rise * e * self.form[..., None] * b ** (e - 1)
+        closed = 0.0 if self.shape.flat else self._rise * e * self.form[..., None] * b ** (e - 1)
         if not count:
-            return np.asarray(own + np.zeros((1, 1, b.size)))
+            return np.asarray(closed + np.zeros((1, 1, b.size)))
         legendre = np.zeros((*self.series.shape[:2], 2 * count - 1))
         legendre[..., ::2] = self._signed
         derived = np.polynomial.legendre.legder(legendre, axis=-1) if count > 1 else np.zeros((*legendre.shape[:2], 1))
-        return np.asarray(own - derived @ np.polynomial.legendre.legvander(b, derived.shape[-1] - 1).T)
+        return np.asarray(closed - derived @ np.polynomial.legendre.legvander(b, derived.shape[-1] - 1).T)
 
     def turned(self, b: Array) -> Array:
-        """(1/pi) PV int_-1^1 phi(s) / (b - s) ds; (column, 3, b).
+        """Hilbert transform (1/pi) PV int_-1^1 phi(s) / (b - s) ds, to which friction is proportional; (column, 3, b).
 
-        What friction makes of a density: its Hilbert transform. That of the strengths, which has a logarithm at the
-        edge, is there below a disc alone: the pressure of other punches has none.
+        The transform of the strengths has a logarithm at the edge. It is added below a disc alone: the pressure of
+        other punches has no strength.
         """
         steep = np.arctanh(np.minimum(b, 1 - 1e-16))
         if self.shape.flat:
             return np.asarray((2 / np.pi) * (self.strengths[..., None] * steep + self._turned_series(b, steep)))
-        found = self._rise * self.form[..., None] * (2 / np.pi) * self._turned_form(b, steep)
-        return np.asarray(found + (2 / np.pi) * self._turned_series(b, steep))
+        closed = self._rise * self.form[..., None] * (2 / np.pi) * self._turned_form(b, steep)
+        return np.asarray(closed + (2 / np.pi) * self._turned_series(b, steep))
 
     def _turned_series(self, b: Array, steep: Array) -> Array:
-        """pi/2 of what the layers add; (column, 3, b)."""
+        """Hilbert transform of the layers' contribution times pi/2; (column, 3, b)."""
         count = self._count
         if count:
             degree = 2 * count - 2
@@ -87,7 +87,7 @@ class Density:
         return np.zeros((1, 1, b.size))
 
     def _turned_form(self, b: Array, steep: Array) -> Array:
-        """b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds; (b,)."""
+        """Return b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds; (b,)."""
         if self.shape.flat:
             return np.zeros_like(b)
         e = self.shape.exponent
@@ -115,46 +115,40 @@ class Density:
 
 
 def turned_form_rates(exponent: float, b: Array) -> Array:
-    """d/db of b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds; (b,).
-
-    b: (b,), 0 < b < 1.
-    """
+    """Derivative by b of b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds at 0 < b < 1; (b,)."""
     steep = np.arctanh(np.minimum(b, 1 - 1e-16))
     return np.asarray(exponent * (b ** (exponent - 2) * _stretched(exponent, b) - b ** (exponent - 1) * steep))
 
 
 def _stretched(e: float, b: Array) -> Array:
-    """int_0^1 (1 - (s/b)^e) / (1 - (s/b)^2) ds; (b,)."""
-    x, w = np.polynomial.legendre.leggauss(_HALF)
-    # s = v^4: powers of s are smooth in v
-    v = (1 + x) / 2
-    s, weights = v**4, 2 * w * v**3
+    """Return int_0^1 (1 - (s/b)^e) / (1 - (s/b)^2) ds; (b,)."""
+    gauss, gauss_weights = np.polynomial.legendre.leggauss(_NODES)
+    v = (1 + gauss) / 2  # s = v^4: powers of s are smooth in v
+    s, weights = v**4, 2 * gauss_weights * v**3
     log = np.log(s) - np.log(b)[:, None]
     ratio = np.where(np.abs(log) > 1e-12, np.expm1(e * log) / np.expm1(2 * log), e / 2)
     return np.asarray(ratio @ weights)
 
 
 def second_kind_rates(b: Array, count: int) -> Array:
-    """d (Q_2n - artanh) / db of Legendre functions, n < count; (n, b).
+    """Derivative by b of Q_2n - artanh, n < count, of Legendre functions at 0 <= b < 1; (n, b).
 
-    As P_n' artanh + D_n' - E_n / (1 + b), where Q_n = P_n artanh + D_n and P_n = 1 - (1 - b) E_n.
-
-    b: (b,), 0 <= b < 1.
+    It is P_n' artanh + D_n' - E_n / (1 + b), where Q_n = P_n artanh + D_n and P_n = 1 - (1 - b) E_n.
     """
     degree = max(2 * count - 2, 1)
     P, D, E = (np.zeros((degree + 1, b.size)) for _ in range(3))
     slope, falling = np.zeros_like(P), np.zeros_like(D)
     P[0], P[1], slope[1], D[1], E[1] = 1.0, b, 1.0, -1.0, 1.0
     for n in range(1, degree):
-        for of, derived in ((P, slope), (D, falling)):
-            of[n + 1] = ((2 * n + 1) * b * of[n] - n * of[n - 1]) / (n + 1)
-            derived[n + 1] = ((2 * n + 1) * (of[n] + b * derived[n]) - n * derived[n - 1]) / (n + 1)
+        for values, derivatives in ((P, slope), (D, falling)):
+            values[n + 1] = ((2 * n + 1) * b * values[n] - n * values[n - 1]) / (n + 1)
+            derivatives[n + 1] = ((2 * n + 1) * (values[n] + b * derivatives[n]) - n * derivatives[n - 1]) / (n + 1)
         E[n + 1] = ((2 * n + 1) * (b * E[n] + 1) - n * E[n - 1]) / (n + 1)
     rates = slope * np.arctanh(np.minimum(b, 1 - 1e-16)) + falling - E / (1 + b)
     return np.asarray(rates[: 2 * count : 2])
 
 
-#: psi of (sigma_yy, D_y, B_y), the part of cos(angle), at b, of some columns; (column, 3, b).
+#: Function of b and columns: psi of (sigma_yy, D_y, B_y), the part of cos(angle); (column, 3, b).
 Sines = Callable[[Array, Indices], Array]
 
 
@@ -162,48 +156,47 @@ Sines = Callable[[Array, Indices], Array]
 class Tractions:
     """Tractions of point contacts in the units of a body; columns of cases or causes."""
 
-    ratio: Array
+    ratio: Array  # Contact radius over the unit of the body's lengths; (column,)
     density: Density
-    friction: Array
-    sines: Sines | None = None
+    friction: Array  # Coefficient of friction; (column,)
+    sines: Sines | None = None  # None without friction
 
     @property
     def kinked(self) -> bool:
-        """Whether the densities are kinked at 0 or steep at 1."""
+        """Return whether the densities are kinked at 0 or steep at 1."""
         return self.density.kinked or self.sines is not None
 
     def part(self, columns: Indices) -> "Tractions":
-        """Some of the columns."""
-        own = self.sines
-        sines = None if own is None else lambda b, some: own(b, columns[some])
+        """Tractions of some of the columns."""
+        all_sines = self.sines
+        sines = None if all_sines is None else lambda b, chosen: all_sines(b, columns[chosen])
         return Tractions(self.ratio[columns], self.density.part(columns), self.friction[columns], sines)
 
     def vectors(self, b: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """(sigma_xy, sigma_yy, D_y, B_y) as densities: of 1, all in cos kb; of cos(angle), the first in cos kb.
+        """Densities of (sigma_xy, sigma_yy, D_y, B_y) at b of some columns; (column, 4, b), at rest and of cos(angle).
 
-        Returns (column, 4, b) each, of some columns; none of the second without friction.
-
-        b: (b,), 0 to 1.
+        At rest all are coefficients of cos kb. Of the part of cos(angle) sigma_xy is one of cos kb and the others of
+        sin kb; it is None without friction.
         """
-        own = self.density.part(columns).at(b)
-        plain = np.concatenate([np.zeros_like(own[:, :1]), own], 1)
+        pressing = self.density.part(columns).at(b)
+        plain = np.concatenate([np.zeros_like(pressing[:, :1]), pressing], 1)
         if self.sines is None:
             return plain, None
-        return plain, np.concatenate([-self.friction[columns, None, None] * own[:, :1], self.sines(b, columns)], 1)
+        return plain, np.concatenate([-self.friction[columns, None, None] * pressing[:, :1], self.sines(b, columns)], 1)
 
     def nodes(self, radius: float, near: float) -> hankel.Nodes:
         """Nodes in b for a field point."""
         return hankel.nodes(radius, near, kinked=self.kinked)
 
     def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """Tractions at the surface as waves of phases k a, of 1 and of cos(angle); (k, 4, column) each."""
-        at = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
-        first, second = self.vectors(at.b, columns)
-        cosines = np.cos(phases[:, None] * at.b) * at.weights
+        """Tractions at the surface as waves of phases k a: at rest, and of cos(angle); (k, 4, column) each."""
+        nodes = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
+        first, second = self.vectors(nodes.b, columns)
+        cosines = np.cos(phases[:, None] * nodes.b) * nodes.weights
         top = np.einsum("kb,cib->kic", cosines, first, optimize=True)
         if second is None:
             return top, None
-        sines = np.sin(phases[:, None] * at.b) * at.weights
+        sines = np.sin(phases[:, None] * nodes.b) * nodes.weights
         along = np.einsum("kb,cib->kic", cosines, second[:, :1], optimize=True)
         down = np.einsum("kb,cib->kic", sines, second[:, 1:], optimize=True)
         return top, np.concatenate([along, down], 1)

@@ -30,7 +30,7 @@ from solver.stack.reflection import LayerWaves, waves
 
 @dataclass(frozen=True)
 class Sheared:
-    """What a material is to these waves."""
+    """Elastic constants of a material for shear waves along crests."""
 
     # c66 and c44 [Pa]
     along: float
@@ -38,31 +38,28 @@ class Sheared:
 
     @classmethod
     def of(cls, material: Material) -> "Sheared":
-        """Of a material with c12, without case axes."""
+        """Constants of a material with c12, without case axes."""
         return cls(float(material.c11 - material.c12) / 2, float(material.c44))
 
     @property
     def rate(self) -> float:
-        """g."""
+        """Decay rate g."""
         return float(np.sqrt(self.along / self.across))
 
     @property
     def compliance(self) -> float:
-        """k u over tau of the half-space [1/Pa]."""
+        """Compliance k u over tau of the half-space [1/Pa]."""
         return float(1 / np.sqrt(self.along * self.across))
 
     def wave(self, exponent: Array, *, upward: bool = False) -> Array:
-        """(k u, tau) of a wave of k u = 1 at its start, at g k times the distance from it; (2, ...).
-
-        exponent: (...), g k times the distance from the start.
-        """
+        """State (k u, tau) of a wave of k u = 1 at its start, at `exponent` = g k distance from it; (2, ...)."""
         size = np.exp(-exponent)
         return np.stack([size, (-size if upward else size) / self.compliance])
 
 
 @dataclass(frozen=True, eq=False)
 class ShearWaves:
-    """These waves of a stack, of tau = 1 at the surface."""
+    """Shear waves of a stack, of tau = 1 at the surface."""
 
     stack: Stack
     k: Array
@@ -77,22 +74,20 @@ class ShearWaves:
 
     @cached_property
     def _reflections(self) -> list[Array]:
-        """What a wave that arrives at the bottom of every layer returns as; (k,) each."""
+        """Reflection of a wave that arrives at the bottom of each layer; (k,) each."""
         below = np.full(self.k.size, 0.0 if self._base is None else self._base.compliance)
-        found = []
+        reflections = []
         for body, layer in zip(self._bodies[::-1], self.stack.layers[::-1], strict=True):
             reflection = (below - body.compliance) / (below + body.compliance)
             trip = reflection * np.exp(-2 * body.rate * self.k * layer.thickness)
             below = body.compliance * (1 + trip) / (1 - trip)
-            found.append(reflection)
-        return found[::-1]
+            reflections.append(reflection)
+        return reflections[::-1]
 
     def at(self, number: int, depth: Array, *, reflected: bool = False) -> Array:
-        """(k u, tau) at depths below the surface within a layer, or the base as the last; (2, k, depth).
+        """State (k u, tau) at depths (depth,) below the surface within a layer, or the base as the last; (2, k, depth).
 
-        ``reflected``: without what the layer's own half-space would carry.
-
-        depth: (depth,), below the surface, in the unit of the stack's lengths.
+        ``reflected``: without the wave that the layer's half-space would carry.
         """
         k, top, start = self.k, np.ones(self.k.size), 0.0
         for place, (body, layer) in enumerate(zip(self._bodies, self.stack.layers, strict=True)):
@@ -103,8 +98,8 @@ class ShearWaves:
                 zeta = depth - start
                 falls = body.wave(body.rate * k[:, None] * zeta)
                 rises = body.wave(body.rate * k[:, None] * (layer.thickness - zeta), upward=True)
-                own = down * trip if reflected else down
-                return np.asarray(own[:, None] * falls + (down * once * reflection)[:, None] * rises)
+                downward = down * trip if reflected else down
+                return np.asarray(downward[:, None] * falls + (down * once * reflection)[:, None] * rises)
             top = down * once * (1 - reflection) / body.compliance
             start += layer.thickness
         if self._base is None:
@@ -128,7 +123,7 @@ _TURNING = ("stress_xx", "stress_zz", "strain_xx")
 
 
 def rows_of(medium: Medium, scale: Array, names: tuple[str, ...], *, sliding: bool) -> Array:
-    """What fields of ``LINEAR`` take of the real form [k u; t], units of the body; (order, field, 8), SI.
+    """Rows that turn a wave's real form [k u; t], units of the body, into fields of ``LINEAR``; (order, field, 8), SI.
 
     Potentials are times k.
     """
@@ -141,17 +136,17 @@ def rows_of(medium: Medium, scale: Array, names: tuple[str, ...], *, sliding: bo
             channel = 2 + tuple(POTENTIALS).index(name)
             out[1 if sliding else 0, place, channel] = scale[channel]
             continue
-        own = plane[LINEAR.index(name)]
+        row = plane[LINEAR.index(name)]
         if name in _ALONG:
-            turned = (1j * own).real
+            in_phase = (1j * row).real
             if sliding:
-                out[[0, 2], place] = -turned / 2, turned / 2
+                out[[0, 2], place] = -in_phase / 2, in_phase / 2
             else:
-                out[1, place] = turned
+                out[1, place] = in_phase
         elif name in _TURNING:
-            across = plane[LINEAR.index("stress_zz")] if name != "strain_xx" else np.zeros(8)
-            along = plane[LINEAR.index("stress_xx")] if name != "strain_xx" else own
-            mean, half_difference = ((along + across) / 2).real, ((along - across) / 2).real
+            stress_across = plane[LINEAR.index("stress_zz")] if name != "strain_xx" else np.zeros(8)
+            stress_along = plane[LINEAR.index("stress_xx")] if name != "strain_xx" else row
+            mean, half_difference = ((stress_along + stress_across) / 2).real, ((stress_along - stress_across) / 2).real
             if name == "stress_zz":
                 half_difference = -half_difference
             if sliding:
@@ -159,12 +154,12 @@ def rows_of(medium: Medium, scale: Array, names: tuple[str, ...], *, sliding: bo
             else:
                 out[[0, 2], place] = mean, -half_difference
         else:
-            out[1 if sliding else 0, place] = own.real
+            out[1 if sliding else 0, place] = row.real
     return out
 
 
 def shear_rows(body: Sheared, names: tuple[str, ...]) -> Array:
-    """What they take of (k u, tau) of the shear waves of tau = 1 per traction along x; (order, field, 2), SI."""
+    """Rows that turn (k u, tau) of shear waves, tau = 1 per traction along x, into fields; (order, field, 2), SI."""
     out = np.zeros((ORDERS, len(names), 2))
     of_stretch = {"stress_xx": -body.along / 2, "stress_zz": body.along / 2, "strain_xx": -0.25}
     of_shear = {"stress_xy": 0.5, "strain_xy": 0.25 / body.across}
@@ -177,7 +172,7 @@ def shear_rows(body: Sheared, names: tuple[str, ...]) -> Array:
 
 
 def parted(names: tuple[str, ...]) -> list[tuple[Indices, bool]]:
-    """Places of the fields that are no potentials, and of the potentials, which lack the k of the others' integrals."""
+    """Indices of the fields that are not potentials, and of the potentials, whose integrals lack a factor k."""
     potentials = np.array([name in POTENTIALS for name in names], dtype=bool)
     parts = [(np.flatnonzero(~potentials), False), (np.flatnonzero(potentials), True)]
     return [part for part in parts if part[0].size]
@@ -196,22 +191,29 @@ class Block:
 
     @cached_property
     def _tops(self) -> tuple[Array, Array | None]:
-        """Tractions at the surface, of 1 and of cos(angle), but for the sums over b; (k, 4, column) each."""
+        """Tractions at the surface, at rest and of cos(angle), as integrals over b; (k, 4, column) each."""
         return self.tractions.transforms(self.k * float(self.tractions.ratio[self.columns[0]]), self.columns)
 
     def summed(
-        self, x: Array, depth: Array, number: int, names: tuple[str, ...], taken: Sequence[Array], *, reflected: bool
+        self,
+        x: Array,
+        depth: Array,
+        number: int,
+        names: tuple[str, ...],
+        rows_of_parts: Sequence[Array],
+        *,
+        reflected: bool,
     ) -> Array:
         """Fields at depths within one body, the base the last; (column, field, depth, x).
 
-        x, depth: (x,) and (depth,), in the unit of the body's lengths; taken: (n, field, 8) each, rows of the fields:
-        at rest, and of cos(angle).
+        x, depth: (x,) and (depth,), in the unit of the body's lengths; rows_of_parts: (n, field, 8) each, at rest and
+        of cos(angle).
         """
         stack = self.stack
         out = np.zeros((len(self.columns), len(names), depth.size, x.size))
         orders = bessel_orders(self.k, x, 3 if self._tops[1] is None else ORDERS) * self.shares[:, None]
         parts = [(part, orders / self.k[:, None] if potentials else orders) for part, potentials in parted(names)]
-        for sliding, (top, rows) in enumerate(zip(self._tops, taken, strict=True)):
+        for sliding, (top, rows) in enumerate(zip(self._tops, rows_of_parts, strict=True)):
             if top is None:
                 continue
             states = self._states(top, depth, number, reflected=reflected)
@@ -228,14 +230,14 @@ class Block:
         return out
 
     def _states(self, top: Array, depth: Array, number: int, *, reflected: bool) -> Array:
-        """The real form [k u; t] at depths; (k, depth, 8, column)."""
+        """Real form [k u; t] at depths; (k, depth, 8, column)."""
         stack, k, t = self.stack, self.k, top[None].astype(np.complex128)
         start = 0.0
         for place, layer in enumerate(self._layers):
             amplitude = layer.amplitude @ t
             if place == number:
-                found = layer_waves(layer, k, (depth - start)[None], amplitude, np.eye(8), reflected=reflected)
-                return _real(found)
+                state = layer_waves(layer, k, (depth - start)[None], amplitude, np.eye(8), reflected=reflected)
+                return _real(state)
             start += layer.thickness
             t = below(layer, k, amplitude, stack.grounded[place])
         assert stack.base_medium is not None
@@ -247,12 +249,13 @@ class Block:
 
 
 def _real(turned: ComplexArray) -> Array:
+    """Real form of states with a leading axis of one."""
     return np.asarray((turned[0] * np.conj(TURN)[:, None]).real)
 
 
 def _add(out: Array, fields: Indices, rows: Array, states: Array, J: Array) -> None:
     """Add rows (field, s) of states (k, depth, s, column) times a Bessel function (k, x) to some fields."""
-    there = np.flatnonzero(rows.any(1))
-    if there.size:
-        taken = np.einsum("fs,kzsc->cfzk", rows[there], states, optimize=True)
-        out[:, fields[there]] += taken @ J
+    present = np.flatnonzero(rows.any(1))
+    if present.size:
+        values = np.einsum("fs,kzsc->cfzk", rows[present], states, optimize=True)
+        out[:, fields[present]] += values @ J

@@ -22,7 +22,7 @@ _PHI = 2  # of (x, y, phi, psi)
 
 
 class Electroded(HalfPlane):
-    """A half-plane whose surface is a grounded electrode; phi is kept apart, with its own entry alone."""
+    """Half-plane whose surface is a grounded electrode; phi has a diagonal entry only."""
 
     @cached_property
     def _bare(self) -> HalfPlane:
@@ -31,17 +31,17 @@ class Electroded(HalfPlane):
     @cached_property
     def compliance(self) -> Array:
         """N of (y, phi, psi); (..., 3, 3)."""
-        own = self._bare.compliance
-        bare = own - self._shares[..., 1:, None] * own[..., None, 1, :]
+        full = self._bare.compliance
+        bare = full - self._shares[..., 1:, None] * full[..., None, 1, :]
         bare[..., 1, :] = bare[..., :, 1] = 0.0
-        bare[..., 1, 1] = own[..., 1, 1]
+        bare[..., 1, 1] = full[..., 1, 1]
         return np.asarray(bare)
 
     @cached_property
     def friction_coupling(self) -> Array:
         """k of (y, phi, psi); (..., 3)."""
-        own = self._bare.friction_coupling
-        bare = own - self._shares[..., 1:] * own[..., 1:2]
+        full = self._bare.friction_coupling
+        bare = full - self._shares[..., 1:] * full[..., 1:2]
         bare[..., 1] = 0.0
         return np.asarray(bare)
 
@@ -54,32 +54,29 @@ class Electroded(HalfPlane):
 
     @cached_property
     def _shares(self) -> Array:
-        """v of (x, y, phi, psi); (..., 4)."""
+        """Shares v of (x, y, phi, psi); (..., 4)."""
         N, k = self._bare.compliance, self._bare.friction_coupling
         return np.concatenate([-k[..., 1:2], N[..., 1]], -1) / N[..., 1, 1, None]
 
 
 def met(stack: Stack) -> HalfPlane:
-    """The half-plane of the top layer as a punch meets it."""
+    """Half-plane of the top layer as a punch meets it."""
     half = stack.media[0].halfplane
     return Electroded(half.material, half.speed) if stack.electroded else half
 
 
 def surface(stack: Stack) -> Array:
-    """Y0 of the top layer as a punch meets it, in the units of the stack; (4, 4)."""
-    own = stack.media[0].compliance
+    """Compliance Y0 of the top layer as a punch meets it, in the units of the stack; (4, 4)."""
+    compliance = stack.media[0].compliance
     if not stack.electroded:
-        return own
-    Y = held(own, (_PHI,))
-    Y[_PHI, _PHI] = own[_PHI, _PHI]
+        return compliance
+    Y = held(compliance, (_PHI,))
+    Y[_PHI, _PHI] = compliance[_PHI, _PHI]
     return Y
 
 
 def difference(stack: Stack, k: Array) -> Array:
-    """What the layers and the base add to :func:`surface`; (k, 4, 4).
-
-    k: (k,), wavenumbers [1/m].
-    """
+    """Layers' and base's contribution to :func:`surface` at wavenumbers (k,) [1/m]; (k, 4, 4)."""
     added = waves(stack, k)[0].difference
     if not stack.electroded:
         return added
@@ -87,27 +84,21 @@ def difference(stack: Stack, k: Array) -> Array:
 
 
 def grounded(stack: Stack, added: Array) -> Array:
-    """Delta' of a surface that is grounded, from Delta of the bare one; (k, 4, 4).
-
-    added: (k, 4, 4), Delta.
-    """
-    D, own = _shared(stack, added), stack.media[0].compliance[_PHI, _PHI]
-    return _without_phi(D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (own + D[:, _PHI, _PHI])[:, None, None])
+    """Delta' of a surface that is grounded, from Delta (k, 4, 4) of the bare one; (k, 4, 4)."""
+    D, pivot = _shared(stack, added), stack.media[0].compliance[_PHI, _PHI]
+    return _without_phi(D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (pivot + D[:, _PHI, _PHI])[:, None, None])
 
 
 def grounded_tails(stack: Stack, tails: Array) -> Array:
-    """Those of Delta' in powers of 1/k, from those of Delta; (order, 4, 4).
-
-    tails: (order, 4, 4), Y1, Y2, ....
-    """
-    D, own = _shared(stack, tails), stack.media[0].compliance[_PHI, _PHI]
-    inverse, added = [1 / own], np.array(D)  # of p + D_ff, from order 0 on
+    """Tails of Delta' in powers of 1/k, from those of Delta, (order, 4, 4); (order, 4, 4)."""
+    D, pivot = _shared(stack, tails), stack.media[0].compliance[_PHI, _PHI]
+    inverse, added = [1 / pivot], np.array(D)  # of p + D_ff, from order 0 on
     for order in range(1, len(D)):
-        inverse.append(-sum(D[i - 1, _PHI, _PHI] * inverse[order - i] for i in range(1, order + 1)) / own)
+        inverse.append(-sum(D[i - 1, _PHI, _PHI] * inverse[order - i] for i in range(1, order + 1)) / pivot)
     for first, second in product(range(1, len(D) + 1), repeat=2):
         for third in range(len(D) + 1 - first - second):
-            both = np.outer(D[first - 1, _PHI], D[second - 1, _PHI])
-            added[first + second + third - 1] -= both * inverse[third]
+            product_of_tails = np.outer(D[first - 1, _PHI], D[second - 1, _PHI])
+            added[first + second + third - 1] -= product_of_tails * inverse[third]
     return _without_phi(added)
 
 
@@ -129,17 +120,14 @@ def lowest(stack: Stack) -> Array:
 
 
 def local(stack: Stack) -> Array:
-    """v: charge of the electrode per traction on it, of the top layer's half-plane, itself 0 for phi; (4,)."""
-    own = stack.media[0].compliance[_PHI]
-    return np.asarray(np.where(np.arange(4) == _PHI, 0.0, own / own[_PHI]))
+    """Charge v of the electrode per traction on it, of the top layer's half-plane, 0 for phi; (4,)."""
+    row = stack.media[0].compliance[_PHI]
+    return np.asarray(np.where(np.arange(4) == _PHI, 0.0, row / row[_PHI]))
 
 
 def beyond_local(stack: Stack, k: Array) -> Array:
-    """What the layers and the base add to it, ``(Delta_f - v Delta_ff) / (p + Delta_ff)``; (k, 4).
-
-    k: (k,), wavenumbers [1/m].
-    """
-    own, row = stack.media[0].compliance[_PHI, _PHI], waves(stack, k)[0].difference[:, _PHI]
-    shares = (row - local(stack) * row[:, _PHI, None]) / (own + row[:, _PHI, None])
+    """Layers' and base's part of the charge per traction, ``(Delta_f - v Delta_ff) / (p + Delta_ff)``; (k, 4)."""
+    pivot, row = stack.media[0].compliance[_PHI, _PHI], waves(stack, k)[0].difference[:, _PHI]
+    shares = (row - local(stack) * row[:, _PHI, None]) / (pivot + row[:, _PHI, None])
     shares[:, _PHI] = 0.0
     return np.asarray(shares)

@@ -1,9 +1,9 @@
 """Electrodes within a stack: the charge that a contact brings to each (films, section 11).
 
 An electrode is a grounded interface, or a metal with both its faces. It takes up the jump of D_y, ``D_y(above) -
-D_y(below)``. In Fourier space that is a row of transfers times the tractions at the surface, from the top down as the
-fields inside; its limit at k = 0, the charge of an electrode without end, follows from Y(k) = A + k C + ... in closed
-form.
+D_y(below)``. In Fourier space this charge is a row of transfers times the tractions at the surface, solved from the top
+down as the fields inside. Its limit at k = 0, the charge of an electrode without end, follows in closed form from
+Y(k) = A + k C + ....
 """
 
 from collections.abc import Callable
@@ -29,7 +29,7 @@ _STEPS = (8, 16, 32, 64)  # of a graded layer: rows to 1e-9 of the largest
 
 
 class FarError(StackError):
-    """A patch that reaches farther than is resolved; what is said of it stands behind its size."""
+    """Patch that reaches farther than is resolved; the caller adds its size."""
 
 
 def electrodes(stack: Stack) -> list[tuple[int, ...]]:
@@ -50,7 +50,7 @@ def electrodes(stack: Stack) -> list[tuple[int, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class Electrode:
-    """One electrode of a stack, by what it gets of tractions (i sigma_xy, sigma_yy, D_y, B_y) at the surface."""
+    """One electrode of a stack, by its charge per traction (i sigma_xy, sigma_yy, D_y, B_y) at the surface."""
 
     stack: Stack
     number: int
@@ -68,12 +68,12 @@ class Electrode:
 
     @property
     def interfaces(self) -> tuple[int, ...]:
-        """Those that it joins, from that below the top layer."""
+        """Interfaces that it joins, from that below the top layer."""
         return electrodes(self.stack)[self.number - 1]
 
     @property
     def on_top(self) -> bool:
-        """Whether it lies on the surface: its charge is then :attr:`local` beside what waves carry."""
+        """Return whether it lies on the surface: its charge is then :attr:`local` and that carried by waves."""
         return self.interfaces == (_TOP,)
 
     @property
@@ -89,21 +89,23 @@ class Electrode:
     @property
     def between(self) -> list[range]:
         """Layers from it to the next electrode above and below, as far as there is one; empty beside a metal."""
-        every = electrodes(self.stack)
-        ends = [(_TOP - 1,), *every, (len(self.stack.layers),)]
-        above, own, below = ends[self.number - 1 : self.number + 2]
-        sublayers = [range(above[-1] + 1, own[0] + 1)] if self.number > 1 else []
-        return [*sublayers, range(own[-1] + 1, below[0] + 1)] if self.number < len(every) else sublayers
+        interfaces_of_all = electrodes(self.stack)
+        ends = [(_TOP - 1,), *interfaces_of_all, (len(self.stack.layers),)]
+        above, interfaces, below = ends[self.number - 1 : self.number + 2]
+        sublayers = [range(above[-1] + 1, interfaces[0] + 1)] if self.number > 1 else []
+        return (
+            [*sublayers, range(interfaces[-1] + 1, below[0] + 1)] if self.number < len(interfaces_of_all) else sublayers
+        )
 
     @property
     def capacitance(self) -> float:
-        """To the next electrodes per area [F m-2], of plates whose layers are free to thicken and not to widen."""
+        """Capacitance to the next electrodes per area [F m-2], of plates whose layers thicken and do not widen."""
         if self.stack.top.graded:
             return 1 / float(self._extrapolated(lambda stepped: np.array(1 / stepped.capacitance)))
         scale, total = float(self.stack.scale[_PHI]), 0.0
         for layers in self.between:
-            own = [(self.stack.layers[i].thickness, self.stack.media[i].system[_PHI, 4 + _PHI]) for i in layers]
-            total += 1 / (scale**2 * sum(thickness * abs(float(inverse)) for thickness, inverse in own))
+            crossed = [(self.stack.layers[i].thickness, self.stack.media[i].system[_PHI, 4 + _PHI]) for i in layers]
+            total += 1 / (scale**2 * sum(thickness * abs(float(inverse)) for thickness, inverse in crossed))
         return total
 
     def transfers(self, reach: float) -> tuple[Array, Array, Array]:
@@ -117,7 +119,7 @@ class Electrode:
     def rows(self, k: Array) -> Array:
         """Charge, and sigma_yy on the upper face, per traction at the surface; (k, 2, 4), in the units of the stack.
 
-        On top what is :attr:`local` is left out, and sigma_yy is 0.
+        On top :attr:`local` is left out, and sigma_yy is 0.
         """
         if self.stack.top.graded:
             if self.on_top:
@@ -169,17 +171,17 @@ class Electrode:
         return -float(self.whole[0] * self.stack.scale[1] / self.stack.scale[2])
 
     def _stepped(self, count: int) -> "Electrode":
-        """The same in a graded layer's staircase, whose steps meet without electrodes."""
+        """Electrode of a graded layer's staircase, whose steps meet without electrodes."""
         return replace(self, stack=staircase(self.stack, count))
 
     def _extrapolated(self, answer: Callable[["Electrode"], Array]) -> Array:
-        """Below a graded layer, by staircases: what gets down there decays, and sees no detail of the surface."""
+        """Value below a graded layer, extrapolated over staircases: it decays, and sees no detail of the surface."""
         return extrapolated(lambda count: answer(self._stepped(count)), _STEPS)
 
 
 @lru_cache(_KEPT)
 def transfers(stack: Stack, number: int, octave: int) -> tuple[Array, Array, Array]:
-    """As :meth:`Electrode.transfers`, kept."""
+    """Transfers of an electrode for distances up to a power of two thicknesses, cached."""
     return Electrode(stack, number).transfers(2.0**octave * stack.top.thickness)
 
 
@@ -189,7 +191,7 @@ def octave_of(reach: Array) -> Indices:
 
 
 def _small(stack: Stack) -> list[tuple[Array, Array]]:
-    """A and C of Y = A + k C + ... at the surface and below each layer, before the interface's rules; (4, 4) each."""
+    """Terms A and C of Y = A + k C + ... at the surface and below each layer, before the interface's rules; (4, 4)."""
     A = np.zeros((4, 4)) if stack.base_medium is None else stack.base_medium.compliance
     C, terms = np.zeros((4, 4)), []
     for number in range(len(stack.layers) - 1, -1, -1):
@@ -202,13 +204,13 @@ def _small(stack: Stack) -> list[tuple[Array, Array]]:
 
 
 def _held(A: Array, C: Array, components: tuple[int, ...]) -> tuple[Array, Array]:
-    """Y = A + k C where an interface holds components of u at zero."""
+    """Return A and C of Y = A + k C where an interface holds components of u at zero."""
     A, C = np.array(A), np.array(C)
     for c in components:
         if A[c, c] != 0:
             share = A[:, c] / A[c, c]
-            both = np.outer(share, C[c])
-            C = C - both - both.T + C[c, c] * np.outer(share, share)
+            cross = np.outer(share, C[c])
+            C = C - cross - cross.T + C[c, c] * np.outer(share, share)
             A = A - np.outer(share, A[c])
         elif C[c, c] != 0:
             C = C - np.outer(C[:, c], C[c]) / C[c, c]
@@ -218,7 +220,7 @@ def _held(A: Array, C: Array, components: tuple[int, ...]) -> tuple[Array, Array
 
 
 def _let_down(t: Array, A: Array, C: Array, components: tuple[int, ...]) -> Array:
-    """Tractions below an interface at k = 0, of those above (4, column); a rigid base gets none of what is held."""
+    """Tractions below an interface at k = 0, of those above (4, column); a rigid base gets no held component."""
     out = np.array(t)
     free = [c for c in range(4) if c not in components]
     out[list(components)] = 0.0
