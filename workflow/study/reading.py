@@ -1,4 +1,4 @@
-"""What people write: YAML files (safe, with YAML 1.2 numbers, no key twice), numbers, and how it is shown again."""
+"""Reader of YAML files (safe, with YAML 1.2 numbers, no key twice) and numbers, and writer of messages."""
 
 import re
 import unicodedata
