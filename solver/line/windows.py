@@ -82,6 +82,13 @@ class Kind:
         """Whether the material of the top layer varies with depth."""
         return callable(self.layers[0].of)
 
+    def homogeneous(self, depth: float) -> Self:
+        """The kind with the material of a graded top layer at one depth over its thickness."""
+        top = self.layers[0]
+        assert callable(top.of)
+        coat = replace(top, of=constants_of(top.of(np.array(depth))))
+        return replace(self, layers=(coat, *self.layers[1:]))
+
     @property
     def uniform(self) -> bool:
         """Whether the film is one homogeneous layer."""

@@ -1,4 +1,4 @@
-"""Marks of sources that were not read or have no year."""
+"""Evidence of a source: whether it was read, or is recalled from memory."""
 
 import re
 

@@ -69,29 +69,29 @@ def lost_unit(value: float, unit: str, pressure: float) -> str:
     )
 
 
-def number(name: str, entry: float | str, units: str = "") -> float:
+def number(name: str, value: float | str, units: str = "") -> float:
     """Return the value in SI of a number of a factor or device; a text has its unit, a bare number is checked."""
-    if isinstance(entry, str):
-        return in_si(entry, units or units_of(name))
-    check_bare(name, entry, units)
-    return entry
+    if isinstance(value, str):
+        return in_si(value, units or units_of(name))
+    check_bare(name, value, units)
+    return value
 
 
 def entries(section: Any) -> Any:
     """A section of numbers by the names of factors, in SI; what is no text for a number is left as it is."""
     if not isinstance(section, Mapping):
         return section
-    return {name: _read(name, entry, (name,)) if name in FACTORS else entry for name, entry in section.items()}
+    return {name: _read(name, value, (name,)) if name in FACTORS else value for name, value in section.items()}
 
 
-def _read(name: str, entry: Any, place: tuple[str, ...]) -> Any:
-    if isinstance(entry, str | int | float) and not isinstance(entry, bool):
+def _read(name: str, value: Any, place: tuple[str, ...]) -> Any:
+    if isinstance(value, str | int | float) and not isinstance(value, bool):
         try:
-            return number(name, entry)
+            return number(name, value)
         except ValueError as error:
             raise ValueError(f"{': '.join(place)}: {error}") from None
-    if isinstance(entry, list):
-        return [_read(name, item, place) for item in entry]
-    if isinstance(entry, Mapping):
-        return {key: _read(name, item, (*place, key)) if key in _NUMBERS else item for key, item in entry.items()}
-    return entry
+    if isinstance(value, list):
+        return [_read(name, item, place) for item in value]
+    if isinstance(value, Mapping):
+        return {key: _read(name, item, (*place, key)) if key in _NUMBERS else item for key, item in value.items()}
+    return value

@@ -154,7 +154,7 @@ def _converging(study: Study) -> Wildcards:
 _EFFECT, _INTERIOR = "fields/effect_{name}", "fields/interior_{name}"
 _SENSITIVITY, _VALIDATION = "sensitivity.nc", "validation.nc"
 _ROWS, _CHECKS = "measured/measurements.json", "verification/{group}.json"
-_TOLD, _INTEREST = ("told",), ("told", "of_interest")
+_QUANTITIES, _INTEREST = ("quantities",), ("quantities", "of_interest")
 
 PARTS = (
     Part(
@@ -186,7 +186,12 @@ PARTS = (
                 lambda page: page["dataset"],
                 (
                     Figure(
-                        "sensitivity", _SENSITIVITY, "sobol.indices", "Sobol' indices", _factorial, ("told", "aims")
+                        "sensitivity",
+                        _SENSITIVITY,
+                        "sobol.indices",
+                        "Sobol' indices",
+                        _factorial,
+                        ("quantities", "aims"),
                     ),
                     Figure("main_effects", _SENSITIVITY, "sobol.main_effects", "main effects", _factorial, _INTEREST),
                 ),
@@ -237,10 +242,19 @@ PARTS = (
                 "Surrogate",
                 lambda page: page["dataset"],
                 (
-                    Figure("errors", _VALIDATION, "surrogate_errors.errors", "errors", _factorial, _TOLD),
-                    Figure("decay", _VALIDATION, "coefficients.figure", "decay of the coefficients", _factorial, _TOLD),
-                    Figure("residuals", _VALIDATION, "surrogate_errors.residuals", "residuals", _factorial, _TOLD),
-                    Figure("intervals", _VALIDATION, "coverage.figure", "intervals", _factorial, _TOLD),
+                    Figure("errors", _VALIDATION, "surrogate_errors.errors", "errors", _factorial, _QUANTITIES),
+                    Figure(
+                        "decay",
+                        _VALIDATION,
+                        "coefficients.figure",
+                        "decay of the coefficients",
+                        _factorial,
+                        _QUANTITIES,
+                    ),
+                    Figure(
+                        "residuals", _VALIDATION, "surrogate_errors.residuals", "residuals", _factorial, _QUANTITIES
+                    ),
+                    Figure("intervals", _VALIDATION, "coverage.figure", "intervals", _factorial, _QUANTITIES),
                 ),
             ),
             Section("surface.html.j2", "Fields", lambda page: page["surface"]),

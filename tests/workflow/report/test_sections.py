@@ -1,5 +1,6 @@
 """The registry of the page's sections: each has its template, and figures of what a study has."""
 
+import inspect
 from importlib import import_module
 
 from tests.studies import shipped
@@ -8,6 +9,14 @@ from workflow.report.page import CAPTIONS, TEMPLATES
 
 #: Templates that are no section.
 SHARED = {"report", "firstscreen"}
+
+
+def test_every_figure_is_drawn_by_a_function_of_what_it_asks_for() -> None:
+    for figures in sections.drawn():
+        for _, figure in figures:
+            module, _, function = figure.draw.partition(".")
+            drawing = getattr(import_module(f"workflow.report.figures.{module}"), function)
+            assert tuple(inspect.signature(drawing).parameters)[1:] == figure.asks, figure.draw
 
 
 def test_every_section_has_its_template_and_every_template_its_section() -> None:
