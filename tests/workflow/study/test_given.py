@@ -35,7 +35,7 @@ def test_a_unit_says_what_a_bare_number_of_si_says() -> None:
 
 
 @pytest.mark.parametrize(
-    ("entries", "told"),
+    ("entries", "message"),
     [
         ({"low": "20 V"}, "factors: radius: low: '20 V': unit mismatch: 'V' does not measure what 'm' measures"),
         ({"low": "20e mm"}, "radius: low: '20e mm' is not a finite number [m], nor one with its unit"),
@@ -43,8 +43,8 @@ def test_a_unit_says_what_a_bare_number_of_si_says() -> None:
         ({"off": "1 V"}, "tolerance: radius: unit mismatch: '1 V' for a number in m"),
     ],
 )
-def test_a_text_that_is_no_number_of_the_factor_is_refused(entries: dict[str, str], told: str) -> None:
-    assert told in refusal(STUDY.format(**(BARE | entries)))
+def test_a_text_that_is_no_number_of_the_factor_is_refused(entries: dict[str, str], message: str) -> None:
+    assert message in refusal(STUDY.format(**(BARE | entries)))
 
 
 POINT = """
@@ -57,7 +57,7 @@ BALL = {"radius": "0.01", "low": "1.0", "high": "2.0"}
 
 
 @pytest.mark.parametrize(
-    ("entries", "told"),
+    ("entries", "message"),
     [
         ({"radius": "20"}, "fixed: radius: 20 is 20 m; did you mean 20 mm? '20 m' is read as it stands"),
         ({"radius": "20 m"}, ""),
@@ -72,9 +72,9 @@ BALL = {"radius": "0.01", "low": "1.0", "high": "2.0"}
         ({"radius": "0.01, total_charge: 1"}, "total_charge: 1 is 1 C; did you mean 1 pC?"),
     ],
 )
-def test_a_bare_number_that_has_probably_lost_its_unit_asks(entries: dict[str, str], told: str) -> None:
+def test_a_bare_number_that_has_probably_lost_its_unit_asks(entries: dict[str, str], message: str) -> None:
     text = POINT.format(**(BALL | entries))
-    assert told in refusal(text) if told else made(text)
+    assert message in refusal(text) if message else made(text)
 
 
 def test_a_box_that_no_material_bears_is_told_before_it_runs() -> None:
