@@ -34,6 +34,7 @@ class Origin:
     # Quantities that some cases lack; None before the solver, which takes seconds for films, was asked for them
     absent: frozenset[str] | None = None
     hanging: frozenset[str] = frozenset()  # Quantities that depend on a datum which is in none of the groups
+    in_si: bool = False  # the content comes from a checked study, whose numbers are bare and in SI
 
 
 class Keys(Strict):

@@ -6,6 +6,7 @@ import pytest
 import yaml
 
 from tests.studies import made, refusal
+from workflow.study.model import remade, thawed
 
 STUDY = """
 title: a sensor
@@ -92,3 +93,8 @@ def test_the_template_of_a_study_reads_with_the_unit_that_it_promises() -> None:
     content["design"]["sensor"]["over"] = ["volume_fraction"]
     content["design"]["sensor"]["at"] = {"load": 1e4, "radius": "15 mm"}
     assert made(yaml.safe_dump(content)).factors["radius"].high == 0.02
+
+
+def test_a_number_with_its_unit_passes_again_when_a_job_thaws_the_study() -> None:
+    study = made(POINT.format(**(BALL | {"radius": "20 m", "high": "5 GN", "low": "1 GN"})))
+    assert thawed(study.frozen()).fixed["radius"] == remade(study, title="again").fixed["radius"] == 20.0
