@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from approximation.arrays import Array as Array
 from approximation.arrays import Indices
+from approximation.arrays import unmasked as unmasked
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -36,20 +37,6 @@ def shown(value: object) -> str:
     """A value at fault as messages quote it: in one line, and no more than its beginning."""
     text = str(value)
     return repr(text if len(text) <= _LONGEST else f"{text[:_LONGEST]}...")
-
-
-def unmasked(values: Any) -> Any:
-    """Values with NaN, or None among texts and objects, in the cells that a masked array hides."""
-    if isinstance(values, list | tuple):
-        return [np.nan if value is np.ma.masked else value for value in values]
-    if not isinstance(values, np.ma.MaskedArray):
-        return values
-    kind, missing = (np.float64, np.nan) if values.dtype.kind in "iuf" else (object, None)
-    if not np.ma.is_masked(values):
-        return values.data
-    cells = values.data.astype(kind)
-    cells[np.ma.getmaskarray(values)] = missing
-    return cells
 
 
 def dot(one: Array, two: Array) -> Array:
