@@ -15,9 +15,7 @@ import xarray as xr
 
 import solver
 import surrogate
-from surrogate.face.core import Core
-from surrogate.face.physical import Physical
-from surrogate.face.posterior import Posterior
+from surrogate.face.core import Core, Posterior
 from workflow.run.provenance import ROOT
 
 SHOWING = [
@@ -30,8 +28,12 @@ SHOWING = [
 PUBLIC = [getattr(room, name) for room in (solver, surrogate) for name in room.__all__]
 STORED = {"state", "restore", "make_factor", "members"}  # for `save` and `load`
 TRAINED = {"blocks", "whole"}  # for the pipeline, which trains in pieces
-#: What cores and transforms give the model, as one another.
-OF_A_CORE = {*vars(Posterior), *vars(Core), *vars(Physical), "over"} - {"distribution", "check_level"}
+#: Methods that models and transforms give each other.
+OF_PHYSICAL_POINTS = {
+    "all_mean_std", "mean_std", "means", "calibrated_at", "variance", "physical_slopes", "unit_slopes", "physical",
+    "slope_stds", "checked_level",
+}  # fmt: skip
+OF_A_CORE = {*vars(Posterior), *vars(Core), *OF_PHYSICAL_POINTS, "over"}
 INNER = {"Grouping"}  # its methods are for GroupedGP
 
 

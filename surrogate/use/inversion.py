@@ -156,7 +156,7 @@ class Inversion:
 
     def _points(self, centre: Array) -> Array:
         """Physical points (n, d) at scaled values of the inferred inputs."""
-        places = {own.name: own.from_unit(centre[:, k]) for k, own in enumerate(self._inputs)}
+        places = {input_.name: input_.from_unit(centre[:, k]) for k, input_ in enumerate(self._inputs)}
         columns = [places.get(name, np.full(len(centre), self._at.get(name, np.nan))) for name in self._model.box]
         return np.stack(columns, -1)
 
@@ -174,10 +174,10 @@ class Inversion:
 
     def _summary(self, cells: "_Cells", weights: Array, misfit: float, level: float) -> Estimate:
         rows = []
-        for k, own in enumerate(self._inputs):
+        for k, input_ in enumerate(self._inputs):
             centre, half = cells.centre[:, k], cells.half[:, k]
-            ends = [own.from_unit(_quantile(centre, half, weights, p)) for p in ((1 - level) / 2, (1 + level) / 2)]
-            rows.append([float(weights @ own.from_unit(centre)), *map(float, ends)])
+            ends = [input_.from_unit(_quantile(centre, half, weights, p)) for p in ((1 - level) / 2, (1 + level) / 2)]
+            rows.append([float(weights @ input_.from_unit(centre)), *map(float, ends)])
         mean, low, high = np.array(rows).T
         return Estimate(mean, low, high, misfit)
 

@@ -84,7 +84,7 @@ class Learnt:
     @property
     def odds(self) -> dict[int, float]:
         """Odds for a discrepancy of every measured output against none, by its number."""
-        return {q: float(1 / np.mean(np.exp(-np.clip(each, -_HUGE, _HUGE)))) for q, each in self.chain.odds.items()}
+        return {q: float(1 / np.mean(np.exp(-np.clip(values, -_HUGE, _HUGE)))) for q, values in self.chain.odds.items()}
 
     @property
     def own_odds(self) -> float:
@@ -117,24 +117,24 @@ def learn(
     for number in range(_CHAINS):
         parts, rounds = model.at(about), ROUNDS if number else DRAWS
         chain = _chained(parts, single, start, np.random.default_rng(number), rounds)
-        kept = np.linspace(0, rounds - 1, DRAWS).round().astype(np.intp)
+        chosen = np.linspace(0, rounds - 1, DRAWS).round().astype(np.intp)
         random = np.random.default_rng(0)
         states = []
-        for k in kept:
+        for k in chosen:
             mean = _draw({q: part.few()[0] for q, part in parts.items()}, chain.states[k], chain.own[k], single).mean
             states.append(
                 {q: part.completed(chain.states[k][q], part.few()[1], mean, random) for q, part in parts.items()}
             )
-        here = about
-        about, draws = _settled(model, about, states, chain.own[kept], single)
+        state_mean = about
+        about, draws = _settled(model, about, states, chain.own[chosen], single)
         start = chain.states[-1]
-        if number and np.abs(about - here).max() <= _STALE:
+        if number and np.abs(about - state_mean).max() <= _STALE:
             break
     wild = np.zeros(len(rows.value))
     for q in rows.outputs:
         wild[rows.of(q)] = np.mean([state[q].wild > 0 for state in states], axis=0)
-        some = parts[q].few()[1]
-        wild[rows.of(q)[some]] = np.mean([state[q].wild > 0 for state in chain.states], axis=0)
+        subset = parts[q].few()[1]
+        wild[rows.of(q)[subset]] = np.mean([state[q].wild > 0 for state in chain.states], axis=0)
     plain = [{q: part.usual(state[q]) for q, part in parts.items()} for state in states]
     predicted, variance = moments([_left_out(rows, draw, noise) for draw, noise in zip(draws, plain, strict=True)])
     return Learnt(about, draws, chain, wild, (predicted, np.sqrt(variance)))
@@ -188,7 +188,7 @@ def _chained(
     """Rounds of a chain over all that is unknown but constants and discrepancies, which are integrated over."""
     few = {q: part.few()[0] for q, part in parts.items()}
     state = {q: part.first for q, part in few.items()} if start is None else dict(start)
-    told = {q: part.at(state[q]).information for q, part in few.items()}
+    information = {q: part.at(state[q]).information for q, part in few.items()}
     share = 1.0 if single.any() else 0.0
     states, own, offs = [], [], []
     odds: dict[int, list[float]] = {q: [] for q in few}
@@ -196,13 +196,13 @@ def _chained(
         prior = np.where(single, share, 1.0)
         chances = {}
         for q, part in few.items():
-            others = [told[name] for name in few if name != q]
-            precision = sum((each for each, _ in others), np.zeros((len(prior), len(prior))))
-            weighted = sum((each for _, each in others), np.zeros(len(prior)))
+            others = [information[name] for name in few if name != q]
+            precision = sum((values for values, _ in others), np.zeros((len(prior), len(prior))))
+            weighted = sum((values for _, values in others), np.zeros(len(prior)))
             mean, covariance = posterior(precision, weighted, prior)
             state[q], chances[q] = part.swept(state[q], mean, covariance, random)
-            told[q] = part.at(state[q]).information
-        likely = _shares(list(told.values()), single)
+            information[q] = part.at(state[q]).information
+        likely = _shares(list(information.values()), single)
         chance = np.exp(likely - likely.max())
         chance /= chance.sum()
         share = float(OWN[random.choice(len(OWN), p=chance)]) if single.any() else 0.0
@@ -210,14 +210,14 @@ def _chained(
             states.append(dict(state))
             own.append(share)
             offs.append(1 - chance[0])
-            for q, each in chances.items():
-                odds[q].append(each)
-    return Chain(tuple(states), np.array(own), {q: np.array(each) for q, each in odds.items()}, np.array(offs))
+            for q, values in chances.items():
+                odds[q].append(values)
+    return Chain(tuple(states), np.array(own), {q: np.array(values) for q, values in odds.items()}, np.array(offs))
 
 
-def _shares(told: Sequence[tuple[Array, Array]], single: Flags) -> Array:
+def _shares(information: Sequence[tuple[Array, Array]], single: Flags) -> Array:
     """Log-probabilities of the shares `OWN`, up to a constant, from what every output says of the constants."""
-    precision, weighted = (np.sum([pair[k] for pair in told], axis=0) for k in (0, 1))
+    precision, weighted = (np.sum([pair[k] for pair in information], axis=0) for k in (0, 1))
     shares: Array = np.log(OWN_CHANCE)
     for k, share in enumerate(OWN):
         prior = np.where(single, share, 1.0)
