@@ -14,7 +14,7 @@ from workflow.run import crate, lock, provenance, sources
 from workflow.run.interpreter import quote_interpreter
 from workflow.study import configuration, coupling, location, partition, planned
 from workflow.study import model as studies
-from workflow.study.digest import BOX, PHYSICS
+from workflow.study.keys import BOX, PHYSICS
 from workflow.study.sections import CHECK_GROUPS
 
 quote_interpreter()
