@@ -25,7 +25,7 @@ _LONGEST = 60  # characters of a value that a message quotes
 
 
 def is_finite(value: object) -> bool:
-    """Whether a plain value is a real number, no truth value, that floating point holds."""
+    """Return whether a plain value is a finite real number and no truth value."""
     try:
         return not isinstance(value, bool | np.bool_) and isinstance(value, Real) and bool(np.isfinite(float(value)))
     except OverflowError:
@@ -52,12 +52,12 @@ def unmasked(values: Any) -> Any:
     return cells
 
 
-def dot(one: Array, two: Array) -> Array:
+def dot(first: Array, two: Array) -> Array:
     """Sum of products over the last axis.
 
     one, two: (..., n).
     """
-    return np.asarray(np.einsum("...i,...i", one, two))
+    return np.asarray(np.einsum("...i,...i", first, two))
 
 
 def distinct_rows(rows: Array) -> tuple[Array, NDArray[np.intp]]:
@@ -76,9 +76,9 @@ def joined(parts: Sequence[tuple[Indices, Mapping[str, Array]]], count: int) -> 
     """Outputs of all cases from those of some, as far as all parts have them; (case, ...) each."""
     (_, first), *others = parts
     whole = {}
-    for name, own in first.items():
+    for name, values in first.items():
         if all(name in outputs for _, outputs in others):
-            whole[name] = np.empty((count, *own.shape[1:]))
+            whole[name] = np.empty((count, *values.shape[1:]))
             for places, outputs in parts:
                 whole[name][places] = outputs[name]
     return whole
@@ -86,8 +86,8 @@ def joined(parts: Sequence[tuple[Indices, Mapping[str, Array]]], count: int) -> 
 
 def selected(record: Record, places: slice | Indices, *names: str) -> Record:
     """A dataclass of arrays over cases with some of the cases; an array that is None stays so."""
-    given = {name: getattr(record, name) for name in names}
-    return replace(record, **{name: values[places] for name, values in given.items() if values is not None})
+    arrays = {name: getattr(record, name) for name in names}
+    return replace(record, **{name: values[places] for name, values in arrays.items() if values is not None})
 
 
 def column(values: Array) -> Array:

@@ -139,7 +139,7 @@ class Contact:
 
 
 def _derivative(coefficients: Array) -> Array:
-    """Of a polynomial in ascending powers; (..., max(k - 1, 1))."""
+    """Derivative of a polynomial in ascending powers; (..., max(k - 1, 1))."""
     count = coefficients.shape[-1]
     return coefficients[..., 1:] * np.arange(1, count) if count > 1 else 0 * coefficients
 

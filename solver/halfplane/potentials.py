@@ -64,7 +64,9 @@ def _from_infinity(contact: Contact, z: ComplexArray) -> tuple[ComplexArray, Com
     ray = (z[..., None] / _RAY).reshape(*z.shape[:-1], -1)
     HS, HD, _ = transforms(contact, ray)
     total = contact.shape.total[..., None] / np.pi
-    rest = HS + total / ray
+    remainder = HS + total / ray
     steps = -z[..., None] / _RAY**2 * _RAY_WEIGHTS
-    of_S, of_D = (np.sum(steps * values.reshape(*values.shape[:-1], *steps.shape[-2:]), -1) for values in (rest, HD))
+    of_S, of_D = (
+        np.sum(steps * values.reshape(*values.shape[:-1], *steps.shape[-2:]), -1) for values in (remainder, HD)
+    )
     return of_S - total * np.log(z / 1j), of_D

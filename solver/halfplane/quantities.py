@@ -43,6 +43,9 @@ def at_edges(
         if is_smooth:
             if stress is not None:
                 out[stretch] = stress(edge)
-            both = intensity(edge)
-            out[f"electric_edge_intensity_{end}"], out[f"magnetic_edge_intensity_{end}"] = both[..., 0], both[..., 1]
+            intensities = intensity(edge)
+            out[f"electric_edge_intensity_{end}"], out[f"magnetic_edge_intensity_{end}"] = (
+                intensities[..., 0],
+                intensities[..., 1],
+            )
     return out

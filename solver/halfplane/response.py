@@ -41,8 +41,8 @@ class Response:
         sliding = self.contact.sliding
         along = sliding.coupling - sliding.friction_coupling
         follower = (sliding.friction * shape.follower_moment)[..., None]
-        own = sliding.normal_compliance * shape.logarithmic_moment[..., None]
-        return (own + along * follower) / (np.pi * self.contact.shape.total)[..., None]
+        pressed = sliding.normal_compliance * shape.logarithmic_moment[..., None]
+        return (pressed + along * follower) / (np.pi * self.contact.shape.total)[..., None]
 
     @cached_property
     def _load_constant(self) -> Array:
@@ -56,7 +56,7 @@ class Response:
 
     @property
     def _datum_part(self) -> Array:
-        """What u_y(a) / P changes by where the punch has a datum of its own; (...)."""
+        """Change of u_y(a) / P by an elastic punch's separate datum; (...)."""
         if self.punch_datum is None:
             return np.zeros(())
         return self.contact.sliding.punch.compliance / np.pi * np.log(self.datum / self.punch_datum)

@@ -1,4 +1,4 @@
-"""What material, friction and conduction make of the integral equations (2.2), before any profile or load."""
+"""Coefficients of the integral equations (2.2) for a material, friction and conduction, before any profile or load."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -44,8 +44,8 @@ class Sliding:
         """M^-1 right over the conducted fields, rows and columns brought to order one first (theory section 2)."""
         M = self.halfplane.compliance[..., 1:, 1:]
         scale = 1 / np.sqrt(np.abs(np.diagonal(M, axis1=-2, axis2=-1)))
-        both = self.conducts[..., :, None] & self.conducts[..., None, :]
-        scaled = np.where(both, M * scale[..., :, None] * scale[..., None, :], np.eye(2))
+        conducted = self.conducts[..., :, None] & self.conducts[..., None, :]
+        scaled = np.where(conducted, M * scale[..., :, None] * scale[..., None, :], np.eye(2))
         masked = np.where(self.conducts, scale * right, 0.0)
         return np.asarray(np.linalg.solve(scaled, masked[..., None])[..., 0] * scale)
 
@@ -59,9 +59,9 @@ class Sliding:
         """k_J - N_Jq.d of J = (u_y, phi, psi): kap, and 0 for a conducted field; (..., 3)."""
         return self._follow(self.coupling, self.friction_screening)
 
-    def _follow(self, own: Array, follower: Array) -> Array:
+    def _follow(self, per_pressure: Array, follower: Array) -> Array:
         N = self.halfplane.compliance
-        values = stack(*(own[..., J] - dot(N[..., J, 1:], follower) for J in range(3)))
+        values = stack(*(per_pressure[..., J] - dot(N[..., J, 1:], follower) for J in range(3)))
         return np.concatenate([values[..., :1], np.where(self.conducts, 0.0, values[..., 1:])], -1)
 
     @property

@@ -29,7 +29,7 @@ class Antiderivatives:
     basis: Basis
 
     def charged(self, z: ComplexArray) -> ComplexArray:
-        """Of T_n / sqrt(1 - X^2); (..., M + 1)."""
+        """Antiderivatives of T_n / sqrt(1 - X^2); (..., M + 1)."""
         outer = ellipse(z)[0]
         powers: ComplexArray = np.empty((self.basis.terms + 1, *z.shape), np.complex128)
         powers[0], inverse = 1.0, 1 / outer
@@ -39,7 +39,7 @@ class Antiderivatives:
         return np.asarray(np.moveaxis(powers, 0, -1) / np.maximum(np.arange(self.basis.terms + 1), 1))
 
     def pressed(self, z: ComplexArray, terms: Array) -> ComplexArray:
-        """Of w sum_j terms_j P_j; (point, c).
+        """Antiderivatives of w sum_j terms_j P_j; (point, c).
 
         z: (point,), Im z >= 0; terms: (pressures, c).
         """
@@ -90,7 +90,7 @@ class Antiderivatives:
         return A + 1, B + 1
 
     def _near(self, z: ComplexArray, share: Array) -> ComplexArray:
-        """What is not a polynomial near the contact."""
+        """The part near the contact that is no polynomial."""
         A, B = self.basis.exponents
         edge = -((z - 1) ** (A + 1)) * (z + 1) ** (B + 1) / np.sin(np.pi * A)
         return np.asarray(edge[:, None] * (jacobi(len(share), A + 1, B + 1, z) @ share))

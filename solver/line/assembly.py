@@ -48,7 +48,7 @@ class Assembly:
 
     @property
     def beyond(self) -> tuple[Array, Array] | None:
-        """What the equations say of the terms beyond M, at X = 1 and -1; none if the top layer is homogeneous.
+        """Terms beyond M by the equations, at X = 1 and -1; None if the top layer is homogeneous.
 
         Sums of c_n T_n for n > M, (half, field, 2, unknown), and of the right sides s_j of (eta kap + lam H), (half,
         2, unknown): near an edge rough kernels leave terms that fall slowly.
@@ -85,7 +85,7 @@ class Assembly:
 
     @cached_property
     def _rough(self) -> tuple[Array, Array, Array] | None:
-        """What the rough kernels make of each unknown: projected onto P^(-A,-B), onto U, and at the points."""
+        """Integrals of the rough kernels with each unknown: projected onto P^(-A,-B), onto U, and at the points."""
         graded, h, system = self.system.kernel.graded, self.half_lengths, self.system
         if graded is None:
             return None
@@ -97,8 +97,8 @@ class Assembly:
         for columns, _, _, carried in self.sources():
             share = weights(graded.tails, system.coefficients.friction, carried, h)
             which = 0 if columns.start == 0 else 1
-            for whole, own in zip(out, (*rough.projected[which], at_points[which]), strict=True):
-                whole[..., columns] = np.tensordot(share, own, 1)
+            for whole, integrals in zip(out, (*rough.projected[which], at_points[which]), strict=True):
+                whole[..., columns] = np.tensordot(share, integrals, 1)
         return out[0][:, :3], out[1][:, :3], out[2]
 
     def _means(self, graded: GradedResponse) -> Array:
@@ -116,24 +116,24 @@ class Assembly:
             datum = float(weight / k @ np.exp(-k * width)) + float(exp1(_FAR / h * width))
             for columns, nodes, rule, carried in sources:
                 phase = k[:, None] * h * nodes
-                own = np.einsum("koj,j,kz->oz", averaged[:, 1:, 1:], carried, np.cos(phase) @ rule)
-                own += friction * carried[0] * np.einsum("ko,kz->oz", averaged[:, 1:, 0], np.sin(phase) @ rule)
-                own += datum * (regular @ carried)[:, None] * rule.sum(0)
-                out[number][:, columns] = own / np.pi
+                mean = np.einsum("koj,j,kz->oz", averaged[:, 1:, 1:], carried, np.cos(phase) @ rule)
+                mean += friction * carried[0] * np.einsum("ko,kz->oz", averaged[:, 1:, 0], np.sin(phase) @ rule)
+                mean += datum * (regular @ carried)[:, None] * rule.sum(0)
+                out[number][:, columns] = mean / np.pi
         return out
 
     def sources(self) -> list[tuple[slice, Array, Array, Array]]:
         """Unknowns, quadrature nodes, rule and (sigma_yy, D_y, B_y) carried, of the pressure and of each field."""
         basis, c = self.basis, self.system.coefficients
-        own = np.concatenate([[1.0], c.follower * [f in c.fields for f in (0, 1)]])
-        rules = [(slice(0, basis.pressures), *basis.pressure_rule, own)]
+        carried = np.concatenate([[1.0], c.follower * [f in c.fields for f in (0, 1)]])
+        rules = [(slice(0, basis.pressures), *basis.pressure_rule, carried)]
         for f, start in self.system.starts(basis).items():
             rules.append((slice(start, start + basis.terms + 1), *basis.charge_rule, np.eye(3)[1 + f]))
         return rules
 
 
 def mixing(friction: float, carried: Array) -> Array:
-    """From the channels of the kernel to du/dx of (y, phi, psi, x), then u of (y, phi, psi); (19, 7)."""
+    """Matrix from the kernel's channels to du/dx of (y, phi, psi, x), then u of (y, phi, psi); (19, 7)."""
     matrix = np.zeros((19, 7))
     shear = friction * carried[0]
     for o in range(3):

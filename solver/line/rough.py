@@ -58,7 +58,7 @@ class Rough:
         """Integrals at points on either side of the edges; (type, point, term), of the pressure and of a field."""
         inside = np.abs(X) <= 1
         within, beyond = X[inside], X[~inside]
-        own = self.pressures(within, 1 - within, 1 + within), self.charges(1 - within, 1 + within)
+        closed = self.pressures(within, 1 - within, 1 + within), self.charges(1 - within, 1 + within)
         S, to_trailing, to_leading, weights = self._rule
         A, B = self.basis.exponents
         angle = 2 * np.arctan2(np.sqrt(to_trailing), np.sqrt(to_leading))[:, None]
@@ -69,7 +69,7 @@ class Rough:
         distance = np.where(beyond[:, None] > 0, beyond[:, None] - 1 + to_trailing, beyond[:, None] + 1 - to_leading)
         functions = np.array([np.sign(distance), np.log(np.abs(distance)), np.ones_like(distance)])
         parts = []
-        for values, rule in zip(own, terms, strict=True):
+        for values, rule in zip(closed, terms, strict=True):
             whole = np.empty((9, X.size, rule.shape[1]))
             whole[:, inside] = values
             for kind, power in np.ndindex(3, 3):
@@ -131,9 +131,9 @@ class Rough:
         plain = np.zeros_like(sign)
         plain[:, 0] = total
         parts = []
-        for own in (sign, log, plain):
-            first = X[:, None] * own - own @ shift.T
-            parts += [own, first, X[:, None] * first - first @ shift.T]
+        for kernel in (sign, log, plain):
+            first = X[:, None] * kernel - kernel @ shift.T
+            parts += [kernel, first, X[:, None] * first - first @ shift.T]
         return np.array(parts)
 
 

@@ -84,7 +84,7 @@ class Tractions:
     def in_fourier_space(self, k: Array) -> ComplexArray:
         """(i sigma_xy, sigma_yy, D_y, B_y) at the surface at wavenumbers k [1/m]; (member, k, 4, column)."""
         h, columns = self.half_lengths, self.pressures.shape[-1]
-        both = np.concatenate([self.charges[:, 0], self.charges[:, 1]], -1)
+        charges = np.concatenate([self.charges[:, 0], self.charges[:, 1]], -1)
         sums: ComplexArray = np.empty((h.size, k.size, 3 * columns), np.complex128)
         step = max(_MOST // (2 * self.basis.terms * h.size), 1)
         for start in range(0, k.size, step):
@@ -92,7 +92,7 @@ class Tractions:
             phase = h[:, None] * k[start : start + step]
             for terms, out, transforms in (
                 (self.pressures, part[..., :columns], self._transforms.pressed),
-                (both, part[..., columns:], self._transforms.charged),
+                (charges, part[..., columns:], self._transforms.charged),
             ):
                 out[...] = transforms(phase, terms)
         normal, *fields = np.split(sums, 3, -1)

@@ -37,14 +37,14 @@ class Transforms:
         return replace(self.basis, samples=self.basis.terms + 20 + int(self._switch / 2))
 
     def pressed(self, q: Array, terms: Array) -> ComplexArray:
-        """Of the pressure; (member, q, column).
+        """Transforms of the pressure; (member, q, column).
 
         q: (member, q), >= 0; terms: (member, pressures, column).
         """
         return self._whole(q, terms, self._fine.pressure_rule, self._jacobi)
 
     def charged(self, q: Array, terms: Array) -> ComplexArray:
-        """Of a field's charges; (member, q, column).
+        """Transforms of a field's charges; (member, q, column).
 
         q: (member, q), >= 0; terms: (member, M + 1, column).
         """
@@ -68,33 +68,33 @@ class Transforms:
         A, B = self.basis.exponents
         before: ComplexArray = np.conj(_edges(A, B, q))
         yield before
-        own: ComplexArray = (A + 1) * before - (A + B + 2) / 2 * np.conj(_edges(A + 1, B, q))
+        current: ComplexArray = (A + 1) * before - (A + B + 2) / 2 * np.conj(_edges(A + 1, B, q))
         for j in range(1, count):
-            yield own
+            yield current
             t = 2 * j + A + B
             above = 2 * (j + 1) * (j + A + B + 1) / ((t + 1) * (t + 2))
             constant = (A - B) / t - (B * B - A * A) / (t * (t + 2))
             beneath = 2 * (j + A) * (j + B) / t * (1 - j / (t + 1))
             factor = j * constant - 1j * j * (j + A + B + 1) / q
-            own, before = (factor * own + beneath * before) / (j * above), own
+            current, before = (factor * current + beneath * before) / (j * above), current
 
     def _bessel(self, q: Array, count: int) -> Iterator[ComplexArray]:
         """pi (-i)^n J_n, n < count."""
-        before, own = j0(q), j1(q)
+        before, current = j0(q), j1(q)
         for n in range(count):
             yield np.asarray(np.pi * (-1j) ** n * before, dtype=np.complex128)
-            before, own = own, 2 * (n + 1) / q * own - before
+            before, current = current, 2 * (n + 1) / q * current - before
 
 
 def _edges(A: float, B: float, q: Array) -> ComplexArray:
     """int (1 - X)^A (1 + X)^B exp(i q X) dX at large q, by its series about both edges."""
     orders = np.arange(_SERIES)
     out: ComplexArray = np.zeros(q.shape, np.complex128)
-    for own, other, sign in ((A, B, 1), (B, A, -1)):
-        factors = binom(other, orders) * 2.0 ** (other - orders) * (-1.0) ** orders * gamma(own + orders + 1)
+    for exponent, other, sign in ((A, B, 1), (B, A, -1)):
+        factors = binom(other, orders) * 2.0 ** (other - orders) * (-1.0) ** orders * gamma(exponent + orders + 1)
         inverse = 1 / (sign * 1j * q)
         series: ComplexArray = np.zeros(q.shape, np.complex128)
         for factor in factors[::-1]:
             series = series * inverse + factor
-        out += np.exp(sign * 1j * q) * inverse ** (own + 1) * series
+        out += np.exp(sign * 1j * q) * inverse ** (exponent + 1) * series
     return out
