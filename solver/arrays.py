@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from approximation.arrays import Array as Array
 from approximation.arrays import Indices
+from approximation.arrays import unmasked as unmasked
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -38,26 +39,9 @@ def shown(value: object) -> str:
     return repr(text if len(text) <= _LONGEST else f"{text[:_LONGEST]}...")
 
 
-def unmasked(values: Any) -> Any:
-    """Values with NaN, or None among texts and objects, in the cells that a masked array hides."""
-    if isinstance(values, list | tuple):
-        return [np.nan if value is np.ma.masked else value for value in values]
-    if not isinstance(values, np.ma.MaskedArray):
-        return values
-    kind, missing = (np.float64, np.nan) if values.dtype.kind in "iuf" else (object, None)
-    if not np.ma.is_masked(values):
-        return values.data
-    cells = values.data.astype(kind)
-    cells[np.ma.getmaskarray(values)] = missing
-    return cells
-
-
-def dot(first: Array, two: Array) -> Array:
-    """Sum of products over the last axis.
-
-    one, two: (..., n).
-    """
-    return np.asarray(np.einsum("...i,...i", first, two))
+def dot(first: Array, second: Array) -> Array:
+    """Sum of products of arrays (..., n) over the last axis."""
+    return np.asarray(np.einsum("...i,...i", first, second))
 
 
 def distinct_rows(rows: Array) -> tuple[Array, NDArray[np.intp]]:

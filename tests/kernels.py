@@ -44,26 +44,26 @@ def environment(kernel: str, threads: int = 1) -> dict[str, str]:
 def chosen(kernel: str | None = None) -> str:
     """The kernel that OpenBLAS takes, by itself or where one is asked for; empty where the processor lacks it."""
     command = [sys.executable, "-c", _PROBE]
-    asked = dict(os.environ) if kernel is None else environment(kernel)
-    done = subprocess.run(command, env=asked, capture_output=True, text=True, check=False)
+    variables = dict(os.environ) if kernel is None else environment(kernel)
+    done = subprocess.run(command, env=variables, capture_output=True, text=True, check=False)
     return done.stdout.strip() if done.returncode == 0 else ""
 
 
 def distinct() -> tuple[list[str], list[str]]:
     """Kernels that differ here, and why each other one is left out."""
-    kept: dict[str, str] = {}
+    kernels: dict[str, str] = {}
     left = []
     for kernel in KERNELS:
         taken = chosen(kernel)
-        if taken and taken not in kept:
-            kept[taken] = kernel
+        if taken and taken not in kernels:
+            kernels[taken] = kernel
         else:
             left.append(
-                f"{kernel} (here the same as {kept[taken]})"
+                f"{kernel} (here the same as {kernels[taken]})"
                 if taken
                 else f"{kernel} (a processor with AVX-512 runs it)"
             )
-    return list(kept.values()), left
+    return list(kernels.values()), left
 
 
 def main(words: Sequence[str]) -> int:

@@ -15,6 +15,7 @@ from solver.face.rows import Factors, by_name
 from solver.face.surroundings import settled
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
+from solver.material.usual import question
 from solver.names import BODY, CHOICES, COMPOSITES, CONTACTS, FACTORS, MATERIALS, OF_A_FILM, OF_A_LINE, PROFILES
 from solver.stack.layers import Stack
 from solver.units import in_si
@@ -41,6 +42,7 @@ def checked(factors: Factors) -> dict[str, xr.DataArray]:
             raise FactorError(f"{name}: unknown factor; {hint}known are {', '.join(known)}")
         array = _array(str(name), value)
         if name in FACTORS:
+            _check_modulus(str(name), array)
             array = _number(str(name), _in_si(str(name), array))
         elif name in CHOICES and not isinstance(value, Profile):
             _choice(str(name), array, (*CHOICES[str(name)], *((None, "") if name in _MAY_BE_EMPTY else ())))
@@ -63,6 +65,14 @@ def checked(factors: Factors) -> dict[str, xr.DataArray]:
     check_gaps(arrays)
     check_electrodes(arrays)
     return arrays
+
+
+def _check_modulus(name: str, array: xr.DataArray) -> None:
+    """No modulus is so small that it has lost its unit; a text with its unit passes."""
+    if name.endswith("_modulus") and array.dtype.kind in "iuf":
+        values = array.values.astype(np.float64)
+        if asked := question("young", values[(values > 0) & (values < 1e6)], "Pa"):
+            raise FactorError(f"{name}: {asked.removeprefix('young: ')}")
 
 
 def _check_material(arrays: Mapping[str, xr.DataArray]) -> None:

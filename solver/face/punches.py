@@ -9,7 +9,7 @@ from solver.arrays import Array, shown
 from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.refusal import FactorError
-from solver.halfplane.punch import RIGID_PUNCH, Punch
+from solver.halfplane.sliding import RIGID_PUNCH, Punch
 from solver.material.constants import Material, MaterialError
 from solver.material.library import find
 from solver.material.punches import RIGID_PUNCH as RIGID

@@ -10,11 +10,10 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
-from solver.halfplane.angle import FrictionAngle
 from solver.halfplane.pressing import Pressing, press
 from solver.halfplane.profile import Profile
 from solver.halfplane.shape import Shape
-from solver.halfplane.sliding import Sliding
+from solver.halfplane.sliding import FrictionAngle, Sliding
 from solver.halfplane.surface import HalfPlane
 
 _NEWTON_STEPS = 40

@@ -9,7 +9,7 @@ points z,
 The charges' own F is closed. That of the pressure is integrated: far from the edges along the ray from infinity, where
 Gauss's rule converges at once, and near them from a point on that ray by the double exponential rule, which no edge
 troubles. On the contact of a conducting punch the potentials are those of
-:mod:`solver.halfplane.response`, found otherwise.
+:mod:`solver.halfplane.quantities`, found otherwise.
 """
 
 import numpy as np

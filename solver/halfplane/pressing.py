@@ -12,9 +12,9 @@ from typing import Self
 import numpy as np
 
 from solver.arrays import Array, stack
-from solver.halfplane.angle import FrictionAngle
 from solver.halfplane.profile import Profile
 from solver.halfplane.shape import Shape, imbalance
+from solver.halfplane.sliding import FrictionAngle
 
 _NEWTON_STEPS = 100
 _TOLERANCE = 4e-16

@@ -23,7 +23,7 @@ import numpy as np
 from scipy.special import exprel, polygamma
 
 from solver.arrays import Array, Points, dot, power_series, stack
-from solver.halfplane.angle import FrictionAngle
+from solver.halfplane.sliding import FrictionAngle
 
 _FAR = 0.3  # |u| below which the series is summed; above it the closed form cancels less than (1/u)^(degree + 2)
 _TERMS = 32  # 0.3^32 is below rounding

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from solver.arrays import Array
-from solver.material.constants import UNITS, Material
+from solver.material.constants import ANY_SIZE, UNITS, Material
 from solver.material.laws import made
 from solver.stack.layers import StackError
 
@@ -24,7 +24,7 @@ def material_from(constants: Constants, name: str) -> Material:
     values_of: dict[str, Any] = {
         key: np.array(np.nan if value is None else value) for key, value in zip(UNITS, values, strict=True)
     }
-    return Material(**values_of, conductor=np.array(bool(conductor)), name=name)
+    return Material(**values_of, conductor=np.array(bool(conductor)), name=name, any_size=ANY_SIZE)
 
 
 def constants_of(material: Material) -> Constants:

@@ -9,7 +9,7 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.halfplane.punch import Punch
+from solver.halfplane.sliding import Punch
 from solver.line.peaks import PeakTable
 from solver.line.powerlaw import Constants, constants_of, material_from
 from solver.line.stressnets import DEPTH

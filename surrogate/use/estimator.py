@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
 from sklearn.utils.validation import _check_sample_weight, check_array, check_is_fitted, validate_data
 
-from approximation.arrays import Array, Indices
+from approximation.arrays import Array, Indices, unmasked
 from approximation.chebyshev import gauss_points
 from surrogate.data.factorial import follows_chebyshev
 from surrogate.data.inputs import Input
@@ -122,9 +122,9 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         if self.kernel not in get_args(KernelName):
             raise ValueError(f"kernel {self.kernel!r} is none of {', '.join(get_args(KernelName))}")
         columns, outputs = validate_data(
-            self, X, y, dtype=np.float64, multi_output=True, y_numeric=True, ensure_min_samples=2
+            self, unmasked(X), unmasked(y), dtype=np.float64, multi_output=True, y_numeric=True, ensure_min_samples=2
         )
-        weights = _check_sample_weight(sample_weight, columns, dtype=np.float64, ensure_non_negative=True)
+        weights = _check_sample_weight(unmasked(sample_weight), columns, dtype=np.float64, ensure_non_negative=True)
         if (weights == 0).any():
             columns, outputs, weights = columns[weights > 0], outputs[weights > 0], weights[weights > 0]
             check_array(columns, ensure_min_samples=2)
@@ -188,7 +188,7 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
             cases (`OutOfBoxError`) without `extrapolate`.
         """
         check_is_fitted(self)
-        points = validate_data(self, X, dtype=np.float64, reset=False) - self.shift_
+        points = validate_data(self, unmasked(X), dtype=np.float64, reset=False) - self.shift_
         if return_std:
             mean, std = self.model_.predict_array(points, return_std=True, extrapolate=self.extrapolate)
             return self._shaped(mean), self._shaped(std)

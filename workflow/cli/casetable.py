@@ -42,11 +42,11 @@ class Table:
     bare: frozenset[str] = frozenset()  # columns with a number that has no unit
 
     def at(self, row: int) -> str:
-        """Where a case stands, for messages."""
+        """Return file and line of a case, for messages."""
         return f"{self.source}: line {self.lines[row]}" if self.lines.size else self.source
 
     def empty(self, name: str) -> NDArray[np.bool_]:
-        """Which cells of a column are empty."""
+        """Return whether each cell of a column is empty, (case,)."""
         column = self.columns[name]
         empty: NDArray[np.bool_] = np.isnan(column) if column.dtype.kind == "f" else column == np.array(None)
         return empty

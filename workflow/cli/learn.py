@@ -67,10 +67,10 @@ def learn(options: argparse.Namespace) -> None:
     if isinstance(model, CorrectedGP):
         raise InputError(f"{options.on}: is corrected already; learn from all rows at once, on the surrogate before")
     rows = read_measured(options.measured, study, model)
-    asked = uncertainty.uncertain(study, _uncertain(options.uncertain))
+    constants = uncertainty.uncertain(study, _uncertain(options.uncertain))
     instruments = _instruments(renamed(options.instrument, study.outputs), study)
     try:
-        corrected, summary = correction.learn(study, model, rows, asked, say, instruments)
+        corrected, summary = correction.learn(study, model, rows, constants, say, instruments)
     except InputError as error:
         raise InputError(f"{options.measured}: {error}") from None
     save(corrected, path)
@@ -81,8 +81,8 @@ def learn(options: argparse.Namespace) -> None:
 
 def _uncertain(words: list[str] | None) -> dict[str, float | None] | None:
     """``NAME`` or ``NAME=5%`` between commas: prior standard deviations by name."""
-    given = named("--uncertain", words)
-    return {name: _share("--uncertain", name, text) if text else None for name, text in given.items()} or None
+    texts = named("--uncertain", words)
+    return {name: _share("--uncertain", name, text) if text else None for name, text in texts.items()} or None
 
 
 def _share(option: str, name: str, text: str) -> float:

@@ -58,9 +58,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _aside(options: argparse.Namespace, error: Exception) -> str:
-    """What helps beside an error: where a material of one's own is named, which a command takes by an option."""
-    own = isinstance(error, MaterialError) and "is unknown" in str(error) and getattr(options, "materials", None) == []
-    return " an own one: --materials FILE.yaml; all that are built in: meecontact list materials" if own else ""
+    """Return a hint behind an error: the option for a material that the library lacks."""
+    unknown = (
+        isinstance(error, MaterialError) and "is unknown" in str(error) and getattr(options, "materials", None) == []
+    )
+    return " an own one: --materials FILE.yaml; all that are built in: meecontact list materials" if unknown else ""
 
 
 def _warned(
@@ -71,7 +73,7 @@ def _warned(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    """What is doubtful in an answer (:class:`solver.PrecisionWarning`), in one line."""
+    """Print a warning of the solver (:class:`solver.PrecisionWarning`) in one line."""
     say(f"meecontact: warning: {message}")
 
 

@@ -1,4 +1,4 @@
-"""What a surrogate says at a table of points, and which of its rows it has no answer to."""
+"""Predictions of a surrogate at a table of points; a row without an answer is named."""
 
 import numpy as np
 import xarray as xr
@@ -31,8 +31,8 @@ def predicted(model: GaussianProcess, table: Table, level: float, *, extrapolate
     if bad.any():
         row = int(bad.argmax())
         far = ", ".join(
-            f"{own.name} = {X[row, k]:.10g} (trained within {own.range_text()})"
-            for k, own in enumerate(model.inputs_)
+            f"{axis.name} = {X[row, k]:.10g} (trained within {axis.range_text()})"
+            for k, axis in enumerate(model.inputs_)
             if wrong[row, k]
         )
         raise InputError(f"{table.at(row)}: {far}: no finite answer so far outside of the trained box")

@@ -56,16 +56,16 @@ def query(options: argparse.Namespace) -> None:
         say(f"wrote {options.output}: {answer.sizes['point']} points, {len(model.outputs_)} outputs")
 
 
-def _level(model: GaussianProcess, asked: float | None) -> float:
+def _level(model: GaussianProcess, level: float | None) -> float:
     try:
-        return model.checked_level(asked)
+        return model.checked_level(level)
     except ValueError as error:
         raise InputError(f"--level: {error}") from None
 
 
-def study_of(model: GaussianProcess, given: str) -> studies.Study:
+def study_of(model: GaussianProcess, text: str) -> studies.Study:
     """The study that a surrogate came from, by its name or its file."""
-    study = studies.named(location.given(given))
+    study = studies.named(location.given(text))
     if set(model.box) != set(study.factors):
         raise InputError(
             f"--exact: the study's factors are {', '.join(study.factors)}; the surrogate's {', '.join(model.box)}"
@@ -104,7 +104,7 @@ def _write_answer(path: Path, points: Mapping[str, NDArray[Any]], answer: xr.Dat
         csv.writer(header, lineterminator="\n").writerow(columns)
         file.write(header.getvalue().encode())
         for begin in range(0, answer.sizes["point"], _ROWS):
-            some = [values[begin : begin + _ROWS] for values in columns.values()]
-            plain = [column.astype(int if column.dtype == bool else float).tolist() for column in some]
+            block = [values[begin : begin + _ROWS] for values in columns.values()]
+            plain = [column.astype(int if column.dtype == bool else float).tolist() for column in block]
             lines = (",".join(map(repr, row)) + "\n" for row in zip(*plain, strict=True))  # every digit of a float
             file.write("".join(lines).encode())

@@ -64,7 +64,7 @@ def signal(options: argparse.Namespace) -> None:
     if not 1 <= options.parts <= _MOST_PARTS:
         raise InputError(f"--parts: {options.parts} is not a whole number from 1 to {_MOST_PARTS}")
     temperature = _positive("--temperature", options.temperature)
-    own = dict(read_material(path) for path in options.materials)
+    materials = dict(read_material(path) for path in options.materials)
     case = _case(options.on)
     kind = kind_of([*case], case.get("profile", "cylinder"))
     numbers = _device(options.device, kind)
@@ -76,11 +76,11 @@ def signal(options: argparse.Namespace) -> None:
     if len(history.times) * options.parts > MOST_ROWS:
         raise InputError(f"--parts: {options.parts} of {len(history.times)} rows are more than {MOST_ROWS} times")
     most = float(history.forces.max())
-    material = material_of(Cases(checked({**case, kind.loads.force: most}), own, ("BaTiO3", "CoFe2O4")))
+    material = material_of(Cases(checked({**case, kind.loads.force: most}), materials, ("BaTiO3", "CoFe2O4")))
     if file.bare:
-        _check_unit(options.history, file, most, solve({**case, kind.loads.force: most / length}, materials=own))
+        _check_unit(options.history, file, most, solve({**case, kind.loads.force: most / length}, materials=materials))
     body = film(case, material) if "collector" in case and "thickness" in case else None
-    contact = ContactCurves.from_case(case, most, length=length, materials=own, body=body)
+    contact = ContactCurves.from_case(case, most, length=length, materials=materials, body=body)
     if contact.roughness > _ROUGH:
         say(f"the contact's curves are not smooth over these forces: they are met to {contact.roughness:.1g} only")
     try:
@@ -124,9 +124,9 @@ def _factor(name: str, text: str) -> float | str:
 
 def _device(text: str, kind: Kind) -> dict[str, float]:
     """Numbers of a study's section ``device``, in SI."""
-    given = {name: _plain(value) for name, value in named("--device", text, valued=True).items()}
-    amplifier = {name: given.pop(name) for name in Amplifier.model_fields if name in given}
-    content = {**given, "amplifier": amplifier}
+    values = {name: _plain(value) for name, value in named("--device", text, valued=True).items()}
+    amplifier = {name: values.pop(name) for name in Amplifier.model_fields if name in values}
+    content = {**values, "amplifier": amplifier}
     try:
         device = Device.model_validate(content)
         device.check(kind.contact)
@@ -181,7 +181,7 @@ def _drawn_rows(voltage: Array, forces: Array) -> Indices:
 def _figures(
     history: History, reading: Signal, contact: ContactCurves, circuit: Circuit, temperature: float
 ) -> list[str]:
-    """What is told of a signal."""
+    """Return the printed lines about a signal."""
     figures = Figures.of_contact(contact, circuit, temperature)
     noise, at_output, as_force = figures.noise
     constant = "is held: nothing leaks"

@@ -71,21 +71,21 @@ def _solve(options: argparse.Namespace) -> None:
     positions = None if options.positions is None else numbers("--positions", options.positions)
     points = len(positions or [0.0])
     table, out = _solved(
-        options, lambda factors, own: solve(factors, positions, materials=own, peaks=options.peaks), points
+        options, lambda factors, materials: solve(factors, positions, materials=materials, peaks=options.peaks), points
     )
     _check_units(table, out)
     names = [str(name) for name in out.coords]
     around = out["surroundings"].values.flat if "surroundings" in names else [CHOICES["surroundings"][0]]
     pressed = out["profile"].values.flat if "profile" in names else [CHOICES["profile"][0]]
     kinds = [kind_of(names, *pair) for pair in product(dict.fromkeys(pressed), dict.fromkeys(around))]
-    asked = list(dict.fromkeys(name for kind in kinds for name in kind.quantities))
-    missing = [name for name in asked if name not in out and name not in _unasked(table)]
+    quantities = list(dict.fromkeys(name for kind in kinds for name in kind.quantities))
+    missing = [name for name in quantities if name not in out and name not in _unasked(table)]
     if missing:
         print(f"left out, as no case has such a quantity: {', '.join(missing)}", file=sys.stderr)
-    partial = [name for name in asked if name in out and bool(out[name].isnull().any())]
+    partial = [name for name in quantities if name in out and bool(out[name].isnull().any())]
     if partial:
-        more = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""
-        print(f"empty where a case has no such quantity: {', '.join(partial[:_NAMED])}{more}", file=sys.stderr)
+        others = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""
+        print(f"empty where a case has no such quantity: {', '.join(partial[:_NAMED])}{others}", file=sys.stderr)
     _wrote(options, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
 
 
@@ -112,7 +112,9 @@ def _interior(options: argparse.Namespace) -> None:
     x, y = numbers("--x", options.x), numbers("--y", options.y)
     fields = [name.strip() for name in options.fields.split(",")] if options.fields else None
     points = len(x) * len(y)
-    _, out = _solved(options, lambda factors, own: solve_interior(factors, x, y, fields=fields, materials=own), points)
+    _, out = _solved(
+        options, lambda factors, materials: solve_interior(factors, x, y, fields=fields, materials=materials), points
+    )
     _wrote(options, out, f"{len(out.data_vars)} fields on {len(x)} x {len(y)} points")
 
 
@@ -122,8 +124,8 @@ def _solved(
     """A table of cases, and the answer to it."""
     options.output = output(options.output, options.cases, *options.materials)
     table = read_cases(options.cases)
-    own = dict(read_material(path) for path in options.materials)
-    return table, solved(table, lambda factors: answer(factors, own), points)
+    materials = dict(read_material(path) for path in options.materials)
+    return table, solved(table, lambda factors: answer(factors, materials), points)
 
 
 def _wrote(options: argparse.Namespace, out: xr.Dataset, what: str) -> None:

@@ -57,14 +57,16 @@ def write_slab(study: Study, index: int, path: Path, cache: CaseCache | None = N
     cases = prod(levels.size for levels in axes.values())
 
     def part(region: Region) -> xr.Dataset:
-        own = {axis: levels[some] for (axis, levels), some in zip(axes.items(), region, strict=True)}
-        return factorial.exact(study, own, positions, curves=True, holes=mask.left, cache=cache)
+        axes_of_part = {
+            axis: levels[part_slice] for (axis, levels), part_slice in zip(axes.items(), region, strict=True)
+        }
+        return factorial.exact(study, axes_of_part, positions, curves=True, holes=mask.left, cache=cache)
 
     def blocks() -> Iterator[tuple[Region, Mapping[str, NDArray[Any]]]]:
         with tqdm(total=cases, desc=name, unit=" cases", disable=None, leave=False) as bar:
             for region in regions:
                 yield region, mask.values(region, partial(part, region), frame)
-                bar.update(prod(some.stop - some.start for some in region))
+                bar.update(prod(part_slice.stop - part_slice.start for part_slice in region))
 
     mask = holes.Mask(axes, MOST * study.cases)
     frame = _frame(_one_case(study, axes, positions), axes, study.dataset.precision)
@@ -76,13 +78,13 @@ def write_slab(study: Study, index: int, path: Path, cache: CaseCache | None = N
 def _one_case(study: Study, axes: Mapping[str, NDArray[np.float64]], positions: Iterable[float] | None) -> xr.Dataset:
     """A case with all categories: the first of the slab, or if that is refused one that is not, tried at random."""
     whole, random = factorial.axes(study), np.random.default_rng(0)
-    at = {axis: levels if axis in study.categories else levels[:1] for axis, levels in axes.items()}
+    case = {axis: levels if axis in study.categories else levels[:1] for axis, levels in axes.items()}
     for _ in range(_TRIES):
         try:
-            return factorial.exact(study, at, positions, curves=True)
+            return factorial.exact(study, case, positions, curves=True)
         except FactorError as error:
             refusal = error
-        at = {axis: at[axis] if axis in study.categories else random.choice(whole[axis], 1) for axis in axes}
+        case = {axis: case[axis] if axis in study.categories else random.choice(whole[axis], 1) for axis in axes}
     raise refusal
 
 
@@ -90,12 +92,12 @@ def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision:
     """The slab without its values: coordinates, attributes, dimensions and types."""
     coords = {axis: xr.Variable(axis, levels, case[axis].attrs) for axis, levels in axes.items()}
     # along the first level of every axis, factors of groups stand there as arrays of one
-    kept = {
+    scalar_coordinates = {
         name: coordinate
         for name, coordinate in case.coords.items()
         if axes.keys().isdisjoint(map(str, coordinate.dims))
     }
-    frame = xr.Dataset(coords=kept).assign_coords(coords)
+    frame = xr.Dataset(coords=scalar_coordinates).assign_coords(coords)
     empty = {}
     for name, array in case.data_vars.items():
         nothing = np.zeros((), precision if array.ndim > len(axes) else array.dtype)
@@ -162,19 +164,19 @@ class Stacked(BackendArray):
         )
 
     def _selected(self, key: tuple[Any, ...]) -> NDArray[Any]:
-        first, *rest = key
+        first, *selection = key
         wanted = np.atleast_1d(np.arange(self.shape[0])[first])
         parts = []
         which = np.searchsorted(self.starts, wanted, side="right") - 1
         changes = np.flatnonzero(np.diff(which)) + 1
         for levels, part in zip(np.split(wanted, changes), np.split(which, changes), strict=True):
             if levels.size:
-                parts.append(self._read(int(part[0]), levels - self.starts[part[0]], rest))
-        whole = np.concatenate(parts) if parts else np.empty((0, *self.shape[1:]), self.dtype)[(slice(0), *rest)]
+                parts.append(self._read(int(part[0]), levels - self.starts[part[0]], selection))
+        whole = np.concatenate(parts) if parts else np.empty((0, *self.shape[1:]), self.dtype)[(slice(0), *selection)]
         return whole[0] if isinstance(first, int | np.integer) else whole
 
-    def _read(self, number: int, levels: NDArray[np.int64], rest: Sequence[Any]) -> NDArray[Any]:
+    def _read(self, number: int, levels: NDArray[np.int64], selection: Sequence[Any]) -> NDArray[Any]:
         check_seal(self.files[number], MAX_BYTES, digest=False)
         with netCDF4.Dataset(self.files[number], "r") as file:
             file.set_auto_maskandscale(False)
-            return np.stack([np.asarray(file[self.name][(int(level), *rest)]) for level in levels])
+            return np.stack([np.asarray(file[self.name][(int(level), *selection)]) for level in levels])

@@ -1,4 +1,4 @@
-"""How a factorial is cut: chunks of a file that are quick to read, blocks that are solved and written at a time.
+"""Chunks of a file that are quick to read, and blocks of a factorial that are solved and written together.
 
 A block holds whole chunks, so that a chunk is compressed once and never read again while the file is written; no part
 goes beyond one level of the first axis, which slabs share out.

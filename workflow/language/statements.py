@@ -159,5 +159,7 @@ def _check_allowable(text: str, allowable: str, unit: units.Unit, expected: unit
     if not unit.fits(units.Unit.none()):
         raise ValueError(f"{text!r}: {str(unit)!r} before {allowable}: must be a pure number or %")
     if expected is None or not expected.fits(units.parse(ALLOWABLES[allowable].units)):
-        own = ALLOWABLES[allowable].units
-        raise ValueError(f"{text!r}: unit mismatch: {allowable} is in {own}, the expression in {expected or 1}")
+        allowable_units = ALLOWABLES[allowable].units
+        raise ValueError(
+            f"{text!r}: unit mismatch: {allowable} is in {allowable_units}, the expression in {expected or 1}"
+        )

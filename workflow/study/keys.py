@@ -19,7 +19,7 @@ from workflow.study.types import BY_FACTOR, CategoryName, FactorName, InputName,
 
 @dataclass(frozen=True)
 class Origin:
-    """What a study has beside the content of its file."""
+    """Origin of a study, beside the content of its file."""
 
     path: Path  # The file
     materials: dict[str, Material]  # The study's own materials by name

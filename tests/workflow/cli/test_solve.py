@@ -24,8 +24,8 @@ def test_a_csv_has_the_columns_of_the_cases_and_a_number_a_case(
     cases, out = tmp_path / "cases.csv", tmp_path / "out.csv"
     cases.write_text(BALLS, encoding="utf-8")
     assert main(["solve", str(cases), "-o", str(out)]) == 0
-    told = capsys.readouterr().err
-    assert told == f"wrote {out}: 2 cases, 21 quantities\n"  # nobody misses what electrodes have
+    printed = capsys.readouterr().err
+    assert printed == f"wrote {out}: 2 cases, 21 quantities\n"  # nobody misses what electrodes have
     frame = pd.read_csv(out)
     assert list(frame.columns[:6]) == ["material", "profile", "radius [m]", "force [N]", "thickness [m]", "base"]
     for row, (material, radius, force, base) in enumerate(

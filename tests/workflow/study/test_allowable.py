@@ -1,4 +1,4 @@
-"""What the materials of a study bear, and the numbers of its device: read from the library and the study's file."""
+"""Allowables of a study's materials, and numbers of its device, from the library and the study's file."""
 
 import pytest
 
@@ -38,11 +38,11 @@ def test_a_composite_bears_what_its_weaker_phase_does() -> None:
     given = {"composite": "fibrous", "volume_fraction": 0.5}
     both = allowable("tensile_strength", given, {}, ["PZT-4", "PZT-5H"])
     assert both.value == min(find(name).limits["tensile_strength"].value for name in ("PZT-4", "PZT-5H"))
-    assert both.of == "PZT-5H, the weaker phase"
+    assert both.material == "PZT-5H, the weaker phase"
     assert both.source == find("PZT-5H").limits["tensile_strength"].source
-    assert allowable("tensile_strength", {**given, "volume_fraction": 1}, {}, ["PZT-4", "PZT-5H"]).of == "PZT-4"
+    assert allowable("tensile_strength", {**given, "volume_fraction": 1}, {}, ["PZT-4", "PZT-5H"]).material == "PZT-4"
     one = allowable("coercive_field", {}, {}, ["BaTiO3", "CoFe2O4"])
-    assert (one.value, one.of) == (0.3e6, "BaTiO3 (CoFe2O4: none known)")
+    assert (one.value, one.material) == (0.3e6, "BaTiO3 (CoFe2O4: none known)")
     with pytest.raises(ValueError, match="base_yield_strength: a half-plane, without a base, has none"):
         allowable("base_yield_strength", {}, {}, ["BaTiO3", "CoFe2O4"])
     assert (

@@ -1,4 +1,4 @@
-"""What does not couple is not told: fields of a study, and the quantities that measure them."""
+"""Fields that no material couples to are not shown, nor the quantities that measure them."""
 
 import xarray as xr
 

@@ -54,7 +54,7 @@ def written(powers: dict[str, int]) -> str:
 
 
 def through(study: Study, folder: Path) -> None:
-    """What a run makes of a study from its cases to what is drawn over its axes."""
+    """Make everything of a run, from its cases to the figures over its axes."""
     for index in range(partition.count(study)):
         slabs.write_slab(study, index, folder / f"slab_{index}.nc")
     with read_whole(folder / "slab_0.nc", lazy=True) as slab:

@@ -64,7 +64,7 @@ BALL = {"radius": "0.01", "low": "1.0", "high": "2.0"}
         ({"high": "5e9"}, "factors: force: high: 5e+09 is 5e+09 N; did you mean 5e+09 mN?"),
         ({"high": "5 GN", "low": "1 GN"}, ""),
         ({"radius": "1e-12"}, "fixed: radius: 1e-12 is 1e-12 m; did you mean 1e-12 mm?"),
-        ({"radius": "1 pm", "low": "1 aN", "high": "2 aN"}, ""),
+        ({"radius": "1 pm", "low": "1e-18 N", "high": "2e-18 N"}, ""),
         (
             {"radius": "0.01, punch_modulus: 200, punch_poisson: 0.3"},
             "punch_modulus: 200 is 200 Pa; did you mean 200 GPa?",

@@ -142,7 +142,7 @@ def test_a_body_tells_what_it_is(study: Study, slab: Path) -> None:
     ("old", "new", "expected"),
     [
         ("  copper_thickness: {", "  zinc_thickness: {", "body.1: thickness: 'copper_thickness' is neither in factors"),
-        ("radius: 0.05", "radius: 0.05, x_thickness: 1.0", "fixed: x_thickness: no layer of the body names it"),
+        ("radius: 0.05", "radius: 0.05, x_thickness: 1e-3", "fixed: x_thickness: no layer of the body names it"),
         ("[rigid, silicon]", "[rigid, silicom]", "base: 'silicom' is unknown; did you mean 'silicon'?"),
         ("categories: {base: [rigid, silicon]}\n", "", "base: a body needs a base, or else base_modulus and base_poi"),
         ("radius: 0.05", "radius: 0.05, base_poisson: 0.3", "base, base_poisson: a body needs a base, or else"),

@@ -1,4 +1,4 @@
-"""Where a study's file is: by name, by path, from the results made of it; and names that no later step bears."""
+"""Studies by name, by path and from their results; names that no later step can bear are refused."""
 
 import json
 import os

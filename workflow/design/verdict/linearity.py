@@ -43,7 +43,7 @@ class Bound:
     @property
     def at_most(self) -> str:
         """What is allowable, in words."""
-        return f"{titles.title(self.name)} of {self.allowable.of}, {shown(self.allowable.value, self.units, 3)}"
+        return f"{titles.title(self.name)} of {self.allowable.material}, {shown(self.allowable.value, self.units, 3)}"
 
 
 def bound(study: Study, limit: Limit) -> tuple[str, str]:
@@ -51,7 +51,7 @@ def bound(study: Study, limit: Limit) -> tuple[str, str]:
     if not limit.allowable:
         return "", ""
     evidence = study.allowable(limit.allowable)
-    return f"{titles.title(limit.allowable)} of {evidence.of}", evidence.source
+    return f"{titles.title(limit.allowable)} of {evidence.material}", evidence.source
 
 
 def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None) -> list[tuple[str, str]]:
