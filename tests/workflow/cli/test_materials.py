@@ -165,7 +165,10 @@ def test_bad_limits_and_alternatives_are_refused_in_one_line(
         ("c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: abc\n", "c44: 'abc' is not a finite number [Pa]"),
         ("c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\nc99: 1\n", "c99: unknown entry"),
         ("c11: 1e11\nc13: 2e11\nc33: 1e11\nc44: 1e10\n", "c13 = 2e+11 Pa: needs c13^2 < c11 c33"),
-        ("c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\ng11: 1.0\n", "g11 = 1 N s V-1 C-1: needs g11^2 < eps11 mu11"),
+        (
+            "c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\ng11: 9e-6\n",
+            "g11 = 9e-06 N s V-1 C-1: needs g11^2",
+        ),
         ("- 1\n", "not a mapping"),
     ],
 )
