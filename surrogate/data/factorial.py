@@ -112,9 +112,7 @@ def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Seque
     try:
         levels = [_levels(dataset, factor) for factor in factors]
         if inputs is None:
-            inputs = [
-                _inferred(dataset, name, column_levels) for name, column_levels in zip(factors, levels, strict=True)
-            ]
+            inputs = [_inferred(dataset, name, values) for name, values in zip(factors, levels, strict=True)]
         check_levels(inputs, levels)
     except ValueError:
         return False

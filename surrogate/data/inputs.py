@@ -189,8 +189,8 @@ def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, Indices, Indices]:
         else input_.high - input_.low
         for input_ in inputs
     ]  # fmt: skip
-    columns_of_scale = {scale: np.flatnonzero([input_.scale == scale for input_ in inputs]) for scale in SCALES}
-    return low, np.reshape(width, (-1, 1)), columns_of_scale["log"], columns_of_scale["logit"]
+    members = {scale: np.flatnonzero([input_.scale == scale for input_ in inputs]) for scale in SCALES}
+    return low, np.reshape(width, (-1, 1)), members["log"], members["logit"]
 
 
 def stored_inputs(stored: xr.Dataset, prefix: str = "") -> tuple[Input, ...]:

@@ -82,7 +82,7 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
     point = _one_point(points, names)
     if point is not None:
         coordinates: dict[Hashable, xr.Variable] = {
-            own.name: xr.Variable((), x, own.attrs) for own, x in zip(inputs, point, strict=True)
+            factor.name: xr.Variable((), x, factor.attrs) for factor, x in zip(inputs, point, strict=True)
         }
         return Points(point[None], (), (), coordinates)
     arrays = {name: _as_array(name, points[name], names) for name in names}
@@ -208,8 +208,8 @@ def _plain(points: ArrayLike) -> NDArray[Any] | None:
 
 
 def _check_names(points: Mapping[Any, Any] | xr.Dataset, names: Sequence[str]) -> None:
-    names_in_query = [*points.data_vars] if isinstance(points, xr.Dataset) else [*points]
-    for name in names_in_query:
+    columns = [*points.data_vars] if isinstance(points, xr.Dataset) else [*points]
+    for name in columns:
         if name not in names:
             near = get_close_matches(str(name), names, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else f"; the inputs are {', '.join(names)}"

@@ -109,10 +109,10 @@ def _sizes(errors: Array, parts: Sequence[Array]) -> tuple[Array, Array, Array]:
 
 def _fitted(logarithms: Array, t: Array, groups: Indices) -> tuple[Indices, Array]:
     """Degrees of the local scale's terms, (m, d), and its coefficients for logarithms of errors (p, n): (m, p)."""
-    place_counts, (d, cases) = places(t, groups), t.shape
+    distinct, (d, cases) = places(t, groups), t.shape
     few = max((degree for least, degree in DEGREES if cases >= least), default=0)
-    degrees = additive([max(few, min(int(count) // (PLACES_A_DEGREE * d), HIGHEST)) for count in place_counts])
-    pairs = [pair for pair in combinations(range(d), 2) if place_counts[list(pair)].min() >= PAIRWISE]
+    degrees = additive([max(few, min(int(count) // (PLACES_A_DEGREE * d), HIGHEST)) for count in distinct])
+    pairs = [pair for pair in combinations(range(d), 2) if distinct[list(pair)].min() >= PAIRWISE]
     degrees = np.concatenate([degrees, *(pairwise(d, pair, 2) for pair in pairs)])
     A = products.values(degrees, t).T
     trend = (
@@ -140,8 +140,8 @@ def _waves(A: Array, logarithms: Array, trend: Array, t: Array, pairs: Sequence[
         degrees = pairwise(len(t), pair, TOTAL, 3)
         features = products.values(degrees, t).T
         basis = np.linalg.qr(features - A @ np.linalg.lstsq(A, features)[0])[0]
-        statistic = ((beyond @ basis) ** 2).sum(axis=1) / (NOMINAL * (1 - NOMINAL) * len(degrees))
-        if len(statistic) and (share := float(statistic.max())) > most:
+        strength = ((beyond @ basis) ** 2).sum(axis=1) / (NOMINAL * (1 - NOMINAL) * len(degrees))
+        if len(strength) and (share := float(strength.max())) > most:
             best, most = degrees, share
     return best
 
@@ -178,6 +178,6 @@ def _cross_fitted(A: Array, ratio: Array, trend: Array, groups: Indices) -> Arra
     fold = np.random.default_rng(0).permutation(number.max() + 1)[number] % FOLDS
     scores = np.empty(len(ratio))
     for k in range(FOLDS):
-        held, training = fold == k, fold != k
-        scores[held] = ratio[held] - A[held] @ quantile_regression(A[training], ratio[training], NOMINAL, trend)
+        held, fitting = fold == k, fold != k
+        scores[held] = ratio[held] - A[held] @ quantile_regression(A[fitting], ratio[fitting], NOMINAL, trend)
     return scores

@@ -68,16 +68,16 @@ def _kinks(judged: Decays) -> dict[str, tuple[str, ...]]:
 
 
 def choose(
-    judged: Decays, tolerance: float, budget: int, fixed: Mapping[str, int] = MappingProxyType({})
+    decays: Decays, tolerance: float, budget: int, fixed: Mapping[str, int] = MappingProxyType({})
 ) -> LevelChoice:
     """Choose the smallest factorial that is predicted to reach a tolerance."""
     if not tolerance > 0 or budget < 1:
         raise ValueError(f"tolerance {tolerance} and budget {budget} must be positive")
-    kinked = _kinks(judged)
-    claimed = {output: along for output, along in judged.items() if output not in kinked}
+    kinked = _kinks(decays)
+    claimed = {output: along for output, along in decays.items() if output not in kinked}
     if not claimed:
         raise ValueError(f"no output decays geometrically, so no tolerance can be met: {', '.join(kinked)}")
-    names = list(next(iter(judged.values())))
+    names = list(next(iter(decays.values())))
     counts = _smallest(claimed, tolerance, fixed)
     if counts is None or prod(counts.values()) > budget:
         raise UnreachableError(_unreachable(claimed, counts, tolerance, budget, fixed))
@@ -86,22 +86,22 @@ def choose(
         counts=counts,
         cases=prod(counts.values()),
         tolerance=tolerance,
-        error={output: error.get(output, float("nan")) for output in judged},
-        affine=tuple(name for name in names if all(along[name].affine for along in judged.values())),
+        error={output: error.get(output, float("nan")) for output in decays},
+        affine=tuple(name for name in names if all(along[name].affine for along in decays.values())),
         extrapolated=tuple(
             name
             for name in names
-            if name not in fixed and counts[name] > max(len(along[name].coefficients) for along in judged.values())
+            if name not in fixed and counts[name] > max(len(along[name].coefficients) for along in decays.values())
         ),
         kinked=kinked,
-        decay=evidence(judged, counts),
+        decay=evidence(decays, counts),
     )
 
 
-def evidence(judged: Decays, counts: Mapping[str, int]) -> xr.Dataset:
+def evidence(decays: Decays, counts: Mapping[str, int]) -> xr.Dataset:
     """Return decays as a data set: `LevelChoice.decay`, with `kinked` over (`output`, `input`), 1 at a kink."""
-    names = list(next(iter(judged.values())))
-    table = [[along[name] for name in names] for along in judged.values()]
+    names = list(next(iter(decays.values())))
+    table = [[along[name] for name in names] for along in decays.values()]
     modes = max(len(decay.coefficients) for row in table for decay in row)
     coefficients = np.full((len(table), len(names), modes), np.nan)
     for p, row in enumerate(table):
@@ -119,7 +119,7 @@ def evidence(judged: Decays, counts: Mapping[str, int]) -> xr.Dataset:
             "interpolation_error": (over, np.array(errors), {"long_name": "predicted error over range"}),
             "kinked": (over, np.array([[int(decay.algebraic) for decay in row] for row in table])),
         },
-        coords={"output": list(judged), "input": names, "mode": np.arange(modes)},
+        coords={"output": list(decays), "input": names, "mode": np.arange(modes)},
     )  # fmt: skip
 
 

@@ -48,9 +48,9 @@ def front(problem: Problem, objectives: int, *, points: int = 33, fill: int = 8,
     between = _between(designs, _worst(problem, designs, objectives), fill * len(designs))
     designs = _feasible(problem, np.concatenate([designs, between]))
     values = _worst(problem, designs, objectives)
-    dominating = non_dominated(values)
-    order = np.argsort(values[dominating, 0])
-    x, values = designs[dominating][order], values[dominating][order]
+    best = non_dominated(values)
+    order = np.argsort(values[best, 0])
+    x, values = designs[best][order], values[best][order]
     span = np.ptp(values, axis=0)
     return Front(x, values, values.min(0), np.where(span > 0, span, 1.0))
 
@@ -76,17 +76,17 @@ def scalarised(problem: Problem, objectives: int, reference: Array, weights: Arr
 
 def non_dominated(values: Array) -> Flags:
     """Which rows of values (m, k), larger is better, no other row equals or exceeds in all; ties keep the first."""
-    dominating = np.ones(len(values), dtype=bool)
+    best = np.ones(len(values), dtype=bool)
     order = np.lexsort(-values.T[::-1])
     if values.shape[1] == 2:  # sorted by the first, the second must rise
         second = values[order, 1]
         before = np.concatenate([[-np.inf], np.maximum.accumulate(second)[:-1]])
-        dominating[order] = second > before
-        return dominating
+        best[order] = second > before
+        return best
     for position, i in enumerate(order):
-        better = order[:position][dominating[order[:position]]]
-        dominating[i] = not np.any(np.all(values[better] >= values[i], axis=1))
-    return dominating
+        better = order[:position][best[order[:position]]]
+        best[i] = not np.any(np.all(values[better] >= values[i], axis=1))
+    return best
 
 
 def _references(values: Array, ends: Array, points: int) -> Array:

@@ -116,13 +116,13 @@ class BoundedGP(Transformed):
         return out
 
     @override
-    def reached(self, mean: Array, std: Array, deviations: Array) -> Array:
+    def reached(self, mean: Array, std: Array, distance: Array) -> Array:
         steep = self._steepness(mean)
-        steep_enough = steep > 0
+        changing = steep > 0
         with np.errstate(divide="ignore", invalid="ignore"):
             learnt = np.stack([_link(y, low, high) for y, low, high in zip(mean, *self._bounds(), strict=True)])
-            ends = self._outputs(learnt + deviations * np.where(steep_enough, std / steep, 0.0))
-        return np.asarray(np.where(steep_enough, ends, mean))
+            ends = self._outputs(learnt + distance * np.where(changing, std / steep, 0.0))
+        return np.asarray(np.where(changing, ends, mean))
 
     # -- answers -------------------------------------------------------------------------------------------------------
     @override

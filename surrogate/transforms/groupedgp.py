@@ -251,8 +251,8 @@ class GroupedGP(Transformed):
         """Return the calibrated deviations of the derivatives: along the axes and of the scale, as independent."""
         X = self.physical(t)
         mean, std = self.mean_std(X, True)
-        slope_std = self.reduced_.physical_slopes(self.grouping.products.values(X), self.reduced_.slope_stds)
-        return self._together(X, slope_std * self._guarded(X), mean, std)
+        stds = self.reduced_.physical_slopes(self.grouping.products.values(X), self.reduced_.slope_stds)
+        return self._together(X, stds * self._guarded(X), mean, std)
 
     @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
@@ -261,12 +261,12 @@ class GroupedGP(Transformed):
         def stds(axes: Array) -> Array:
             return np.sqrt(np.maximum(self.reduced_.slope_variances(axes, weights), 0))
 
-        slope_variance = self.reduced_.physical_slopes(self.grouping.products.values(X), stds)
+        slopes = self.reduced_.physical_slopes(self.grouping.products.values(X), stds)
         mean, variance = self.mean_variance(t, weights)
-        return self._together(X, slope_variance, mean, None if variance is None else np.sqrt(variance)) ** 2
+        return self._together(X, slopes, mean, None if variance is None else np.sqrt(variance)) ** 2
 
-    def _together(self, X: Array, slope_sizes: Array, mean: Array, std: Array | None) -> Array:
-        squares = (self._chained(X, slope_sizes, mean) ** 2).sum(axis=1)
+    def _together(self, X: Array, slopes: Array, mean: Array, std: Array | None) -> Array:
+        squares = (self._chained(X, slopes, mean) ** 2).sum(axis=1)
         if std is not None:
             squares += (self._scales.steepness(X) * std) ** 2
         return np.asarray(np.sqrt(squares) / self.unit_slopes(X))

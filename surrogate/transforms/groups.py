@@ -112,8 +112,8 @@ class Grouping:
         for name in outputs:
             variable = dataset[name].variable
             dims = {dim: dataset.sizes[dim] for dim in dict.fromkeys((*variable.dims, *own_dims))}
-            array, *inputs_ = (_over(term, dims) for term in (variable, *columns))
-            X = np.stack([column.ravel() for column in inputs_], axis=1)
+            array, *factors = (_over(source, dims) for source in (variable, *columns))
+            X = np.stack([column.ravel() for column in factors], axis=1)
             learnt = self.scales([name]).transform(np.asarray(array, dtype=np.float64).reshape(1, -1), X)
             arrays[name] = tuple(dims), learnt.reshape(array.shape), dataset[name].attrs
         return xr.Dataset(arrays)

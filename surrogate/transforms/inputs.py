@@ -95,9 +95,9 @@ def _slopes(X: Array, row: Array) -> Array:
     """Derivatives of a product by every input, (d, n)."""
     slopes = np.zeros((len(row), len(X)))
     for k in np.flatnonzero(row):
-        remaining = row.copy()
-        remaining[k] = 0.0
-        slopes[k] = row[k] * _power(X[:, k], row[k] - 1) * (_product(X, remaining) if remaining.any() else 1.0)
+        others = row.copy()
+        others[k] = 0.0
+        slopes[k] = row[k] * _power(X[:, k], row[k] - 1) * (_product(X, others) if others.any() else 1.0)
     return slopes
 
 

@@ -48,8 +48,8 @@ def baseline(
     if grouping is None:
         return chebyshev_interpolation(training, list(model.inputs_), points, outputs)
     axes = {axis.name: training[axis.name] for axis in grouping.axes}
-    axis_values = xr.DataArray(grouping.products.values(named.X), dims=("point", "axis"))
-    columns = {axis.name: axis_values.isel(axis=k) for k, axis in enumerate(grouping.axes)}
+    products = xr.DataArray(grouping.products.values(named.X), dims=("point", "axis"))
+    columns = {axis.name: products.isel(axis=k) for k, axis in enumerate(grouping.axes)}
     interpolated = chebyshev_interpolation(
         grouping.reduced(training, outputs).assign_coords(axes), grouping.axes, columns, outputs
     )

@@ -39,9 +39,9 @@ def learn(t: Array, refused: Flags, even: Flags, groups: Indices, which: Indices
     tried = [degrees for degrees in tried if len(degrees) <= min(MOST_TERMS, len(known) // _CASES_A_TERM)] or [
         _total(len(t), 1)
     ]
-    left_out = [_left_out(degrees, t, known, fold) for degrees in tried]
-    best = int(np.argmin([_loss(score, known) for score in left_out]))
-    degrees, score = tried[best], left_out[best]
+    scores = [_left_out(degrees, t, known, fold) for degrees in tried]
+    best = int(np.argmin([_loss(score, known) for score in scores]))
+    degrees, score = tried[best], scores[best]
     coefficients = _fitted(products.values(degrees, t), known)
     threshold = score[known & held] if (known & held).any() else score[known]
     rank = int(PASSING * (len(threshold) + 1))
@@ -73,8 +73,8 @@ def _chosen(refused: Flags, even: Flags, random: np.random.Generator) -> Indices
 
 def _total(inputs: int, degree: int) -> Indices:
     """Degrees of all terms up to a total degree, the constant first."""
-    indices = [index for index in product(range(degree + 1), repeat=inputs) if sum(index) <= degree]
-    return np.array(sorted(indices, key=lambda index: (sum(index), index)), dtype=np.intp)
+    exponents = [index for index in product(range(degree + 1), repeat=inputs) if sum(index) <= degree]
+    return np.array(sorted(exponents, key=lambda index: (sum(index), index)), dtype=np.intp)
 
 
 def _left_out(degrees: Indices, t: Array, refused: Flags, fold: Indices) -> Array:
@@ -98,8 +98,8 @@ def _fitted(terms: Array, refused: Flags) -> Array:
     penalty[0] = 1e-3 * _RIDGE
     sign = np.where(refused, 1.0, -1.0)
 
-    def cost(coefficients: Array) -> float:
-        return float(np.logaddexp(0.0, sign * (coefficients @ terms)).mean() + penalty @ coefficients**2 / 2)
+    def cost(weights: Array) -> float:
+        return float(np.logaddexp(0.0, sign * (weights @ terms)).mean() + penalty @ weights**2 / 2)
 
     fitted = np.zeros(len(terms))
     least = cost(fitted)
@@ -108,9 +108,9 @@ def _fitted(terms: Array, refused: Flags) -> Array:
         gradient = terms @ (sign * share) / terms.shape[1] + penalty * fitted
         hessian = (terms * (share * (1 - share))) @ terms.T / terms.shape[1] + np.diag(penalty)
         step, length = np.linalg.solve(hessian, gradient), 1.0
-        while (trial := cost(fitted - length * step)) > least and length > 1e-4:
+        while (current := cost(fitted - length * step)) > least and length > 1e-4:
             length /= 2
-        if trial >= least - 1e-10:
+        if current >= least - 1e-10:
             break
-        fitted, least = fitted - length * step, trial
+        fitted, least = fitted - length * step, current
     return fitted

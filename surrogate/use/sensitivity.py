@@ -161,9 +161,9 @@ def _expanded(model: GaussianProcess) -> GridGP:
 def _tails(model: GaussianProcess) -> list[Array]:
     """For every input, the largest sum of the means' Chebyshev coefficients from a degree on, over their range."""
     inputs, tails = model.inputs_, []
-    lines = 2 * sobol_points(LINES, len(inputs)) - 1
+    points = 2 * sobol_points(LINES, len(inputs)) - 1
     for k in range(len(inputs)):
-        t = np.repeat(lines, FEWEST_NODES, axis=0)
+        t = np.repeat(points, FEWEST_NODES, axis=0)
         t[:, k] = np.tile(gauss_points(FEWEST_NODES), LINES)
         values = model.predict_array(physical_points(inputs, t.T)).reshape(LINES, FEWEST_NODES, -1)
         spread = np.ptp(values, axis=(0, 1))
@@ -179,9 +179,9 @@ def _errors(model: GaussianProcess, plain: GridGP, positions: Array) -> tuple[Ar
     over = np.empty((len(model.outputs_), len(inputs), len(positions)))
     for i in range(len(inputs)):
         for j, position in enumerate(positions):
-            lines = t[: SAMPLE // 4].copy()
-            lines[:, i] = position
-            over[:, i, j] = _mean_square(model, plain, lines)
+            points = t[: SAMPLE // 4].copy()
+            points[:, i] = position
+            over[:, i, j] = _mean_square(model, plain, points)
     return np.sqrt(_mean_square(model, plain, t)), np.sqrt(over)
 
 

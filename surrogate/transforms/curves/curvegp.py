@@ -122,8 +122,8 @@ class CurveGP(Transformed):
                 f"score {number} {k}": like.copy(data=row.reshape(like.shape)).drop_attrs()
                 for k, row in enumerate(bases[-1].scores(values))
             }
-        coords = [str(name) for name in X.variables if name in X.dims or name in X.coords]
-        data = xr.Dataset(parts, {name: X[name] for name in coords if not set(X[name].dims) & self._dims()})
+        coordinates = [str(name) for name in X.variables if name in X.dims or name in X.coords]
+        data = xr.Dataset(parts, {name: X[name] for name in coordinates if not set(X[name].dims) & self._dims()})
         smooth = self.smooth(list(parts)).fit(data)
         self.bases_, self.calibration_ = tuple(bases), None
         allowed = {f"log {size}": self.error for size in self._sizes()}  # of a size itself, none
@@ -261,8 +261,8 @@ class CurveGP(Transformed):
         known, left = np.zeros_like(smooth), errors.copy()
         for k, row in self._links.plain:
             known[row] = errors[k]
-        needed = {name for curves in self.curves for name in (*curves.fields, *curves.sizes) if name}
-        whole = needed <= dataset.keys()
+        required = {name for curves in self.curves for name in (*curves.fields, *curves.sizes) if name}
+        whole = required <= dataset.keys()
         true = smooth + known
         if whole:
             for size, row in self._links.sizes.items():

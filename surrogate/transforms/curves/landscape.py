@@ -36,15 +36,15 @@ class Landscape:
         scanned = self._scanned[:, : measure.fields * scan.points.size]
         fields = (ones.T.astype(scanned.dtype) @ scanned).reshape(scores.shape[1], measure.fields, -1)
         hills = scan.hills(measure.values(fields))
-        hill_index = np.arange(len(hills))
+        cases = np.arange(len(hills))
         top = hills.argmax(axis=1)
-        floor = hills[hill_index, top]
+        floor = hills[cases, top]
         floor = floor - RIVAL * np.abs(floor)
-        curves, points = [hill_index], [top]
+        curves, points = [cases], [top]
         for _ in range(CLIMBED - 1):
-            hills[hill_index, top] = -np.inf
+            hills[cases, top] = -np.inf
             top = hills.argmax(axis=1)
-            rival = np.flatnonzero(hills[hill_index, top] > floor)
+            rival = np.flatnonzero(hills[cases, top] > floor)
             if not rival.size:
                 break
             curves.append(rival)
@@ -75,23 +75,23 @@ class Landscape:
         for number in np.unique(summit.panel).tolist():
             members = np.flatnonzero(summit.panel == number)
             across, down = self._rows(number, summit, members)
-            contributions = np.einsum("rfdc,npc,nqd->nrfqp", self._by_panel[number], across, down, optimize=True)
-            jet = np.einsum("rn,nrfqp->nfqp", ones[:, members], contributions)
-            out[:, members] = self._sensitivity(jet, contributions[:, 1:], measure, place, summit, members).T
+            by_score = np.einsum("rfdc,npc,nqd->nrfqp", self._by_panel[number], across, down, optimize=True)
+            jet = np.einsum("rn,nrfqp->nfqp", ones[:, members], by_score)
+            out[:, members] = self._sensitivity(jet, by_score[:, 1:], measure, place, summit, members).T
         return out
 
     def _sensitivity(
-        self, jet: Array, contributions: Array, measure: Measure, place: int, summit: Top, members: Indices
+        self, jet: Array, by_score: Array, measure: Measure, place: int, summit: Top, members: Indices
     ) -> Array:
         """From jets of the curves, (n, field, 3, 3), and of what each score multiplies; (n, rank)."""
-        inner, parts = jet[:, : measure.fields], contributions[:, :, : measure.fields]
+        inner, parts = jet[:, : measure.fields], by_score[:, :, : measure.fields]
         bent = measure.bent(inner[..., 0, 0])
         if place < 0:
             return np.asarray(np.einsum("nm,nrm->nr", bent.slope, parts[..., 0, 0]))
         gradient, (uu, vv, uv) = hill(inner, bent)
         down, across = self._shape
-        coordinates = summit.across[members], summit.down[members]
-        fixed = np.stack([held(*side) for side in zip(coordinates, gradient, (across, down), strict=True)], axis=1)
+        place_of_top = summit.across[members], summit.down[members]
+        fixed = np.stack([held(*side) for side in zip(place_of_top, gradient, (across, down), strict=True)], axis=1)
         steep = inner[..., [0, 1], [1, 0]]
         push = np.einsum("nm,nrms->nsr", bent.slope, parts[..., [0, 1], [1, 0]])
         push += np.einsum("nms,nmk,nrk->nsr", steep, bent.bend, parts[..., 0, 0], optimize=True)
@@ -100,7 +100,7 @@ class Landscape:
         curvature = np.where(free[:, :, None] & free[:, None], curvature, np.eye(2))
         moved = -np.linalg.pinv(curvature, hermitian=True) @ np.where(free[..., None], push, 0.0)
         return np.asarray(
-            contributions[:, :, place, 0, 0]
+            by_score[:, :, place, 0, 0]
             + jet[:, place, 0, 1, None] * moved[:, 0]
             + jet[:, place, 1, 0, None] * moved[:, 1]
         )
@@ -125,8 +125,8 @@ class Landscape:
 
     def _fields(self, ones: Array, number: int, fields: slice) -> Array:
         """Some fields on a panel, of curves by 1 and their scores, (1 + rank, n): (n, field, down, across)."""
-        own = self._by_panel[number][:, fields]
-        return (ones.T @ own.reshape(len(own), -1)).reshape(-1, *own.shape[1:])
+        panel_fields = self._by_panel[number][:, fields]
+        return (ones.T @ panel_fields.reshape(len(panel_fields), -1)).reshape(-1, *panel_fields.shape[1:])
 
     @cached_property
     def _whole(self) -> Array:
@@ -150,6 +150,6 @@ class Landscape:
         most_down, most_across = (gauss_points(count) for count in self._shape)
         parts = []
         for down, across, part in self.panels.parts:
-            block = self._whole[..., part].reshape(*self._whole.shape[:2], down, across)
-            parts.append(rows(down, most_down)[:, 0] @ block @ rows(across, most_across)[:, 0].T)
+            panel_fields = self._whole[..., part].reshape(*self._whole.shape[:2], down, across)
+            parts.append(rows(down, most_down)[:, 0] @ panel_fields @ rows(across, most_across)[:, 0].T)
         return parts

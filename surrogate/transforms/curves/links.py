@@ -40,7 +40,7 @@ class Links:
         self._logarithms, self._smooth = logarithms, smooth
         rows = {name: k for k, name in enumerate(smooth)}
         self.plain = [(k, rows[name]) for k, name in enumerate(outputs) if name not in largest]
-        sizes = sorted({size for curve_set in curves for size in curve_set.sizes if size})
+        sizes = sorted({size for curve in curves for size in curve.sizes if size})
         self.sizes = {size: rows[name] for size in sizes if (name := learnt_name(size, logarithms)) in rows}
         self.scores = [
             [rows[name] for k in range(len(basis.vectors)) if (name := f"score {number} {k}") in rows]
@@ -119,12 +119,12 @@ class Links:
             "logarithms": self._logarithms,
             "nets": [
                 {
-                    "across": curve_set.panels.across,
-                    "down": curve_set.panels.down,
+                    "across": curve.panels.across,
+                    "down": curve.panels.down,
                     "scores": rows,
                     "whole": _whole(basis, spreads[rows]),
                 }
-                for curve_set, basis, rows in zip(self._curves, self._bases, self.scores, strict=True)
+                for curve, basis, rows in zip(self._curves, self._bases, self.scores, strict=True)
             ],
             "spread": [self._typical(name) for name in self._outputs],
         }
