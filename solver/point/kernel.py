@@ -11,13 +11,13 @@ Far away only the beginning of Delta matters: it is tapered over a width that th
 """
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
 from approximation.arrays import Indices
 from approximation.piecewise import Piecewise
 from solver.arrays import Array
+from solver.cache import cached
 from solver.line.kernel import DEGREE, ENTRIES, growing, octave
 from solver.stack.layers import Stack
 from solver.stack.reflection import waves
@@ -51,13 +51,13 @@ class SurfaceKernel:
         return replace(self, table=replace(self.table, series=self.table.series[..., pairs]))
 
 
-@lru_cache(32)
+@cached
 def normal_kernel(stack: Stack, reach: float | None = None) -> SurfaceKernel:
     """Lambda of a stack, tabulated up to `reach`."""
     return _tabled(stack, reach, odd=False)
 
 
-@lru_cache(32)
+@cached
 def shear_kernel(stack: Stack, reach: float | None = None) -> SurfaceKernel:
     """Lambda_x of (y, phi, psi) of a stack, odd in the distance, tabulated up to `reach`."""
     return _tabled(stack, reach, odd=True)
