@@ -5,8 +5,9 @@ therefore summed when another result is stored, and after every call of the solv
 """
 
 from collections import OrderedDict
-from collections.abc import Callable, Hashable
-from functools import update_wrapper
+from collections.abc import Callable
+from ctypes import CDLL
+from functools import cache, update_wrapper
 from gc import get_referents
 from threading import RLock
 from types import BuiltinFunctionType, FunctionType, MethodType, ModuleType
@@ -23,7 +24,7 @@ _OBJECT = 100  # bytes of an object that is no array, with its share of dictiona
 _SMALL = 64  # results of small functions that are stored between two sums
 
 _lock = RLock()
-_results: OrderedDict[Hashable, tuple[Any, Any]] = OrderedDict()  # arguments and result, the oldest first
+_results: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()  # arguments and result, the oldest first
 _unsummed = 0  # small results that were stored since the last sum
 _used = False  # whether a result was read or stored since the last sum: tables fill themselves
 
@@ -56,7 +57,7 @@ class Cached(Generic[_P, _R]):
     def clear(self) -> None:
         """Forget every result of the function."""
         with _lock:
-            for key in [key for key, ((function, *_), _) in _results.items() if function is self._function]:
+            for key in [key for key in _results if key[0] is self._function]:
                 del _results[key]
 
 
@@ -89,14 +90,24 @@ def trim() -> float:
     with _lock:
         _unsummed, _used = 0, False
         seen: set[int] = set()
-        total = 0.0
+        total, dropped = 0.0, False
         for number, (key, entry) in enumerate(reversed(list(_results.items()))):
             size = _size(entry, seen)
             if number and total + size > LARGEST:  # the newest result is in use, whatever its size
                 del _results[key]
+                dropped = True
             else:
                 total += size
-        return total
+    if dropped:
+        _return_memory()(0)
+    return total
+
+
+@cache
+def _return_memory() -> Callable[[int], object]:
+    """The C library's way to return freed memory to the system: glibc keeps what lies between arrays in use."""
+    trimmed: Callable[[int], object] = getattr(CDLL(None), "malloc_trim", int)
+    return trimmed
 
 
 def _size(entry: object, seen: set[int]) -> float:
