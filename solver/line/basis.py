@@ -64,7 +64,7 @@ class Basis:
 
     @cached_property
     def projection(self) -> Array:
-        """From values at the nodes to coefficients in P^(-A,-B), by the Gauss rule itself; (M, M)."""
+        """Matrix from values at the nodes to coefficients in P^(-A,-B), by the Gauss rule itself; (M, M)."""
         X, weights = self._dual_rule
         return np.asarray(self.dual(X, self.terms) * weights / self.dual_norms[:, None])
 
@@ -76,7 +76,7 @@ class Basis:
 
     @cached_property
     def charge_projection(self) -> Array:
-        """From values at the nodes to coefficients in U of the interpolating polynomial; (M, M)."""
+        """Matrix from values at the nodes to coefficients in U of the interpolating polynomial; (M, M)."""
         angle = np.pi * np.arange(1, self.terms + 1) / (self.terms + 1)
         orders = np.arange(1, self.terms + 1)
         to_series = 2 / (self.terms + 1) * np.sin(orders[:, None] * angle) * np.sin(angle)
@@ -145,8 +145,8 @@ class Basis:
         """
 
         def near(z: Points) -> Points:
-            own = self._outside(z)[..., None] * (self.pressure_factor(z) @ terms)
-            return own - self.local(z) @ terms
+            outside = self._outside(z)[..., None] * (self.pressure_factor(z) @ terms)
+            return outside - self.local(z) @ terms
 
         return off_contact(z, self.terms, self.exponents, terms, near)
 
@@ -202,12 +202,12 @@ def off_contact(
 
     z: (...), points, real with |z| > 1, or complex with Im z >= 0; terms: (j, c).
     """
-    apart = 2 * count * np.log(np.abs(ellipse(z)[0]))
+    cancellation = 2 * count * np.log(np.abs(ellipse(z)[0]))
     out = np.empty((*z.shape, terms.shape[-1]), z.dtype)
-    close = apart < CANCELS
+    close = cancellation < CANCELS
     out[close] = near(z[close])
     for share, least, most in RULES:
-        far = (apart >= least) & (apart < most)
+        far = (cancellation >= least) & (cancellation < most)
         out[far] = by_gauss(z[far], int(np.ceil(share * count)), exponents, terms)
     return out
 

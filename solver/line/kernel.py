@@ -55,7 +55,7 @@ class Kernel:
     width: float  # b = 2 h1 g [m]: distance of the nearest singularities from the real axis, and the datum L of U
     positive: Piecewise  # K (ten channels) and U (nine) at distances from 0 to the reach [m]; (distance, 19)
     # Response of a stack whose top layer is graded: the kernels are then without their rough parts
-    # (:mod:`solver.line.rough`), and U is left out
+    # (:mod:`solver.line.assembly`), and U is left out
     graded: GradedResponse | None = None
 
     @property

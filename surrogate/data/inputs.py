@@ -176,7 +176,7 @@ def physical_points(inputs: Sequence[Input], t: Array) -> Array:
 
     t: (d, n), scaled coordinates.
     """
-    return np.stack([own.from_unit(row) for own, row in zip(inputs, t, strict=True)], axis=1)
+    return np.stack([input_.from_unit(row) for input_, row in zip(inputs, t, strict=True)], axis=1)
 
 
 @cache
@@ -189,8 +189,8 @@ def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, Indices, Indices]:
         else input_.high - input_.low
         for input_ in inputs
     ]  # fmt: skip
-    of = {scale: np.flatnonzero([input_.scale == scale for input_ in inputs]) for scale in SCALES}
-    return low, np.reshape(width, (-1, 1)), of["log"], of["logit"]
+    members = {scale: np.flatnonzero([input_.scale == scale for input_ in inputs]) for scale in SCALES}
+    return low, np.reshape(width, (-1, 1)), members["log"], members["logit"]
 
 
 def stored_inputs(stored: xr.Dataset, prefix: str = "") -> tuple[Input, ...]:

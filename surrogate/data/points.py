@@ -81,10 +81,10 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
     _check_names(points, names)
     point = _one_point(points, names)
     if point is not None:
-        at: dict[Hashable, xr.Variable] = {
-            own.name: xr.Variable((), x, own.attrs) for own, x in zip(inputs, point, strict=True)
+        coordinates: dict[Hashable, xr.Variable] = {
+            factor.name: xr.Variable((), x, factor.attrs) for factor, x in zip(inputs, point, strict=True)
         }
-        return Points(point[None], (), (), at)
+        return Points(point[None], (), (), coordinates)
     arrays = {name: _as_array(name, points[name], names) for name in names}
     try:
         xr.align(*(array for array in arrays.values() if array.dims), join="exact", copy=False)
@@ -146,12 +146,12 @@ def _margins(inputs: tuple[Input, ...]) -> tuple[Array, Array]:
     return np.array(low), np.array(high)
 
 
-def _margin(own: Input) -> tuple[float, float]:
-    if own.scale == "log":
-        slack = SLACK * np.log(own.high / own.low)
-        return own.low * (1 - slack), own.high * (1 + slack)
-    slack = SLACK * (own.high - own.low)
-    return own.low - slack, own.high + slack
+def _margin(input_: Input) -> tuple[float, float]:
+    if input_.scale == "log":
+        slack = SLACK * np.log(input_.high / input_.low)
+        return input_.low * (1 - slack), input_.high * (1 + slack)
+    slack = SLACK * (input_.high - input_.low)
+    return input_.low - slack, input_.high + slack
 
 
 def _by_name(points: Any, names: Sequence[str]) -> dict[Any, Any]:
@@ -208,8 +208,8 @@ def _plain(points: ArrayLike) -> NDArray[Any] | None:
 
 
 def _check_names(points: Mapping[Any, Any] | xr.Dataset, names: Sequence[str]) -> None:
-    given = [*points.data_vars] if isinstance(points, xr.Dataset) else [*points]
-    for name in given:
+    columns = [*points.data_vars] if isinstance(points, xr.Dataset) else [*points]
+    for name in columns:
         if name not in names:
             near = get_close_matches(str(name), names, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else f"; the inputs are {', '.join(names)}"

@@ -67,8 +67,8 @@ class Running:
 
     def poll(self, *, wait: bool = False) -> int | None:
         """Its exit status, if it has ended."""
-        if self.returncode is None and (told := self._told({"process": self.pid, "wait": wait})):
-            self.returncode = int(told)
+        if self.returncode is None and (answer := self._told({"process": self.pid, "wait": wait})):
+            self.returncode = int(answer)
         return self.returncode
 
     def wait(self) -> int:

@@ -74,6 +74,6 @@ def test_no_referee_finds_a_fault(said: list[str], ran: Project, film: Path) -> 
 
 
 def test_the_referees_do_find_faults(said: list[str], broken: Path) -> None:
-    found = "\n".join(said[said.index(f"{broken}: conventions: 3 faults") :])
-    assert 'units for voltage, "volts or so" are not recognized by UDUNITS' in found
-    assert "Attribute 'actual_range' (type: <class 'numpy.float64'>) and parent variable 'contact_pressure'" in found
+    faults = "\n".join(said[said.index(f"{broken}: conventions: 3 faults") :])
+    assert 'units for voltage, "volts or so" are not recognized by UDUNITS' in faults
+    assert "Attribute 'actual_range' (type: <class 'numpy.float64'>) and parent variable 'contact_pressure'" in faults

@@ -29,6 +29,7 @@ from workflow.study import location
 from workflow.study import model as studies
 from workflow.study.categories import output
 from workflow.study.consistency import check_target, check_values
+from workflow.study.keys import Origin
 from workflow.study.messages import first_problem
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -86,7 +87,7 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
         if name not in said and _usual(study, name):
             content["at"][name] = _usual(study, name)
     try:
-        read = Target.model_validate(content).meets(study.meeting)
+        read = Target.model_validate(content, context=Origin(Path(), {}, in_si=True)).meets(study.meeting)
     except ValidationError as error:
         raise InputError(f"design: {first_problem(error, Target, content)}") from None
     return read
@@ -237,7 +238,7 @@ def _variable(name: str, text: str) -> dict[str, Any]:
 
 def _value(where: str, name: str, text: str) -> float | str:
     """A number, or one of the names of a category."""
-    return quantity(where, text, FACTORS[name].units) if name in FACTORS else text.strip()
+    return quantity(where, text, FACTORS[name].units, name) if name in FACTORS else text.strip()
 
 
 def _interval(where: str, name: str, text: str) -> list[float]:

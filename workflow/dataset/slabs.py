@@ -8,7 +8,8 @@ import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from math import prod
+from itertools import product
+from math import ceil, prod
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from solver.fields import ACROSS, ALONG, EVERY_FIELD, FIELDS
 from storage.blocks import Region, write_blocks
 from storage.netcdf import MAX_BYTES, read_whole
 from storage.sealed import check_seal
-from workflow.dataset import factorial, holes, tiling
+from workflow.dataset import factorial, holes
 from workflow.dataset.casecache import CaseCache
 from workflow.run.joblog import log
 from workflow.study import partition
@@ -51,8 +52,8 @@ def write_slab(study: Study, index: int, path: Path, cache: CaseCache | None = N
     positions = study.dataset.positions.values() if study.stores_fields else None
     points = max([study.dataset.positions.count, *(REGIONS[name].panels.size for name in study.regions)])
     lengths, block = [levels.size for levels in axes.values()], max(1, _BLOCK // points)
-    chunk = tiling.chunk_lengths(lengths, min(block, _CHUNK_CASES))
-    regions = list(tiling.regions(lengths, chunk, block))
+    chunk = chunk_lengths(lengths, min(block, _CHUNK_CASES))
+    regions = list(block_regions(lengths, chunk, block))
     name = f"slab {index + 1} of {partition.count(study)}"
     cases = prod(levels.size for levels in axes.values())
 
@@ -104,6 +105,45 @@ def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision:
         shape = [frame.sizes[dim] for dim in array.dims]
         empty[name] = (array.dims, np.broadcast_to(nothing, shape), array.attrs)
     return frame.assign(empty).assign_attrs(case.attrs)
+
+
+def chunk_lengths(lengths: Sequence[int], cases: int) -> list[int]:
+    """Length of a chunk along every axis.
+
+    Chunks divide the axis that they split, where that takes no chunks of less than half of what is allowed; else the
+    last of the axis holds less than it has room for.
+    """
+    split, most = _split(lengths, cases)
+    length = lengths[split]
+    even = max(part for part in range(1, most + 1) if length % part == 0)
+    part = even if 2 * even >= most else _about_equal(length, most)
+    return [*([1] * split), part, *lengths[split + 1 :]]
+
+
+def block_regions(lengths: Sequence[int], chunk: Sequence[int], cases: int) -> Iterator[Region]:
+    """Yield the blocks in C order, each of whole chunks.
+
+    A chunk is compressed once and never read again while the file is written; no block goes beyond one level of the
+    first axis, which slabs share out.
+    """
+    split, most = _split(lengths, cases)
+    step = chunk[split] * _about_equal(ceil(lengths[split] / chunk[split]), max(1, most // chunk[split]))
+    for leading in product(*(range(length) for length in lengths[:split])):
+        for begin in range(0, lengths[split], step):
+            part = slice(begin, min(begin + step, lengths[split]))
+            whole = (slice(0, length) for length in lengths[split + 1 :])
+            yield (*(slice(place, place + 1) for place in leading), part, *whole)
+
+
+def _split(lengths: Sequence[int], cases: int) -> tuple[int, int]:
+    """The axis that is split so that later ones are whole, and how much of it so many cases hold; 1 of the first."""
+    split = next(k for k in range(1, len(lengths) + 1) if prod(lengths[k:]) <= cases) - 1
+    return split, max(1, cases // prod(lengths[split + 1 :])) if split else 1
+
+
+def _about_equal(length: int, most: int) -> int:
+    """The largest of as few pieces as possible, of about one size."""
+    return ceil(length / ceil(length / most))
 
 
 def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:

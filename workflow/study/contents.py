@@ -22,8 +22,7 @@ from workflow.study import grouped, layered
 from workflow.study.allowable import MADE_OF, Allowable, allowable
 from workflow.study.categories import Combination, combinations, output
 from workflow.study.device import Device
-from workflow.study.digest import PHYSICS, digest
-from workflow.study.keys import Keys, Origin
+from workflow.study.keys import PHYSICS, Keys, Origin, digest
 from workflow.study.sections import Axis
 from workflow.study.target import Target
 

@@ -15,6 +15,7 @@ from solver.names import ALL_QUANTITIES, PROFILES
 from solver.similarity import Weight, weight_of
 from surrogate import Input
 from workflow.language.factors import FACTORS
+from workflow.language.given import DESTROYED
 from workflow.study import datum, grouped, representatives
 from workflow.study.contents import Contents
 from workflow.study.refusals import MOST, REASON, REFUSAL, AllRefusedError, HolesError, answered
@@ -25,7 +26,6 @@ from workflow.study.sections import MOST_CASES, MOST_CORNERS, MOST_LEARNED, MOST
 _SCOUTS_OF_TABLES, _SCOUTS, _DEVIATIONS = 16, 64, 3.0
 _REFUSED = f"factors: the solver refuses more than {100 * MOST:.0f} % of the box"
 _PATIENCE = 30.0  # seconds of the processor after which no more places of the box are tried
-_HARDEST = 3e9  # pressure [Pa] that no piezoelectric material bears
 _SLOW = 20.0  # seconds of the processor from which on a case is told before the run starts
 
 
@@ -193,7 +193,7 @@ def _answered(study: Contents, factors: Mapping[str, Any]) -> xr.Dataset:
 def _tell_pressure(study: Contents, solved: xr.Dataset) -> None:
     """Report contacts that are pressed beyond every material in all corners of the box: a unit may have been lost."""
     lowest = float(solved["peak_pressure"].min()) if "peak_pressure" in solved else 0.0
-    if lowest > _HARDEST:
+    if lowest > DESTROYED:
         names = [name for name in (study.kind.loads.force, "radius", "width") if name in {*study.factors, *study.fixed}]
         study.tell_default(
             f"pressure: {lowest / 1e9:.3g} GPa or more in every corner of the box, beyond any material's strength; "
