@@ -13,10 +13,8 @@ from solver.gap.pointtractions import SolvedPoint
 from solver.gap.refusal import lacking_at_point, require
 from solver.gap.ringoperators import WITHIN, RingOperators
 from solver.gap.rings import rings
-from solver.gap.ringtable import RingsByRadius, RingsOnHalfSpace
-from solver.gap.ringwindows import RingWindows
-from solver.gap.slidingpoint import SlidingPoint
-from solver.gap.slidingquantities import largest_beside, largest_within, trailing_tension, warn_of_charges
+from solver.gap.ringtable import RingsByRadius, RingsOnHalfSpace, RingWindows
+from solver.gap.slidingpoint import SlidingPoint, largest_beside, largest_within, trailing_tension, warn_of_charges
 from solver.line.windows import FIRST, LAST
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.point.body import Film, HalfSpace

@@ -7,11 +7,10 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.cache import cached
-from solver.gap.coupled import AirContact
+from solver.gap.airline import AirContact, State
 from solver.gap.largest import gap_field, peak_density, peak_pressure
 from solver.gap.operators import EDGE
 from solver.gap.refusal import lacking, require
-from solver.gap.state import State
 from solver.gap.table import AirTable, farthest, grid_of
 from solver.line.similar import Films
 from solver.line.windows import Kind, window
