@@ -40,7 +40,7 @@ soak: .venv/dev.stamp  ## a hundred kills, ten thousand hostile files, every che
 	MEECONTACT_SOAK=1 $(BIN)/python -m pytest -n auto --dist worksteal -m "soak or soakable"
 	$(BIN)/python -m tests.kernels soak
 
-kernels: .venv/dev.stamp  ## the rooms where digits matter, under every OpenBLAS kernel of this processor, on one thread and two
+kernels: .venv/dev.stamp  ## the rooms where digits matter, under every OpenBLAS kernel of this processor
 	$(BIN)/python -m tests.kernels
 
 slurm: .venv/dev.stamp  ## the quickstart through a Slurm on this machine, compared byte for byte with a local run

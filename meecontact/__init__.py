@@ -29,13 +29,13 @@ _ROOMS = ("approximation", "solver", "storage", "surrogate", "verification", "wo
 
 def _check_rooms() -> None:
     """Refuse modules of others under the names of the rooms, which a file `solver.py` of one's own is enough for."""
-    here = Path(__file__).parents[1]
+    root = Path(__file__).parents[1]
     for room in _ROOMS:
         spec = find_spec(room)
         origin = None if spec is None else spec.origin
-        if origin is None or not Path(origin).is_relative_to(here):
+        if origin is None or not Path(origin).is_relative_to(root):
             raise ImportError(
-                f"meecontact: the module {room!r} that Python finds is {origin or 'none'}, not that of {here}; "
+                f"meecontact: the module {room!r} that Python finds is {origin or 'none'}, not that of {root}; "
                 "rename that file, or give meecontact an environment of its own"
             )
 

@@ -69,7 +69,7 @@ class RunningStatistics:
 
     @property
     def attrs(self) -> dict[str, Any]:
-        """As attributes of a variable; `actual_range` is CF's name. Of no number they are NaN."""
+        """Return the statistics as attributes of a variable; `actual_range` is CF's name, NaN without numbers."""
         if not self.count:
             return {"actual_range": [np.nan, np.nan], "mean": np.nan, "standard_deviation": np.nan}
         deviation = float(np.sqrt(max(self.squares, 0.0) / max(self.count, 1)))
@@ -102,12 +102,14 @@ class _Stored:
 
     def completed(self, attrs: Mapping[Any, Any]) -> str:
         """Write the statistics of all values; the digest of the variable, which has further attributes."""
-        count, size, own = self.statistics.count + self.lacking, self.variable.size, self.statistics.attrs
-        own["actual_range"] = np.array(own["actual_range"], dtype=self.variable.dtype)  # CF asks for the same type
+        count, size, statistics = self.statistics.count + self.lacking, self.variable.size, self.statistics.attrs
+        statistics["actual_range"] = np.array(
+            statistics["actual_range"], dtype=self.variable.dtype
+        )  # CF asks for the same type
         if count != size:
             raise ValueError(f"{self.variable.name}: {count} of {size} values given")
-        self.variable.setncatts(own)
-        return finished(self.digest, {**attrs, **own})
+        self.variable.setncatts(statistics)
+        return finished(self.digest, {**attrs, **statistics})
 
 
 def write_blocks(
@@ -145,12 +147,12 @@ def _write(
             for name, output in stored.items():
                 output.put(region, np.asanyarray(values[name]))
         digests = {name: output.completed(frame[name].attrs) for name, output in stored.items()}
-        further = as_stored(last())
-        digests |= checksum_parts(skeleton) | checksum_parts(further)
-        if not further.variables:
+        mask = as_stored(last())
+        digests |= checksum_parts(skeleton) | checksum_parts(mask)
+        if not mask.variables:
             file.setncattr(CHECKSUM, combined(digests, frame.attrs))
             return
-    further.to_netcdf(partial, mode="a", format="NETCDF4", engine="netcdf4", encoding=encodings(further))
+    mask.to_netcdf(partial, mode="a", format="NETCDF4", engine="netcdf4", encoding=encodings(mask))
     with netCDF4.Dataset(partial, "a") as file:
         file.setncattr(CHECKSUM, combined(digests, frame.attrs))
 

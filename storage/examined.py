@@ -38,7 +38,7 @@ class NotPlainError(Exception):
 
 
 class Hdf5:
-    """What the HDF5 library (the netCDF library's own) says of a file before any value is read."""
+    """Return the HDF5 library's description of a file, before any value is read."""
 
     def __init__(self) -> None:
         self.library = ctypes.CDLL(sys.modules["netCDF4._netCDF4"].__file__)

@@ -19,7 +19,7 @@ def regular(path: Path) -> Path:
 
 
 def output(path: Path, *inputs: Path) -> Path:
-    """Where to write what an option asks for: the file itself, or what a link leads to."""
+    """Return the file that an option names, or the target of a link."""
     target = path.resolve() if path.is_symlink() else path
     if not target.parent.is_dir():
         raise FileNotFoundError(f"{path}: the folder {target.parent} does not exist")

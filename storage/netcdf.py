@@ -155,8 +155,8 @@ def finished(digest: "hashlib._Hash", attrs: Mapping[Any, Any]) -> str:
 
 def combined(digests: Mapping[str, str], attrs: Mapping[Any, Any]) -> str:
     """Digest of a whole data set from those of its variables."""
-    own = {key: value for key, value in attrs.items() if key != CHECKSUM}
-    return hashlib.sha256(json.dumps(sorted(digests.items())).encode() + _attributes(own)).hexdigest()
+    attributes = {key: value for key, value in attrs.items() if key != CHECKSUM}
+    return hashlib.sha256(json.dumps(sorted(digests.items())).encode() + _attributes(attributes)).hexdigest()
 
 
 def _attributes(attrs: Mapping[Any, Any]) -> bytes:
@@ -168,7 +168,7 @@ def _attributes(attrs: Mapping[Any, Any]) -> bytes:
 
 
 def encodings(dataset: xr.Dataset) -> dict[Hashable, dict[str, Any]]:
-    """How every variable is stored: large numbers packed, and no number that stands for a missing one."""
+    """Encoding of every variable: large numbers are compressed, and no number stands for a missing one."""
     return {
         name: {"_FillValue": None, **(PACKED if variable.size >= COMPRESS_FROM else {})}
         if variable.dtype.kind == "f"

@@ -21,9 +21,9 @@ def scaled(attrs: Mapping[Any, Any]) -> dict[Hashable, Any]:
     if not isinstance(units, str) or not (root := _ROOT.search(units)):
         return dict(attrs)
     whole = (int(root[2]) - 1) // 2
-    rest = _ROOT.sub(f" m{whole}" if whole not in (0, 1) else " m" * whole, units, count=1).strip()
+    other_units = _ROOT.sub(f" m{whole}" if whole not in (0, 1) else " m" * whole, units, count=1).strip()
     name = f"{attrs.get('long_name', 'the quantity')}{_SCALED}"
-    return {**attrs, "units": rest or "1", "long_name": name, SI_UNITS: units}
+    return {**attrs, "units": other_units or "1", "long_name": name, SI_UNITS: units}
 
 
 def unscaled(attrs: Mapping[Any, Any]) -> dict[Hashable, Any]:

@@ -101,9 +101,9 @@ MOMENTS = (
 
 def layer(file: str, marks: Iterable[str], fixtures: Iterable[str]) -> str:
     """The layer of a test."""
-    own = [name for name in LAYERS if name in set(marks)]
-    if own:
-        return own[-1]
+    named = [name for name in LAYERS if name in set(marks)]
+    if named:
+        return named[-1]
     if RUNS & set(fixtures) or file.startswith(PROCESSES):
         return "process"
     return "dense" if file.startswith(DENSE) and file not in MOMENTS else "unit"
@@ -130,9 +130,9 @@ def leave_to_soak(items: Iterable[pytest.Item]) -> None:
             products.setdefault(item.nodeid.partition("[")[0], []).append(item)
     for cases in products.values():
         count = next(mark.args[0] for mark in cases[0].iter_markers("sampled"))
-        kept = sample([frozenset(case.callspec.indices.items()) for case in cases], count)
+        sampled = sample([frozenset(case.callspec.indices.items()) for case in cases], count)
         for k, case in enumerate(cases):
-            if k not in kept:
+            if k not in sampled:
                 case.add_marker("soak")
 
 
@@ -140,8 +140,8 @@ def without_programs() -> AbstractContextManager[object]:
     """Whatever starts a program fails, but for the reader that looks at a file first."""
     started = subprocess.Popen.__init__
 
-    def refused(self: Any, command: Any, *rest: Any, **words: Any) -> None:
+    def refused(self: Any, command: Any, *arguments: Any, **words: Any) -> None:
         assert quarantine.SCRIPT in command, f"a test of the layer 'unit' starts {command}"
-        started(self, command, *rest, **words)
+        started(self, command, *arguments, **words)
 
     return mock.patch.object(subprocess.Popen, "__init__", refused)

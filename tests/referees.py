@@ -47,7 +47,7 @@ def conventions(folder: Path) -> Iterator[str]:
         suite = CheckSuite()
         with suite.load_dataset(str(path)) as data:
             results, errors = suite.run_all(data, ["cf:1.11"], [])["cf:1.11"]
-        said = [text for one in results if one.value[0] < one.value[1] for text in one.msgs]
+        said = [text for result in results if result.value[0] < result.value[1] for text in result.msgs]
         # the section on scope informs only
         said = [text for text in said if "same group" not in text and not in_order(text)]
         said += [str(error) for error, _ in errors.values() if str(error) != LABELS]
@@ -59,12 +59,12 @@ def croissant(folder: Path) -> Iterator[str]:
     import mlcroissant
 
     try:
-        found = mlcroissant.Dataset(folder / "croissant.json").metadata
+        metadata = mlcroissant.Dataset(folder / "croissant.json").metadata
     except mlcroissant.ValidationError as error:
         yield str(error)
         return
-    yield from (f"{issue}" for issue in found.ctx.issues.errors)
-    if {one.name for one in found.record_sets} != {"cases"}:
+    yield from (f"{issue}" for issue in metadata.ctx.issues.errors)
+    if {record_set.name for record_set in metadata.record_sets} != {"cases"}:
         yield "croissant.json: the records are not the cases"
 
 
@@ -84,12 +84,12 @@ def crate(folder: Path) -> Iterator[str]:
         return answer
 
     HttpRequester.get = local
-    asked = {
+    settings = {
         "rocrate_uri": str(folder),
         "profile_identifier": "workflow-run-crate-0.5",
         "requirement_severity": "REQUIRED",
     }
-    for issue in services.validate(services.ValidationSettings.parse(asked)).get_issues():
+    for issue in services.validate(services.ValidationSettings.parse(settings)).get_issues():
         yield f"ro-crate-metadata.json: {issue.check.identifier}: {issue.message}"
 
 
@@ -100,8 +100,8 @@ def foreign(folder: Path) -> Iterator[str]:
             print(f"{program}: not installed, left out")
             continue
         for path in sorted(folder.rglob("*.nc")):
-            with TemporaryDirectory() as made:
-                done = subprocess.run([program, str(path), f"{made}/again.nc"], capture_output=True, text=True)
+            with TemporaryDirectory() as folder_name:
+                done = subprocess.run([program, str(path), f"{folder_name}/again.nc"], capture_output=True, text=True)
             if done.returncode:
                 yield f"{path}: {program}: {done.stderr.strip()}"
 
@@ -124,10 +124,10 @@ def main(folders: list[str]) -> int:
             if not next(folder.rglob(needed), None):
                 print(f"{folder}: {referee.__name__}: no {needed}")
                 continue
-            found = list(referee(folder))
-            print(f"{folder}: {referee.__name__}: {len(found) or 'no'} fault{'s' * (len(found) != 1)}")
-            print("".join(f"  {text}\n" for text in found), end="")
-            faults += len(found)
+            complaints = list(referee(folder))
+            print(f"{folder}: {referee.__name__}: {len(complaints) or 'no'} fault{'s' * (len(complaints) != 1)}")
+            print("".join(f"  {text}\n" for text in complaints), end="")
+            faults += len(complaints)
     return int(faults > 0)
 
 

@@ -67,7 +67,7 @@ def data_set(study: Study, folder: Path) -> list[Path]:
     slabs = [folder / f"fields/slab_{index}.nc" for index in range(partition.count(study))]
     for index, slab in enumerate(slabs):
         dataset.write_slab(study, index, slab)
-    told = [read_whole(slab, names=[*ALL_QUANTITIES, REFUSAL, REASON]) for slab in slabs]
-    write_whole(quantities.gather(told), folder / "quantities.nc")
+    parts = [read_whole(slab, names=[*ALL_QUANTITIES, REFUSAL, REASON]) for slab in slabs]
+    write_whole(quantities.gather(parts), folder / "quantities.nc")
     (folder / dataset.CARD).write_text(json.dumps(datacard.card(study, "some", slabs, [])), encoding="utf-8")
     return slabs

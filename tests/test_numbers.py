@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.optimize import brentq
-from scipy.special import ellipe, ellipk
 
 import solver
 from solver.arrays import Array
@@ -153,32 +151,11 @@ def test_a_roller_in_place_of_a_ball_is_as_wrong_as_stated(ball: dict[str, Array
             assert pair == pytest.approx(tuple(map(float, cell.split(","))), rel=6e-4), (material, ratio, name)
 
 
-def ellipsoid(ratio: float) -> tuple[float, float]:
-    """Largest pressure and mean radius of an ellipsoid over those of the ball of its mean curvature.
-
-    Hertz, by Johnson (1985), eq. 4.28 to 4.32.
-    """
-
-    def integrals(e: float) -> tuple[float, float]:
-        return float(ellipk(e * e)), float(ellipe(e * e))
-
-    def curvatures(e: float) -> float:
-        K, E = integrals(e)
-        return (E / (1 - e * e) - K) / (K - E)
-
-    e = float(brentq(lambda e: curvatures(e) - ratio, 1e-3, 1 - 1e-12))
-    (K, E), short = integrals(e), np.sqrt(1 - e * e)
-    cube = 4 / (np.pi * e * e) * short**1.5 * np.sqrt((E / short**2 - K) * (K - E))
-    return float(cube ** (-2 / 3)), float(cube ** (1 / 3))
-
-
 def test_what_points_leave_out_is_as_large_as_stated(ball: dict[str, Array]) -> None:
     pull = 3 * np.pi * 0.05 * RADIUS  # Johnson, Kendall and Roberts, at 50 mJ/m2
     wider = [(1 + (pull + np.sqrt(2 * pull * force + pull**2)) / force) ** (1 / 3) - 1 for force in (1.0, 0.01)]
     assert f"pulled off by {500 * pull:.3g} mN" in LIMITS
     assert f"wider by {100 * wider[0]:.3g} % at 1 N and by {100 * wider[1]:.3g} % at 10 mN" in LIMITS
-    pressure, radius = ellipsoid(2.0)
-    assert f"pressure {100 * (pressure - 1):.3g} % more, mean radius {100 * (1 - radius):.3g} % less" in LIMITS
     disc: dict[str, Any] = {"profile": "disc", "width": 1e-4, "force": 1.0, "magnetic": "insulating"}
     fringe = [
         4 * 8.8541878188e-12 * 5e-5 / float(solver.solve(disc | {"material": name})["capacitance"])

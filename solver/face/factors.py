@@ -15,6 +15,7 @@ from solver.face.rows import Factors, by_name
 from solver.face.surroundings import settled
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
+from solver.material.usual import question
 from solver.names import BODY, CHOICES, COMPOSITES, CONTACTS, FACTORS, MATERIALS, OF_A_FILM, OF_A_LINE, PROFILES
 from solver.stack.layers import Stack
 from solver.units import in_si
@@ -29,10 +30,10 @@ _CHARGES = {
 
 def checked(factors: Factors) -> dict[str, xr.DataArray]:
     """Factors as arrays with dimensions, every name known and every value allowed."""
-    given = by_name(factors)
+    values_of = by_name(factors)
     known = (*MATERIALS, *CHOICES, *FACTORS, BODY)
     arrays: dict[str, xr.DataArray] = {}
-    for name, value in given.items():
+    for name, value in values_of.items():
         if name not in known:
             if isinstance(factors, xr.Dataset) and name in factors.dims:
                 continue  # an index of cases, not a factor
@@ -41,6 +42,7 @@ def checked(factors: Factors) -> dict[str, xr.DataArray]:
             raise FactorError(f"{name}: unknown factor; {hint}known are {', '.join(known)}")
         array = _array(str(name), value)
         if name in FACTORS:
+            _check_modulus(str(name), array)
             array = _number(str(name), _in_si(str(name), array))
         elif name in CHOICES and not isinstance(value, Profile):
             _choice(str(name), array, (*CHOICES[str(name)], *((None, "") if name in _MAY_BE_EMPTY else ())))
@@ -63,6 +65,14 @@ def checked(factors: Factors) -> dict[str, xr.DataArray]:
     check_gaps(arrays)
     check_electrodes(arrays)
     return arrays
+
+
+def _check_modulus(name: str, array: xr.DataArray) -> None:
+    """No modulus is so small that it has lost its unit; a text with its unit passes."""
+    if name.endswith("_modulus") and array.dtype.kind in "iuf":
+        values = array.values.astype(np.float64)
+        if asked := question("young", values[(values > 0) & (values < 1e6)], "Pa"):
+            raise FactorError(f"{name}: {asked.removeprefix('young: ')}")
 
 
 def _check_material(arrays: Mapping[str, xr.DataArray]) -> None:
@@ -113,7 +123,7 @@ def _check_profile(arrays: Mapping[str, xr.DataArray]) -> None:
 
 
 def _check_contacts(arrays: Mapping[str, xr.DataArray], contacts: set[Contact], profiles: str) -> None:
-    """What presses lines and points has their factors, and none of the other kind alone."""
+    """Check that line and point contacts have their own force and charges, and no others."""
     for contact, loads in CONTACTS.items():
         if contact in contacts and loads.force not in arrays:
             raise FactorError(f"{loads.force}: missing; must be {FACTORS[loads.force].allowed}")
@@ -166,14 +176,14 @@ def _in_si(name: str, array: xr.DataArray) -> xr.DataArray:
     if array.dtype.kind in "iuf" or not any(isinstance(text, str) for text in array.values.flat):
         return array
     factor, values = FACTORS[name], np.empty(array.shape, dtype=object)
-    for place, given in np.ndenumerate(array.values):
+    for place, entry in np.ndenumerate(array.values):
         try:
-            values[place] = in_si(str(given), factor.units) if isinstance(given, str) else given
+            values[place] = in_si(str(entry), factor.units) if isinstance(entry, str) else entry
         except ValueError as error:
             wrong = (
                 str(error)
                 if "mismatch" in str(error)
-                else f"{shown(given)} is not {factor.allowed}, bare or with its unit"
+                else f"{shown(entry)} is not {factor.allowed}, bare or with its unit"
             )
             raise FactorError(f"{name}: {wrong}") from None
     numbers = all(is_finite(value) for value in values.flat)

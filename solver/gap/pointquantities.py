@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
 from solver.arrays import Array
+from solver.cache import cached
 from solver.gap.airpoint import AirPoint, PointState
 from solver.gap.largest import peak_of_panels
 from solver.gap.pointtractions import SolvedPoint
@@ -27,11 +27,10 @@ from solver.point.profile import SAMPLES, Shape, climbed, finite
 from solver.point.quantities import RESPONSES
 from solver.twoport import Stiffness
 
-_MATERIALS = 64
 _REACH = "reach"  # among the quantities of a case: of the gap's field
 
 
-@lru_cache(_MATERIALS)
+@cached
 def _on_half_space(compliance: tuple[float, ...], fields: tuple[int, ...], shape: Shape) -> RingsOnHalfSpace:
     return RingsOnHalfSpace(RingOperators(rings(), fields, np.reshape(compliance, (3, 3)), shape))
 

@@ -7,12 +7,13 @@ of the second kind; beside it gap and potentials are what chi leaves from its va
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray
+from solver.cache import cached
 from solver.gap.contactrule import ContactRule
 from solver.gap.rings import Rings
 from solver.gap.rules import gauss
@@ -291,7 +292,7 @@ def summed(kernels: Array, S: Array) -> Array:
     return np.asarray(np.tensordot(kernels, S, ((1, 3), (0, 1))))
 
 
-@lru_cache(2)
+@cached
 def _drawn(rings: Rings) -> Array:
     """What rings draw below the contact; (x, n)."""
     return rings.poisson(X_WITHIN)

@@ -5,13 +5,13 @@ for few radii, and of the table of half a decade where it asks for many. Which i
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Self
 
 import numpy as np
 
 from approximation.piecewise import Interval
 from solver.arrays import Array
+from solver.cache import cached
 from solver.gap.ringoperators import RingOperators
 from solver.gap.rings import rings
 from solver.gap.ringtable import FEW, NODES, RingTable
@@ -20,24 +20,23 @@ from solver.point.kernel import normal_kernel
 from solver.point.table import PointKind, interval
 from solver.stack.wavenumbers import strip
 
-_TABLES, _PARTS = 12, 48  # kept: 20 and 9 MB each at most
 _STEP, _BEYOND = 0.11, 0.015  # of log a: a part, and what it has in common with the next one; air moves less
 _MOST = 2  # parts of half a decade that are made by themselves: the next one has as many radii as the whole
 
 
-@lru_cache(_TABLES)
+@cached
 def _half_decade(kind: PointKind, number: int) -> RingTable:
     return RingTable(_operators(kind), interval(number, NODES))
 
 
-@lru_cache(_PARTS)
+@cached
 def _part(kind: PointKind, place: int, number: int | None) -> RingTable:
     """The part of a place in log a, from the table of half a decade or else by itself."""
     own = Interval(place * _STEP - _BEYOND, (place + 1) * _STEP + _BEYOND, FEW)
     return RingTable(_operators(kind), own, None if number is None else _half_decade(kind, number))
 
 
-@lru_cache(_PARTS)
+@cached
 def _operators(kind: PointKind) -> RingOperators:
     stack = kind.film.stack()
     fields = tuple(field for field in (0, 1) if kind.conducts[field])

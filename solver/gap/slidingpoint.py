@@ -9,12 +9,13 @@ and the same with B, mu0 and psi. Linear in c and D_1, with a smooth edge of the
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
+from solver.cache import cached
 from solver.gap.airpoint import PointState
 from solver.gap.pointtractions import AirPointTractions, SolvedPoint
 from solver.gap.ringharmonic import CAUSES, RUBBED, SHIFT, HarmonicOutputs, RingHarmonic
@@ -219,13 +220,13 @@ class SlidingPoint:
         return found
 
 
-@lru_cache(64)
+@cached
 def _drawn(of: Rings, shape: Shape) -> Array:
     """What rings draw along the ray; (place, n)."""
     return of.poisson(ray_of(shape).x)
 
 
-@lru_cache(2)
+@cached
 def _held(of: Rings) -> Array:
     """What rings add to the moments below the contact: what they draw there, less the strength of S within; (n,)."""
     x, weights = gauss(_ENDS, _RULE)

@@ -4,6 +4,7 @@ One table serves every punch of a kind, load and charge of a stack and friction:
 dimension only P R/h1^2, T/P and J/P matter, so that no more than this one axis is needed.
 """
 
+import warnings
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,8 +15,7 @@ from approximation.chebyshev import coefficients
 from approximation.piecewise import Interval
 from solver.arrays import Array
 from solver.halfplane.pressing import ContactError
-from solver.halfplane.punch import RIGID_PUNCH, Punch
-from solver.halfplane.sliding import Sliding
+from solver.halfplane.sliding import RIGID_PUNCH, Punch, Sliding
 from solver.line import outputs
 from solver.line.assembly import Assembly
 from solver.line.basis import Basis
@@ -30,7 +30,17 @@ LEAST, MOST = 1e-4, 60.0
 _NO_FILM = 0.1  # m: a thickness from here on has lost its unit
 _PER_DECADE = 15.0  # nodes: 1e-8 between them, up to 30 thicknesses
 BATCH = 50_000_000  # bytes of kernels held at once
+_SECONDS = 1.8e-6  # a node, sample and term, on one core of 2020
+_LONG = 15.0  # s
+_WIDE = 3.0  # half-lengths over the thickness from which the number of terms is checked
+_LAST = 5e-7  # of the largest coefficient of the pressure: bound on the last ones times h/h1, for 1e-8 of all tractions
+_LAST_TERMS = 6
+_REFINED, _REFINEMENTS = 1.25, 6  # factor on the number of terms, and how often it is applied at most
 _ALIKE, _GRADED_ALIKE = 0.75, 0.4  # of the number of terms: half-lengths that share one basis, dear if graded
+
+
+class SlowWarning(UserWarning):
+    """A table that takes longer than others."""
 
 
 class RangeError(ContactError):
@@ -70,6 +80,16 @@ class Table:
     @cached_property
     def at_nodes(self) -> Array:
         """Outputs at the half-lengths; (node, output, cause)."""
+        basis = self.system.basis(self.upper)
+        seconds = _SECONDS * self.nodes * basis.samples * basis.terms
+        if seconds > _LONG:
+            top = self.system.kernel.stack.top.thickness
+            warnings.warn(
+                f"contact: a table of half-lengths from {self.lower / top:.3g} to {self.upper / top:.3g} thicknesses "
+                f"of this film takes about {float(f'{seconds:.1g}'):g} s",
+                SlowWarning,
+                stacklevel=2,
+            )
         return at(self.system, self.half_lengths)
 
     @cached_property
@@ -146,5 +166,25 @@ def table(
     top = stack.top.thickness
     sliding = Sliding(met(stack), np.array(friction), np.array(conducts), punch)
     system = System(kernel(stack, 2 * most * top), sliding, smooth, degree, accuracy)
+    if accuracy >= 1:
+        system = _refined(system, most * top)
     count = nodes or 10 + int(np.ceil(_PER_DECADE * np.log10(most / least)))
     return Table(system, least * top, most * top, count)
+
+
+def _refined(system: System, half_length: float) -> System:
+    """The system with so many terms that the last ones are negligible at its longest half-length [m].
+
+    Reflected waves that turn as they decay, as in PMN-PT, need more terms than others.
+    """
+    ratio = half_length / system.kernel.stack.top.thickness
+    if system.kernel.graded is not None or ratio < _WIDE:
+        return system
+    for _ in range(_REFINEMENTS):
+        basis = system.basis(half_length)
+        unknowns = Assembly(system, basis, np.array([half_length])).unknowns[0]
+        pressures = np.abs(unknowns[: basis.pressures, : len(system.powers)])
+        if np.max(pressures[-_LAST_TERMS:]) * ratio <= _LAST * np.max(pressures):
+            break
+        system = replace(system, accuracy=system.accuracy * _REFINED)
+    return system

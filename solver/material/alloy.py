@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.arrays import Array, unmasked
-from solver.material.constants import VACUUM_PERMITTIVITY, Material, MaterialError
+from solver.material.constants import ANY_SIZE, VACUUM_PERMITTIVITY, Material, MaterialError
 from solver.material.evidence import Limit
 from solver.names import FACTORS
 
@@ -77,6 +77,7 @@ def aluminium_scandium_nitride(scandium_fraction: ArrayLike) -> Material:
         eps33=permittivity,
         name="AlScN",
         source="M.A. Caro et al., J. Phys.: Condens. Matter 27 (2015) 245901, fits as coded in a public module",
+        any_size=ANY_SIZE,
         limits={"coercive_field": Limit(200e6, _SWITCHING)},
     )
     material.check()

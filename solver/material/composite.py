@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.arrays import Array, column, unmasked
-from solver.material.constants import Material, MaterialError
+from solver.material.constants import ANY_SIZE, Material, MaterialError
 
 
 def fibrous(fibre: Material, matrix: Material, fraction: ArrayLike) -> Material:
@@ -65,6 +65,7 @@ def fibrous(fibre: Material, matrix: Material, fraction: ArrayLike) -> Material:
             **_of_blocks(h, T, G), c11=bulk + shear, c12=bulk - shear,
             rho=v * fibre.rho + (1 - v) * matrix.rho,
             name=f"fibrous {fibre.name} in {matrix.name}", source="Mori-Tanaka of the phases",
+            any_size=ANY_SIZE,
         )
     )  # fmt: skip
 
@@ -122,6 +123,7 @@ def laminate(first: Material, second: Material, fraction: ArrayLike) -> Material
             c11=Q[..., 0, 0], c12=Q[..., 0, 0] - 2 * shear,
             rho=v * first.rho + (1 - v) * second.rho,
             name=f"laminate of {first.name} and {second.name}", source="exact laminate of the phases",
+            any_size=ANY_SIZE,
         )
     )  # fmt: skip
 

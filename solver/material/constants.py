@@ -1,7 +1,7 @@
 """Material constants of a transversely isotropic magneto-electro-elastic solid, poled along y."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from html import escape
 from typing import Any, Self
 
@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.arrays import Array, BoolArray, is_finite, unmasked
-from solver.material.evidence import Alternative, Limit, read_alternatives, read_limits
-
-VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m (CODATA 2022)
-VACUUM_PERMEABILITY = 1.25663706127e-6  # N s2/C2
+from solver.material.evidence import Alternative, Limit, read_alternatives, read_limits, with_unit
+from solver.material.usual import VACUUM_PERMEABILITY as VACUUM_PERMEABILITY
+from solver.material.usual import VACUUM_PERMITTIVITY as VACUUM_PERMITTIVITY
+from solver.material.usual import question, questions
+from solver.units import in_si
 
 #: Unit of each constant, by name.
 UNITS: dict[str, str] = {
@@ -26,6 +27,8 @@ UNITS: dict[str, str] = {
     "rho": "kg m-3",
 }
 
+#: Every constant: of a material that is computed from others, or without dimension.
+ANY_SIZE = frozenset(UNITS)
 
 _MU11_HINT = (
     "published BaTiO3-CoFe2O4 tables carry mu11 = -590e-6 for CoFe2O4, a wrong sign: "
@@ -40,6 +43,9 @@ class MaterialError(ValueError):
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Material:
     """Constants of equations (1a)-(1c) of Elloumi et al. (2014), SI units; each an array over any case axes.
+
+    A constant may be a text with its unit, as ``"120 GPa"``. A bare number whose size no material has is refused when
+    the material is used: it has probably lost its unit.
 
     Parameters
     ----------
@@ -67,6 +73,8 @@ class Material:
         What it bears, by the names of ``solver.names.LIMITS``; a limit that is not known is not there.
     alternatives
         Other published values of its constants, set by set: what :meth:`variants` are made of.
+    any_size
+        Names of constants that may have any size: those given with their unit, and all of a computed material.
 
     Examples
     --------
@@ -102,18 +110,24 @@ class Material:
     note: str = ""
     limits: Mapping[str, Limit] = field(default_factory=dict)
     alternatives: tuple[Alternative, ...] = ()
+    any_size: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         for name in UNITS:
-            object.__setattr__(self, name, np.asarray(unmasked(getattr(self, name)), dtype=np.float64))
+            value: Any = getattr(self, name)
+            if isinstance(value, str):
+                value = _read(self.name, name, value)
+                object.__setattr__(self, "any_size", self.any_size | {name})
+            object.__setattr__(self, name, np.asarray(unmasked(value), dtype=np.float64))
         object.__setattr__(self, "conductor", np.asarray(self.conductor, dtype=np.bool_))
 
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, object]) -> Self:
         """Material from plain values, checked for unknown, missing and non-numeric entries and for admissibility.
 
-        Constants by name, ``conductor``, texts ``name``, ``source`` and ``note``, ``limits`` (see :func:`read_limits`)
-        and ``alternatives`` (see :func:`read_alternatives`), each of which must be admissible too.
+        Constants by name, in SI or with their unit, ``conductor``, texts ``name``, ``source`` and ``note``, ``limits``
+        (see :func:`read_limits`) and ``alternatives`` (see :func:`read_alternatives`), each of which must be admissible
+        too.
 
         Raises
         ------
@@ -130,7 +144,7 @@ class Material:
         Traceback (most recent call last):
         solver.material.constants.MaterialError: mine: c44 = -1 Pa: must be positive
         """
-        known = [entry.name for entry in fields(cls)]
+        known = [entry.name for entry in fields(cls) if entry.name != "any_size"]
         label = str(mapping.get("name", "material"))
         evidence: dict[str, Any] = {}
         for key, value in mapping.items():
@@ -147,6 +161,8 @@ class Material:
             elif key not in UNITS:
                 if not isinstance(value, str):
                     raise MaterialError(f"{label}: {key}: {value!r} is not a text")
+            elif isinstance(value, str):
+                _read(label, key, value)
             elif not is_finite(value):
                 raise MaterialError(f"{label}: {key}: {value!r} is not a finite number [{UNITS[key]}]")
         missing = [key for key in ("c11", "c13", "c33", "c44") if key not in mapping]
@@ -164,7 +180,7 @@ class Material:
 
         Parameters
         ----------
-        young : array_like, Young's modulus [Pa]
+        young : array_like or text with its unit, Young's modulus [Pa]
         poisson : array_like, Poisson's ratio, -1 < nu < 0.5
         name : str
         rho : float, density [kg/m3]; NaN: not known
@@ -180,12 +196,21 @@ class Material:
         >>> f"{float(steel.c44):.4g}"
         '8.077e+10'
         """
+        bare = not isinstance(young, str)
+        young = _read(name, "young", young) if isinstance(young, str) else young
         E, nu = (np.asarray(unmasked(value), np.float64) for value in (young, poisson))
+        if bare and (asked := question("young", E, "Pa")):
+            raise MaterialError(f"{name}: {asked}")
+        return cls.elastic(E, nu, name, rho)
+
+    @classmethod
+    def elastic(cls, E: Array, nu: Array, name: str, rho: float = np.nan) -> Self:
+        """The isotropic solid of Young's moduli [Pa] of any size and Poisson's ratios, (...) each."""
         if np.any(bad := ~((nu > -1) & (nu < 0.5))):
             raise MaterialError(f"{name}: Poisson's ratio {nu[bad].flat[0]:g} is not within -1 < nu < 0.5")
         shear, lame = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
         c11 = lame + 2 * shear
-        material = cls(c11=c11, c12=lame, c13=lame, c33=c11, c44=shear, rho=np.array(rho), name=name)
+        material = cls(c11=c11, c12=lame, c13=lame, c33=c11, c44=shear, rho=np.array(rho), name=name, any_size=ANY_SIZE)
         material.check()
         return material
 
@@ -221,7 +246,10 @@ class Material:
         """
         others = []
         for k, alternative in enumerate(self.alternatives, 1):
-            changed: dict[str, Any] = {**alternative.constants, "source": alternative.source, "alternatives": ()}
+            any_size = (self.any_size - alternative.constants.keys()) | alternative.any_size
+            changed: dict[str, Any] = {
+                **alternative.constants, "source": alternative.source, "alternatives": (), "any_size": any_size,
+            }  # fmt: skip
             others.append(replace(self, **changed, name=f"{self.name} (alternative {k})"))
         return others
 
@@ -239,12 +267,13 @@ class Material:
         """The mapping that :meth:`from_mapping` reads back to the last bit, of a material without case axes."""
         constants = {name: float(getattr(self, name)) for name in UNITS}
         return {
-            **{name: value for name, value in constants.items() if not np.isnan(value)},
+            **with_unit({name: value for name, value in constants.items() if not np.isnan(value)}, UNITS),
             **({"conductor": True} if self.conductor else {}),  # others are as they were before there were any
             **{name: getattr(self, name) for name in ("name", "source", "note")},
-            "limits": {name: asdict(limit) for name, limit in self.limits.items()},
+            "limits": {name: limit.plain(name) for name, limit in self.limits.items()},
             "alternatives": [
-                {**alternative.constants, "source": alternative.source} for alternative in self.alternatives
+                {**with_unit(alternative.constants, UNITS), "source": alternative.source}
+                for alternative in self.alternatives
             ],
         }
 
@@ -300,6 +329,13 @@ class Material:
         for name in ("c11", "c33", "c44", "eps11", "eps33", "mu11", "mu33"):
             hint = f"; {_MU11_HINT}" if name == "mu11" else ""
             self._require(getattr(self, name) > 0, name, f"must be positive{hint}")
+        if not np.any(np.isnan(self.rho)):
+            self._require(self.rho > 0, "rho", "must be positive")
+        bare = {name: getattr(self, name) for name in UNITS if name not in self.any_size}
+        for asked in questions(
+            {name: value for name, value in bare.items() if not np.all(np.isnan(value))}, UNITS
+        ).values():
+            raise MaterialError(f"{self.name}: {asked}")
         self._require(self.c13**2 < self.c11 * self.c33, "c13", "needs c13^2 < c11 c33 (positive definite stiffness)")
         if not np.any(np.isnan(self.c12)):
             self._require(abs(self.c12) < self.c11, "c12", "needs |c12| < c11 (positive definite stiffness)")
@@ -309,8 +345,6 @@ class Material:
             eps, g, mu = (getattr(self, name + axis) for name in ("eps", "g", "mu"))
             rule = f"needs g{axis}^2 < eps{axis} mu{axis} (positive definite [[eps, g], [g, mu]])"
             self._require(g**2 < eps * mu, f"g{axis}", rule)
-        if not np.any(np.isnan(self.rho)):
-            self._require(self.rho > 0, "rho", "must be positive")
         if np.any(self.conductor):
             for name in ("e31", "e33", "e15", "g11", "g33"):
                 self._require(~self.conductor | (getattr(self, name) == 0), name, "must be 0 in a conductor")
@@ -322,11 +356,19 @@ class Material:
             raise MaterialError(f"{self.name}: {constant} = {value:g} {UNITS[constant]}: {rule}")
 
 
+def _read(label: str, constant: str, text: str) -> float:
+    """A constant with its unit, or Young's modulus, in SI."""
+    try:
+        return in_si(text, UNITS.get(constant, "Pa"))
+    except ValueError as error:
+        raise MaterialError(f"{label}: {constant}: {error}") from None
+
+
 def combined(change: Callable[..., Array], materials: Iterable[Material], name: str) -> Material:
     """The material whose every constant is made of those of some materials; no limits and alternatives."""
     several = tuple(materials)
     made: dict[str, Any] = {c: change(*(getattr(material, c) for material in several)) for c in (*UNITS, "conductor")}
-    return Material(**made, name=name)
+    return Material(**made, name=name, any_size=ANY_SIZE)
 
 
 def _matrix(rows: list[list[Array]]) -> Array:

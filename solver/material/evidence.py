@@ -4,8 +4,12 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from solver.arrays import is_finite, shown
+from solver.material.usual import question, questions
 from solver.names import LIMITS
+from solver.units import in_si
 
 _MOST_ALTERNATIVES = 20
 
@@ -17,6 +21,10 @@ class Limit:
     value: float
     source: str
 
+    def plain(self, name: str) -> dict[str, Any]:
+        """Value and source as :func:`read_limits` reads them back."""
+        return {"value": with_unit({name: self.value}, {name: LIMITS[name].units})[name], "source": self.source}
+
 
 @dataclass(frozen=True)
 class Alternative:
@@ -24,6 +32,13 @@ class Alternative:
 
     constants: dict[str, float]
     source: str
+    any_size: frozenset[str] = frozenset()  # constants that were given with their unit
+
+
+def with_unit(values: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float | str]:
+    """Plain values, as texts with their unit where bare ones would ask."""
+    asked = questions({name: np.array(value) for name, value in values.items()}, units)
+    return {name: f"{value!r} {units[name]}" if name in asked else value for name, value in values.items()}
 
 
 def read_limits(entries: object) -> dict[str, Limit]:
@@ -31,9 +46,13 @@ def read_limits(entries: object) -> dict[str, Limit]:
     limits = {}
     for name, entry in _mapping("limits", entries, LIMITS).items():
         fields = _mapping(f"limits: {name}", entry, ("value", "source"))
-        value: Any = fields.get("value", "nothing")
+        units, value = LIMITS[name].units, fields.get("value", "nothing")
+        where, bare = f"limits: {name}: value", not isinstance(value, str)
+        value = _in_si(where, value, units)
         if not is_finite(value) or float(value) <= 0:
-            raise ValueError(f"limits: {name}: value: {shown(value)} is not a finite number > 0 [{LIMITS[name].units}]")
+            raise ValueError(f"{where}: {shown(value)} is not a finite number > 0 [{units}]")
+        if bare and (asked := question(name, float(value), units)):
+            raise ValueError(f"limits: {asked}")
         limits[name] = Limit(float(value), _source(f"limits: {name}", fields))
     return limits
 
@@ -52,11 +71,21 @@ def read_alternatives(entries: object, units: Mapping[str, str]) -> tuple[Altern
         del constants["source"]
         if not constants:
             raise ValueError(f"{where}: no constant; known are {', '.join(units)}")
+        texts = frozenset(name for name, value in constants.items() if isinstance(value, str))
         for name, value in constants.items():
-            if not is_finite(value):
+            constants[name] = _in_si(f"{where}: {name}", value, units[name])
+            if not is_finite(constants[name]):
                 raise ValueError(f"{where}: {name}: {shown(value)} is not a finite number [{units[name]}]")
-        alternatives.append(Alternative({name: float(value) for name, value in constants.items()}, source))
+        alternatives.append(Alternative({name: float(value) for name, value in constants.items()}, source, texts))
     return tuple(alternatives)
+
+
+def _in_si(where: str, value: Any, units: str) -> Any:
+    """A text with its unit in SI; anything else unchanged."""
+    try:
+        return in_si(value, units) if isinstance(value, str) else value
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from None
 
 
 def _mapping(where: str, content: object, known: Collection[str]) -> Mapping[str, Any]:

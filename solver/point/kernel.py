@@ -11,13 +11,13 @@ Far away only the beginning of Delta matters: it is tapered over a width that th
 """
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
 from approximation.arrays import Indices
 from approximation.piecewise import Piecewise
 from solver.arrays import Array
+from solver.cache import cached
 from solver.line.kernel import DEGREE, ENTRIES, growing, octave
 from solver.stack.layers import Stack
 from solver.stack.reflection import waves
@@ -61,7 +61,7 @@ def shear_kernel(stack: Stack) -> SurfaceKernel:
     return _kernels(stack)[1]
 
 
-@lru_cache(32)
+@cached
 def _kernels(stack: Stack) -> tuple[SurfaceKernel, SurfaceKernel]:
     """Tabulate Lambda and Lambda_x over the distance: both need the same waves, which cost the most."""
     width, count = strip(stack), len(PAIRS)

@@ -112,7 +112,7 @@ def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Seque
     try:
         levels = [_levels(dataset, factor) for factor in factors]
         if inputs is None:
-            inputs = [_inferred(dataset, name, some) for name, some in zip(factors, levels, strict=True)]
+            inputs = [_inferred(dataset, name, values) for name, values in zip(factors, levels, strict=True)]
         check_levels(inputs, levels)
     except ValueError:
         return False
@@ -124,24 +124,24 @@ def check_levels(inputs: Sequence[Input], levels: Sequence[Array]) -> None:
 
     levels: sequence of ndarray, shape (n,), of every input in its units.
     """
-    for own, values in zip(inputs, levels, strict=True):
-        _check_levels(own, values)
+    for input_, values in zip(inputs, levels, strict=True):
+        _check_levels(input_, values)
 
 
-def _check_levels(own: Input, levels: Array) -> None:
+def _check_levels(input_: Input, levels: Array) -> None:
     if len(levels) > MOST_OF_A_FACTOR:
-        raise ValueError(f"input {own.name!r} has {len(levels)} levels; a factor has at most {MOST_OF_A_FACTOR}")
+        raise ValueError(f"input {input_.name!r} has {len(levels)} levels; a factor has at most {MOST_OF_A_FACTOR}")
     if len(levels) < 2:
-        raise ValueError(f"input {own.name!r} has {len(levels)} level; a factor needs at least 2")
-    if own.scale == "log" and levels[0] <= 0:
-        raise ValueError(f"input {own.name!r} has the level {levels[0]:g} on a log scale")
-    unit = own.to_unit(levels)
+        raise ValueError(f"input {input_.name!r} has {len(levels)} level; a factor needs at least 2")
+    if input_.scale == "log" and levels[0] <= 0:
+        raise ValueError(f"input {input_.name!r} has the level {levels[0]:g} on a log scale")
+    unit = input_.to_unit(levels)
     off = np.abs(unit - gauss_points(len(levels)))
     if off.max() > LEVEL_TOLERANCE:
         k = int(off.argmax())
         raise ValueError(
-            f"input {own.name!r}: level {levels[k]:.10g} is none of the {len(levels)} Chebyshev-Gauss levels of "
-            f"{own.range_text()} ({own.scale}), expected {own.levels(len(levels))[k]:.10g}"
+            f"input {input_.name!r}: level {levels[k]:.10g} is none of the {len(levels)} Chebyshev-Gauss levels of "
+            f"{input_.range_text()} ({input_.scale}), expected {input_.levels(len(levels))[k]:.10g}"
         )
 
 

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.special import expit, logit
 
-from approximation.arrays import Array, Indices
+from approximation.arrays import Array, Indices, unmasked
 from approximation.chebyshev import gauss_points
 
 Scale = Literal["linear", "log", "logit"]
@@ -83,7 +83,7 @@ class Input:
 
     def to_unit(self, value: ArrayLike) -> Array:
         """Map physical values to the scaled coordinate, -1 at `low` and 1 at `high`; any shape."""
-        value = np.asarray(value, dtype=np.float64)
+        value = np.asarray(unmasked(value), dtype=np.float64)
         if self.scale == "log":
             return np.asarray(2 * np.log(value / self.low) / np.log(self.high / self.low) - 1)
         if self.scale == "logit":
@@ -93,7 +93,7 @@ class Input:
 
     def from_unit(self, unit: ArrayLike) -> Array:
         """Map scaled coordinates to physical values; any shape. The ends are met exactly."""
-        unit = np.asarray(unit, dtype=np.float64)
+        unit = np.asarray(unmasked(unit), dtype=np.float64)
         share = (unit + 1) / 2
         if self.scale == "log":
             value = self.low * np.exp(share * np.log(self.high / self.low))
@@ -105,7 +105,7 @@ class Input:
 
     def unit_slope(self, value: ArrayLike) -> Array:
         """Return d(scaled coordinate)/d(value) at physical values, any shape, in 1/`units`."""
-        value = np.asarray(value, dtype=np.float64)
+        value = np.asarray(unmasked(value), dtype=np.float64)
         if self.scale == "log":
             return np.asarray(2 / (np.log(self.high / self.low) * value))
         if self.scale == "logit":
@@ -176,7 +176,7 @@ def physical_points(inputs: Sequence[Input], t: Array) -> Array:
 
     t: (d, n), scaled coordinates.
     """
-    return np.stack([own.from_unit(row) for own, row in zip(inputs, t, strict=True)], axis=1)
+    return np.stack([input_.from_unit(row) for input_, row in zip(inputs, t, strict=True)], axis=1)
 
 
 @cache
@@ -189,8 +189,8 @@ def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, Indices, Indices]:
         else input_.high - input_.low
         for input_ in inputs
     ]  # fmt: skip
-    of = {scale: np.flatnonzero([input_.scale == scale for input_ in inputs]) for scale in SCALES}
-    return low, np.reshape(width, (-1, 1)), of["log"], of["logit"]
+    members = {scale: np.flatnonzero([input_.scale == scale for input_ in inputs]) for scale in SCALES}
+    return low, np.reshape(width, (-1, 1)), members["log"], members["logit"]
 
 
 def stored_inputs(stored: xr.Dataset, prefix: str = "") -> tuple[Input, ...]:

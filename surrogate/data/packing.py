@@ -89,12 +89,12 @@ def _rms(states: Array) -> Array:
 
 def _bytes(whole: np.ndarray[tuple[int], np.dtype[np.int64]]) -> bytes:
     """Whole numbers by groups of seven bits."""
-    rest = (2 * np.abs(whole) - (whole < 0)).astype(np.uint64)
-    groups, more = [], [np.ones(rest.shape, dtype=bool)]
-    while more[-1].any():
-        groups.append((rest & np.uint64(2**_LOW - 1)).astype(np.uint8))
-        rest = rest >> np.uint64(_LOW)
-        more.append(rest > 0)
-    follow = np.stack(more[1:], axis=-1)
+    remainder = (2 * np.abs(whole) - (whole < 0)).astype(np.uint64)
+    groups, continued = [], [np.ones(remainder.shape, dtype=bool)]
+    while continued[-1].any():
+        groups.append((remainder & np.uint64(2**_LOW - 1)).astype(np.uint8))
+        remainder = remainder >> np.uint64(_LOW)
+        continued.append(remainder > 0)
+    follow = np.stack(continued[1:], axis=-1)
     table = np.stack(groups, axis=-1) | (follow << _LOW).astype(np.uint8)
-    return bytes(table[np.stack(more[:-1], axis=-1)])
+    return bytes(table[np.stack(continued[:-1], axis=-1)])

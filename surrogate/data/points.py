@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from approximation.arrays import Array, Flags
+from approximation.arrays import Array, Flags, unmasked
 from surrogate.data.inputs import Input
 
 # Room for rounding at the ends of the box, as a share of its width on the input's own scale.
@@ -22,17 +22,21 @@ MOST = 10**7
 EVEN = "evenly_drawn"
 
 
+#: The dimension of the rows of a table, as in the answers of the solver.
+CASE = "case"
+
+
 @runtime_checkable
 class Table(Protocol):
-    """What a DataFrame is here: named columns, had by their names."""
+    """Named columns of one length, as those of a DataFrame."""
 
     columns: Any
 
     def __getitem__(self, name: Any, /) -> Any: ...
 
 
-# What a query may be: named inputs, a table with a column an input, or plain points in the order of the inputs.
-Queries: TypeAlias = Mapping[Any, Any] | xr.Dataset | Table | ArrayLike
+# A query: named inputs, a table with a column an input, a list of mappings, or plain points in the order of the inputs.
+Queries: TypeAlias = Mapping[Any, Any] | xr.Dataset | Table | Sequence[Mapping[str, Any]] | ArrayLike
 
 
 class OutOfBoxError(ValueError):
@@ -77,10 +81,10 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
     _check_names(points, names)
     point = _one_point(points, names)
     if point is not None:
-        at: dict[Hashable, xr.Variable] = {
-            own.name: xr.Variable((), x, own.attrs) for own, x in zip(inputs, point, strict=True)
+        coordinates: dict[Hashable, xr.Variable] = {
+            factor.name: xr.Variable((), x, factor.attrs) for factor, x in zip(inputs, point, strict=True)
         }
-        return Points(point[None], (), (), at)
+        return Points(point[None], (), (), coordinates)
     arrays = {name: _as_array(name, points[name], names) for name in names}
     try:
         xr.align(*(array for array in arrays.values() if array.dims), join="exact", copy=False)
@@ -142,20 +146,24 @@ def _margins(inputs: tuple[Input, ...]) -> tuple[Array, Array]:
     return np.array(low), np.array(high)
 
 
-def _margin(own: Input) -> tuple[float, float]:
-    if own.scale == "log":
-        slack = SLACK * np.log(own.high / own.low)
-        return own.low * (1 - slack), own.high * (1 + slack)
-    slack = SLACK * (own.high - own.low)
-    return own.low - slack, own.high + slack
+def _margin(input_: Input) -> tuple[float, float]:
+    if input_.scale == "log":
+        slack = SLACK * np.log(input_.high / input_.low)
+        return input_.low * (1 - slack), input_.high * (1 + slack)
+    slack = SLACK * (input_.high - input_.low)
+    return input_.low - slack, input_.high + slack
 
 
-def _by_name(points: Table | ArrayLike, names: Sequence[str]) -> dict[Any, Any]:
-    """The columns of a table or of plain points."""
+def _by_name(points: Any, names: Sequence[str]) -> dict[Any, Any]:
+    """Return the columns of a table, over the labels of its rows, or of plain points."""
+    if isinstance(points, Sequence) and len(points) and all(isinstance(row, Mapping) for row in points):
+        points = _table(points)
     if isinstance(points, Table):
         if len(set(points.columns)) < len(points.columns):
             raise ValueError("the table of points has a column twice")
-        return {name: _along(np.asarray(points[name])) for name in points.columns}
+        labels = getattr(points, "index", None)
+        coords = {} if labels is None or labels.nlevels > 1 else {CASE: np.asarray(labels)}
+        return {name: xr.DataArray(_numbers(points[name]), coords, CASE) for name in points.columns}
     array = None if isinstance(points, (str, bytes, xr.DataArray)) else _plain(points)
     if array is None or array.ndim != 2 or array.shape[1] != len(names) or array.dtype.kind not in "iuf":
         got = type(points).__name__ if array is None else f"{array.dtype} values of shape {array.shape}"
@@ -174,20 +182,34 @@ def _one_point(points: Mapping[Any, Any] | xr.Dataset, names: Sequence[str]) -> 
     return values.astype(np.float64) if values.dtype.kind in "if" and np.isfinite(values).all() else None
 
 
+def _table(rows: Sequence[Any]) -> Table:
+    import pandas as pd  # slow to import
+
+    table: Table = pd.DataFrame([dict(row) for row in rows])
+    return table
+
+
+def _numbers(column: Any) -> NDArray[Any]:
+    """Return the values of a column of a table; a missing number is NaN."""
+    if hasattr(column, "to_numpy") and str(column.dtype) in ("Int64", "Int32", "Float64", "Float32"):
+        return np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
+    return np.asarray(unmasked(column))
+
+
 def _along(column: NDArray[Any]) -> xr.DataArray:
     return xr.DataArray(column, dims="point")
 
 
 def _plain(points: ArrayLike) -> NDArray[Any] | None:
     try:
-        return np.asarray(points)
+        return np.asarray(unmasked(points))
     except ValueError:  # rows of unequal length
         return None
 
 
 def _check_names(points: Mapping[Any, Any] | xr.Dataset, names: Sequence[str]) -> None:
-    given = [*points.data_vars] if isinstance(points, xr.Dataset) else [*points]
-    for name in given:
+    columns = [*points.data_vars] if isinstance(points, xr.Dataset) else [*points]
+    for name in columns:
         if name not in names:
             near = get_close_matches(str(name), names, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else f"; the inputs are {', '.join(names)}"
@@ -207,7 +229,7 @@ def _as_array(name: str, value: object, names: Sequence[str]) -> xr.DataArray:
     if isinstance(value, xr.DataArray):
         array = value.reset_coords(drop=True)
     else:
-        plain = np.asarray(value)
+        plain = np.asarray(unmasked(value))
         if plain.ndim > 1:
             raise ValueError(f"input {name!r} is an array of {plain.ndim} dimensions; label it (xarray.DataArray)")
         array = xr.DataArray(plain, dims=(name,) * plain.ndim)

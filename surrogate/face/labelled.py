@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from approximation.arrays import Array, Flags
+from approximation.arrays import Array, Flags, unmasked
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.labels import Attrs, Labels
 from surrogate.data.points import Points, Queries, named_points, outside, require_inside
@@ -47,7 +47,8 @@ class Labelled(Physical):
         points : mapping, Dataset, DataFrame or array
             One entry per input, in physical units: a scalar, a DataArray of any dimensions, or a plain sequence, which
             becomes a dimension named after its input; dimensions broadcast, so sequences span the full factorial. A
-            DataFrame has a column an input, an array is (n, d) in their order: points along dimension `point`.
+            DataFrame with a column an input, or a list of mappings, is a table: its rows lie along dimension `case`.
+            An array is (n, d) in the order of the inputs: points along dimension `point`.
         return_std : bool
             Add `<output>_std`, the standard deviation: half of the central 68 % of the predictive distribution. The
             95 % interval is not 1.96 of it to either side, since the distribution is not Gaussian: see `interval`.
@@ -110,7 +111,7 @@ class Labelled(Physical):
         ValueError
             The points have a wrong shape.
         """
-        points = np.asarray(X, dtype=np.float64)
+        points = np.asarray(unmasked(X), dtype=np.float64)
         if points.ndim != 2 or points.shape[1] != len(self.inputs_):
             raise ValueError(f"points must have shape (n, {len(self.inputs_)}), got {points.shape}")
         mean, std = self._answers(points, return_std, extrapolate)
@@ -173,7 +174,7 @@ class Labelled(Physical):
 
         Raises OutOfBoxError for a point outside the box.
         """
-        points = np.asarray(X, dtype=np.float64)
+        points = np.asarray(unmasked(X), dtype=np.float64)
         self.require_answers(points)
         return np.ascontiguousarray(self.physical_slopes(points, self.slopes).T)
 

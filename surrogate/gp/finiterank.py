@@ -20,11 +20,12 @@ from typing_extensions import override
 from approximation import products
 from approximation.arrays import Array, Indices, blocks
 from surrogate.face.posterior import Posterior
+from surrogate.gp.exact import regressor
 from surrogate.gp.hyperparameters import least
-from surrogate.gp.poisson import Decay, most_likely
+from surrogate.gp.kernels import Chebyshev
 
 #: Cases from which the decay of the kernel is learnt; the cost of a step grows with their cube.
-SUBSET = 800
+SUBSET = 400
 # Features are made for so many cases at once, so that memory stays bounded, and of degrees up to this one.
 BLOCK, DEGREES = 4096, 100
 # Noise over signal, as variances, that is searched through, and first in so many steps.
@@ -64,10 +65,13 @@ class FiniteRank(Posterior):
         y = (values - offset) / scale
         some = np.random.default_rng(seed).permutation(t.shape[1])[:SUBSET]
         varies = y[some].std(axis=0) > 0
-        decay = Decay(*np.full((2, len(t)), 0.5))
+        kernel = Chebyshev(*np.full((2, len(t)), 0.5))
         if varies.any():
-            decay = most_likely(t[:, some], y[some][:, varies], root_weight[some] ** 2)[0]
-        indices, sizes = largest(decay, rank)
+            sample = t[:, some].T, y[some][:, varies]
+            kernel = regressor(
+                "chebyshev", *sample, None, 0.0, weights=root_weight[some] ** 2, noisy=True
+            ).kernel_.k1.k2
+        indices, sizes = largest(kernel, rank)
         y = y * root_weight[:, None]
         gram, seen = _gathered(t, y, indices, root_weight)
         root = np.sqrt(sizes)
@@ -152,13 +156,14 @@ class FiniteRank(Posterior):
         return (shares * (weights * self.scale**2)).T @ along
 
 
-def largest(decay: Decay, count: int) -> tuple[Indices, Array]:
+def largest(kernel: Chebyshev, count: int) -> tuple[Indices, Array]:
     """Return the indices of the largest products of a kernel's coefficients, (count, d), and these, both descending.
 
     One input after the other: what is among the first of all has its first parts among the first of theirs.
     """
     indices, weights = np.zeros((1, 0), dtype=np.intp), np.ones(1)
-    for coefficients in decay.coefficients(DEGREES):
+    for first, rho in zip(np.atleast_1d(kernel.first), np.atleast_1d(kernel.rho), strict=True):
+        coefficients = np.append(1.0, first * rho ** np.arange(DEGREES))
         every = np.multiply.outer(weights, coefficients)
         order = np.argsort(-every, axis=None, kind="stable")[:count]
         before, degree = np.unravel_index(order, every.shape)

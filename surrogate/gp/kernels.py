@@ -1,18 +1,30 @@
-"""Kernels beside scikit-learn's own: the Chebyshev kernel in closed form, and noise of cases that weigh unequally."""
+"""Kernels of scattered cases for scikit-learn's regressor: the Chebyshev kernel, and noise of weighted cases.
 
+The Chebyshev kernel is the product over inputs of 1 + first_j sum_{m>0} rho_j^(m-1) T_m(x) T_m(y): that of the grid,
+whose sum does not end. With x = cos(a), y = cos(b) the sum is half of Q(a - b) + Q(a + b) with Q(s) = (cos s - rho)/
+(1 - 2 rho cos s + rho^2), by the Poisson kernel (W. Rudin, Real and Complex Analysis (1987), section 5.24).
+"""
+
+from collections.abc import Sequence
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
-from sklearn.gaussian_process.kernels import Hyperparameter, Kernel, WhiteKernel
+from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Hyperparameter, Kernel, Matern, WhiteKernel
 
 from approximation.arrays import Array
-from surrogate.gp.poisson import FIRST, RHO, Decay, kernel, squares
+
+# Ranges of the parameters: coefficient of T_1 relative to that of the constant, and decay.
+FIRST, RHO = (1e-6, 1e3), (1e-3, 0.97)
+LENGTHS = (1e-2, 1e3)  # of stationary kernels, in half-widths of the box
+VARIANCES, NOISE = (1e-6, 1e6), (1e-12, 1e1)  # of signal and noise, relative to the output's variance
+SMOOTHNESS = {"matern32": 1.5, "matern52": 2.5}
 
 
-class Poisson(Kernel):  # type: ignore[misc]  # untyped
-    """The product over inputs of 1 + first sum_{m>0} rho^(m-1) T_m T_m, with slopes as in `poisson.most_likely`.
+class Chebyshev(Kernel):  # type: ignore[misc]  # untyped
+    """The Chebyshev kernel on [-1, 1]^d; coordinates beyond count as those of the nearest end.
 
-    first, rho: (d,).
+    first, rho: shape (d,).
     """
 
     def __init__(self, first: Array, rho: Array) -> None:
@@ -20,48 +32,77 @@ class Poisson(Kernel):  # type: ignore[misc]  # untyped
 
     @property
     def hyperparameter_first(self) -> Hyperparameter:
-        """As scikit-learn wants it."""
+        """Coefficients of T_1, as scikit-learn reads them."""
         return Hyperparameter("first", "numeric", FIRST, np.size(self.first))
 
     @property
     def hyperparameter_rho(self) -> Hyperparameter:
-        """As scikit-learn wants it."""
+        """Decays, as scikit-learn reads them."""
         return Hyperparameter("rho", "numeric", RHO, np.size(self.rho))
 
-    def __call__(self, X: Array, Y: Array | None = None) -> Array:
-        """The kernel between points (n, d) and (m, d), or the first themselves."""
-        return kernel(self._decay, X.T, (X if Y is None else Y).T)
+    def __call__(self, X: Array, Y: Array | None = None, eval_gradient: bool = False) -> Any:
+        """Return the kernel between points (n, d) and (m, d), and its slopes by the logarithms of the parameters."""
+        first, rho = np.atleast_1d(self.first), np.atleast_1d(self.rho)
+        parts = [sums(x, y, decay) for x, y, decay in zip(X.T, (X if Y is None else Y).T, rho, strict=True)]
+        factors = [1 + size * part[0] for size, part in zip(first, parts, strict=True)]
+        kernel = np.prod(factors, axis=0)
+        if not eval_gradient:
+            return kernel
+        d = len(factors)
+        slopes = np.empty((*kernel.shape, 2 * d))
+        for j, ((value, slope), others) in enumerate(zip(parts, _products(factors), strict=True)):
+            slopes[..., j] = first[j] * others * value
+            slopes[..., d + j] = first[j] * rho[j] * others * slope
+        return kernel, slopes
 
     def diag(self, X: Array) -> Array:
-        """The kernel of every point with itself, (n,)."""
-        return squares(self._decay, X.T)
+        """Return the kernel of every point with itself, (n,)."""
+        return np.asarray(np.prod(self._diagonals(X.T), axis=0))
 
     def is_stationary(self) -> bool:
-        """It is not."""
+        """Return False: the kernel depends on position."""
         return False
 
-    @property
-    def _decay(self) -> Decay:
-        return Decay(np.atleast_1d(self.first), np.atleast_1d(self.rho))
+    def slopes(self, X: Array, Y: Array) -> list[Array]:
+        """Return the derivatives of the kernel by each coordinate of X, (n, m) each."""
+        first, rho = np.atleast_1d(self.first), np.atleast_1d(self.rho)
+        factors = [1 + first[j] * sums(X[:, j], Y[:, j], rho[j])[0] for j in range(X.shape[1])]
+        return [
+            first[j]
+            * sum_slopes(X[:, j], Y[:, j], rho[j])
+            * np.prod([f for k, f in enumerate(factors) if k != j], axis=0)
+            for j in range(X.shape[1])
+        ]
+
+    def steepness(self, X: Array) -> Array:
+        """Return the prior variances of the derivatives by each coordinate at points (n, d): (d, n)."""
+        first, rho = np.atleast_1d(self.first), np.atleast_1d(self.rho)
+        others = _products(self._diagonals(X.T))
+        return np.stack([first[j] * sum_curvature(x, rho[j]) * others[j] for j, x in enumerate(X.T)])
+
+    def _diagonals(self, t: Array) -> list[Array]:
+        first, rho = np.atleast_1d(self.first), np.atleast_1d(self.rho)
+        cosines = 2 * np.clip(t, -1, 1) ** 2 - 1  # of the sum of the angles; that of their difference is one
+        return [
+            1 + size / 2 * ((cosine - decay) / (1 + decay * decay - 2 * decay * cosine) + 1 / (1 - decay))
+            for size, decay, cosine in zip(first, rho, cosines, strict=True)
+        ]
 
 
 class Noise(WhiteKernel):  # type: ignore[misc]  # untyped
-    """Noise of the cases that a process is fitted to: smaller where a case weighs more; of others, as of weight 1.
+    """Noise of the cases that a process is fitted to: its variance is divided by a case's weight.
 
-    weights: (n,), optional.
+    weights: shape (n,), optional.
     """
 
     def __init__(
-        self,
-        noise_level: float = 1.0,
-        noise_level_bounds: tuple[float, float] = (1e-5, 1e5),
-        weights: Array | None = None,
+        self, noise_level: float = 1e-4, noise_level_bounds: tuple[float, float] = NOISE, weights: Array | None = None
     ) -> None:
         super().__init__(noise_level, noise_level_bounds)
         self.weights = weights
 
     def __call__(self, X: Array, Y: Array | None = None, eval_gradient: bool = False) -> Any:
-        """The noise's covariance, (n, n) of the cases, nothing between these and other points; as scikit-learn's."""
+        """Return the covariance of the noise, (n, n) of the cases, zero between them and other points."""
         kernel = super().__call__(X, Y, eval_gradient)
         if Y is not None or self.weights is None:
             return kernel
@@ -69,3 +110,95 @@ class Noise(WhiteKernel):  # type: ignore[misc]  # untyped
         if eval_gradient:
             return kernel[0] * share, kernel[1] * share[:, None]
         return kernel * share
+
+
+def whole(name: str, inputs: int, noisy: bool, weights: Array | None = None) -> Kernel:
+    """Return a kernel by its name, times a variance, with noise where it is estimated."""
+    if name == "chebyshev":
+        correlation: Kernel = Chebyshev(np.full(inputs, 0.3), np.full(inputs, 0.3))
+    elif name == "rbf":
+        correlation = RBF(np.ones(inputs), LENGTHS)
+    else:
+        correlation = Matern(np.ones(inputs), LENGTHS, nu=SMOOTHNESS[name])
+    scaled = ConstantKernel(1.0, VARIANCES) * correlation
+    return scaled + Noise(weights=weights) if noisy else scaled
+
+
+def kernel_slopes(correlation: Kernel, X: Array, Y: Array) -> list[Array]:
+    """Return the derivatives of a kernel by each coordinate of X, (n, m) each."""
+    if isinstance(correlation, Chebyshev):
+        return correlation.slopes(X, Y)
+    lengths = np.atleast_1d(correlation.length_scale) * np.ones(X.shape[1])
+    apart = (X[:, None] - Y) / lengths
+    steep = _steep(correlation, np.sqrt((apart**2).sum(axis=-1)))
+    return [-apart[..., j] * steep / length for j, length in enumerate(lengths)]
+
+
+def kernel_steepness(correlation: Kernel, X: Array) -> Array:
+    """Return the prior variances of the derivatives by each coordinate at points (n, d): (d, n)."""
+    if isinstance(correlation, Chebyshev):
+        return correlation.steepness(X)
+    lengths = np.atleast_1d(correlation.length_scale) * np.ones(X.shape[1])
+    return np.repeat(_steep(correlation, np.zeros(1)) / lengths[:, None] ** 2, len(X), axis=1)
+
+
+def _steep(correlation: Kernel, distance: Array) -> Array:
+    """Return -k'(r)/r of a stationary correlation k at distances over the length scale, finite at zero.
+
+    C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning (2006), section 4.2.
+    """
+    smoothness = getattr(correlation, "nu", np.inf)
+    if smoothness == np.inf:
+        return np.asarray(np.exp(-0.5 * distance**2))
+    scaled = np.sqrt(2 * smoothness) * distance
+    return np.asarray(3 * np.exp(-scaled) if smoothness == 1.5 else 5 / 3 * (1 + scaled) * np.exp(-scaled))
+
+
+def _products(factors: Sequence[Array]) -> list[Array]:
+    """Return the products of all other factors, one a factor."""
+    before = accumulate(factors[:-1], np.multiply, initial=np.ones(1))
+    after = accumulate(factors[:0:-1], np.multiply, initial=np.ones(1))
+    return [left * right for left, right in zip(before, reversed(list(after)), strict=True)]
+
+
+def sums(x: Array, y: Array, rho: float) -> tuple[Array, Array]:
+    """Return sum_{m>0} rho^(m-1) T_m(x) T_m(y), (n, m), and its slope by rho."""
+    x, y = np.clip(x, -1, 1), np.clip(y, -1, 1)
+    even = np.multiply.outer(x, y)
+    odd = np.multiply.outer(np.sqrt(1 - x * x), np.sqrt(1 - y * y))
+    value, slope = np.zeros_like(even), np.zeros_like(even)
+    for cosine in (even + odd, even - odd):  # of the difference and of the sum of the angles
+        inverse = 1 / (1 + rho * rho - 2 * rho * cosine)
+        part = (cosine - rho) * inverse
+        value += part / 2
+        slope += part * part - inverse / 2
+    return value, slope
+
+
+def sum_slopes(x: Array, y: Array, rho: float) -> Array:
+    """Return the slopes by x of the sums of `sums`, (n, m); zero beyond [-1, 1]."""
+    below, above, _, by_below, by_above = _quotient(np.clip(x, -1, 1)[:, None], np.clip(y, -1, 1)[None], rho)
+    slope = (by_above / 2 - above / below / 2 * by_below) / below
+    return np.asarray(np.where(np.abs(x)[:, None] <= 1, slope, 0.0))
+
+
+def sum_curvature(x: Array, rho: float) -> Array:
+    """Return the slopes by x and by y of the sums of `sums` at y = x, (n,)."""
+    inside = np.clip(x, -1, 1)
+    below, above, squared, by_below, by_above = _quotient(inside, inside, rho)
+    value = above / below / 2
+    slope = (by_above / 2 - value * by_below) / below
+    both = (2 * rho * rho + squared) - by_above / 2 * by_below / below  # the numerator's slope by both, halved
+    curvature = (both - slope * by_below + 4 * rho * squared * value + value * by_below**2 / below) / below
+    return np.asarray(curvature)
+
+
+def _quotient(x: Array, y: Array, rho: float) -> tuple[Array, Array, float, Array, Array]:
+    """Return denominator and numerator of twice the sums, 1 + rho^2, and the slopes of both by x."""
+    squared = 1 + rho * rho
+    even, circle = 2 * x * y, x * x + y * y - 1
+    below = squared**2 - 2 * rho * squared * even + 4 * rho * rho * circle
+    above = (squared + 2 * rho * rho) * even - 4 * rho * circle - 2 * rho * squared
+    by_below = -4 * rho * squared * y + 8 * rho * rho * x
+    by_above = 2 * (squared + 2 * rho * rho) * y - 8 * rho * x
+    return below, above, squared, by_below, by_above

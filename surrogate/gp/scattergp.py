@@ -1,4 +1,4 @@
-"""Gaussian processes for scattered designs: a few cases by scikit-learn's regressors, many by finite rank."""
+"""Gaussian processes for scattered cases: a few by scikit-learn's regressors, many by finite rank."""
 
 from collections.abc import Sequence
 from typing import ClassVar, Literal, Self, get_args
@@ -12,30 +12,33 @@ from approximation.arrays import Array
 from surrogate.data.factorial import output_names, text_attrs
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.face.model import GaussianProcess
-from surrogate.gp.exact import Exact, chosen, parameters, regressor
+from surrogate.gp.exact import Exact, regressor
 from surrogate.gp.finiterank import FiniteRank
+from surrogate.gp.kernels import whole
 
 KernelName = Literal["auto", "rbf", "matern32", "matern52", "chebyshev"]
 KERNELS: tuple[str, ...] = get_args(KernelName)
 #: Cases above which "auto" is the kernel "chebyshev" of finite rank, whose cost is that of their number.
 MANY = 500
+#: End of the Chebyshev kernel in half-widths of the box: cases up to an eighth of the width outside are answered by it.
+REACH = 1.25
 
 
 class ScatterGP(GaussianProcess):
     """Gaussian process on scattered cases, any number of outputs.
 
-    With the kernels "rbf", "matern32" and "matern52" the outputs are independent regressors of scikit-learn with a
-    length scale an input, free of noise but for a tiny nugget; the cost of a fit grows with the cube of the number of
-    cases. With "chebyshev", the kernel of `GridGP`, they are one process of finite rank (module `finiterank`), whose
-    cost grows with the number of cases. "auto" is that for more than 500 cases; up to then every output takes the
-    kernel under which it is most likely, the whole Chebyshev kernel, "rbf" or "matern52". Both estimate the noise of
-    every output, and their standard deviation is that of a new case, with its noise; `_std` of a gradient has no noise
-    in it.
+    Up to 500 cases, every output is a regressor of scikit-learn, whose cost grows with the cube of the number of cases.
+    The kernel "auto" is the Chebyshev kernel of `GridGP` on a box that is a quarter wider, with noise that is
+    estimated; its deviations are widened until the 95 % intervals of left-out cases hold, and grow outside of the box.
+    The kernels "rbf", "matern32" and "matern52" have a length scale an input and no noise but for a tiny nugget. With
+    "chebyshev", and with "auto" for more cases, the outputs are one process of finite rank (module `finiterank`), whose
+    cost grows with the number of cases, and whose noise is estimated as well. Standard deviations are those of a new
+    case, with its noise; `_std` of a gradient has no noise in it.
 
     Parameters
     ----------
     kernel : {"auto", "rbf", "matern32", "matern52", "chebyshev"}
-        Correlation function; "auto" is the most likely one of an output for up to 500 cases, "chebyshev" for more.
+        Correlation function; "auto" is the Chebyshev kernel, full for up to 500 cases, of finite rank for more.
     inputs : sequence of Input, optional
         Inputs with box and scale; by default the variables that are not `outputs`, with the range of the cases.
     outputs : sequence of str, optional
@@ -71,6 +74,7 @@ class ScatterGP(GaussianProcess):
 
     engine: ClassVar[str] = "scatter"
     process_: Exact | FiniteRank
+    _reach: float  # end of the kernel's coordinates in half-widths; 1 in files of former releases
 
     def __init__(
         self,
@@ -132,21 +136,23 @@ class ScatterGP(GaussianProcess):
         return self
 
     def _process(self, points: Array, values: Array, weights: Array | None) -> Exact | FiniteRank:
-        cases, t = len(points), unit_coordinates(self.inputs_, points)
+        cases, t = len(points), unit_coordinates(self.inputs_, points) / REACH
+        self._reach = REACH
         if self.kernel == "chebyshev" or (self.kernel == "auto" and cases > MANY):
             if cases < 2:
                 raise ValueError(f"the kernel 'chebyshev' needs at least 2 cases, got {cases}")
             return FiniteRank.fit(t, values, min(self.rank, cases // 2), self.random_state, weights)
         self.points_, self.values_, self.weights_ = points, values, weights
-        how = self.nugget, self.restarts, self.random_state
-        if self.kernel == "auto":
-            return Exact(*zip(*[chosen(t.T, column, *how, weights) for column in values.T], strict=True))
-        return Exact([self.kernel] * values.shape[1], [regressor(self.kernel, t.T, y, None, *how) for y in values.T])
+        noisy = self.kernel == "auto"
+        name, known = ("chebyshev", weights) if noisy else (self.kernel, None)
+        how = self.nugget, self.restarts, self.random_state, known, noisy
+        fitted = [regressor(name, t.T, column, None, *how) for column in values.T]
+        return Exact([name] * len(fitted), fitted, widened=True)
 
     @override
     def state(self) -> xr.Dataset:
         names = ("kernel", "nugget", "restarts", "random_state", "rank")
-        attrs = {name: getattr(self, name) for name in names}
+        attrs = {name: getattr(self, name) for name in names} | {"reach": self._reach}
         if isinstance(self.process_, FiniteRank):
             return self.process_.state().assign_attrs(attrs)
         thetas = [regressor.kernel_.theta for regressor in self.process_.regressors]
@@ -180,6 +186,7 @@ class ScatterGP(GaussianProcess):
             int(attrs["rank"]),
         )
         model.inputs_, model.outputs_, model.attrs_ = inputs, tuple(outputs), outputs
+        model._reach = float(attrs.get("reach", 1.0))
         if "feature_degree" in stored:
             model.process_ = FiniteRank.restore(stored, len(inputs), len(outputs))
             return model
@@ -191,12 +198,14 @@ class ScatterGP(GaussianProcess):
         kernels, noisy = attrs.get("kernels", usual).split(), model.kernel == "auto" and "kernels" in attrs
         if len(kernels) != len(outputs) or not set(kernels) <= set(KERNELS) - {"auto"}:
             raise ValueError(f"kernels {' '.join(kernels)!r} for {len(outputs)} outputs")
-        counts = [parameters(kernel, len(inputs), noisy) for kernel in kernels]
+        counts = [len(whole(kernel, len(inputs), noisy).theta) for kernel in kernels]
         if theta.shape[1] != max(counts):
             raise ValueError(f"theta has {theta.shape[1]} columns for {len(inputs)} inputs")
-        t, how = unit_coordinates(inputs, model.points_).T, (model.nugget, 0, model.random_state, model.weights_, noisy)
+        X = unit_coordinates(inputs, model.points_).T / model._reach
+        how = model.nugget, 0, model.random_state, model.weights_, noisy
         every = zip(kernels, model.values_.T, theta, counts, strict=True)
-        model.process_ = Exact(kernels, [regressor(kernel, t, y, own[:n], *how) for kernel, y, own, n in every])
+        regressors = [regressor(kernel, X, y, own[:count], *how) for kernel, y, own, count in every]
+        model.process_ = Exact(kernels, regressors, model._reach > 1)
         return model
 
     def _roles(self, X: xr.Dataset) -> tuple[Sequence[Input], list[str]]:
@@ -222,15 +231,15 @@ class ScatterGP(GaussianProcess):
 
     @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        return self.process_.mean_variance(t, weights)
+        return self.process_.mean_variance(t / self._reach, weights)
 
     @override
     def slopes(self, t: Array) -> Array:
-        return self.process_.slopes(t)
+        return self.process_.slopes(t / self._reach) / self._reach
 
     @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        return self.process_.slope_variances(t, weights)
+        return self.process_.slope_variances(t / self._reach, weights) / self._reach**2
 
 
 def _column(X: xr.Dataset, name: str) -> Array:

@@ -91,8 +91,8 @@ class Calibration:
         plain = {name: getattr(self, name) for name in ("weights", "floor", "trend", "trend_degree", "trend_range")}
         guard = {"guard": self.guard.slabs, "corner_guard": self.guard.corners}
         if self.outer is not None and self.outer.pooled is not None:
-            further = self.outer.slabs, self.outer.corners, self.outer.pooled
-            guard |= dict(zip(_OUTER_DIMS, further, strict=True))
+            outer_guard = self.outer.slabs, self.outer.corners, self.outer.pooled
+            guard |= dict(zip(_OUTER_DIMS, outer_guard, strict=True))
         return {**plain, **guard, "quantile": self.distribution.quantiles}
 
     def state(self) -> dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]:
@@ -119,9 +119,9 @@ class Calibration:
             "pair": pairs, "edge": 3, "other_edge": 3, "probability": len(PROBABILITIES),
         }  # fmt: skip
         shapes = {name: tuple(sizes[dim] for dim in dims) for name, dims in _DIMS.items()}
-        given = {name: array.shape for name, array in arrays.items()}
+        stored_shapes = {name: array.shape for name, array in arrays.items()}
         degree = arrays["trend_degree"]
-        if given != shapes or not 0 < terms <= MOST_TERMS or degree.dtype.kind not in "iu" or cases < MINIMUM:
+        if stored_shapes != shapes or not 0 < terms <= MOST_TERMS or degree.dtype.kind not in "iu" or cases < MINIMUM:
             raise ValueError("the calibration does not fit the model")
         if degree.min() < 0 or degree.max() > MOST_DEGREE or degree[0].any():
             raise ValueError("the calibration has degrees that none has")

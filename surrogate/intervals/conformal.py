@@ -63,18 +63,18 @@ def calibrate(
     A = products.values(degrees, t).T
     guard, whole = unguarded(len(t), len(errors)), np.zeros((len(degrees), len(errors)))
     whole[:, known] = trend
-    further = None if outer is None else unguarded(len(outer), len(errors), pooled=True)
+    outer_guard = None if outer is None else unguarded(len(outer), len(errors), pooled=True)
     for p in known:
         scores = _cross_fitted(A, logarithms[p], whole[:, p], groups)
         allowed = float(np.quantile(scores[even], NOMINAL))
         fill(guard, int(p), scores, allowed, t, groups, even)
-        if further is not None and outer is not None:
+        if outer_guard is not None and outer is not None:
             beyond = scores - guard.only([int(p)]).at(t)[:, 0]
-            fill(further, int(p), beyond, allowed, outer, groups, even)
+            fill(outer_guard, int(p), beyond, allowed, outer, groups, even)
         logarithms[p] = scores
     logarithms -= guard.at(t).T
-    if further is not None and outer is not None:
-        logarithms -= further.at(outer).T
+    if outer_guard is not None and outer is not None:
+        logarithms -= outer_guard.at(outer).T
     scores = (np.sign(errors) * np.exp(logarithms))[:, even]
     distribution = _distribution(scores)
     # in standard deviations from here on
@@ -84,7 +84,7 @@ def calibrate(
     fitted = A @ whole
     within = np.stack([fitted.min(axis=0), fitted.max(axis=0)])
     table = replace(distribution, quantiles=distribution.quantiles / size)
-    return Calibration(weights, floor, whole, degrees, within, guard, table, further, Copula.of(scores, t[:, even]))
+    return Calibration(weights, floor, whole, degrees, within, guard, table, outer_guard, Copula.of(scores, t[:, even]))
 
 
 def _sizes(errors: Array, parts: Sequence[Array]) -> tuple[Array, Array, Array]:
@@ -109,10 +109,10 @@ def _sizes(errors: Array, parts: Sequence[Array]) -> tuple[Array, Array, Array]:
 
 def _fitted(logarithms: Array, t: Array, groups: Indices) -> tuple[Indices, Array]:
     """Degrees of the local scale's terms, (m, d), and its coefficients for logarithms of errors (p, n): (m, p)."""
-    apart, (d, cases) = places(t, groups), t.shape
+    distinct, (d, cases) = places(t, groups), t.shape
     few = max((degree for least, degree in DEGREES if cases >= least), default=0)
-    degrees = additive([max(few, min(int(count) // (PLACES_A_DEGREE * d), HIGHEST)) for count in apart])
-    pairs = [pair for pair in combinations(range(d), 2) if apart[list(pair)].min() >= PAIRWISE]
+    degrees = additive([max(few, min(int(count) // (PLACES_A_DEGREE * d), HIGHEST)) for count in distinct])
+    pairs = [pair for pair in combinations(range(d), 2) if distinct[list(pair)].min() >= PAIRWISE]
     degrees = np.concatenate([degrees, *(pairwise(d, pair, 2) for pair in pairs)])
     A = products.values(degrees, t).T
     trend = (
@@ -140,8 +140,8 @@ def _waves(A: Array, logarithms: Array, trend: Array, t: Array, pairs: Sequence[
         degrees = pairwise(len(t), pair, TOTAL, 3)
         features = products.values(degrees, t).T
         basis = np.linalg.qr(features - A @ np.linalg.lstsq(A, features)[0])[0]
-        told = ((beyond @ basis) ** 2).sum(axis=1) / (NOMINAL * (1 - NOMINAL) * len(degrees))
-        if len(told) and (share := float(told.max())) > most:
+        strength = ((beyond @ basis) ** 2).sum(axis=1) / (NOMINAL * (1 - NOMINAL) * len(degrees))
+        if len(strength) and (share := float(strength.max())) > most:
             best, most = degrees, share
     return best
 
@@ -178,6 +178,6 @@ def _cross_fitted(A: Array, ratio: Array, trend: Array, groups: Indices) -> Arra
     fold = np.random.default_rng(0).permutation(number.max() + 1)[number] % FOLDS
     scores = np.empty(len(ratio))
     for k in range(FOLDS):
-        held, rest = fold == k, fold != k
-        scores[held] = ratio[held] - A[held] @ quantile_regression(A[rest], ratio[rest], NOMINAL, trend)
+        held, fitting = fold == k, fold != k
+        scores[held] = ratio[held] - A[held] @ quantile_regression(A[fitting], ratio[fitting], NOMINAL, trend)
     return scores

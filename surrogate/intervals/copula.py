@@ -47,12 +47,12 @@ class Copula:
 
         scores: (p, n); NaN: of what has no error; t: (d, n), scaled coordinates.
         """
-        kept = _evenly(scores.shape[1], MOST_ROWS)
-        ranks = _ranks(scores[:, kept])
-        some = _evenly(scores.shape[1], _CASES)
-        told = np.isfinite(scores).all(axis=1)
-        normal = _normal(_ranks(scores[told][:, some]))
-        return cls(ranks, _lengths(normal, _angles(t[:, some])))
+        rows = _evenly(scores.shape[1], MOST_ROWS)
+        ranks = _ranks(scores[:, rows])
+        sample = _evenly(scores.shape[1], _CASES)
+        finite = np.isfinite(scores).all(axis=1)
+        normal = _normal(_ranks(scores[finite][:, sample]))
+        return cls(ranks, _lengths(normal, _angles(t[:, sample])))
 
     def near(self, t: Array, other: Array) -> Array:
         """Return the correlation over points of one error, (n, k).
@@ -136,15 +136,15 @@ def _lengths(normal: Array, angles: Array) -> Array:
     if not normal.shape[1]:
         return lengths
     d, n = angles.shape
-    apart = np.full(d, min(_APART, np.pi / 2 * (2 * _PAIRS / max(n * n, 1)) ** (1 / d)))
+    distance = np.full(d, min(_APART, np.pi / 2 * (2 * _PAIRS / max(n * n, 1)) ** (1 / d)))
     for _ in range(_ROUNDS):
-        pairs = _pairs(angles / apart[:, None])
+        pairs = _pairs(angles / distance[:, None])
         if len(pairs) < _FEWEST:
             break
         first, second = pairs.T
         alike = np.einsum("np,np->n", normal[first], normal[second]) / normal.shape[1]
         lengths = _fitted((angles[:, first] - angles[:, second]) ** 2, alike)
-        apart = np.minimum(_NEAR * lengths, _APART)
+        distance = np.minimum(_NEAR * lengths, _APART)
     return lengths
 
 
@@ -155,9 +155,9 @@ def _fitted(squares: Array, alike: Array) -> Array:
     def cost(logarithms: Array) -> tuple[float, Array]:
         over = squares * np.exp(-2 * logarithms)[:, None]
         model = np.exp(-0.5 * over.sum(axis=0))
-        left, away = alike - model, (logarithms - np.log(_LIKELY)) / _SPREAD
-        slopes = -(over @ (left * model)) / noise + away / _SPREAD
-        return 0.5 * float(left @ left / noise + away @ away), slopes
+        left, prior = alike - model, (logarithms - np.log(_LIKELY)) / _SPREAD
+        slopes = -(over @ (left * model)) / noise + prior / _SPREAD
+        return 0.5 * float(left @ left / noise + prior @ prior), slopes
 
     starts = [np.full(len(squares), np.log(length)) for length in (1.0, _LIKELY, 0.1)]
     bounds = [(float(np.log(_BOUNDS[0])), float(np.log(_BOUNDS[1])))] * len(squares)

@@ -97,11 +97,11 @@ class Tabulated(Distribution):
         level l is asked for at 1 - (1 - l)(1 - 0.3 l^12), since what was fitted to the cases loses a little on others.
         """
         levels = np.abs(2 * PROBABILITIES - 1)
-        asked = 1 - (1 - levels) * (1 - 0.3 * levels**12)
-        position = (1 + np.sign(PROBABILITIES - 0.5) * asked) / 2 * (scores.shape[1] + 1) - 1
+        corrected = 1 - (1 - levels) * (1 - 0.3 * levels**12)
+        position = (1 + np.sign(PROBABILITIES - 0.5) * corrected) / 2 * (scores.shape[1] + 1) - 1
         ordered = np.sort(scores, axis=1)
         places = np.arange(scores.shape[1])
-        return cls(np.stack([np.interp(position, places, own) for own in ordered], axis=1), scores.shape[1])
+        return cls(np.stack([np.interp(position, places, row) for row in ordered], axis=1), scores.shape[1])
 
     def highest_level(self) -> float:
         """Return the largest central level for whose ends there are cases: 1 - 2/(n + 1), at most 0.999."""
@@ -117,25 +117,29 @@ class Tabulated(Distribution):
 
     def inverse(self, q: Array) -> Array:
         """Return the quantiles of every output at probabilities of its own, (p, n)."""
-        return np.stack([np.interp(own, PROBABILITIES, z) for own, z in zip(q, self.quantiles.T, strict=True)])
+        return np.stack(
+            [np.interp(probabilities, PROBABILITIES, z) for probabilities, z in zip(q, self.quantiles.T, strict=True)]
+        )
 
     def cdf(self, z: Array) -> Array:
         """Return the probability of no more than z, (p, n)."""
-        return np.stack([np.interp(row, own, PROBABILITIES) for row, own in zip(z, self.quantiles.T, strict=True)])
+        return np.stack(
+            [np.interp(row, quantiles, PROBABILITIES) for row, quantiles in zip(z, self.quantiles.T, strict=True)]
+        )
 
     def crps(self, z: Array) -> Array:
         """Return the integral of (F(x) - (x >= z))^2 over x at z, (p, n); F is linear between the quantiles."""
         out = np.empty_like(z)
-        for row, values, own in zip(out, z, self.quantiles.T, strict=True):
-            F, wide = PROBABILITIES, np.diff(own)
+        for row, values, quantiles in zip(out, z, self.quantiles.T, strict=True):
+            F, wide = PROBABILITIES, np.diff(quantiles)
             # integrals of F^2 up to every quantile, and of (1 - F)^2 from it on
             below = np.append(0, np.cumsum(_square(wide, F[:-1], F[1:])))
             above = np.append(np.cumsum(_square(wide, 1 - F[:-1], 1 - F[1:])[::-1])[::-1], 0)
-            inside = np.clip(values, own[0], own[-1])
-            k = np.clip(np.searchsorted(own, inside, side="right") - 1, 0, len(own) - 2)
-            at = np.interp(inside, own, F)
-            left = below[k] + _square(inside - own[k], F[k], at)
-            right = above[k + 1] + _square(own[k + 1] - inside, 1 - at, 1 - F[k + 1])
+            inside = np.clip(values, quantiles[0], quantiles[-1])
+            k = np.clip(np.searchsorted(quantiles, inside, side="right") - 1, 0, len(quantiles) - 2)
+            probability = np.interp(inside, quantiles, F)
+            left = below[k] + _square(inside - quantiles[k], F[k], probability)
+            right = above[k + 1] + _square(quantiles[k + 1] - inside, 1 - probability, 1 - F[k + 1])
             row[:] = left + right + np.abs(values - inside)
         return out
 

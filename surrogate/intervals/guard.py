@@ -36,8 +36,8 @@ class Guard:
         """Return the guard at scaled coordinates t within the box, (d, B): (B, p)."""
         slab = slabs(t)
         guard: Array = self.slabs[0][slab[0]]
-        for own, place in zip(self.slabs[1:], slab[1:], strict=True):
-            np.maximum(guard, own[place], out=guard)
+        for by_factor, place in zip(self.slabs[1:], slab[1:], strict=True):
+            np.maximum(guard, by_factor[place], out=guard)
         edge = _edge(slab)
         rows = np.flatnonzero((edge != 1).sum(0) > 1)
         if rows.size:
@@ -71,15 +71,15 @@ def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, group
     def needed(cell: Indices, fewest: int, share: float) -> float:
         if len(np.unique(groups[cell])) < fewest:
             return 0.0
-        own = np.sort(scores[cell])
-        rank = min(len(own), int(np.ceil((len(own) + 1) * share)))
-        return max(0.0, float(own[rank - 1]) - level)
+        ordered = np.sort(scores[cell])
+        rank = min(len(ordered), int(np.ceil((len(ordered) + 1) * share)))
+        return max(0.0, float(ordered[rank - 1]) - level)
 
     slab = slabs(t)
     for place, cell in _cells(slab):
         if len(place) == 2:
-            both = cell, cell[even[cell]]
-            guard.slabs[(*place, output)] = max(needed(own, SLAB_PLACES, SLAB_LEVEL) for own in both)
+            cells = cell, cell[even[cell]]
+            guard.slabs[(*place, output)] = max(needed(cell_scores, SLAB_PLACES, SLAB_LEVEL) for cell_scores in cells)
         else:
             guard.corners[(*place, output)] = needed(cell, CORNER_PLACES, CORNER_LEVEL)
     if guard.pooled is not None:
@@ -94,9 +94,9 @@ def slabs(t: Array) -> Indices:
 
 def _cells(slab: Indices) -> Iterator[tuple[tuple[int, ...], Indices]]:
     """Every cell: its place in the guard's arrays, and its cases."""
-    for factor, own in enumerate(slab):
+    for factor, numbers in enumerate(slab):
         for number in range(SLABS):
-            yield (factor, number), np.flatnonzero(own == number)
+            yield (factor, number), np.flatnonzero(numbers == number)
     for pair, (i, j) in enumerate(combinations(range(len(slab)), 2)):
         for a in (0, 2):
             for b in (0, 2):

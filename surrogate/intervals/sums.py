@@ -18,21 +18,21 @@ def ends(distribution: Distribution, copula: Copula | None, level: float, sizes:
 
     sizes: (p, n); t: (e, n); result: (2,).
     """
-    told = sizes.any(axis=0)
-    sizes, t = sizes[:, told], t[:, told]
-    both = np.broadcast_to(distribution.ends(level), (2, len(sizes)))[..., None] * sizes
+    known = sizes.any(axis=0)
+    sizes, t = sizes[:, known], t[:, known]
+    limits = np.broadcast_to(distribution.ends(level), (2, len(sizes)))[..., None] * sizes
     if copula is None or not sizes.size:
-        return np.array([both.min(axis=0).sum(), both.max(axis=0).sum()])
+        return np.array([limits.min(axis=0).sum(), limits.max(axis=0).sum()])
     scores = distribution.inverse(((copula.ranks + 0.5) / len(copula.ranks)).T)
-    own = np.quantile(sizes.T @ scores, central(level), axis=1, method="weibull")
+    quantiles = np.quantile(sizes.T @ scores, central(level), axis=1, method="weibull")
     lone = np.count_nonzero(sizes, axis=0) == 1
-    own[:, lone] = np.sort(both[..., lone].sum(axis=1), axis=0)
+    quantiles[:, lone] = np.sort(limits[..., lone].sum(axis=1), axis=0)
     if sizes.shape[1] == 1:
-        return np.asarray(own[:, 0])
+        return np.asarray(quantiles[:, 0])
     spread = np.cov(scores).reshape(len(scores), -1) @ sizes
     scale = np.sqrt(np.maximum((sizes * spread).sum(axis=0), np.finfo(np.float64).tiny))
     squares = np.zeros(2)
-    for some in blocks(len(scale), _BLOCK):
-        alike = copula.near(t[:, some], t) * (sizes[:, some].T @ spread) / np.multiply.outer(scale[some], scale)
-        squares += [float(end[some] @ alike @ end) for end in own]
+    for block in blocks(len(scale), _BLOCK):
+        alike = copula.near(t[:, block], t) * (sizes[:, block].T @ spread) / np.multiply.outer(scale[block], scale)
+        squares += [float(end[block] @ alike @ end) for end in quantiles]
     return np.sqrt(np.maximum(squares, 0)) * [-1, 1]

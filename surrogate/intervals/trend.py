@@ -18,7 +18,7 @@ def additive(highest: Sequence[int]) -> Indices:
 
 def pairwise(inputs: int, pair: tuple[int, int], total: int, least: int = 2) -> Indices:
     """Return the degrees of T_a T_b of two inputs, a, b >= 1, least <= a + b <= total: (m, inputs)."""
-    both = [(a, b) for a in range(1, total) for b in range(1, total) if least <= a + b <= total]
-    degrees = np.zeros((len(both), inputs), dtype=np.intp)
-    degrees[:, pair] = np.reshape(both, (-1, 2))
+    degree_pairs = [(a, b) for a in range(1, total) for b in range(1, total) if least <= a + b <= total]
+    degrees = np.zeros((len(degree_pairs), inputs), dtype=np.intp)
+    degrees[:, pair] = np.reshape(degree_pairs, (-1, 2))
     return degrees

@@ -63,45 +63,45 @@ def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | N
 
 def _kinks(judged: Decays) -> dict[str, tuple[str, ...]]:
     """Return outputs whose coefficients do not decay geometrically, and the inputs along which."""
-    every = {output: tuple(name for name in along if along[name].algebraic) for output, along in judged.items()}
-    return {output: where for output, where in every.items() if where}
+    kinked = {output: tuple(name for name in along if along[name].algebraic) for output, along in judged.items()}
+    return {output: where for output, where in kinked.items() if where}
 
 
 def choose(
-    found: Decays, tolerance: float, budget: int, given: Mapping[str, int] = MappingProxyType({})
+    decays: Decays, tolerance: float, budget: int, fixed: Mapping[str, int] = MappingProxyType({})
 ) -> LevelChoice:
     """Choose the smallest factorial that is predicted to reach a tolerance."""
     if not tolerance > 0 or budget < 1:
         raise ValueError(f"tolerance {tolerance} and budget {budget} must be positive")
-    kinked = _kinks(found)
-    claimed = {output: along for output, along in found.items() if output not in kinked}
+    kinked = _kinks(decays)
+    claimed = {output: along for output, along in decays.items() if output not in kinked}
     if not claimed:
         raise ValueError(f"no output decays geometrically, so no tolerance can be met: {', '.join(kinked)}")
-    names = list(next(iter(found.values())))
-    counts = _smallest(claimed, tolerance, given)
+    names = list(next(iter(decays.values())))
+    counts = _smallest(claimed, tolerance, fixed)
     if counts is None or prod(counts.values()) > budget:
-        raise UnreachableError(_unreachable(claimed, counts, tolerance, budget, given))
+        raise UnreachableError(_unreachable(claimed, counts, tolerance, budget, fixed))
     error = {output: _error(along, counts) for output, along in claimed.items()}
     return LevelChoice(
         counts=counts,
         cases=prod(counts.values()),
         tolerance=tolerance,
-        error={output: error.get(output, float("nan")) for output in found},
-        affine=tuple(name for name in names if all(along[name].affine for along in found.values())),
+        error={output: error.get(output, float("nan")) for output in decays},
+        affine=tuple(name for name in names if all(along[name].affine for along in decays.values())),
         extrapolated=tuple(
             name
             for name in names
-            if name not in given and counts[name] > max(len(along[name].coefficients) for along in found.values())
+            if name not in fixed and counts[name] > max(len(along[name].coefficients) for along in decays.values())
         ),
         kinked=kinked,
-        decay=evidence(found, counts),
+        decay=evidence(decays, counts),
     )
 
 
-def evidence(found: Decays, counts: Mapping[str, int]) -> xr.Dataset:
+def evidence(decays: Decays, counts: Mapping[str, int]) -> xr.Dataset:
     """Return decays as a data set: `LevelChoice.decay`, with `kinked` over (`output`, `input`), 1 at a kink."""
-    names = list(next(iter(found.values())))
-    table = [[along[name] for name in names] for along in found.values()]
+    names = list(next(iter(decays.values())))
+    table = [[along[name] for name in names] for along in decays.values()]
     modes = max(len(decay.coefficients) for row in table for decay in row)
     coefficients = np.full((len(table), len(names), modes), np.nan)
     for p, row in enumerate(table):
@@ -119,7 +119,7 @@ def evidence(found: Decays, counts: Mapping[str, int]) -> xr.Dataset:
             "interpolation_error": (over, np.array(errors), {"long_name": "predicted error over range"}),
             "kinked": (over, np.array([[int(decay.algebraic) for decay in row] for row in table])),
         },
-        coords={"output": list(found), "input": names, "mode": np.arange(modes)},
+        coords={"output": list(decays), "input": names, "mode": np.arange(modes)},
     )  # fmt: skip
 
 
@@ -134,22 +134,22 @@ def _lines(values: Array) -> list[Array]:
     return largest
 
 
-def _smallest(judged: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int] | None:
+def _smallest(judged: Decays, tolerance: float, fixed: Mapping[str, int]) -> dict[str, int] | None:
     """Level counts of few cases with every output's summed error within the tolerance, None where there are none."""
-    counts = _equally_shared(judged, tolerance, given)
-    return None if counts is None else _trimmed(counts, judged, tolerance, given)
+    counts = _equally_shared(judged, tolerance, fixed)
+    return None if counts is None else _trimmed(counts, judged, tolerance, fixed)
 
 
-def _equally_shared(judged: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int] | None:
+def _equally_shared(judged: Decays, tolerance: float, fixed: Mapping[str, int]) -> dict[str, int] | None:
     """Level counts that split what the given counts leave of the tolerance equally between the other inputs."""
     names = list(next(iter(judged.values())))
-    taken = max(sum(along[name].error(given[name]) for name in names if name in given) for along in judged.values())
+    taken = max(sum(along[name].error(fixed[name]) for name in names if name in fixed) for along in judged.values())
     if taken > tolerance:
         return None
-    curved = sum(any(not along[name].affine for along in judged.values()) for name in names if name not in given)
+    curved = sum(any(not along[name].affine for along in judged.values()) for name in names if name not in fixed)
     share, counts = (tolerance - taken) / max(1, curved), dict[str, int]()
     for name in names:
-        fewest = given[name] if name in given else _fewest([along[name] for along in judged.values()], share)
+        fewest = fixed[name] if name in fixed else _fewest([along[name] for along in judged.values()], share)
         if fewest is None:
             return None
         counts[name] = fewest
@@ -163,10 +163,10 @@ def _fewest(decays: Sequence[Decay], error: float) -> int | None:
     )
 
 
-def _trimmed(counts: dict[str, int], judged: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int]:
+def _trimmed(counts: dict[str, int], judged: Decays, tolerance: float, fixed: Mapping[str, int]) -> dict[str, int]:
     """Take levels away, where that saves most first, while the sum of the errors allows: equal shares are wasteful."""
     while True:
-        free = sorted((name for name in counts if name not in given and counts[name] > 2), key=counts.__getitem__)
+        free = sorted((name for name in counts if name not in fixed and counts[name] > 2), key=counts.__getitem__)
         fewer = ({**counts, name: counts[name] - 1} for name in free)
         allowed = (tried for tried in fewer if max(_error(along, tried) for along in judged.values()) <= tolerance)
         best = next(allowed, None)
@@ -181,14 +181,14 @@ def _error(along: Mapping[str, Decay], counts: Mapping[str, int]) -> float:
 
 
 def _unreachable(
-    claimed: Decays, counts: dict[str, int] | None, tolerance: float, budget: int, given: Mapping[str, int]
+    claimed: Decays, counts: dict[str, int] | None, tolerance: float, budget: int, fixed: Mapping[str, int]
 ) -> str:
     low, high = np.log(tolerance), 0.0
     for _ in range(40):
         middle = (low + high) / 2
-        tried = _smallest(claimed, float(np.exp(middle)), given)
+        tried = _smallest(claimed, float(np.exp(middle)), fixed)
         low, high = (low, middle) if tried and prod(tried.values()) <= budget else (middle, high)
-    reached = _smallest(claimed, float(np.exp(high)), given)
+    reached = _smallest(claimed, float(np.exp(high)), fixed)
     if reached and prod(reached.values()) <= budget:
         offer = f"{budget:,} cases reach about {np.exp(high):.1e} with {_text(reached)}"
     else:
@@ -196,7 +196,7 @@ def _unreachable(
     if counts is not None:
         needed = f"{prod(counts.values()):,} cases ({_text(counts)})"
         return f"tolerance {tolerance:g} needs {needed}, the budget is {budget:,}; {offer}"
-    for name, count in given.items():
+    for name, count in fixed.items():
         output, worst = max(((key, along[name].error(count)) for key, along in claimed.items()), key=itemgetter(1))
         if worst > tolerance:
             too_few = f"{count} levels of {name!r}: output {output!r} errs by {worst:.1e} there"

@@ -35,7 +35,7 @@ def explore(
     tolerance: float,
     budget: int,
     outputs: Sequence[str] | None = None,
-    given: Mapping[str, int] = MappingProxyType({}),
+    fixed: Mapping[str, int] = MappingProxyType({}),
 ) -> Pilot:
     """Choose level counts from pilots along one input at a time.
 
@@ -53,14 +53,14 @@ def explore(
             for output, along in decays(solve(axes), inputs, outputs).items():
                 judged.setdefault(output, {})[name] = along[name]
         waiting = []
-        for name in _unsettled(judged, tolerance, given):
+        for name in _unsettled(judged, tolerance, fixed):
             finer = fineness[name] + 1
             lines = _others(len(inputs), budget) ** (len(inputs) - 1)
             if finer < len(LEVELS) and spent + LEVELS[finer] * lines <= budget:
                 fineness[name] = finer
                 waiting.append(name)
     ordered = {output: {input_.name: along[input_.name] for input_ in inputs} for output, along in judged.items()}
-    choice = choose(ordered, tolerance, budget, given)
+    choice = choose(ordered, tolerance, budget, fixed)
     return Pilot(choice, {name: LEVELS[fine] for name, fine in fineness.items()}, spent)
 
 
@@ -75,14 +75,14 @@ def _others(inputs: int, budget: int) -> int:
     return next((n for n in OTHERS if n ** (inputs - 1) <= room), OTHERS[-1])
 
 
-def _unsettled(judged: Mapping[str, Mapping[str, Decay]], tolerance: float, given: Mapping[str, int]) -> list[str]:
+def _unsettled(judged: Mapping[str, Mapping[str, Decay]], tolerance: float, fixed: Mapping[str, int]) -> list[str]:
     """Inputs of whose decay more must be seen: a kink is suspected, or more levels are needed than were seen."""
     names = list(next(iter(judged.values())))
     unsettled = []
     for name in names:
         decays_along = [along[name] for along in judged.values()]
         seen = max(len(decay.coefficients) for decay in decays_along)
-        unclear = name not in given and max(decay.error(seen) for decay in decays_along) > tolerance / len(names)
+        unclear = name not in fixed and max(decay.error(seen) for decay in decays_along) > tolerance / len(names)
         if unclear or any(decay.algebraic for decay in decays_along):
             unsettled.append(name)
     return unsettled

@@ -48,9 +48,9 @@ def front(problem: Problem, objectives: int, *, points: int = 33, fill: int = 8,
     between = _between(designs, _worst(problem, designs, objectives), fill * len(designs))
     designs = _feasible(problem, np.concatenate([designs, between]))
     values = _worst(problem, designs, objectives)
-    kept = non_dominated(values)
-    order = np.argsort(values[kept, 0])
-    x, values = designs[kept][order], values[kept][order]
+    best = non_dominated(values)
+    order = np.argsort(values[best, 0])
+    x, values = designs[best][order], values[best][order]
     span = np.ptp(values, axis=0)
     return Front(x, values, values.min(0), np.where(span > 0, span, 1.0))
 
@@ -63,30 +63,30 @@ def scalarised(problem: Problem, objectives: int, reference: Array, weights: Arr
 
     def value(X: Array) -> tuple[Array, Array]:
         rows, excess = problem.value(X)
-        each = rows.reshape(len(X), objectives, -1)
-        return ((each - reference[:, None]) / weights[:, None]).reshape(len(X), -1), excess
+        by_objective = rows.reshape(len(X), objectives, -1)
+        return ((by_objective - reference[:, None]) / weights[:, None]).reshape(len(X), -1), excess
 
     def slope(x: Array) -> tuple[Array, Array]:
         rows, excess = problem.slope(x)
-        each = rows.reshape(objectives, -1, len(x)) / weights[:, None, None]
-        return each.reshape(-1, len(x)), excess
+        by_objective = rows.reshape(objectives, -1, len(x)) / weights[:, None, None]
+        return by_objective.reshape(-1, len(x)), excess
 
     return Problem(problem.dimension, value, slope)
 
 
 def non_dominated(values: Array) -> Flags:
     """Which rows of values (m, k), larger is better, no other row equals or exceeds in all; ties keep the first."""
-    kept = np.ones(len(values), dtype=bool)
+    best = np.ones(len(values), dtype=bool)
     order = np.lexsort(-values.T[::-1])
     if values.shape[1] == 2:  # sorted by the first, the second must rise
         second = values[order, 1]
         before = np.concatenate([[-np.inf], np.maximum.accumulate(second)[:-1]])
-        kept[order] = second > before
-        return kept
+        best[order] = second > before
+        return best
     for position, i in enumerate(order):
-        better = order[:position][kept[order[:position]]]
-        kept[i] = not np.any(np.all(values[better] >= values[i], axis=1))
-    return kept
+        better = order[:position][best[order[:position]]]
+        best[i] = not np.any(np.all(values[better] >= values[i], axis=1))
+    return best
 
 
 def _references(values: Array, ends: Array, points: int) -> Array:

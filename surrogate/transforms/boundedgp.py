@@ -116,13 +116,13 @@ class BoundedGP(Transformed):
         return out
 
     @override
-    def reached(self, mean: Array, std: Array, away: Array) -> Array:
+    def reached(self, mean: Array, std: Array, distance: Array) -> Array:
         steep = self._steepness(mean)
-        told = steep > 0
+        changing = steep > 0
         with np.errstate(divide="ignore", invalid="ignore"):
             learnt = np.stack([_link(y, low, high) for y, low, high in zip(mean, *self._bounds(), strict=True)])
-            ends = self._outputs(learnt + away * np.where(told, std / steep, 0.0))
-        return np.asarray(np.where(told, ends, mean))
+            ends = self._outputs(learnt + distance * np.where(changing, std / steep, 0.0))
+        return np.asarray(np.where(changing, ends, mean))
 
     # -- answers -------------------------------------------------------------------------------------------------------
     @override
@@ -172,21 +172,21 @@ class BoundedGP(Transformed):
     def state(self) -> xr.Dataset:
         """Return the bounds; the process stands beside them, as `free`."""
         ends = np.stack(self._bounds(), axis=1)
-        given = np.isfinite(ends)
+        bounded = np.isfinite(ends)
         return xr.Dataset(
             {
-                "bounded": (("output", "end"), given.astype(np.int8)),
-                "bound": (("output", "end"), np.where(given, ends, 0.0)),
+                "bounded": (("output", "end"), bounded.astype(np.int8)),
+                "bound": (("output", "end"), np.where(bounded, ends, 0.0)),
             }
         )
 
     @override
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        given, ends = (stored[name].transpose("output", "end").values for name in ("bounded", "bound"))
-        if given.shape != (len(outputs), 2) or ends.shape != given.shape:
+        bounded, ends = (stored[name].transpose("output", "end").values for name in ("bounded", "bound"))
+        if bounded.shape != (len(outputs), 2) or ends.shape != bounded.shape:
             raise ValueError("the bounds do not fit the outputs")
-        low, high = np.where(given > 0, ends, [-np.inf, np.inf]).T.tolist()
+        low, high = np.where(bounded > 0, ends, [-np.inf, np.inf]).T.tolist()
         known = {name: (a, b) for name, a, b in zip(outputs, low, high, strict=True) if np.isfinite([a, b]).any()}
         return cls(None, known)
 

@@ -97,7 +97,7 @@ class GroupedGP(Transformed):
             axes' values.
         """
         names = tuple(self.grouping.scalings)
-        for name in (*names, *(own.name for own in self.grouping.inputs)):
+        for name in (*names, *(input_.name for input_ in self.grouping.inputs)):
             if name not in X.variables:
                 raise ValueError(f"{name!r} is not in the data set; it has {', '.join(map(str, X.variables))}")
         self._check_axes(X)
@@ -122,7 +122,7 @@ class GroupedGP(Transformed):
 
     def _points(self, data: xr.Dataset) -> tuple[xr.DataArray, Array]:
         """Inputs broadcast against each other: the first of them, and all in a row for each place, (n, d)."""
-        columns = xr.broadcast(*(data[own.name].reset_coords(drop=True) for own in self.grouping.inputs))
+        columns = xr.broadcast(*(data[input_.name].reset_coords(drop=True) for input_ in self.grouping.inputs))
         return columns[0], np.stack([column.values.ravel() for column in columns], axis=1)
 
     def _check_axes(self, X: xr.Dataset) -> None:
@@ -193,7 +193,11 @@ class GroupedGP(Transformed):
         return None if reduced is None else self._laid_out[1]
 
     def _alone(self, reduced: Single) -> Single:
-        ends, axes, scales = [(own.low, own.high) for own in self.inputs_], self.grouping.products, self._scales
+        ends, axes, scales = (
+            [(input_.low, input_.high) for input_ in self.inputs_],
+            self.grouping.products,
+            self._scales,
+        )
         outer = None if self.calibration_ is None else self.calibration_.outer
         guard = None if outer is None else SingleGuard(outer, self.inputs_)
 
@@ -247,8 +251,8 @@ class GroupedGP(Transformed):
         """Return the calibrated deviations of the derivatives: along the axes and of the scale, as independent."""
         X = self.physical(t)
         mean, std = self.mean_std(X, True)
-        own = self.reduced_.physical_slopes(self.grouping.products.values(X), self.reduced_.slope_stds)
-        return self._together(X, own * self._guarded(X), mean, std)
+        stds = self.reduced_.physical_slopes(self.grouping.products.values(X), self.reduced_.slope_stds)
+        return self._together(X, stds * self._guarded(X), mean, std)
 
     @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
@@ -257,17 +261,17 @@ class GroupedGP(Transformed):
         def stds(axes: Array) -> Array:
             return np.sqrt(np.maximum(self.reduced_.slope_variances(axes, weights), 0))
 
-        own = self.reduced_.physical_slopes(self.grouping.products.values(X), stds)
+        slopes = self.reduced_.physical_slopes(self.grouping.products.values(X), stds)
         mean, variance = self.mean_variance(t, weights)
-        return self._together(X, own, mean, None if variance is None else np.sqrt(variance)) ** 2
+        return self._together(X, slopes, mean, None if variance is None else np.sqrt(variance)) ** 2
 
-    def _together(self, X: Array, own: Array, mean: Array, std: Array | None) -> Array:
-        squares = (self._chained(X, own, mean) ** 2).sum(axis=1)
+    def _together(self, X: Array, slopes: Array, mean: Array, std: Array | None) -> Array:
+        squares = (self._chained(X, slopes, mean) ** 2).sum(axis=1)
         if std is not None:
             squares += (self._scales.steepness(X) * std) ** 2
         return np.asarray(np.sqrt(squares) / self.unit_slopes(X))
 
-    def _chained(self, X: Array, own: Array, mean: Array) -> Array:
+    def _chained(self, X: Array, slopes: Array, mean: Array) -> Array:
         """Derivatives by the inputs of what depends on every axis: (axes, p, n) -> (d, axes, p, n)."""
         chain = self.grouping.products.jacobian(X).transpose(1, 0, 2)[:, :, None]
-        return np.asarray(chain * own * self._scales.sizes(X, mean))
+        return np.asarray(chain * slopes * self._scales.sizes(X, mean))

@@ -19,9 +19,9 @@ from surrogate.transforms.outputs import Scales, Scaling
 
 def _over(variable: xr.Variable, dims: Mapping[Hashable, int]) -> Array:
     """Values over dimensions of these sizes, those of the variable among them."""
-    own = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
+    values = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
     axes = tuple(slice(None) if dim in variable.dims else None for dim in dims)
-    return np.broadcast_to(own[axes], tuple(dims.values()))
+    return np.broadcast_to(values[axes], tuple(dims.values()))
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Grouping:
     reference: Powers = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        names = {own.name: own for own in self.inputs}
+        names = {input_.name: input_ for input_ in self.inputs}
         used = {name for group in self.groups for name, power in group.powers.items() if power}
         for name in (*used, *self.added, *(name for scaling in self.scalings.values() for name in scaling.powers)):
             if name not in names:
@@ -76,9 +76,11 @@ class Grouping:
         self._check_positive("the added logarithm", self.added)
 
     def _check_positive(self, what: str, powers: Powers) -> None:
-        for own in self.inputs:
-            if powers.get(own.name, 0.0) and own.low <= 0:
-                raise ValueError(f"groups: {what}: {own.name!r} from {own.low:g} on has no such power; it must be > 0")
+        for input_ in self.inputs:
+            if powers.get(input_.name, 0.0) and input_.low <= 0:
+                raise ValueError(
+                    f"groups: {what}: {input_.name!r} from {input_.low:g} on has no such power; it must be > 0"
+                )
 
     @property
     def axes(self) -> tuple[Input, ...]:
@@ -104,14 +106,14 @@ class Grouping:
         outputs : sequence of str
             Which to take.
         """
-        columns = [dataset[own.name].variable for own in self.inputs]
+        columns = [dataset[input_.name].variable for input_ in self.inputs]
         own_dims = tuple(dict.fromkeys(dim for column in columns for dim in column.dims))
         arrays: dict[Any, Any] = {}
         for name in outputs:
             variable = dataset[name].variable
             dims = {dim: dataset.sizes[dim] for dim in dict.fromkeys((*variable.dims, *own_dims))}
-            array, *given = (_over(each, dims) for each in (variable, *columns))
-            X = np.stack([column.ravel() for column in given], axis=1)
+            array, *factors = (_over(source, dims) for source in (variable, *columns))
+            X = np.stack([column.ravel() for column in factors], axis=1)
             learnt = self.scales([name]).transform(np.asarray(array, dtype=np.float64).reshape(1, -1), X)
             arrays[name] = tuple(dims), learnt.reshape(array.shape), dataset[name].attrs
         return xr.Dataset(arrays)
@@ -157,7 +159,7 @@ class Grouping:
         ValueError
             What is inconsistent.
         """
-        names = [own.name for own in inputs]
+        names = [input_.name for input_ in inputs]
 
         def powers(row: Array) -> dict[str, float]:
             return {name: float(power) for name, power in zip(names, row, strict=True) if power}
@@ -180,4 +182,4 @@ class Grouping:
 
     @property
     def _references(self) -> Array:
-        return np.array([self.reference.get(own.name, middle(own)) for own in self.inputs])
+        return np.array([self.reference.get(input_.name, middle(input_)) for input_ in self.inputs])

@@ -65,7 +65,7 @@ class Axes:
 
 def row_of(powers: Powers, inputs: Sequence[Input]) -> Array:
     """Return the power of every input, (d,)."""
-    return np.array([powers.get(own.name, 0.0) for own in inputs])
+    return np.array([powers.get(input_.name, 0.0) for input_ in inputs])
 
 
 def middle(factor: Input) -> float:
@@ -76,11 +76,11 @@ def middle(factor: Input) -> float:
 def span(inputs: Sequence[Input], powers: Powers) -> tuple[float, float]:
     """Return the least and the largest value of a product of powers over a box."""
     low = high = 1.0
-    for own in inputs:
-        power = powers.get(own.name, 0.0)
+    for input_ in inputs:
+        power = powers.get(input_.name, 0.0)
         if not power:
             continue
-        ends = [own.low**power, own.high**power] + ([0.0] if own.low < 0 < own.high else [])
+        ends = [input_.low**power, input_.high**power] + ([0.0] if input_.low < 0 < input_.high else [])
         products = [a * b for a in (low, high) for b in (min(ends), max(ends))]
         low, high = min(products), max(products)
     return low, high
@@ -95,9 +95,9 @@ def _slopes(X: Array, row: Array) -> Array:
     """Derivatives of a product by every input, (d, n)."""
     slopes = np.zeros((len(row), len(X)))
     for k in np.flatnonzero(row):
-        rest = row.copy()
-        rest[k] = 0.0
-        slopes[k] = row[k] * _power(X[:, k], row[k] - 1) * (_product(X, rest) if rest.any() else 1.0)
+        others = row.copy()
+        others[k] = 0.0
+        slopes[k] = row[k] * _power(X[:, k], row[k] - 1) * (_product(X, others) if others.any() else 1.0)
     return slopes
 
 

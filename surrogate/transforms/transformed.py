@@ -79,9 +79,9 @@ class Transformed(GaussianProcess):
 
     def thinned(self, errors: Mapping[str, float]) -> Self:
         """Return the model with root-mean-square errors of outputs that the first member has; others keep theirs."""
-        kept = {name: error for name, error in errors.items() if name in self._unchanged()}
+        unchanged = {name: error for name, error in errors.items() if name in self._unchanged()}
         first = self.MEMBERS[0]
-        return self.over({**self.members, first: self.members[first].thinned(kept)}) if kept else self
+        return self.over({**self.members, first: self.members[first].thinned(unchanged)}) if unchanged else self
 
     def _unchanged(self) -> set[str]:
         """Outputs that are those of the first member, of the same name."""

@@ -31,7 +31,7 @@ def chebyshev_interpolation(
     """
     data = complete_factorial(training, inputs, outputs)
     named = named_points(points, data.inputs)
-    t = [own.to_unit(named.X[:, k]) for k, own in enumerate(data.inputs)]
+    t = [input_.to_unit(named.X[:, k]) for k, input_ in enumerate(data.inputs)]
     answer = {}
     for name, values in data.outputs.items():
         series = reduce(chebyshev.coefficients, range(values.ndim), values)
@@ -48,8 +48,8 @@ def baseline(
     if grouping is None:
         return chebyshev_interpolation(training, list(model.inputs_), points, outputs)
     axes = {axis.name: training[axis.name] for axis in grouping.axes}
-    at = xr.DataArray(grouping.products.values(named.X), dims=("point", "axis"))
-    columns = {axis.name: at.isel(axis=k) for k, axis in enumerate(grouping.axes)}
+    products = xr.DataArray(grouping.products.values(named.X), dims=("point", "axis"))
+    columns = {axis.name: products.isel(axis=k) for k, axis in enumerate(grouping.axes)}
     interpolated = chebyshev_interpolation(
         grouping.reduced(training, outputs).assign_coords(axes), grouping.axes, columns, outputs
     )
@@ -64,9 +64,9 @@ def contracted(tensor: Array, rows: Sequence[Array]) -> Array:
     """
     answer = np.empty((len(rows[0]), tensor.shape[-1]))
     size = max(1, ELEMENTS // int(np.prod(tensor.shape[1:])))
-    for some in blocks(len(answer), size):
-        state = rows[0][some] @ tensor.reshape(tensor.shape[0], -1)
+    for block in blocks(len(answer), size):
+        state = rows[0][block] @ tensor.reshape(tensor.shape[0], -1)
         for row in rows[1:]:
-            state = np.einsum("bi,bij->bj", row[some], state.reshape(len(state), row.shape[1], -1))
-        answer[some] = state
+            state = np.einsum("bi,bij->bj", row[block], state.reshape(len(state), row.shape[1], -1))
+        answer[block] = state
     return answer

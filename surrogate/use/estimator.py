@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
 from sklearn.utils.validation import _check_sample_weight, check_array, check_is_fitted, validate_data
 
-from approximation.arrays import Array, Indices
+from approximation.arrays import Array, Indices, unmasked
 from approximation.chebyshev import gauss_points
 from surrogate.data.factorial import follows_chebyshev
 from surrogate.data.inputs import Input
@@ -122,9 +122,9 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         if self.kernel not in get_args(KernelName):
             raise ValueError(f"kernel {self.kernel!r} is none of {', '.join(get_args(KernelName))}")
         columns, outputs = validate_data(
-            self, X, y, dtype=np.float64, multi_output=True, y_numeric=True, ensure_min_samples=2
+            self, unmasked(X), unmasked(y), dtype=np.float64, multi_output=True, y_numeric=True, ensure_min_samples=2
         )
-        weights = _check_sample_weight(sample_weight, columns, dtype=np.float64, ensure_non_negative=True)
+        weights = _check_sample_weight(unmasked(sample_weight), columns, dtype=np.float64, ensure_non_negative=True)
         if (weights == 0).any():
             columns, outputs, weights = columns[weights > 0], outputs[weights > 0], weights[weights > 0]
             check_array(columns, ensure_min_samples=2)
@@ -141,17 +141,17 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         levels = [np.unique(column) for column in columns.T]
         if self.inputs is not None:
             names = [input_.name for input_ in self.inputs]
-        apart = self.design == "scattered" or (self.design == "auto" and not self._spread(names, levels)[0])
-        places = None if apart else _places(columns, levels)
+        scattered = self.design == "scattered" or (self.design == "auto" and not self._spread(names, levels)[0])
+        places = None if scattered else _places(columns, levels)
         if places is None:
             columns, values, weights = _once(columns, values, weights)
-            places = None if apart else _places(columns, levels)
+            places = None if scattered else _places(columns, levels)
         if places is None and self.design == "factorial":
             raise ValueError(
                 f"the {len(columns)} cases are no factorial: the columns have "
-                f"{' x '.join(str(len(some)) for some in levels)} levels, and every combination is needed once"
+                f"{' x '.join(str(len(column)) for column in levels)} levels, and every combination is needed once"
             )
-        if places is None and self.design == "auto" and not apart:
+        if places is None and self.design == "auto" and not scattered:
             places = _some_places(columns, levels)
         self.shift_ = np.zeros(len(names))
         if places is None:
@@ -188,7 +188,7 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
             cases (`OutOfBoxError`) without `extrapolate`.
         """
         check_is_fitted(self)
-        points = validate_data(self, X, dtype=np.float64, reset=False) - self.shift_
+        points = validate_data(self, unmasked(X), dtype=np.float64, reset=False) - self.shift_
         if return_std:
             mean, std = self.model_.predict_array(points, return_std=True, extrapolate=self.extrapolate)
             return self._shaped(mean), self._shaped(std)
@@ -198,7 +198,7 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         return values[:, 0] if self._single else values
 
     def _grid(self, names: list[str], levels: list[Array], values: Array, places: Indices) -> GaussianProcess:
-        sizes = [len(some) for some in levels]
+        sizes = [len(values_of_factor) for values_of_factor in levels]
         ordered, missing = np.zeros((np.prod(sizes), values.shape[1])), np.ones(np.prod(sizes), dtype=bool)
         ordered[places], missing[places] = values, False
         outputs = _outputs(names, values)
@@ -220,8 +220,11 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         if follows_chebyshev(grid, names, self.inputs):
             return True, none
         if self.inputs is None:
-            shift = np.array([_shift(some) for some in levels])
-            moved = {name: some - offset for name, some, offset in zip(names, levels, shift, strict=True)}
+            shift = np.array([_shift(values_of_factor) for values_of_factor in levels])
+            moved = {
+                name: values_of_factor - offset
+                for name, values_of_factor, offset in zip(names, levels, shift, strict=True)
+            }
             if follows_chebyshev(xr.Dataset(coords=moved), names, None):
                 return True, shift
         return False, none
@@ -229,18 +232,18 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
     def _scattered(self, names: list[str], columns: Array, values: Array, weights: Array) -> GaussianProcess:
         outputs = _outputs(names, values)
         case = _free("case", names)
-        every = zip([*names, *outputs], [*columns.T, *values.T], strict=True)
-        data = xr.Dataset({name: (case, column) for name, column in every})
-        own = None if (weights == 1).all() else weights
-        return ScatterGP(self.kernel, self.inputs, outputs, self.nugget).fit(data, own)
+        pairs = zip([*names, *outputs], [*columns.T, *values.T], strict=True)
+        data = xr.Dataset({name: (case, column) for name, column in pairs})
+        case_weights = None if (weights == 1).all() else weights
+        return ScatterGP(self.kernel, self.inputs, outputs, self.nugget).fit(data, case_weights)
 
 
 def _places(columns: Array, levels: Sequence[Array]) -> Indices | None:
     """The place of every case in the full product of the levels, (n,); None unless every combination is there once."""
-    sizes = tuple(len(some) for some in levels)
+    sizes = tuple(len(values) for values in levels)
     if int(np.prod([float(size) for size in sizes])) != len(columns):
         return None
-    indices = [np.searchsorted(some, column) for some, column in zip(levels, columns.T, strict=True)]
+    indices = [np.searchsorted(values, column) for values, column in zip(levels, columns.T, strict=True)]
     places: Indices = np.ravel_multi_index(indices, sizes)
     return places if (np.bincount(places, minlength=len(columns)) == 1).all() else None
 
@@ -253,8 +256,8 @@ def _once(columns: Array, values: Array, weights: Array) -> tuple[Array, Array, 
     for keys in (np.column_stack([columns, values]), None):
         _, first, which = np.unique(columns if keys is None else keys, axis=0, return_index=True, return_inverse=True)
         which = which.ravel()
-        apart = np.abs(values - values[first][which]).max(axis=0)
-        if (apart <= _SAME * np.ptp(values, axis=0)).all():
+        difference = np.abs(values - values[first][which]).max(axis=0)
+        if (difference <= _SAME * np.ptp(values, axis=0)).all():
             columns, values, weights = columns[first], values[first], np.bincount(which, weights).astype(np.float64)
     return columns, values, weights
 
@@ -279,12 +282,12 @@ def _shift(levels: Array) -> float:
 
 def _some_places(columns: Array, levels: Sequence[Array]) -> Indices | None:
     """The places of cases that are a factorial but for a few, which a warning tells; None unless they are such."""
-    sizes = tuple(len(some) for some in levels)
+    sizes = tuple(len(values) for values in levels)
     whole = float(np.prod([float(size) for size in sizes]))
     few = min((1 - _NEARLY) * whole, MOST)
     if len(sizes) == 1 or min(sizes) < 3 or not 0 < whole - len(columns) <= few:
         return None
-    indices = [np.searchsorted(some, column) for some, column in zip(levels, columns.T, strict=True)]
+    indices = [np.searchsorted(values, column) for values, column in zip(levels, columns.T, strict=True)]
     places: Indices = np.ravel_multi_index(indices, sizes)
     if len(np.unique(places)) < len(columns):
         return None

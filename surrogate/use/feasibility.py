@@ -39,16 +39,16 @@ def learn(t: Array, refused: Flags, even: Flags, groups: Indices, which: Indices
     tried = [degrees for degrees in tried if len(degrees) <= min(MOST_TERMS, len(known) // _CASES_A_TERM)] or [
         _total(len(t), 1)
     ]
-    apart = [_left_out(degrees, t, known, fold) for degrees in tried]
-    best = int(np.argmin([_loss(score, known) for score in apart]))
-    degrees, score = tried[best], apart[best]
+    scores = [_left_out(degrees, t, known, fold) for degrees in tried]
+    best = int(np.argmin([_loss(score, known) for score in scores]))
+    degrees, score = tried[best], scores[best]
     coefficients = _fitted(products.values(degrees, t), known)
     threshold = score[known & held] if (known & held).any() else score[known]
     rank = int(PASSING * (len(threshold) + 1))
     answered = score[~known & held] if (~known & held).any() else score[~known]
     least = max(float(np.sort(threshold)[-max(rank, 1)]), float(np.quantile(answered, MARGIN)))
     places = np.flatnonzero(refused)
-    some = random.permutation(len(places))[:_TOLD]
+    sample = random.permutation(len(places))[:_TOLD]
     return Region(
         degrees,
         coefficients,
@@ -56,8 +56,8 @@ def learn(t: Array, refused: Flags, even: Flags, groups: Indices, which: Indices
         max(rank, 1) / (len(threshold) + 1),
         float(refused[even].mean()) if even.any() else float(refused.mean()),
         float((answered < least).mean()),
-        np.ascontiguousarray(whole[:, places[some]].T),
-        np.asarray(which)[some],
+        np.ascontiguousarray(whole[:, places[sample]].T),
+        np.asarray(which)[sample],
         tuple(reasons),
     )
 
@@ -73,8 +73,8 @@ def _chosen(refused: Flags, even: Flags, random: np.random.Generator) -> Indices
 
 def _total(inputs: int, degree: int) -> Indices:
     """Degrees of all terms up to a total degree, the constant first."""
-    some = [index for index in product(range(degree + 1), repeat=inputs) if sum(index) <= degree]
-    return np.array(sorted(some, key=lambda index: (sum(index), index)), dtype=np.intp)
+    exponents = [index for index in product(range(degree + 1), repeat=inputs) if sum(index) <= degree]
+    return np.array(sorted(exponents, key=lambda index: (sum(index), index)), dtype=np.intp)
 
 
 def _left_out(degrees: Indices, t: Array, refused: Flags, fold: Indices) -> Array:
@@ -98,8 +98,8 @@ def _fitted(terms: Array, refused: Flags) -> Array:
     penalty[0] = 1e-3 * _RIDGE
     sign = np.where(refused, 1.0, -1.0)
 
-    def cost(own: Array) -> float:
-        return float(np.logaddexp(0.0, sign * (own @ terms)).mean() + penalty @ own**2 / 2)
+    def cost(weights: Array) -> float:
+        return float(np.logaddexp(0.0, sign * (weights @ terms)).mean() + penalty @ weights**2 / 2)
 
     fitted = np.zeros(len(terms))
     least = cost(fitted)
@@ -108,9 +108,9 @@ def _fitted(terms: Array, refused: Flags) -> Array:
         gradient = terms @ (sign * share) / terms.shape[1] + penalty * fitted
         hessian = (terms * (share * (1 - share))) @ terms.T / terms.shape[1] + np.diag(penalty)
         step, length = np.linalg.solve(hessian, gradient), 1.0
-        while (now := cost(fitted - length * step)) > least and length > 1e-4:
+        while (current := cost(fitted - length * step)) > least and length > 1e-4:
             length /= 2
-        if now >= least - 1e-10:
+        if current >= least - 1e-10:
             break
-        fitted, least = fitted - length * step, now
+        fitted, least = fitted - length * step, current
     return fitted

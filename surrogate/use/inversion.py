@@ -59,7 +59,7 @@ class Inversion:
         One to three inputs to infer.
     measured : sequence of str
         Outputs that are measured.
-    at : mapping
+    known : mapping
         Values of the other inputs.
 
     Raises
@@ -69,13 +69,13 @@ class Inversion:
     """
 
     def __init__(
-        self, model: GaussianProcess, infer: Sequence[str], measured: Sequence[str], at: Mapping[str, float]
+        self, model: GaussianProcess, infer: Sequence[str], measured: Sequence[str], known: Mapping[str, float]
     ) -> None:
-        for name in [*infer, *at]:
+        for name in [*infer, *known]:
             if name not in model.box:
                 raise ValueError(f"{name!r} is not an input of the model; it has {', '.join(model.box)}")
         for name in model.box:
-            if (name in infer) + (name in at) != 1:
+            if (name in infer) + (name in known) != 1:
                 raise ValueError(f"{name!r} must be either inferred or given")
         for name in measured:
             if name not in model.outputs_:
@@ -83,7 +83,7 @@ class Inversion:
         if len(infer) not in _FIRST or not measured:
             raise ValueError(f"one to three inputs can be inferred, from one or more outputs, not {len(infer)}")
         # beyond the edge of the cases that have answers nothing can have been measured
-        self._model, self._at, self._answers = model.everywhere(), dict(at), model.has_answers
+        self._model, self._at, self._answers = model.everywhere(), dict(known), model.has_answers
         self._everywhere = model.region_ is None
         self._inputs: list[Input] = [model.box[name] for name in infer]
         self._columns = [list(model.outputs_).index(name) for name in measured]
@@ -156,7 +156,7 @@ class Inversion:
 
     def _points(self, centre: Array) -> Array:
         """Physical points (n, d) at scaled values of the inferred inputs."""
-        places = {own.name: own.from_unit(centre[:, k]) for k, own in enumerate(self._inputs)}
+        places = {input_.name: input_.from_unit(centre[:, k]) for k, input_ in enumerate(self._inputs)}
         columns = [places.get(name, np.full(len(centre), self._at.get(name, np.nan))) for name in self._model.box]
         return np.stack(columns, -1)
 
@@ -174,10 +174,10 @@ class Inversion:
 
     def _summary(self, cells: "_Cells", weights: Array, misfit: float, level: float) -> Estimate:
         rows = []
-        for k, own in enumerate(self._inputs):
+        for k, input_ in enumerate(self._inputs):
             centre, half = cells.centre[:, k], cells.half[:, k]
-            ends = [own.from_unit(_quantile(centre, half, weights, p)) for p in ((1 - level) / 2, (1 + level) / 2)]
-            rows.append([float(weights @ own.from_unit(centre)), *map(float, ends)])
+            ends = [input_.from_unit(_quantile(centre, half, weights, p)) for p in ((1 - level) / 2, (1 + level) / 2)]
+            rows.append([float(weights @ input_.from_unit(centre)), *map(float, ends)])
         mean, low, high = np.array(rows).T
         return Estimate(mean, low, high, misfit)
 

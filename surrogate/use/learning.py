@@ -2,7 +2,7 @@
 
 Measured = model(input, constants) + discrepancy(input) + noise, output by output (M. C. Kennedy and A. O'Hagan, J. R.
 Stat. Soc. B 63 (2001) 425). The constants are scaled so that their prior is standard normal; some of them, each for
-itself, may be off by less, by an unknown share of their prior (`own`). Whether an output has a discrepancy, how true
+itself, may be off by less, by an unknown share of their prior (`shares`). Whether an output has a discrepancy, how true
 stated errors are, which values are outliers, and that share are unknown too: competing explanations of the same rows,
 weighed against each other by one chain. Given them all is linear and Gaussian but the model, which is linearised about
 the constants' estimate until that stays (Gauss-Newton); the constants couple the outputs only through their k x k
@@ -42,7 +42,7 @@ class Chain:
     """What one chain has drawn, round by round."""
 
     states: tuple[dict[int, State], ...]  # State of every measured output, by its number
-    own: Array  # shape (rounds,); Share of their prior by which single constants are off
+    shares: Array  # (rounds,), share of their prior by which single constants are off
     # Log-odds for a discrepancy of every measured output against none, given all else of a round: (rounds,)
     odds: dict[int, Array]
     single: Array  # shape (rounds,); Probability that single constants are off at all, given all else of a round
@@ -84,7 +84,9 @@ class Learnt:
     @property
     def odds(self) -> dict[int, float]:
         """Odds for a discrepancy of every measured output against none, by its number."""
-        return {q: float(1 / np.mean(np.exp(-np.clip(each, -_HUGE, _HUGE)))) for q, each in self.chain.odds.items()}
+        return {
+            q: float(1 / np.mean(np.exp(-np.clip(log_odds, -_HUGE, _HUGE)))) for q, log_odds in self.chain.odds.items()
+        }
 
     @property
     def own_odds(self) -> float:
@@ -105,36 +107,36 @@ def learn(
     inputs: tuple[Input, ...],
     constants: int,
     spread: Array,
-    own: Flags | None = None,
+    single_constants: Flags | None = None,
 ) -> Learnt:
     """Estimate constants and discrepancies from measured rows.
 
-    spread: (n,); own: (k,), optional.
+    spread: (n,); single_constants: (k,), optional.
     """
-    single = np.zeros(constants, np.bool_) if own is None else own
+    single = np.zeros(constants, np.bool_) if single_constants is None else single_constants
     model = _Linearised(forward, rows, inputs, spread)
     about, start = np.zeros(constants), None
     for number in range(_CHAINS):
         parts, rounds = model.at(about), ROUNDS if number else DRAWS
         chain = _chained(parts, single, start, np.random.default_rng(number), rounds)
-        kept = np.linspace(0, rounds - 1, DRAWS).round().astype(np.intp)
+        rounds_used = np.linspace(0, rounds - 1, DRAWS).round().astype(np.intp)
         random = np.random.default_rng(0)
         states = []
-        for k in kept:
-            mean = _draw({q: part.few()[0] for q, part in parts.items()}, chain.states[k], chain.own[k], single).mean
+        for k in rounds_used:
+            mean = _draw({q: part.few()[0] for q, part in parts.items()}, chain.states[k], chain.shares[k], single).mean
             states.append(
                 {q: part.completed(chain.states[k][q], part.few()[1], mean, random) for q, part in parts.items()}
             )
-        here = about
-        about, draws = _settled(model, about, states, chain.own[kept], single)
+        previous = about
+        about, draws = _settled(model, about, states, chain.shares[rounds_used], single)
         start = chain.states[-1]
-        if number and np.abs(about - here).max() <= _STALE:
+        if number and np.abs(about - previous).max() <= _STALE:
             break
     wild = np.zeros(len(rows.value))
     for q in rows.outputs:
         wild[rows.of(q)] = np.mean([state[q].wild > 0 for state in states], axis=0)
-        some = parts[q].few()[1]
-        wild[rows.of(q)[some]] = np.mean([state[q].wild > 0 for state in chain.states], axis=0)
+        few_rows = parts[q].few()[1]
+        wild[rows.of(q)[few_rows]] = np.mean([state[q].wild > 0 for state in chain.states], axis=0)
     plain = [{q: part.usual(state[q]) for q, part in parts.items()} for state in states]
     predicted, variance = moments([_left_out(rows, draw, noise) for draw, noise in zip(draws, plain, strict=True)])
     return Learnt(about, draws, chain, wild, (predicted, np.sqrt(variance)))
@@ -162,12 +164,12 @@ class _Linearised:
 
 
 def _settled(
-    model: _Linearised, about: Array, states: Sequence[Mapping[int, State]], own: Array, single: Flags
+    model: _Linearised, about: Array, states: Sequence[Mapping[int, State]], shares: Array, single: Flags
 ) -> tuple[Array, tuple[Draw, ...]]:
     """Constants about which their estimate stays, all else at its draws, and the posterior there."""
     for _ in range(_STEPS):
         parts = model.at(about)
-        draws = tuple(_draw(parts, state, share, single) for state, share in zip(states, own, strict=True))
+        draws = tuple(_draw(parts, state, share, single) for state, share in zip(states, shares, strict=True))
         mean, covariance = mixture(draws)
         move = np.clip(mean - about, -_STEP, _STEP)
         if np.all(np.abs(move) <= 0.02 + 0.1 * np.sqrt(np.diag(covariance))):
@@ -188,36 +190,36 @@ def _chained(
     """Rounds of a chain over all that is unknown but constants and discrepancies, which are integrated over."""
     few = {q: part.few()[0] for q, part in parts.items()}
     state = {q: part.first for q, part in few.items()} if start is None else dict(start)
-    told = {q: part.at(state[q]).information for q, part in few.items()}
+    information = {q: part.at(state[q]).information for q, part in few.items()}
     share = 1.0 if single.any() else 0.0
-    states, own, offs = [], [], []
+    states, shares, offs = [], [], []
     odds: dict[int, list[float]] = {q: [] for q in few}
     for number in range(_BURNT + rounds):
         prior = np.where(single, share, 1.0)
         chances = {}
         for q, part in few.items():
-            others = [told[name] for name in few if name != q]
-            precision = sum((each for each, _ in others), np.zeros((len(prior), len(prior))))
-            weighted = sum((each for _, each in others), np.zeros(len(prior)))
+            others = [information[name] for name in few if name != q]
+            precision = sum((term for term, _ in others), np.zeros((len(prior), len(prior))))
+            weighted = sum((term for _, term in others), np.zeros(len(prior)))
             mean, covariance = posterior(precision, weighted, prior)
             state[q], chances[q] = part.swept(state[q], mean, covariance, random)
-            told[q] = part.at(state[q]).information
-        likely = _shares(list(told.values()), single)
+            information[q] = part.at(state[q]).information
+        likely = _shares(list(information.values()), single)
         chance = np.exp(likely - likely.max())
         chance /= chance.sum()
         share = float(OWN[random.choice(len(OWN), p=chance)]) if single.any() else 0.0
         if number >= _BURNT:
             states.append(dict(state))
-            own.append(share)
+            shares.append(share)
             offs.append(1 - chance[0])
-            for q, each in chances.items():
-                odds[q].append(each)
-    return Chain(tuple(states), np.array(own), {q: np.array(each) for q, each in odds.items()}, np.array(offs))
+            for q, term in chances.items():
+                odds[q].append(term)
+    return Chain(tuple(states), np.array(shares), {q: np.array(term) for q, term in odds.items()}, np.array(offs))
 
 
-def _shares(told: Sequence[tuple[Array, Array]], single: Flags) -> Array:
+def _shares(information: Sequence[tuple[Array, Array]], single: Flags) -> Array:
     """Log-probabilities of the shares `OWN`, up to a constant, from what every output says of the constants."""
-    precision, weighted = (np.sum([pair[k] for pair in told], axis=0) for k in (0, 1))
+    precision, weighted = (np.sum([pair[k] for pair in information], axis=0) for k in (0, 1))
     shares: Array = np.log(OWN_CHANCE)
     for k, share in enumerate(OWN):
         prior = np.where(single, share, 1.0)

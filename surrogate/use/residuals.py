@@ -88,9 +88,9 @@ class Residuals:
     def few(self) -> tuple["Residuals", Indices]:
         """Return as many of the values as states are drawn from, and which they are."""
         n = len(self.residual)
-        some = np.arange(n) if n <= _MOST else np.sort(np.random.default_rng(0).choice(n, _MOST, replace=False))
+        chosen = np.arange(n) if n <= _MOST else np.sort(np.random.default_rng(0).choice(n, _MOST, replace=False))
         names = ("points", "residual", "slopes", "spread", "stated", "unknown")
-        return replace(self, **{name: getattr(self, name)[some] for name in names}), some
+        return replace(self, **{name: getattr(self, name)[chosen] for name in names}), chosen
 
     def usual(self, state: State) -> Array:
         """Return variances of the errors of values that are no outliers, (n,)."""
@@ -98,85 +98,89 @@ class Residuals:
 
     def swept(self, state: State, mean: Array, covariance: Array, random: np.random.Generator) -> tuple[State, float]:
         """Return a state after one Gibbs round over all unknowns, and log-odds of each discrepancy."""
-        away, shared = self.residual - self.slopes @ mean, self.slopes @ covariance @ self.slopes.T
+        misfit, shared = self.residual - self.slopes @ mean, self.slopes @ covariance @ self.slopes.T
         noisy = shared + np.diag(self._noise(state))
-        state, odds = self._with_amplitude(state, away, noisy, random)
-        state = self._with_lengths(state, away, noisy, random)
-        rest = shared + (np.exp(state.amplitude) * self.size) ** 2 * self._smooth(state.lengths[None])[0]
+        state, odds = self._with_amplitude(state, misfit, noisy, random)
+        state = self._with_lengths(state, misfit, noisy, random)
+        covariance_rest = shared + (np.exp(state.amplitude) * self.size) ** 2 * self._smooth(state.lengths[None])[0]
         wider = WILD[state.wild] ** 2
         if self.unknown.any():
             levels = _lattice(state.loose, _NOISES, _STEPS["loose"], random)
             extra = np.where(self.unknown, self.size**2 * wider, 0) * np.exp(2 * levels)[:, None]
-            likely = _densities(_with_diagonals(rest, self.spread + wider * self._stated(state) + extra), away)
+            likely = _densities(
+                _with_diagonals(covariance_rest, self.spread + wider * self._stated(state) + extra), misfit
+            )
             state = replace(state, loose=float(levels[_pick(likely, random)]))
         if not self.unknown.all():
             levels = _lattice(state.scale, _SCALES, _STEPS["scale"], random)
             stated = wider * self.stated * np.exp(2 * levels)[:, None]
-            likely = _densities(_with_diagonals(rest, self.spread + wider * self._loose(state) + stated), away)
+            likely = _densities(
+                _with_diagonals(covariance_rest, self.spread + wider * self._loose(state) + stated), misfit
+            )
             likely -= (FREEDOM + 1) / 2 * np.log1p((levels / TRUST) ** 2 / FREEDOM)
             state = replace(state, scale=float(levels[_pick(likely, random)]))
-        return replace(state, wild=self._wild(state, away, rest, random)), odds
+        return replace(state, wild=self._wild(state, misfit, covariance_rest, random)), odds
 
-    def completed(self, state: State, some: Indices, mean: Array, random: np.random.Generator) -> State:
+    def completed(self, state: State, chosen: Indices, mean: Array, random: np.random.Generator) -> State:
         """Return a state that was drawn from some of the values with outliers drawn for the others too.
 
         mean: (k,), the constants.
         """
         wild = np.zeros(len(self.residual), np.intp)
-        wild[some] = state.wild
+        wild[chosen] = state.wild
         whole = replace(state, wild=wild)
-        others = np.setdiff1d(np.arange(len(wild)), some)
+        others = np.setdiff1d(np.arange(len(wild)), chosen)
         if not len(others):
             return whole
         known = self.few()[0].at(state)
-        own, by_constants, variance = known.at(self.points[others])
-        away = self.residual[others] - self.slopes[others] @ mean - own + by_constants @ mean
+        discrepancy, by_constants, variance = known.at(self.points[others])
+        misfit = self.residual[others] - self.slopes[others] @ mean - discrepancy + by_constants @ mean
         noise = self.spread[others, None] + (self._plain(whole)[others, None] * WILD**2) + variance[:, None]
-        likely = np.log(CHANCE) - 0.5 * np.log(noise) - 0.5 * away[:, None] ** 2 / noise
+        likely = np.log(CHANCE) - 0.5 * np.log(noise) - 0.5 * misfit[:, None] ** 2 / noise
         wild[others] = [_pick(chances, random) for chances in likely]
         return replace(state, wild=wild)
 
     def _with_amplitude(
-        self, state: State, away: Array, noisy: Array, random: np.random.Generator
+        self, state: State, misfit: Array, noisy: Array, random: np.random.Generator
     ) -> tuple[State, float]:
         levels = _lattice(state.amplitude, _AMPLITUDES, _STEPS["amplitude"], random)
         prior = _RISE * levels - 0.5 * (np.exp(levels) / AMPLITUDE) ** 2
         shares = self.size**2 * np.concatenate([[0.0], np.exp(2 * levels)])
-        none, *some = _densities(noisy + shares[:, None, None] * self._smooth(state.lengths[None]), away)
-        likely = np.asarray(some) + prior
+        none, *densities = _densities(noisy + shares[:, None, None] * self._smooth(state.lengths[None]), misfit)
+        likely = np.asarray(densities) + prior
         odds = float(np.logaddexp.reduce(likely) - np.logaddexp.reduce(prior) - none)
         return replace(state, amplitude=float(levels[_pick(likely, random)])), odds
 
-    def _with_lengths(self, state: State, away: Array, noisy: Array, random: np.random.Generator) -> State:
+    def _with_lengths(self, state: State, misfit: Array, noisy: Array, random: np.random.Generator) -> State:
         variance, lengths = (np.exp(state.amplitude) * self.size) ** 2, state.lengths.copy()
         for i in range(len(lengths)):
             levels = _lattice(lengths[i], _LENGTHS, _STEPS["length"], random)
-            every = np.repeat(lengths[None], len(levels), 0)
-            every[:, i] = levels
-            likely = _densities(noisy + variance * self._smooth(every), away)
+            candidates = np.repeat(lengths[None], len(levels), 0)
+            candidates[:, i] = levels
+            likely = _densities(noisy + variance * self._smooth(candidates), misfit)
             likely -= 0.5 * ((levels - np.log(LENGTH)) / SPREAD) ** 2
             lengths[i] = levels[_pick(likely, random)]
         return replace(state, lengths=lengths)
 
-    def _wild(self, state: State, away: Array, rest: Array, random: np.random.Generator) -> Indices:
+    def _wild(self, state: State, misfit: Array, covariance: Array, random: np.random.Generator) -> Indices:
         """Outliers, a value after the other: what a wider error changes of the density is of rank one."""
-        inverse = np.linalg.inv(rest + np.diag(self._noise(state)))
-        pull, wild, plain = inverse @ away, state.wild.copy(), self._plain(state)
-        left, drawn = random.permutation(len(away)), random.uniform(size=len(away))
+        inverse = np.linalg.inv(covariance + np.diag(self._noise(state)))
+        pull, wild, plain = inverse @ misfit, state.wild.copy(), self._plain(state)
+        left, drawn = random.permutation(len(misfit)), random.uniform(size=len(misfit))
         while len(left):  # until one changes, the conditional chances of all stay as they are
-            more = plain[left, None] * (WILD**2 - WILD[wild[left], None] ** 2)
-            grown = 1 + more * inverse[left, left, None]
+            added = plain[left, None] * (WILD**2 - WILD[wild[left], None] ** 2)
+            grown = 1 + added * inverse[left, left, None]
             chance = CHANCE / np.sqrt(grown) * np.exp(
-                0.5 * np.minimum(more * pull[left, None] ** 2 / grown, _HUGE)
+                0.5 * np.minimum(added * pull[left, None] ** 2 / grown, _HUGE)
             )  # fmt: skip
             share = np.cumsum(chance, axis=1)
-            now = (share < drawn[left, None] * share[:, -1:]).sum(axis=1)
-            changed = np.flatnonzero(now != wild[left])
+            drawn_level = (share < drawn[left, None] * share[:, -1:]).sum(axis=1)
+            changed = np.flatnonzero(drawn_level != wild[left])
             if not len(changed):
                 break
             first = changed[0]
-            i, k = left[first], now[first]
-            wild[i], column, part = k, inverse[:, i].copy(), more[first, k] / grown[first, k]
+            i, k = left[first], drawn_level[first]
+            wild[i], column, part = k, inverse[:, i].copy(), added[first, k] / grown[first, k]
             pull = pull - part * pull[i] * column
             inverse = inverse - part * np.outer(column, column)
             left = left[first + 1 :]
@@ -208,17 +212,19 @@ class Residuals:
         return np.asarray((t[:, :, None] - t[:, None, :]) ** 2)
 
 
-def _lattice(now: float, ends: tuple[float, float], step: float, random: np.random.Generator) -> Array:
+def _lattice(current: float, ends: tuple[float, float], step: float, random: np.random.Generator) -> Array:
     """Levels of a logarithm from one end to the other through where it is now, a random step apart."""
     (low, high), step = np.log(ends), step * float(random.uniform(0.6, 1.0))
-    return np.asarray(now + step * np.arange(np.ceil((low - now) / step), np.floor((high - now) / step) + 1))
+    return np.asarray(
+        current + step * np.arange(np.ceil((low - current) / step), np.floor((high - current) / step) + 1)
+    )
 
 
-def _densities(covariances: Array, away: Array) -> Array:
+def _densities(covariances: Array, misfit: Array) -> Array:
     """Logarithms of normal densities (g,) of one vector (n,) under covariances (g, n, n), up to a constant."""
-    g, n = len(covariances), len(away)
+    g, n = len(covariances), len(misfit)
     framed = np.empty((g, n + 1, n + 1))  # the last row of its root is the vector, whitened
-    framed[:, :n, :n], framed[:, n, :n], framed[:, :n, n], framed[:, n, n] = covariances, away, away, _FRAME
+    framed[:, :n, :n], framed[:, n, :n], framed[:, :n, n], framed[:, n, n] = covariances, misfit, misfit, _FRAME
     roots = np.linalg.cholesky(framed)
     sizes = np.log(np.diagonal(roots, axis1=1, axis2=2)[:, :n]).sum(axis=1)
     return np.asarray(-0.5 * (roots[:, n, :n] ** 2).sum(axis=1) - sizes)
@@ -226,10 +232,10 @@ def _densities(covariances: Array, away: Array) -> Array:
 
 def _with_diagonals(matrix: Array, diagonals: Array) -> Array:
     """A matrix (n, n) with diagonals (g, n) added, (g, n, n)."""
-    every = np.repeat(matrix[None], len(diagonals), 0)
+    matrices = np.repeat(matrix[None], len(diagonals), 0)
     n = len(matrix)
-    every[:, np.arange(n), np.arange(n)] += diagonals
-    return every
+    matrices[:, np.arange(n), np.arange(n)] += diagonals
+    return matrices
 
 
 def _pick(likely: Array, random: np.random.Generator) -> int:

@@ -85,7 +85,7 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
         "second_order": (("output", "input", "other_input"), (second / whole).transpose(2, 0, 1)),
         "main_effect": (("output", "input", "position"), effect),
         "main_effect_std": (("output", "input", "position"), spread),
-        "value": (("input", "position"), np.stack([own.from_unit(positions) for own in model.inputs_])),
+        "value": (("input", "position"), np.stack([input_.from_unit(positions) for input_ in model.inputs_])),
     }
     for name, part in (("first_order", first), ("total", np.maximum(total, 0))):
         low, high = _bounds(np.maximum(part, 0), whole, error)
@@ -153,7 +153,7 @@ def _expanded(model: GaussianProcess) -> GridGP:
         counts = [max(2, int(np.count_nonzero(tail > allowed))) for tail in tails]
         if np.prod(counts) <= EXPANDED:
             break
-    axes = {own.name: own.levels(count) for own, count in zip(inputs, counts, strict=True)}
+    axes = {input_.name: input_.levels(count) for input_, count in zip(inputs, counts, strict=True)}
     grid = GridGP(inputs=inputs, outputs=model.outputs_, compression=COMPRESSION)
     return grid.fit(model.uncalibrated().predict(axes, return_std=False))
 
@@ -161,9 +161,9 @@ def _expanded(model: GaussianProcess) -> GridGP:
 def _tails(model: GaussianProcess) -> list[Array]:
     """For every input, the largest sum of the means' Chebyshev coefficients from a degree on, over their range."""
     inputs, tails = model.inputs_, []
-    at = 2 * sobol_points(LINES, len(inputs)) - 1
+    points = 2 * sobol_points(LINES, len(inputs)) - 1
     for k in range(len(inputs)):
-        t = np.repeat(at, FEWEST_NODES, axis=0)
+        t = np.repeat(points, FEWEST_NODES, axis=0)
         t[:, k] = np.tile(gauss_points(FEWEST_NODES), LINES)
         values = model.predict_array(physical_points(inputs, t.T)).reshape(LINES, FEWEST_NODES, -1)
         spread = np.ptp(values, axis=(0, 1))
@@ -179,9 +179,9 @@ def _errors(model: GaussianProcess, plain: GridGP, positions: Array) -> tuple[Ar
     over = np.empty((len(model.outputs_), len(inputs), len(positions)))
     for i in range(len(inputs)):
         for j, position in enumerate(positions):
-            at = t[: SAMPLE // 4].copy()
-            at[:, i] = position
-            over[:, i, j] = _mean_square(model, plain, at)
+            points = t[: SAMPLE // 4].copy()
+            points[:, i] = position
+            over[:, i, j] = _mean_square(model, plain, points)
     return np.sqrt(_mean_square(model, plain, t)), np.sqrt(over)
 
 

@@ -95,10 +95,10 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
         "decile": np.arange(1, DECILES + 1),
         "level": ("level", list(LEVELS), {"long_name": "nominal share of the cases that an interval holds"}),
     }
-    told = xr.Dataset(table, coords=coords)
-    for name, array in told.data_vars.items():
+    result = xr.Dataset(table, coords=coords)
+    for name, array in result.data_vars.items():
         array.attrs["long_name"] = _MEANINGS[str(name).removeprefix("raw_")]
-    return told
+    return result
 
 
 def crps(true: Array, mean: Array, std: Array, distribution: Distribution | None = None) -> Array:

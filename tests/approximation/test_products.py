@@ -33,4 +33,4 @@ def test_constants_alone_have_no_slope() -> None:
 
 def test_blocks_cover_every_place_once() -> None:
     places = np.arange(11)
-    assert np.concatenate([places[some] for some in blocks(11, 4)]).tolist() == places.tolist()
+    assert np.concatenate([places[block] for block in blocks(11, 4)]).tolist() == places.tolist()

@@ -1,1 +1,1 @@
-"""What happens when processes die, disks fill and files are tampered with: each fault is really made."""
+"""Faults that are really made: processes die, disks fill and files are changed."""

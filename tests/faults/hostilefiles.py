@@ -21,7 +21,7 @@ def _call(name: str, *arguments: Any) -> int:
     """Call a function of HDF5 with numbers, texts as bytes and arrays; its result, or a test that fails."""
     function = getattr(_LIBRARY, name)
     function.restype = ctypes.c_int64
-    plain = [ctypes.c_int64(one) if isinstance(one, int) else one for one in arguments]
+    plain = [ctypes.c_int64(argument) if isinstance(argument, int) else argument for argument in arguments]
     done = int(function(*plain))
     assert ctypes.c_int32(done).value >= 0, name
     return done

@@ -30,29 +30,31 @@ def start(project: Project, study: str, *files: str, cold: bool = False) -> Run:
         return nursery.Running(command, project.folder, project.modules, (os.devnull, log, log))
     environment = {**os.environ, "PYTHONPATH": str(project.modules), "OMP_NUM_THREADS": "1"}
     program = Path(sys.executable).with_name(command[0])
-    with log.open("ab") as told:
-        return subprocess.Popen([program, *command[1:]], cwd=project.folder, env=environment, stdout=told, stderr=told)
+    with log.open("ab") as output:
+        return subprocess.Popen(
+            [program, *command[1:]], cwd=project.folder, env=environment, stdout=output, stderr=output
+        )
 
 
 def working(project: Project) -> list[psutil.Process]:
     """Processes that work in the project's folder, orphans among them."""
-    found = []
+    processes = []
     for process in psutil.process_iter():
         with suppress(psutil.Error):
             if process.status() != psutil.STATUS_ZOMBIE and Path(process.cwd()) == project.folder:
-                found.append(process)
-    return found
+                processes.append(process)
+    return processes
 
 
 def jobs(run: Run) -> list[psutil.Process]:
     """Processes of a run that run a rule's script: forks, or Pythons of their own."""
-    found = []
+    descendants = []
     with suppress(psutil.Error):
         for process in psutil.Process(run.pid).children(recursive=True):
             with suppress(psutil.Error):
                 if any("/.snakemake/scripts/" in word or word == warm.__file__ for word in process.cmdline()):
-                    found.append(process)
-    return found
+                    descendants.append(process)
+    return descendants
 
 
 def kill_within(run: Run, victim: Victim, dice: random.Random) -> bool:

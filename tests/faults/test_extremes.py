@@ -53,7 +53,7 @@ def test_factors_over_twelve_decades(composite: str) -> None:
 @pytest.mark.parametrize("share", [0.0, 1e-15, 1e-12, 1e-8, 1e-4])
 def test_nearly_degenerate_materials(name: str, share: float) -> None:
     material = find(name)
-    constants = {one: float(getattr(material, one)) for one in UNITS}
+    constants = {constant: float(getattr(material, constant)) for constant in UNITS}
     for moved in ("c11", "c44", "e15", "eps11", "mu33"):
         near = Material.from_mapping(
             {"name": "near", **constants, moved: constants[moved] * (1 + share) + (share if moved == "e15" else 0.0)}
@@ -78,5 +78,5 @@ def test_no_file_holds_what_is_not_finite(tmp_path: Path, capsys: pytest.Capture
         else:
             written += 1
             data = read_whole(file)
-            assert all(np.isfinite(data[one].values).all() for one in data.data_vars)
+            assert all(np.isfinite(data[variable].values).all() for variable in data.data_vars)
     assert written > 0

@@ -40,8 +40,8 @@ def peak() -> int:
 
 def spent() -> float:
     """Seconds of processors that this process and its children have taken."""
-    own, children = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return own.ru_utime + own.ru_stime + children.ru_utime + children.ru_stime
+    process, children = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return process.ru_utime + process.ru_stime + children.ru_utime + children.ru_stime
 
 
 @pytest.fixture(scope="module")
@@ -78,14 +78,14 @@ def run(place: Path, *words: str) -> int:
     assert spent() - start < SECONDS
     assert peak() <= max(BYTES, most)
     assert status in (0, 2), said.getvalue()
-    made = set(place.rglob("*")) - before
-    assert made <= ({place / words[words.index("-o") + 1]} if status == 0 and "-o" in words else set())
+    new_files = set(place.rglob("*")) - before
+    assert new_files <= ({place / words[words.index("-o") + 1]} if status == 0 and "-o" in words else set())
     if status == 2:
         assert said.getvalue().count("\n") == 1
         assert len(said.getvalue()) < 2000
         assert said.getvalue().isprintable() or said.getvalue()[:-1].isprintable()
     assert not (place / hostile.CANARY).exists()
-    for file in made:
+    for file in new_files:
         file.unlink()
     return status
 

@@ -42,14 +42,14 @@ def test_other_studies_run_beside_it(tiny: Maker, undisturbed: Project) -> None:
     runs = [start(project, name, "surrogate.nc") for name in ("tiny", "other")]
     assert [run.wait() for run in runs] == [0, 0]
     assert contents(project).items() <= contents(undisturbed).items()
-    one, other = (project.folder / "results" / name / "surrogate.nc" for name in ("tiny", "other"))
-    assert one.read_bytes() == other.read_bytes()
+    first, other = (project.folder / "results" / name / "surrogate.nc" for name in ("tiny", "other"))
+    assert first.read_bytes() == other.read_bytes()
 
 
 def test_cores_and_slabs_do_not_change_a_byte(tiny: Maker, undisturbed: Project) -> None:
     expected = {name: content for name, content in contents(undisturbed).items() if "slab_" not in name}
     targets = {1: ("validation.nc", "figures/fields.svg"), 3: ("quantities.nc",)}
-    for slabs, made in targets.items():
+    for slabs, files in targets.items():
         project = tiny(f"slabs{slabs}")
         study = project.folder / "config/tiny.yaml"
         study.write_text(TINY.replace("slabs: 2", f"slabs: {slabs}"), encoding="utf-8")
@@ -57,11 +57,11 @@ def test_cores_and_slabs_do_not_change_a_byte(tiny: Maker, undisturbed: Project)
         (results / "fields").mkdir(parents=True)
         for orphan in ("fields/slab_7.nc", "levels.nc"):  # of earlier states of the study
             (results / orphan).write_bytes(b"old")
-        project.run("snakemake", "--cores", "1", *(str(RESULTS / name) for name in made))
-        found = contents(project)
-        assert sum("slab_" in name for name in found) == slabs
-        others = {name: content for name, content in found.items() if "slab_" not in name}
-        assert set(made) <= others.keys()
+        project.run("snakemake", "--cores", "1", *(str(RESULTS / name) for name in files))
+        result = contents(project)
+        assert sum("slab_" in name for name in result) == slabs
+        others = {name: content for name, content in result.items() if "slab_" not in name}
+        assert set(files) <= others.keys()
         assert others.items() <= expected.items()
 
 

@@ -37,7 +37,7 @@ def constants(draw: st.DrawFn) -> dict[str, float]:
     """
     c = {"c11": 2e11, "c33": 2e11, "c44": 5e10, "eps11": 5e-9, "eps33": 5e-9, "mu11": 1e-4, "mu33": 1e-4}
     c = {name: size * draw(decades(-0.5, 0.5)) for name, size in c.items()}
-    c["c13"] = draw(between(-0.5, 0.95)) * (c["c11"] * c["c33"]) ** 0.5
+    c["c13"] = round(draw(between(-0.5, 0.95)), 6) * (c["c11"] * c["c33"]) ** 0.5
     for axis in ("11", "33"):
         c["g" + axis] = draw(between(-0.9, 0.9)) * (c["eps" + axis] * c["mu" + axis]) ** 0.5
     for kind, inertia in (("e", "eps"), ("f", "mu")):

@@ -41,17 +41,17 @@ def test_blocks_make_the_file_that_one_write_would_hold(chunks: dict[str, int], 
     write_blocks(tmp_path / "a.nc", data, pieces(data), chunks)
     write_blocks(tmp_path / "b.nc", data, pieces(data), chunks)
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
-    found = read_whole(tmp_path / "a.nc")  # verifies the checksum
+    stored = read_whole(tmp_path / "a.nc")  # verifies the checksum
     for name, array in data.data_vars.items():
-        np.testing.assert_array_equal(found[name].values, array.values)
-        assert found[name].dtype == array.dtype
-        assert found[name].attrs["units"] == array.attrs["units"]
+        np.testing.assert_array_equal(stored[name].values, array.values)
+        assert stored[name].dtype == array.dtype
+        assert stored[name].attrs["units"] == array.attrs["units"]
         exact = array.values.astype(np.float64)
-        assert found[name].attrs["mean"] == pytest.approx(exact.mean(), rel=1e-12)
-        assert found[name].attrs["standard_deviation"] == pytest.approx(exact.std(), rel=1e-5)
-        np.testing.assert_array_equal(found[name].attrs["actual_range"], [exact.min(), exact.max()])
-    assert found.drop_vars(["depth", "field"]).equals(data.drop_vars(["depth", "field"]))
-    assert found.attrs["checksum"] == checksum(found)
+        assert stored[name].attrs["mean"] == pytest.approx(exact.mean(), rel=1e-12)
+        assert stored[name].attrs["standard_deviation"] == pytest.approx(exact.std(), rel=1e-5)
+        np.testing.assert_array_equal(stored[name].attrs["actual_range"], [exact.min(), exact.max()])
+    assert stored.drop_vars(["depth", "field"]).equals(data.drop_vars(["depth", "field"]))
+    assert stored.attrs["checksum"] == checksum(stored)
 
 
 def test_statistics_of_pieces_are_those_of_the_whole() -> None:
@@ -86,7 +86,7 @@ def test_data_that_cannot_be_compressed_come_back(tmp_path: Path) -> None:
 def test_some_variables_of_a_verified_file(tmp_path: Path) -> None:
     data = sample()
     write_blocks(tmp_path / "a.nc", data, pieces(data), {"a": 1})
-    found = read_whole(tmp_path / "a.nc", names=["depth"])
-    assert list(found.data_vars) == ["depth"]
-    assert "kind" in found.coords
-    np.testing.assert_array_equal(found["depth"], data["depth"])
+    stored = read_whole(tmp_path / "a.nc", names=["depth"])
+    assert list(stored.data_vars) == ["depth"]
+    assert "kind" in stored.coords
+    np.testing.assert_array_equal(stored["depth"], data["depth"])

@@ -220,7 +220,7 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> 
     with pytest.raises(ValueError, match="slash"):  # of the library, when the file is begun
         write_whole(sample().rename(single="a/b"), tmp_path / "a.nc")
     assert (tmp_path / "a.nc").read_bytes() == before
-    assert [one.name for one in tmp_path.iterdir()] == ["a.nc"]
+    assert [file.name for file in tmp_path.iterdir()] == ["a.nc"]
 
 
 def test_a_killed_writer_never_leaves_a_file_under_the_final_name(tmp_path: Path) -> None:
@@ -234,12 +234,12 @@ def test_a_killed_writer_never_leaves_a_file_under_the_final_name(tmp_path: Path
     assert process.stdout is not None
     process.stdout.readline()
     deadline = time.monotonic() + PATIENCE
-    while not any(one.stat().st_size > 2**20 for one in tmp_path.iterdir()) and time.monotonic() < deadline:
+    while not any(file.stat().st_size > 2**20 for file in tmp_path.iterdir()) and time.monotonic() < deadline:
         time.sleep(0.001)
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
     process.stdout.close()
     left = list(tmp_path.iterdir())
-    assert [one.suffix for one in left] == [".partial"]
+    assert [file.suffix for file in left] == [".partial"]
     with pytest.raises(FormatError):
         read_whole(left[0])

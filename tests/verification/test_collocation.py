@@ -45,18 +45,18 @@ SHAPES = {
 @pytest.mark.parametrize("name", SHAPES)
 def test_collocation_satisfies_the_equations_off_its_points(name: str, conducted: tuple[int, ...]) -> None:
     case, _ = problem(SHAPES[name], 0.8, conducted)
-    found = collocation.solve(case)
-    np.testing.assert_allclose(found.totals, [-1e5, -case.charge, -case.magnetic_charge], rtol=1e-12)
+    contact = collocation.solve(case)
+    np.testing.assert_allclose(contact.totals, [-1e5, -case.charge, -case.magnetic_charge], rtol=1e-12)
     X = np.array([-0.83, -0.2, 0.11, 0.67])
-    t, right, left, weight = found.tractions(X), *end_proof_nodes()
-    samples = found._tractions(right, left)
+    t, right, left, weight = contact.tractions(X), *end_proof_nodes()
+    samples = contact._tractions(right, left)
     quotient = (samples[:, None, :] - t[:, :, None]) / ((left - right) / 2 - X[:, None])
     transform = (quotient @ weight + t * np.log((1 - X) / (1 + X))) / np.pi
     answer = case.friction * case.k[:, None] * t[0] + case.N @ transform
-    answer[0] -= case.profile.slope((found.trailing - found.leading) / 2 + found.half_width * X)
+    answer[0] -= case.profile.slope((contact.trailing - contact.leading) / 2 + contact.half_width * X)
     size = np.abs(case.N) @ np.abs(transform)
-    kept = [0, *conducted]
-    assert np.max(np.abs(answer / size)[kept]) < 1e-11
+    rows = [0, *conducted]
+    assert np.max(np.abs(answer / size)[rows]) < 1e-11
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.8])
@@ -64,12 +64,12 @@ def test_profiles_with_corners_have_the_pressures_of_section_4(friction: float) 
     X = np.array([-0.999, -0.3, 0.4, 0.999])
     for name, pressure in {"flat": flat, "wedge": wedge, "half_cylinder": half_cylinder}.items():
         case, surface = problem(SHAPES[name], friction)
-        found = collocation.solve(case)
+        contact = collocation.solve(case)
         lam, alpha = reduced(surface, friction)
-        x = (found.trailing - found.leading) / 2 + found.half_width * X
-        expected, load = pressure(x, found.trailing, lam, alpha)
+        x = (contact.trailing - contact.leading) / 2 + contact.half_width * X
+        expected, load = pressure(x, contact.trailing, lam, alpha)
         assert load == pytest.approx(1e5, rel=1e-12)
-        np.testing.assert_allclose(-found.tractions(X)[0], expected, rtol=1e-11, err_msg=name)
+        np.testing.assert_allclose(-contact.tractions(X)[0], expected, rtol=1e-11, err_msg=name)
 
 
 def flat(x: Array, a: float, _: float, alpha: float) -> tuple[Array, float]:

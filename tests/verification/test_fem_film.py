@@ -15,18 +15,20 @@ FILM, PUNCH = Layer(BARIUM_TITANATE, 0.5e-3), Punch(0.05)
 
 @pytest.mark.soak
 def test_contact_under_a_load_is_the_published_one() -> None:
-    found = FilmContact([FILM], None, PUNCH, FIGURES[0], order=6)
-    numbers = found.load, found.depth, found.potential(ELECTRIC), found.edge_intensities(ELECTRIC)[0]
+    contact = FilmContact([FILM], None, PUNCH, FIGURES[0], order=6)
+    numbers = contact.load, contact.depth, contact.potential(ELECTRIC), contact.edge_intensities(ELECTRIC)[0]
     np.testing.assert_allclose(numbers, (1e5, *FIGURES[1:]), rtol=2e-5)
-    np.testing.assert_allclose(found.edge_intensities(ELECTRIC)[1], FIGURES[3], rtol=2e-5)
-    assert abs(found.centre) < 1e-9 * found.half_length
-    p = -found.fields([-0.5, 0.0, 0.5], 0.0)["stress_yy"]
+    np.testing.assert_allclose(contact.edge_intensities(ELECTRIC)[1], FIGURES[3], rtol=2e-5)
+    assert abs(contact.centre) < 1e-9 * contact.half_length
+    p = -contact.fields([-0.5, 0.0, 0.5], 0.0)["stress_yy"]
     np.testing.assert_allclose(p, [2.620449157e08, 3.033895065e08, 2.620449157e08], rtol=1e-4)
 
 
 def test_a_coupling_that_is_one_per_cent_off_is_seen() -> None:
     other = Layer(BARIUM_TITANATE | {"e33": 1.01 * BARIUM_TITANATE["e33"]}, FILM.thickness)
-    right, wrong = (FilmContact([one], None, PUNCH, FIGURES[0], order=4).potential(ELECTRIC) for one in (FILM, other))
+    right, wrong = (
+        FilmContact([layer], None, PUNCH, FIGURES[0], order=4).potential(ELECTRIC) for layer in (FILM, other)
+    )
     assert right == pytest.approx(FIGURES[2], rel=1e-5)
     assert abs(wrong / right - 1) > 5e-3
 
@@ -37,18 +39,18 @@ def test_steel_on_steel_is_the_half_plane() -> None:
     alpha = np.arctan2(1, friction * (1 - 2 * poisson) / (2 * (1 - poisson))) / np.pi
     width = np.sqrt(4 * (1 - poisson**2) / young * PUNCH.radius * load / (np.pi * alpha * (1 - alpha)))
     steel = isotropic(young, poisson)
-    found = FilmContact(
+    contact = FilmContact(
         [Layer(steel, 3e-4, ())], steel, Punch(PUNCH.radius, friction, conducted=()), width / 2, order=5
     )
-    assert found.load == pytest.approx(load, rel=2e-5)
-    assert found.half_length + found.centre == pytest.approx((1 - alpha) * width, rel=2e-5)
-    assert found.loads[:, 0].sum() == pytest.approx(friction * found.loads[:, 1].sum(), rel=1e-12)
+    assert contact.load == pytest.approx(load, rel=2e-5)
+    assert contact.half_length + contact.centre == pytest.approx((1 - alpha) * width, rel=2e-5)
+    assert contact.loads[:, 0].sum() == pytest.approx(friction * contact.loads[:, 1].sum(), rel=1e-12)
 
 
 def test_charges_are_held() -> None:
     punch = Punch(0.05, 0.3, 1e-5, 2e-3)
-    found = FilmContact([FILM], None, punch, 2e-4, order=4)
-    np.testing.assert_allclose(-found.loads[:, [ELECTRIC, MAGNETIC]].sum(axis=0), (1e-5, 2e-3), rtol=1e-12)
+    contact = FilmContact([FILM], None, punch, 2e-4, order=4)
+    np.testing.assert_allclose(-contact.loads[:, [ELECTRIC, MAGNETIC]].sum(axis=0), (1e-5, 2e-3), rtol=1e-12)
 
 
 @pytest.mark.parametrize("layer", [0, 1])

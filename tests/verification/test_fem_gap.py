@@ -23,9 +23,11 @@ def none() -> GapContact:
 
 
 def test_without_air_and_rigid_it_is_the_other_oracle(none: GapContact) -> None:
-    bare, found = FilmContact([FILM], None, PUNCH, HALF, order=4), none
+    bare, gap_contact = FilmContact([FILM], None, PUNCH, HALF, order=4), none
     expected = [bare.load, bare.centre, bare.depth, bare.potential(ELECTRIC)]
-    np.testing.assert_allclose([found.load, found.centre, found.depth, found.potential(ELECTRIC)], expected, rtol=1e-9)
+    np.testing.assert_allclose(
+        [gap_contact.load, gap_contact.centre, gap_contact.depth, gap_contact.potential(ELECTRIC)], expected, rtol=1e-9
+    )
 
 
 def test_little_air_changes_little(none: GapContact) -> None:
@@ -42,8 +44,8 @@ def test_air_has_the_figures_of_boundary_elements() -> None:
     for charge in (0.0, 4e-7):
         contact = GapContact([Layer(mix, 3e-4)], None, Punch(0.1, charge=charge), 6.48e-5, order=6)
         rate[charge] = contact.potential(ELECTRIC) / contact.load, charge / contact.load
-    (idle, none), (charged, given) = rate.values()
-    assert none - idle * (given - none) / (charged - idle) == pytest.approx(85.9e-12, rel=5e-3)
+    (idle, none), (charged, charged_rate) = rate.values()
+    assert none - idle * (charged_rate - none) / (charged - idle) == pytest.approx(85.9e-12, rel=5e-3)
     assert 1e6 < contact.gap_field < 1e9
 
 
@@ -64,10 +66,10 @@ def test_a_punch_of_the_body_s_own_material_is_twice_as_compliant(friction: floa
     young, poisson = 200e9, 0.3
     steel = isotropic(young, poisson)
     layers, punch = [Layer(steel, 3e-4, ())], Punch(0.05, friction, conducted=())
-    found = solved(layers, steel, punch, permittivity=0.0, elastic=steel)
+    contact = solved(layers, steel, punch, permittivity=0.0, elastic=steel)
     expected = np.pi * young * HALF**2 / (8 * punch.radius * (1 - poisson**2))
-    assert found.load == pytest.approx(expected, rel=1e-4)
-    assert abs(found.centre) < 1e-4 * HALF
+    assert contact.load == pytest.approx(expected, rel=1e-4)
+    assert abs(contact.centre) < 1e-4 * HALF
 
 
 def test_a_field_that_a_film_s_magnets_make_meets_the_gap_too() -> None:

@@ -21,7 +21,7 @@ def contact(charge: float, permittivity: float = 0.0) -> PointContact:
 
 def test_grounded_without_air_it_has_the_figures_of_two_other_programs() -> None:
     """BaTiO3 on a rigid grounded base, a/h = 1 (docs/theory-points.md, section 4)."""
-    idle, charged = ((one.voltage, one.force, one.depth) for one in (contact(0.0), contact(1e-9)))
+    idle, charged = ((state.voltage, state.force, state.depth) for state in (contact(0.0), contact(1e-9)))
     share = idle[0] / (idle[0] - charged[0])  # of the charge, in which everything is linear
     force, depth = ((1 - share) * a + share * b for a, b in zip(idle[1:], charged[1:], strict=True))
     assert force * SPHERE / RADIUS**3 == pytest.approx(2.154751e11, rel=1e-5)

@@ -26,6 +26,6 @@ def test_values_of_nodes_are_those_between_them() -> None:
     assert np.all(np.diff(x[contact(body)]) > 0)
     assert np.all(y[sides(body)] == 0)
     assert np.all(np.abs(x[sides(body)]) >= 1)
-    beside = np.array([-1.7, 1.0, 1.3])
-    np.testing.assert_allclose(along(body, x**3 - x, beside), beside**3 - beside, atol=1e-9)
+    places = np.array([-1.7, 1.0, 1.3])
+    np.testing.assert_allclose(along(body, x**3 - x, places), places**3 - places, atol=1e-9)
     assert along(body, 1 + x, np.array([1e9])).tolist() == [0.0]

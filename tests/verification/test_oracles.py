@@ -56,8 +56,8 @@ def test_angular_integrals_give_the_stroh_eigenvectors_answer(material: dict[str
 
 def principal_value(f: Callable[[mpf, mpf], mpf], u: mpf) -> mpf:
     """(1/pi) PV int f(s)/(s-x) ds with the singularity taken out; u = (a - x)/l."""
-    here = f(u, 1 - u)
-    return (integral(lambda s, t: (f(s, t) - here) / (u - s)) + here * log(u / (1 - u))) / pi
+    value = f(u, 1 - u)
+    return (integral(lambda s, t: (f(s, t) - value) / (u - s)) + value * log(u / (1 - u))) / pi
 
 
 def without_kap(half: HalfPlane) -> HalfPlane:
@@ -88,13 +88,13 @@ def check_equations(surface: Sliding, tolerance: mpf) -> None:
     totals = [
         contact.width * integral(part) if i in (0, *surface.conducted) else mpf(0) for i, part in enumerate(parts)
     ]
-    for total, given in zip(totals, (contact.load, *charges), strict=True):
-        assert abs(total + given) <= tolerance * abs(given)
+    for total, applied in zip(totals, (contact.load, *charges), strict=True):
+        assert abs(total + applied) <= tolerance * abs(applied)
     u = mpf("0.31")
-    here, closed = contact.tractions(u, 1 - u)[1:], contact.transforms_inside(u, 1 - u)[1:]
+    tractions, closed = contact.tractions(u, 1 - u)[1:], contact.transforms_inside(u, 1 - u)[1:]
     numeric = matrix([principal_value(p, u) if i in (0, *surface.conducted) else mpf(0) for i, p in enumerate(parts)])
     assert all(abs(c - n) <= tolerance * abs(n) for c, n in zip(closed, numeric, strict=True))
-    answer = surface.friction * here[0] * matrix(k) + N * numeric
+    answer = surface.friction * tractions[0] * matrix(k) + N * numeric
     x = contact.width * (1 - surface.alpha - u)
     for i in (0, *surface.conducted):
         size = max(abs(N[i, j] * numeric[j]) for j in range(3)) + abs(x / surface.radius)

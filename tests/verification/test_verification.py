@@ -52,8 +52,8 @@ FEW: dict[str, tuple[ModuleType, dict[str, tuple[object, ...]]]] = {
 def findings(group: str, whole: bool) -> Findings:
     if whole or group not in FEW:
         return GROUPS[group](SIZES.get(group, SMALL))
-    module, kept = FEW[group]
-    few: dict[str, Any] = {name: {key: getattr(module, name)[key] for key in keys} for name, keys in kept.items()}
+    module, selection = FEW[group]
+    few: dict[str, Any] = {name: {key: getattr(module, name)[key] for key in keys} for name, keys in selection.items()}
     with mock.patch.multiple(module, **few):
         return GROUPS[group](SMALL)
 
@@ -63,13 +63,14 @@ def test_the_study_knows_the_groups() -> None:
 
 
 @pytest.mark.parametrize(
-    ("group", "whole"), [*product(GROUPS, [False]), *(pytest.param(one, True, marks=pytest.mark.soak) for one in FEW)]
+    ("group", "whole"),
+    [*product(GROUPS, [False]), *(pytest.param(group_name, True, marks=pytest.mark.soak) for group_name in FEW)],
 )
 def test_every_check_is_green(group: str, *, whole: bool) -> None:
     checks = findings(group, whole).checks
-    red = [f"{one.name}: {one.error:.2e} > {one.tolerance:.0e}" for one in checks if not one.passed]
+    red = [f"{result.name}: {result.error:.2e} > {result.tolerance:.0e}" for result in checks if not result.passed]
     assert not red
-    assert len({one.name for one in checks}) == len(checks)
+    assert len({result.name for result in checks}) == len(checks)
 
 
 def test_finite_elements_converge() -> None:
@@ -104,7 +105,11 @@ def test_a_contact_in_air_is_not_one_without() -> None:
 
 
 def test_collocation_of_the_circle_converges_geometrically_to_the_closed_form() -> None:
-    (curve,) = [one for one in findings("integral_equations", False).curves if one.figure == "collocation_circle"]
+    (curve,) = [
+        candidate
+        for candidate in findings("integral_equations", False).curves
+        if candidate.figure == "collocation_circle"
+    ]
     assert all(fine < coarse / 10 for coarse, fine in zip(curve.error, curve.error[1:], strict=False))
 
 
@@ -123,10 +128,10 @@ def test_a_wrong_coupling_turns_the_checks_red(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_what_is_no_number_is_red() -> None:
-    one = check("nothing", "nothing", 1.0, lambda: float(np.nan))
-    assert not one.passed
-    text = replace(findings("limits", False), checks=[one]).to_json()
+    result = check("nothing", "nothing", 1.0, lambda: float(np.nan))
+    assert not result.passed
+    text = replace(findings("limits", False), checks=[result]).to_json()
     assert json.loads(text)["checks"][0] == {
-        "name": "nothing", "compared": "nothing", "error": None, "tolerance": 1.0, "seconds": one.seconds,
+        "name": "nothing", "compared": "nothing", "error": None, "tolerance": 1.0, "seconds": result.seconds,
         "passed": False,
     }  # fmt: skip

@@ -85,7 +85,7 @@ class Project:
     def planned_after(self, edits: Sequence[Sequence[tuple[str, str, str]]], target: str) -> list[set[str]]:
         """The same after edits that are made together, (file, old, new), and then others alone; from one process."""
         done = self.run("python", plans.__file__, target, said=json.dumps(edits))
-        return [set(found) for found in json.loads(done.stdout)]
+        return [set(rules) for rules in json.loads(done.stdout)]
 
 
 class Copy(Protocol):

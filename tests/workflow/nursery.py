@@ -1,4 +1,4 @@
-"""Where tests' commands begin: one warm process a worker (`tests/workflow/warm.py`), of which each is a fork."""
+"""One warm process a worker (`tests/workflow/warm.py`), of which each command of a test is a fork."""
 
 import atexit
 import functools
@@ -31,7 +31,7 @@ def nursery() -> "subprocess.Popen[str]":
 
 
 def printed(line: str) -> str:
-    """What a command line of a page prints, run in the current folder."""
+    """Return the output of a command line of a page, run in the current folder."""
     done = run(shlex.split(line), Path.cwd(), ROOT)
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -67,8 +67,8 @@ class Running:
 
     def poll(self, *, wait: bool = False) -> int | None:
         """Its exit status, if it has ended."""
-        if self.returncode is None and (told := self._told({"process": self.pid, "wait": wait})):
-            self.returncode = int(told)
+        if self.returncode is None and (answer := self._told({"process": self.pid, "wait": wait})):
+            self.returncode = int(answer)
         return self.returncode
 
     def wait(self) -> int:

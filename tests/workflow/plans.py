@@ -19,17 +19,17 @@ def planned(target: str) -> list[str]:
     from snakemake.cli import main  # takes a second
 
     importlib.reload(provenance)
-    told = io.StringIO()
-    with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told), contextlib.suppress(SystemExit):
+    output = io.StringIO()
+    with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output), contextlib.suppress(SystemExit):
         main(["--cores", "2", "-n", "--quiet", "host", "--", target])
-    return rules(told.getvalue())
+    return rules(output.getvalue())
 
 
-def rules(told: str) -> list[str]:
+def rules(output: str) -> list[str]:
     """Names of the rules that Snakemake tells of."""
-    lines = [line.strip() for line in told.splitlines()]
+    lines = [line.strip() for line in output.splitlines()]
     named = [line for line in lines if line.startswith(("rule ", "localrule ")) and line[-1] == ":"]
-    assert named or "Nothing to be done" in told, told
+    assert named or "Nothing to be done" in output, output
     return sorted({line.split()[1].rstrip(":") for line in named})
 
 

@@ -91,10 +91,10 @@ def test_validation_is_on_cases_outside_the_factorial(ran: Project) -> None:
     inputs = {name: data[name] for name in model.box}
     exact = solve({**inputs, "composite": "fibrous"})
     for name in data["output"].values:
-        one = data.sel(output=name)
+        row = data.sel(output=name)
         error = np.abs(model.predict(inputs)[name] - exact[name]).max() / np.ptp(exact[name].values)
-        assert float(one["max_error"]) == pytest.approx(float(error), rel=1e-6)
-        assert float(one["max_error"]) < 1e-3
+        assert float(row["max_error"]) == pytest.approx(float(error), rel=1e-6)
+        assert float(row["max_error"]) < 1e-3
 
 
 def test_the_intervals_are_calibrated_on_cases_of_their_own(ran: Project) -> None:
@@ -147,11 +147,11 @@ def test_provenance_names_versions_hashes_and_seed(ran: Project) -> None:
 def test_the_crate_of_the_run_has_every_file_with_its_hash(ran: Project) -> None:
     results = ran.folder / "results/small"
     graph = json.loads((results / "ro-crate-metadata.json").read_text(encoding="utf-8"))["@graph"]
-    entities = {one["@id"]: one for one in graph}
+    entities = {entity["@id"]: entity for entity in graph}
     action = entities["#run-small"]
-    made = [one["@id"] for one in action["result"]]
-    assert {"quantities.nc", "design.nc", "provenance.json", "report.html"} <= set(made)
-    for name in made:
+    identifiers = [entity["@id"] for entity in action["result"]]
+    assert {"quantities.nc", "design.nc", "provenance.json", "report.html"} <= set(identifiers)
+    for name in identifiers:
         content = (results / name).read_bytes()
         assert name == "report.html" or entities[name]["sha256"] == hashlib.sha256(content).hexdigest()
     assert (results / action["object"]["@id"]).read_bytes() == (ran.folder / "config/small.yaml").read_bytes()
@@ -159,16 +159,16 @@ def test_the_crate_of_the_run_has_every_file_with_its_hash(ran: Project) -> None
 
 
 def test_croissant_tells_the_records_of_the_factorial(ran: Project) -> None:
-    found = json.loads((ran.folder / "results/small/croissant.json").read_text(encoding="utf-8"))
-    (cases,) = found["recordSet"]
-    fields = {one["name"]: one for one in cases["field"]}
-    assert [one["@id"] for one in cases["key"]] == [
+    metadata = json.loads((ran.folder / "results/small/croissant.json").read_text(encoding="utf-8"))
+    (cases,) = metadata["recordSet"]
+    fields = {field["name"]: field for field in cases["field"]}
+    assert [key["@id"] for key in cases["key"]] == [
         f"cases/{n}" for n in ("volume_fraction", "friction", "radius", "load")
     ]
     data = read_whole(ran.folder / "results/small/fields/slab_0.nc")
     assert set(fields) >= set(map(str, data.data_vars))
     assert fields["contact_pressure"]["arrayShape"] == str(data.sizes["position"])
-    measured = {one["name"]: one for one in found["variableMeasured"]}
+    measured = {variable["name"]: variable for variable in metadata["variableMeasured"]}
     whole = read_whole(ran.folder / "results/small/quantities.nc")
     assert measured["depth"]["minValue"] == float(whole["depth"].min())
     assert measured["depth"]["unitText"] == "m"
@@ -236,23 +236,23 @@ def test_edits_rerun_exactly_what_depends_on_them(again: Project) -> None:
 def test_equal_inputs_give_equal_bytes(ran: Project, again: Project) -> None:
     """Of a design and fields inside, and with a Python a job; the rest in tests/faults/test_together.py."""
     results, drawn = ran.folder / "results/small", "figures/design_sensor"  # a rule makes all of the folder
-    made = ["sensitivity.nc", "design/sensor.nc", "design.nc", "design.csv", "solved.json"]
-    made += [str(file.relative_to(results)) for file in results.glob("fields/interior_*.nc")]
-    assert len(made) > 5
-    for name in made:
+    names = ["sensitivity.nc", "design/sensor.nc", "design.nc", "design.csv", "solved.json"]
+    names += [str(file.relative_to(results)) for file in results.glob("fields/interior_*.nc")]
+    assert len(names) > 5
+    for name in names:
         (again.folder / "results/small" / name).unlink()
     shutil.rmtree(again.folder / "results/small" / drawn)
     again.snakemake("results/small/sensitivity.nc", cold=True)
-    again.snakemake(*(f"results/small/{name}" for name in (*made, drawn)))
-    for name in [*made, *(str(file.relative_to(results)) for file in (results / drawn).iterdir())]:
+    again.snakemake(*(f"results/small/{name}" for name in (*names, drawn)))
+    for name in [*names, *(str(file.relative_to(results)) for file in (results / drawn).iterdir())]:
         assert (results / name).read_bytes() == (again.folder / "results/small" / name).read_bytes(), name
 
 
 def test_any_intermediate_file_can_be_asked_for(copy: Copy) -> None:
     project = copy("part")
     project.snakemake("results/small/fields/slab_1.nc")
-    made = [file.name for file in (project.folder / "results/small").rglob("*") if file.is_file()]
-    assert made == ["slab_1.nc"]
+    files = [file.name for file in (project.folder / "results/small").rglob("*") if file.is_file()]
+    assert files == ["slab_1.nc"]
 
 
 def test_snakemake_report_shows_the_figures_with_captions(ran: Project) -> None:
@@ -274,7 +274,7 @@ def test_the_run_environment_holds_what_snakemakes_report_imports() -> None:
         text = (ROOT / f"requirements/{file}.txt").read_text(encoding="utf-8")
         pinned = set(re.findall(r"^([a-z0-9._-]+)==", text, re.MULTILINE))
         for name in needed:
-            assert {one.lower() for one in known[name]} & pinned, f"{file}.txt: {name}"
+            assert {package.lower() for package in known[name]} & pinned, f"{file}.txt: {name}"
 
 
 def test_as_a_module_with_a_prefix_it_sweeps_and_tells_times(copy: Copy) -> None:
@@ -296,8 +296,8 @@ def test_another_directory_without_studies_says_what_to_do(copy: Copy, tmp_path:
     project = copy("directory")
     done = project.snakemake("--directory", str(tmp_path), "-n", "results/small/report.html", check=False)
     assert done.returncode == 1
-    told = done.stdout + done.stderr
-    assert f"study: 'small' is unknown: {tmp_path} has no config/*.yaml; go to a folder that has one" in told
+    output = done.stdout + done.stderr
+    assert f"study: 'small' is unknown: {tmp_path} has no config/*.yaml; go to a folder that has one" in output
     study = f"study={project.folder / 'config/small.yaml'}"
     done = project.snakemake("--directory", str(tmp_path), "--config", study, "-n", "results/small/report.html")
     assert "surrogate" in done.stdout + done.stderr

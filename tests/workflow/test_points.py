@@ -50,17 +50,17 @@ def test_one_axis_tells_three_factors(ball: Project) -> None:
 
 
 def test_the_design_is_what_the_solver_says(ball: Project) -> None:
-    found = netcdf.read(ball.folder / "results/ball/design/quiet.nc")
+    answer = netcdf.read(ball.folder / "results/ball/design/quiet.nc")
     exact = solve(
         {"material": "PZT-4", "profile": "sphere", "punch": "steel", "base": "steel", "magnetic": "insulating"}
         | {"surroundings": "insulated"}
-        | found.case
+        | answer.case
     )
     assert float(exact["peak_pressure"]) == pytest.approx(83e6, rel=1e-3)  # the depoling stress of PZT-4 stops it
     capacitance = float(exact["capacitance"]) + 10e-12
     noise = np.hypot(1e-15, np.sqrt(Boltzmann * 293.15 * capacitance))
-    assert found.terms[0].exact == pytest.approx(noise / abs(float(exact["charge_per_force"])), rel=1e-9)
-    figures = {one.figure: one.figure_low for one in found.figures}
+    assert answer.terms[0].exact == pytest.approx(noise / abs(float(exact["charge_per_force"])), rel=1e-9)
+    figures = {figure.figure: figure.figure_low for figure in answer.figures}
     assert figures["signal_charge"] == pytest.approx(0.2 * float(exact["charge_per_force"]), rel=1e-9)
     assert figures["circuit_capacitance"] == pytest.approx(capacitance, rel=1e-9)
     assert "force" not in figures
@@ -69,12 +69,12 @@ def test_the_design_is_what_the_solver_says(ball: Project) -> None:
 def test_the_page_speaks_of_a_point(ball: Project) -> None:
     page = (ball.folder / "results/ball/report.html").read_text(encoding="utf-8")
     first = page[: page.index('id="whatif"')]
-    told = re.sub(r"<[^>]+>", " ", first)
-    assert re.search(r"PZT-4, 50 µm on steel.*steel ball, R = [\d.]+ mm", told, re.DOTALL)
-    assert "200 mN" in told
-    assert re.search(r"a = [\d.]+ µm", told)
+    words = re.sub(r"<[^>]+>", " ", first)
+    assert re.search(r"PZT-4, 50 µm on steel.*steel ball, R = [\d.]+ mm", words, re.DOTALL)
+    assert "200 mN" in words
+    assert re.search(r"a = [\d.]+ µm", words)
     for word in ("slides", "N/m", "half-plane"):
-        assert word not in told, word
+        assert word not in words, word
     assert "is pressed into a film on a base" in page
     assert "Depths and potentials are absolute here" in page
     assert "figure-contact_quiet" in page  # the fields of its contact, over r/a

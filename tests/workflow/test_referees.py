@@ -38,7 +38,7 @@ dataset: {precision: float32, slabs: 1, positions: {inside: 4, outside: 2}}
 
 @pytest.fixture(scope="module")
 def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What a study of films writes, but its page."""
+    """Write the files of a study of films, without its page."""
     folder = tmp_path_factory.mktemp("films")
     study = made(FILM)
     card = datacard.card(study, "films", data_set(study, folder), [])
@@ -59,7 +59,7 @@ def broken(film: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def said(ran: Project, film: Path, broken: Path) -> list[str]:
-    """What the referees say of the three folders."""
+    """Return the lines of the referees on the three folders."""
     command = [str(PYTHON), str(ROOT / "tests/referees.py"), str(ran.folder / SMALL), str(film), str(broken)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 1, done.stderr  # of the last
@@ -74,6 +74,6 @@ def test_no_referee_finds_a_fault(said: list[str], ran: Project, film: Path) -> 
 
 
 def test_the_referees_do_find_faults(said: list[str], broken: Path) -> None:
-    found = "\n".join(said[said.index(f"{broken}: conventions: 3 faults") :])
-    assert 'units for voltage, "volts or so" are not recognized by UDUNITS' in found
-    assert "Attribute 'actual_range' (type: <class 'numpy.float64'>) and parent variable 'contact_pressure'" in found
+    faults = "\n".join(said[said.index(f"{broken}: conventions: 3 faults") :])
+    assert 'units for voltage, "volts or so" are not recognized by UDUNITS' in faults
+    assert "Attribute 'actual_range' (type: <class 'numpy.float64'>) and parent variable 'contact_pressure'" in faults

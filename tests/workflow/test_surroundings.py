@@ -38,7 +38,7 @@ design:
 def read_by_its_capacitance(design: Answer) -> None:
     """The circuit of a design has the cable's, the amplifier's and the contact's at the load."""
     case = {"material": "PZT-4", "magnetic": "insulating", "surroundings": "air", **design.case}
-    figure = next(one.figure_low for one in design.figures if one.figure == "circuit_capacitance")
+    figure = next(row.figure_low for row in design.figures if row.figure == "circuit_capacitance")
     assert figure == pytest.approx(110e-12 + 0.01 * float(solve(case)["capacitance_at_load"]), rel=1e-9)
 
 
@@ -52,8 +52,8 @@ def test_data_and_design_of_a_study_in_air(tmp_path: Path) -> None:
     model = training.fit(study, data.drop_dims("position"))
     model.calibrate(factorial.training_data(study, factorial.cases(study, "calibration")))
     design = targets.solve_target(study, "voltage", model)
-    own, other = exact.solved(study, {"voltage": design})["designs"]["voltage"]["around"]["quantities"]["voltage"]
-    assert own / other < 0.95
+    in_air, other = exact.solved(study, {"voltage": design})["designs"]["voltage"]["around"]["quantities"]["voltage"]
+    assert in_air / other < 0.95
     read_by_its_capacitance(design)
 
 

@@ -27,9 +27,9 @@ def test_the_installed_program_runs_a_study_from_anywhere(copy: Copy, tmp_path: 
     shutil.copy(ROOT / "pyproject.toml", source)
     (source / "README.md").write_text("# meecontact\n", encoding="utf-8")
     build = "from setuptools.build_meta import build_wheel; print(build_wheel('.'))"
-    told = subprocess.run([sys.executable, "-c", build], cwd=source, capture_output=True, text=True, check=True)
+    build_output = subprocess.run([sys.executable, "-c", build], cwd=source, capture_output=True, text=True, check=True)
     site, work = tmp_path / "site", tmp_path / "work"
-    with zipfile.ZipFile(source / told.stdout.split()[-1]) as wheel:
+    with zipfile.ZipFile(source / build_output.stdout.split()[-1]) as wheel:
         held = {name for name in wheel.namelist() if ".dist-info/" not in name}
         wheel.extractall(site)
     files = {file for room in (*ROOMS, "meecontact") for file in (ROOT / room).rglob("*") if file.is_file()}

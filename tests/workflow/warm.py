@@ -58,7 +58,7 @@ def fork(script: str) -> int:
 
 
 def execute(self: Any, fname: str, edit: bool = False) -> None:
-    """In the place of Snakemake's `PythonScript.execute_script`."""
+    """Replace Snakemake's `PythonScript.execute_script`."""
     from snakemake.benchmark import benchmarked
 
     with ONE:
@@ -86,7 +86,7 @@ def snakemake() -> None:
 
 
 def python() -> None:
-    """What `python` would run: a module, a piece of code or a file; `-W error` before it acts."""
+    """Run what `python` would run: a module, a piece of code or a file; `-W error` comes first."""
     first = sys.argv.pop(0)
     if first == "-W":
         warnings.simplefilter(sys.argv.pop(0))  # type: ignore[arg-type]  # an action's name
@@ -120,7 +120,7 @@ def preload() -> None:
 
 
 def forget() -> None:
-    """Of the project's own modules nothing stays."""
+    """Remove the project's own modules from this process."""
     for name in [name for name in sys.modules if name.partition(".")[0] in ROOMS]:
         del sys.modules[name]
 

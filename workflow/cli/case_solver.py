@@ -90,7 +90,7 @@ def _blocks(table: Table, most: int) -> Iterator[tuple[list[str], Indices]]:
 
 
 def _numbered(table: Table, name: str) -> Indices:
-    """Which of a factor's choices every row has, an empty cell the default."""
+    """Return the number of the factor's choice in every row; an empty cell has the default."""
     cells = table.columns[name].copy()
     cells[table.empty(name)] = _DEFAULTS.get(name) or ""
     return np.unique(cells.astype(str), return_inverse=True)[1].ravel()
@@ -173,8 +173,8 @@ class _Whole:
             attrs = self._filled[name].attrs
             attrs["comment"] = "; ".join([*([attrs["comment"]] if "comment" in attrs else []), _EMPTY])
         if "position" in self._filled and len({kind.contact for kind in kinds}) > 1:
-            both = f"{ALONG['long_name']}, {ACROSS['long_name']} of a point"
-            self._filled["position"].attrs = ALONG | {"long_name": both}
+            axes_name = f"{ALONG['long_name']}, {ACROSS['long_name']} of a point"
+            self._filled["position"].attrs = ALONG | {"long_name": axes_name}
         coords = {name: variable for name, variable in self._filled.items() if name in self._coords}
         return xr.Dataset(
             {name: variable for name, variable in self._filled.items() if name not in coords}, coords, self._attrs
@@ -191,8 +191,8 @@ class _Whole:
 
 def as_csv(answer: xr.Dataset, path: Path) -> None:
     """Write the answer to a table as a table: one row a case, columns of factors and quantities with their units."""
-    if further := [str(dim) for dim in answer.dims if dim != "case"]:
-        raise InputError(f"{path}: fields over {', '.join(further)} go to netCDF; name a file that ends in .nc")
+    if extra_dims := [str(dim) for dim in answer.dims if dim != "case"]:
+        raise InputError(f"{path}: fields over {', '.join(extra_dims)} go to netCDF; name a file that ends in .nc")
     columns = {str(name): column for name, column in chain(answer.coords.items(), answer.data_vars.items())}
     units = {
         name: column.attrs.get("units", "1") if column.dtype.kind == "f" else "1" for name, column in columns.items()

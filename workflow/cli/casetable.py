@@ -14,7 +14,18 @@ from numpy.typing import NDArray
 
 from solver import units
 from solver.names import CHOICES, MATERIALS
-from workflow.cli.textfile import LONGEST_CELL, Sheet, heading, is_number, is_unit, missing, refused, sheet, with_point
+from workflow.cli.textfile import (
+    LONGEST_CELL,
+    Sheet,
+    heading,
+    is_number,
+    is_unit,
+    missing,
+    quick_number,
+    refused,
+    sheet,
+    with_point,
+)
 from workflow.language.factors import FACTORS, own_kind
 from workflow.language.given import UnitlessError, check_bare
 from workflow.language.renamed import renamed
@@ -42,11 +53,11 @@ class Table:
     bare: frozenset[str] = frozenset()  # columns with a number that has no unit
 
     def at(self, row: int) -> str:
-        """Where a case stands, for messages."""
+        """Return file and line of a case, for messages."""
         return f"{self.source}: line {self.lines[row]}" if self.lines.size else self.source
 
     def empty(self, name: str) -> NDArray[np.bool_]:
-        """Which cells of a column are empty."""
+        """Return whether each cell of a column is empty, (case,)."""
         column = self.columns[name]
         empty: NDArray[np.bool_] = np.isnan(column) if column.dtype.kind == "f" else column == np.array(None)
         return empty
@@ -207,6 +218,14 @@ class _Reader:
         """A cell of numbers in SI units; NaN where it is empty."""
         if not text:
             return np.nan
+        if scale == 1 and (plain := quick_number(text)) is not None:
+            if unit is None and plain:
+                bare.add(name)
+                try:
+                    check_bare(name, plain)
+                except UnitlessError as error:
+                    raise InputError(f"{where}: {name}: {error}") from None
+            return plain
         allowed = f"a finite number [{self.measured[name]}]" if name in self.measured else FACTORS[name].allowed
         if reason := refused(text):
             raise InputError(f"{where}: {name}: {reason}")

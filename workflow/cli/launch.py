@@ -61,17 +61,17 @@ def _check_folder(folder: Path) -> None:
 
 
 def _check_results(name: str) -> None:
-    """Whether results and logs may go where they would."""
-    for folder in (Path(kind, *more) for kind in ("results", "logs") for more in ((), (name,))):
+    """Refuse a file where the folders of results and logs would go."""
+    for folder in (Path(kind, *tail) for kind in ("results", "logs") for tail in ((), (name,))):
         if (folder.exists() or folder.is_symlink()) and not folder.is_dir():
             raise InputError(f"{folder}: is no folder, where the results of a run would go; remove or rename it")
     location.check_owner(name, Path("results", name))
 
 
 def _check_origin(study: Study, provenance: Path) -> None:
-    """Whether results that are up to date are of the study: Snakemake knows only the times of what others have made."""
-    made = json.loads(provenance.read_text(encoding="utf-8"))["study_sha256"]
-    if made != partition.with_slabs(study).digest(*Study.model_fields):
+    """Refuse results of another state of the study, which Snakemake takes for new ones by their times."""
+    origin = json.loads(provenance.read_text(encoding="utf-8"))["study_sha256"]
+    if origin != partition.with_slabs(study).digest(*Study.model_fields):
         raise InputError(
             f"{provenance.parent}: was made from another state of the study, and not by this checkout; "
             "remove that folder, and run again"
@@ -94,7 +94,7 @@ def _profile(name: str) -> Path:
 
 
 def _there(name: str) -> bool:
-    """Whether a package is installed."""
+    """Return whether a package is installed."""
     try:
         return find_spec(name) is not None
     except ValueError:  # it was put out of reach in this process
@@ -102,7 +102,7 @@ def _there(name: str) -> bool:
 
 
 def _require_programs() -> None:
-    """What a run needs beside what solves cases."""
+    """Refuse a run without the packages that only runs need."""
     missing = [name for name in ("snakemake", "matplotlib") if not _there(name)]
     if missing:
         raise InputError(
@@ -122,11 +122,11 @@ def _snakemake(arguments: list[str]) -> int:
 
 
 def _choose_levels(name: str, options: list[str]) -> None:
-    """What no budget reaches is bad input, and is told before anything else is done."""
+    """Choose the levels first, so that an error that no budget reaches is reported as bad input."""
     program = str(Path(sys.executable).with_name("snakemake"))
     command = [program, *options, "--quiet", "all", "--", f"results/{name}/levels.nc"]
-    told = subprocess.run(command, check=False, stderr=subprocess.PIPE, text=True)
-    for line in told.stderr.splitlines():
+    finished = subprocess.run(command, check=False, stderr=subprocess.PIPE, text=True)
+    for line in finished.stderr.splitlines():
         error, colon, reason = line.partition(": ")
-        if told.returncode and colon and error in ("UnreachableError", "InputError"):
+        if finished.returncode and colon and error in ("UnreachableError", "InputError"):
             raise InputError(f"{location.location(name)}: {reason}")

@@ -21,10 +21,11 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
     """Add the command to those of the program."""
     command = commands.add_parser(
         "learn",
-        help="correct a surrogate by measured rows: uncertain constants and discrepancies, with intervals",
-        description="Columns of MEASURED.csv: every factor and category of the study, names of quantities, and "
-        "NAME_std, one standard deviation of the error of measurement. Measured values may be missing; errors that "
-        "are missing are estimated. A unit may stand behind a name, as 'thickness [um]'; without one it is SI.",
+        help="correct a surrogate by measurements",
+        description="Estimates uncertain constants and discrepancies from measured rows, with intervals. MEASURED.csv "
+        "has a column for every factor and category of the study, and columns of measured quantities. NAME_std is one "
+        "standard deviation of the error of NAME. Cells may be empty; errors that are missing are estimated. A header "
+        "may say a unit, as 'thickness [um]'; a number without a unit is in SI.",
     )
     command.add_argument("measured", type=Path, metavar="MEASURED.csv")
     command.add_argument("--on", type=surrogate_file, required=True, metavar="results/STUDY/surrogate.nc")
@@ -67,10 +68,10 @@ def learn(options: argparse.Namespace) -> None:
     if isinstance(model, CorrectedGP):
         raise InputError(f"{options.on}: is corrected already; learn from all rows at once, on the surrogate before")
     rows = read_measured(options.measured, study, model)
-    asked = uncertainty.uncertain(study, _uncertain(options.uncertain))
+    constants = uncertainty.uncertain(study, _uncertain(options.uncertain))
     instruments = _instruments(renamed(options.instrument, study.outputs), study)
     try:
-        corrected, summary = correction.learn(study, model, rows, asked, say, instruments)
+        corrected, summary = correction.learn(study, model, rows, constants, say, instruments)
     except InputError as error:
         raise InputError(f"{options.measured}: {error}") from None
     save(corrected, path)
@@ -81,8 +82,8 @@ def learn(options: argparse.Namespace) -> None:
 
 def _uncertain(words: list[str] | None) -> dict[str, float | None] | None:
     """``NAME`` or ``NAME=5%`` between commas: prior standard deviations by name."""
-    given = named("--uncertain", words)
-    return {name: _share("--uncertain", name, text) if text else None for name, text in given.items()} or None
+    texts = named("--uncertain", words)
+    return {name: _share("--uncertain", name, text) if text else None for name, text in texts.items()} or None
 
 
 def _share(option: str, name: str, text: str) -> float:

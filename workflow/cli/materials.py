@@ -26,8 +26,11 @@ def listed() -> str:
     known = materials()
     width = max(map(len, known))
     lines = [
-        _filled(f"{name:{width}s} {'*' if own.note or own.alternatives else ' '} {_coupling(own):24s}", own.source)
-        for name, own in known.items()
+        _filled(
+            f"{name:{width}s} {'*' if material.note or material.alternatives else ' '} {_coupling(material):24s}",
+            material.source,
+        )
+        for name, material in known.items()
     ]
     lines.append(
         _filled("*", "repaired, doubtful or disputed: meecontact material NAME says what, with constants and roots")

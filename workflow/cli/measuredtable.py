@@ -26,17 +26,17 @@ def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measureme
     ``<quantity>_std``: one standard deviation of the error of measurement. Cells of both may be empty.
     """
     quantities = {name: ALL_QUANTITIES[name].units for name in study.outputs}
-    more = quantities | {f"{name}{ERROR}": units for name, units in quantities.items()}
-    table = read_cases(path, more)
+    columns = quantities | {f"{name}{ERROR}": units for name, units in quantities.items()}
+    table = read_cases(path, columns)
     needs = f"the surrogate needs {', '.join((*study.factors, *study.categories))}"
-    _check_columns(table, study, list(more), needs)
+    _check_columns(table, study, list(columns), needs)
     X = np.stack([table.numbers(name, needs) for name in model.box], axis=1)
     wrong = outside(X, model.inputs_)
     if wrong.any():
         row, k = np.argwhere(wrong)[0]
-        own = model.inputs_[k]
+        axis = model.inputs_[k]
         raise InputError(
-            f"{table.at(int(row))}: {own.name} = {X[row, k]:.10g} is outside the trained box {own.range_text()}"
+            f"{table.at(int(row))}: {axis.name} = {X[row, k]:.10g} is outside the trained box {axis.range_text()}"
         )
     if not (answers := model.has_answers(X)).all():
         row = int((~answers).argmax())
@@ -86,15 +86,15 @@ def _kinds(table: Table, study: Study) -> list[dict[str, str]]:
 
 
 def _measured(table: Table, name: str) -> NDArray[np.bool_]:
-    """Which rows have a quantity; their errors are positive or unknown."""
+    """Return whether each row has a quantity, (row,), and refuse errors that are not positive."""
     if name not in table.columns:
         return np.zeros(len(table.lines), dtype=bool)
-    there = ~table.empty(name)
+    measured = ~table.empty(name)
     if (column := f"{name}{ERROR}") in table.columns:
         error = table.columns[column]
-        bad = (error <= 0) | (~there & ~np.isnan(error))
+        bad = (error <= 0) | (~measured & ~np.isnan(error))
         if bad.any():
             row = int(bad.argmax())
-            why = "must be a positive number, or empty" if there[row] else f"without a value of {name}"
+            why = "must be a positive number, or empty" if measured[row] else f"without a value of {name}"
             raise InputError(f"{table.at(row)}: {column}: {error[row]:g}: {why}")
-    return there
+    return measured

@@ -1,4 +1,4 @@
-"""What a surrogate says of points, as `meecontact query` gives it: value, standard deviation, interval."""
+"""Predictions as `meecontact query` prints them: value, standard deviation and interval."""
 
 from collections.abc import Mapping, Sequence
 from math import floor, isfinite, log10

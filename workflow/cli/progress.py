@@ -1,4 +1,4 @@
-"""What a run says while it goes on: each step by what it does, and on a terminal one line that counts them."""
+"""Progress of a run: a line for each step, and on a terminal one line that counts them."""
 
 import logging
 import shutil
@@ -43,12 +43,12 @@ _CLEAR = "\r\x1b[K"
 
 
 def step(study: Study, rule: str, wildcards: Mapping[str, str]) -> str:
-    """What a job of a run does, in words."""
-    given = {name: value.replace("_", " ") for name, value in wildcards.items()}
+    """Return the work of a job in words."""
+    names = {name: value.replace("_", " ") for name, value in wildcards.items()}
     if rule == "slab":
-        return f"solving the data set, part {int(given['slab']) + 1} of {partition.count(study)}"
+        return f"solving the data set, part {int(names['slab']) + 1} of {partition.count(study)}"
     words = _STEPS.get(rule, f"drawing {rule.removeprefix('figure_').replace('_', ' ')} {{name}}{{group}}")
-    words = words.format_map({"name": "", "group": "", **given}).strip()
+    words = words.format_map({"name": "", "group": "", **names}).strip()
     if rule == "surrogate" and not study.open:
         cases = "" if study.crossed else f", {counted(study.cases)} cases"
         words += f" ({len(study.outputs)} quantities{cases})"
@@ -69,7 +69,7 @@ class Progress(logging.Filter):
         self._done, self._total = 0, 0
 
     def filter(self, record: logging.LogRecord) -> bool:
-        """Whether Snakemake's own line is shown."""
+        """Return whether Snakemake's own line is shown."""
         event = str(getattr(getattr(record, "event", None), "value", ""))
         if event == "job_info":
             self._begin(record)
@@ -90,10 +90,10 @@ class Progress(logging.Filter):
             self._stream.flush()
 
     def _begin(self, record: logging.LogRecord) -> None:
-        told = self._words(str(record.__dict__["rule_name"]), dict(record.__dict__.get("wildcards") or {}))
-        self._running[int(record.__dict__["jobid"])] = told
+        words = self._words(str(record.__dict__["rule_name"]), dict(record.__dict__.get("wildcards") or {}))
+        self._running[int(record.__dict__["jobid"])] = words
         if not self._terminal:
-            self._stream.write(f"{told}\n")
+            self._stream.write(f"{words}\n")
             self._stream.flush()
 
     def _show(self) -> None:

@@ -29,6 +29,7 @@ from workflow.study import location
 from workflow.study import model as studies
 from workflow.study.categories import output
 from workflow.study.consistency import check_target, check_values
+from workflow.study.keys import Origin
 from workflow.study.messages import first_problem
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -59,7 +60,7 @@ def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProc
 def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
     """The target that the options of the command line describe."""
     words = renamed(dict(words), study.kind.every_quantity)
-    asked: dict[str, Any] = {
+    content: dict[str, Any] = {
         "maximise": list(words.get("maximise") or []),
         "minimise": list(words.get("minimise") or []),
         "over": {name: _variable(name, text) for name, text in named("--over", words.get("over")).items()},
@@ -76,26 +77,26 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
     }
     robust = words.get("robust")
     if robust:
-        asked["robust"] = robust[0]
-    said = {*asked["over"], *asked["at"], *asked["worst_case"], *asked["uncertain"]}
+        content["robust"] = robust[0]
+    said = {*content["over"], *content["at"], *content["worst_case"], *content["uncertain"]}
     for name, axis in study.factors.items():
         default = FACTORS[name].default
         if name not in said and default is not None and axis.low <= default <= axis.high:
-            asked["at"][name] = default
+            content["at"][name] = default
     for name in study.categories:
         if name not in said and _usual(study, name):
-            asked["at"][name] = _usual(study, name)
+            content["at"][name] = _usual(study, name)
     try:
-        read = Target.model_validate(asked).meets(study.meeting)
+        read = Target.model_validate(content, context=Origin(Path(), {}, in_si=True)).meets(study.meeting)
     except ValidationError as error:
-        raise InputError(f"design: {first_problem(error, Target, asked)}") from None
+        raise InputError(f"design: {first_problem(error, Target, content)}") from None
     return read
 
 
-def _checked(study: Study, asked: Target) -> Study:
+def _checked(study: Study, question: Target) -> Study:
     """The study, if a target makes sense on it."""
     try:
-        check_target(study, "design", asked)
+        check_target(study, "design", question)
     except ValueError as error:
         raise InputError(str(error)) from None
     return study
@@ -112,26 +113,26 @@ def ask(
 ) -> Answer:
     """Answer a question from the results of a study."""
     study, model = results(folder)
-    asked, notes = target(study, words), []
-    if wider := wider_box.beyond(study, asked):
+    question, notes = target(study, words), []
+    if wider := wider_box.beyond(study, question):
         keep = wider_box.lines(study, wider)
         notes = [f"the ranges are wider than the study's and were solved anew for this question; to keep them: {keep}"]
         tell("solving the wider ranges anew")
-        study = wider_box.made(study, asked, wider)
-        model = wider_box.fitted(_checked(study, asked))
+        study = wider_box.made(study, question, wider)
+        model = wider_box.fitted(_checked(study, question))
     else:
-        _checked(study, asked)
-    answer = targets.answer(study, "question", asked, model, tell)
+        _checked(study, question)
+    answer = targets.answer(study, "question", question, model, tell)
     answer = replace(answer, flags="; ".join([*filter(None, [answer.flags]), *notes]))
     if not answer.feasible:
-        at = [f"{name} = {kind}" for name, kind in answer.combination.items()]
-        at += [f"{variable.name} = {variable.value:.6g}" for variable in answer.variables]
-        raise InputError(f"design: {answer.status}, at {', '.join(at)}. {verdict(answer)}")
+        point = [f"{name} = {kind}" for name, kind in answer.combination.items()]
+        point += [f"{variable.name} = {variable.value:.6g}" for variable in answer.variables]
+        raise InputError(f"design: {answer.status}, at {', '.join(point)}. {verdict(answer)}")
     return answer
 
 
 def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool = False) -> str:
-    """What measurements tell of some factors: a line each, with its 95 % interval."""
+    """Return a line for each inferred factor, with its 95 % interval."""
     study, model = results(folder)
     words = renamed(dict(words), study.outputs)
     measured = named("--measured", words.get("measured"))
@@ -145,15 +146,15 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
                 f"--measured: {name}: {text!r}: an error must be within {SMALLEST_ERROR:g} to {LARGEST_ERROR:g}"
             )
     infer = list(named("--infer", words.get("infer")))
-    at: dict[str, float | str] = {name: _usual(study, name) for name in study.categories}
-    at |= {name: _value(f"--at: {name}", name, text) for name, text in named("--at", words.get("at")).items()}
+    point: dict[str, float | str] = {name: _usual(study, name) for name in study.categories}
+    point |= {name: _value(f"--at: {name}", name, text) for name, text in named("--at", words.get("at")).items()}
     try:
-        for name, given in at.items():
-            check_values(study, "--at", name, [given])
-        combination = {name: str(at.pop(name)) for name in study.categories}
-        held = {name: float(value) for name, value in at.items()}
-        asked = [_learned(study, name, combination) for name in measured]
-        inversion = Inversion(model.only(asked) if study.kind.tabled else model, infer, asked, held)
+        for name, point_value in point.items():
+            check_values(study, "--at", name, [point_value])
+        combination = {name: str(point.pop(name)) for name in study.categories}
+        held = {name: float(value) for name, value in point.items()}
+        outputs = [_learned(study, name, combination) for name in measured]
+        inversion = Inversion(model.only(outputs) if study.kind.tabled else model, infer, outputs, held)
     except ValueError as error:
         raise InputError(f"invert: {error}") from None
     estimate = inversion.estimate(np.array(values), np.array(errors))
@@ -173,7 +174,11 @@ def _remedy(inversion: Inversion, names: Sequence[str], values: Array, errors: A
     for factor, words in _REMEDIES.items():
         for subset in subsets:
             scale = np.where(subset, factor, 1.0)
-            if inversion.estimate(values * scale, errors * np.abs(scale)).misfit <= _IMPOSSIBLE + len(names):
+            with np.errstate(over="ignore"):
+                scaled, widths = values * scale, errors * np.abs(scale)
+            if not np.isfinite(scaled).all() or not ((widths >= SMALLEST_ERROR) & (widths <= LARGEST_ERROR)).all():
+                continue
+            if inversion.estimate(scaled, widths).misfit <= _IMPOSSIBLE + len(names):
                 which = " and ".join(name for name, chosen in zip(names, subset, strict=True) if chosen)
                 return f"; {which} would fit with {words}"
     return ""
@@ -233,7 +238,7 @@ def _variable(name: str, text: str) -> dict[str, Any]:
 
 def _value(where: str, name: str, text: str) -> float | str:
     """A number, or one of the names of a category."""
-    return quantity(where, text, FACTORS[name].units) if name in FACTORS else text.strip()
+    return quantity(where, text, FACTORS[name].units, name) if name in FACTORS else text.strip()
 
 
 def _interval(where: str, name: str, text: str) -> list[float]:
@@ -244,8 +249,8 @@ def _interval(where: str, name: str, text: str) -> list[float]:
 
 
 def _distribution(name: str, text: str) -> dict[str, list[float]]:
-    family, bracket, rest = text.partition("(")
-    if not bracket or not rest.endswith(")"):
+    family, bracket, arguments = text.partition("(")
+    if not bracket or not arguments.endswith(")"):
         raise InputError(f"--uncertain: {name}: {text!r} is not of the form normal(MEAN,STD) or another distribution")
     units = _units(name)
-    return {family.strip(): [quantity(f"--uncertain: {name}", share, units) for share in rest[:-1].split(",")]}
+    return {family.strip(): [quantity(f"--uncertain: {name}", share, units) for share in arguments[:-1].split(",")]}

@@ -38,22 +38,33 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
     """Add the command to those of the program."""
     command = commands.add_parser(
         "signal",
-        help="a history of forces to charge, voltage and amplifier output in time",
+        help="compute charge, voltage and amplifier output of a history of forces",
         description="HISTORY is a text file with columns of time and force, in units that its header says; a line "
         "contact may have a load [N/m]. Titles, remarks and other columns are skipped. The force is linear between "
         "the rows. The circuit begins without voltage. docs/signal.md has the circuit and its signs.",
     )
     command.add_argument("history", type=Path, metavar="HISTORY.csv")
-    command.add_argument("--on", required=True, metavar="CASE.csv | NAME=VALUE,...", help="the contact, without force")
+    command.add_argument(
+        "--on", required=True, metavar="CASE.csv | NAME=VALUE,...", help="the contact, without its force"
+    )
     command.add_argument(
         "--device", required=True, metavar="NAME=VALUE,...", help="'input_capacitance=10 pF,input_resistance=1 GOhm'"
     )
     command.add_argument("--scale", metavar="'NUMBER N/V'", help="force of a volt, for a force recorded as a voltage")
-    command.add_argument("--temperature", default="293.15", metavar="K", help="of the circuit; default: 293.15")
-    command.add_argument("--parts", type=int, default=1, help="into which every interval of the history is divided")
+    command.add_argument(
+        "--temperature", default="293.15", metavar="K", help="temperature of the circuit; default: 293.15"
+    )
+    command.add_argument(
+        "--parts", type=int, default=1, help="number of parts of every interval between rows; default: 1"
+    )
     command.add_argument("-o", "--output", type=written_as(csv="CSV"), required=True, metavar="OUT.csv")
     command.add_argument(
-        "--materials", type=Path, action="append", default=[], metavar="FILE.yaml", help="own material"
+        "--materials",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE.yaml",
+        help="file of a material that the library lacks",
     )
     command.set_defaults(run=signal)
 
@@ -64,7 +75,7 @@ def signal(options: argparse.Namespace) -> None:
     if not 1 <= options.parts <= _MOST_PARTS:
         raise InputError(f"--parts: {options.parts} is not a whole number from 1 to {_MOST_PARTS}")
     temperature = _positive("--temperature", options.temperature)
-    own = dict(read_material(path) for path in options.materials)
+    materials = dict(read_material(path) for path in options.materials)
     case = _case(options.on)
     kind = kind_of([*case], case.get("profile", "cylinder"))
     numbers = _device(options.device, kind)
@@ -76,11 +87,11 @@ def signal(options: argparse.Namespace) -> None:
     if len(history.times) * options.parts > MOST_ROWS:
         raise InputError(f"--parts: {options.parts} of {len(history.times)} rows are more than {MOST_ROWS} times")
     most = float(history.forces.max())
-    material = material_of(Cases(checked({**case, kind.loads.force: most}), own, ("BaTiO3", "CoFe2O4")))
+    material = material_of(Cases(checked({**case, kind.loads.force: most}), materials, ("BaTiO3", "CoFe2O4")))
     if file.bare:
-        _check_unit(options.history, file, most, solve({**case, kind.loads.force: most / length}, materials=own))
+        _check_unit(options.history, file, most, solve({**case, kind.loads.force: most / length}, materials=materials))
     body = film(case, material) if "collector" in case and "thickness" in case else None
-    contact = ContactCurves.from_case(case, most, length=length, materials=own, body=body)
+    contact = ContactCurves.from_case(case, most, length=length, materials=materials, body=body)
     if contact.roughness > _ROUGH:
         say(f"the contact's curves are not smooth over these forces: they are met to {contact.roughness:.1g} only")
     try:
@@ -119,14 +130,14 @@ def _case(text: str) -> dict[str, Any]:
 def _factor(name: str, text: str) -> float | str:
     if name in TEXT_FACTORS or name not in FACTORS:  # what is unknown the solver names
         return text
-    return quantity(f"--on: {name}", text, FACTORS[name].units)
+    return quantity(f"--on: {name}", text, FACTORS[name].units, name)
 
 
 def _device(text: str, kind: Kind) -> dict[str, float]:
     """Numbers of a study's section ``device``, in SI."""
-    given = {name: _plain(value) for name, value in named("--device", text, valued=True).items()}
-    amplifier = {name: given.pop(name) for name in Amplifier.model_fields if name in given}
-    content = {**given, "amplifier": amplifier}
+    values = {name: _plain(value) for name, value in named("--device", text, valued=True).items()}
+    amplifier = {name: values.pop(name) for name in Amplifier.model_fields if name in values}
+    content = {**values, "amplifier": amplifier}
     try:
         device = Device.model_validate(content)
         device.check(kind.contact)
@@ -181,7 +192,7 @@ def _drawn_rows(voltage: Array, forces: Array) -> Indices:
 def _figures(
     history: History, reading: Signal, contact: ContactCurves, circuit: Circuit, temperature: float
 ) -> list[str]:
-    """What is told of a signal."""
+    """Return the printed lines about a signal."""
     figures = Figures.of_contact(contact, circuit, temperature)
     noise, at_output, as_force = figures.noise
     constant = "is held: nothing leaks"

@@ -39,7 +39,7 @@ def listed(kind: str | None) -> str:
     """Materials, quantities, factors or studies, a line each; all of them, with a heading each, for None."""
     known = {"studies": _studies, "factors": _factors, "quantities": _quantities, "materials": materials.listed}
     if kind is None:
-        return "\n\n".join(f"{name}:\n{told()}" for name, told in known.items())
+        return "\n\n".join(f"{name}:\n{lines()}" for name, lines in known.items())
     if kind not in known:
         raise InputError(f"list: {kind!r} is unknown; {nearest(kind, list(known))}")
     return known[kind]()
@@ -48,10 +48,10 @@ def listed(kind: str | None) -> str:
 def _studies() -> str:
     """Name and title of every study of the current folder, and then of those that come with the program."""
     rows = {}
-    here, bundled = (
+    local, bundled = (
         {file.stem: file for file in sorted(folder.glob("*.yaml"))} for folder in (location.FOLDER, location.BUNDLED)
     )
-    for file in (here | {name: file for name, file in bundled.items() if name not in here}).values():
+    for file in (local | {name: file for name, file in bundled.items() if name not in local}).values():
         lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
         title = next((line.partition(":")[2] for line in lines if line.startswith("title:")), "")
         rows[file.stem] = (one_line(title.strip().strip("\"'")),)

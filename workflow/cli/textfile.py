@@ -5,6 +5,7 @@ import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from itertools import islice
+from math import isfinite
 from pathlib import Path
 from typing import TextIO
 
@@ -85,7 +86,7 @@ class Sheet:
 
 
 def sheet(path: Path, largest: int, *, blanks: bool = False) -> Sheet:
-    """How a table's file is written; with ``blanks``, cells may stand apart by blanks alone.
+    """Return encoding and separator of a table's file; with ``blanks``, blanks alone may separate cells.
 
     InputError, by the reason, for what is no table in a text file.
     """
@@ -148,13 +149,13 @@ def _separator(path: Path, text: str, blanks: bool) -> str:
 
 
 def _apart(lines: list[str]) -> bool:
-    """Whether most rows are numbers between blanks."""
+    """Return whether most rows are numbers between blanks."""
     numeric = [line.replace(",", ".").split() for line in lines]
     return sum(len(cells) > 1 and all(map(is_number, cells)) for cells in numeric) > len(lines) / 2
 
 
 def is_number(text: str) -> bool:
-    """Whether a cell is a number without a unit."""
+    """Return whether a cell is a number without a unit."""
     try:
         number(text)
     except ValueError:
@@ -179,8 +180,8 @@ def heading(cell: str, known: Collection[str]) -> tuple[str, str | None]:
         if _named(name, known) or is_unit(unit):
             return _named(name, known) or name, unit
     for mark in ("_", " "):
-        head, found, tail = text.rpartition(mark)
-        if found and (name := _named(head, known)) and is_unit(tail):
+        head, separator, tail = text.rpartition(mark)
+        if separator and (name := _named(head, known)) and is_unit(tail):
             return name, tail
     return text, None
 
@@ -195,7 +196,7 @@ def _named(text: str, known: Collection[str]) -> str | None:
 
 
 def is_unit(text: str) -> bool:
-    """Whether a text is a unit, or one in brackets."""
+    """Return whether a text is a unit, or one in brackets."""
     try:
         units.parse(text.strip().strip("[]()"))
     except ValueError:
@@ -203,8 +204,19 @@ def is_unit(text: str) -> bool:
     return bool(text.strip()) and not is_number(text)
 
 
+def quick_number(text: str) -> float | None:
+    """Return the number of a cell in plain ASCII digits; None for a cell that needs a closer look."""
+    if not text.isascii() or "_" in text:
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if isfinite(value) and "-999" not in text else None
+
+
 def missing(text: str) -> bool:
-    """Whether a cell holds one of the words or numbers that stand for a missing value."""
+    """Return whether a cell holds one of the words or numbers for a missing value."""
     return text.casefold() in _MISSING or text in ("\u2013", "\u2014", "\u2212") or bool(_FILLS.fullmatch(text))
 
 

@@ -1,4 +1,4 @@
-"""What options say, as numbers and pairs, and what is told beside the answers."""
+"""Texts of options as numbers and pairs, and messages on standard error."""
 
 import codecs
 import io
@@ -10,6 +10,7 @@ from pathlib import Path
 
 from solver.units import in_si
 from storage.files import regular
+from workflow.language.given import check_bare
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, number, one_line
 
@@ -73,14 +74,16 @@ def numbers(where: str, text: str) -> list[float]:
     return values
 
 
-def quantity(where: str, text: str, units: str) -> float:
-    """A number, bare in SI or with its unit, in SI."""
+def quantity(where: str, text: str, units: str, factor: str = "") -> float:
+    """Return a number in SI, with its unit or bare; a bare one is checked against the usual sizes of its factor."""
     try:
-        return number(text)
-    except ValueError:
-        pass
-    try:
-        return in_si(text, units)
+        try:
+            value = number(text)
+        except ValueError:
+            return in_si(text, units)
+        if factor:
+            check_bare(factor, value)
+        return value
     except ValueError as error:
         raise InputError(f"{where}: {error}") from None
 
@@ -115,9 +118,9 @@ def _parts(word: str) -> list[str]:
 
 
 def place(text: str, units: Mapping[str, str]) -> dict[str, float]:
-    """Where an answer is wanted, as the option ``--at`` says it: values by name, in SI."""
-    given = named("--at", text, valued=True)
-    return {name: quantity(f"--at: {name}", value, units.get(name, "1")) for name, value in given.items()}
+    """Return the values of the option ``--at`` by name, in SI."""
+    texts = named("--at", text, valued=True)
+    return {name: quantity(f"--at: {name}", value, units.get(name, "1")) for name, value in texts.items()}
 
 
 def surrogate_file(text: str) -> Path:
@@ -130,10 +133,10 @@ def trained(path: Path) -> Path:
     """The file of a surrogate, as `surrogate_file` gives it."""
     if path.exists():
         return regular(path)
-    asked = path.parent if path.name == _SURROGATE else path
-    said = f"{asked}: holds no {_SURROGATE}" if asked.is_dir() else f"{asked}: there is none"
+    folder = path.parent if path.name == _SURROGATE else path
+    said = f"{folder}: holds no {_SURROGATE}" if folder.is_dir() else f"{folder}: there is none"
     studies = sorted(file.parent.name for file in Path("results").glob(f"*/{_SURROGATE}"))
-    known = f"STUDY: {nearest(asked.name, studies)}" if studies else "there is no study's here"
+    known = f"STUDY: {nearest(folder.name, studies)}" if studies else "there is no study's here"
     raise InputError(
         f"surrogate: {said}; must be results/STUDY, or a surrogate's file; {known}; `meecontact run STUDY` makes one"
     )
@@ -144,7 +147,7 @@ def written_as(**endings: str) -> Callable[[str], Path]:
 
     def path(text: str) -> Path:
         if Path(text).suffix.removeprefix(".") not in endings:
-            allowed, forms = (" or ".join(some) for some in ([f".{ending}" for ending in endings], endings.values()))
+            allowed, forms = (" or ".join(words) for words in ([f".{ending}" for ending in endings], endings.values()))
             raise ArgumentTypeError(f"{text!r}: must end in {allowed}: the answer is written as {forms}")
         return Path(text)
 
@@ -152,7 +155,7 @@ def written_as(**endings: str) -> Callable[[str], Path]:
 
 
 def cores(text: str) -> str:
-    """How many cores to use, as Snakemake takes it."""
+    """Return a number of cores, or ``all``, as Snakemake reads it."""
     if text != "all" and not (text.isascii() and text.isdecimal() and int(text[:9]) >= 1 and len(text) < 6):
         raise ArgumentTypeError(f"{text!r} is not a number of cores from 1 on, or 'all'")
     return text

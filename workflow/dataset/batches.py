@@ -41,9 +41,9 @@ def write_slab(study: Study, path_of_places: Path, index: int, path: Path, cache
     part = np.array_split(np.arange(batch.sizes[PLACE]), slabs(study, path_of_places))[index]
     count = part.size
     with tqdm(total=count, desc=f"slab {index + 1}", unit=" places", disable=None, leave=False) as bar:
-        parts, each = [], _AT_A_TIME if study.tabled else max(1, _CASES // study.block)
-        for start in range(0, count, each):
-            parts.append(exact(study, batch.isel({PLACE: part[start : start + each]}), cache))
+        parts, batch_size = [], _AT_A_TIME if study.tabled else max(1, _CASES // study.block)
+        for start in range(0, count, batch_size):
+            parts.append(exact(study, batch.isel({PLACE: part[start : start + batch_size]}), cache))
             bar.update(parts[-1].sizes[PLACE])
     whole = joined(parts)
     values = {str(name): array.values for name, array in whole.data_vars.items()}
@@ -54,7 +54,7 @@ def write_slab(study: Study, path_of_places: Path, index: int, path: Path, cache
 
 def exact(study: Study, places: xr.Dataset, cache: CaseCache | None = None) -> xr.Dataset:
     """Exact quantities over places of the crossed axes and all levels of the others."""
-    levels = {name: some for name, some in factorial.axes(study).items() if name not in study.crossed}
+    levels = {name: values for name, values in factorial.axes(study).items() if name not in study.crossed}
     crossed = {name: xr.DataArray(places[name].variable) for name in study.crossed}
     solved = factorial.exact(study, {**crossed, **levels}, cache=cache)
     whole = xr.broadcast(solved[study.quantities])[0].transpose(PLACE, *levels)

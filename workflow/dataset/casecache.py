@@ -56,16 +56,16 @@ class CaseCache:
         self.cases = self.taken = 0
         self._tally = self.folder / _TALLIES / output.relative_to(results).with_suffix(".json")
 
-    def around(self, study: Study, solved: Solved, asked: Mapping[str, Any]) -> Solved:
-        """What solves cases piece by piece, those that are not kept."""
+    def around(self, study: Study, solved: Solved, options: Mapping[str, Any]) -> Solved:
+        """Return a function that solves cases piece by piece and takes stored pieces from the cache."""
         if not study.costly & set(study.quantities):
             return solved
-        own = json.dumps([study.digest("phases", "materials", "body"), asked, _solver()], sort_keys=True)
+        question = json.dumps([study.digest("phases", "materials", "body"), options, _solver()], sort_keys=True)
 
         def whole(factors: Mapping[str, Any]) -> xr.Dataset:
             cases = {name: labelled(name, value) for name, value in factors.items()}
             parts = list(_parts(study, cases))
-            answers = [self._piece(solved, own, _selected(cases, part)) for part in parts]
+            answers = [self._piece(solved, question, _selected(cases, part)) for part in parts]
             return answers[0] if len(answers) == 1 else _joined(cases, parts, answers)
 
         return whole
@@ -80,9 +80,9 @@ class CaseCache:
             except OSError as error:  # no result is lost by it
                 log.warning("how many cases were solved before is not kept: %s", error)
 
-    def _piece(self, solved: Solved, own: str, cases: Mapping[str, xr.DataArray]) -> xr.Dataset:
+    def _piece(self, solved: Solved, question: str, cases: Mapping[str, xr.DataArray]) -> xr.Dataset:
         """The answer of one piece, from its file if that is whole."""
-        name = _digest(own, cases)
+        name = _digest(question, cases)
         path = self.folder / _OF_CASES / name[:2] / f"{name[2:]}.nc"
         count = prod(_sizes(cases).values())
         try:
@@ -107,25 +107,25 @@ def of(job: "Snakemake") -> Iterator[CaseCache]:
 
 
 def taken(results: Path, study: str) -> dict[str, int]:
-    """How many cases of a study's files were asked for piece by piece, and how many of these were solved before."""
+    """Number of cases of a study's files that were asked for piece by piece, and of those that were solved before."""
     folder, tally = results / FOLDER / _TALLIES / study, {"cases": 0, "taken": 0}
     for file in sorted(folder.rglob("*.json")):
         if (results / study / file.relative_to(folder)).with_suffix(".nc").is_file():
             with suppress(OSError, ValueError, LookupError, TypeError):  # a tally is no result: half of one is left out
-                own = json.loads(file.read_text(encoding="utf-8"))
-                tally = {name: count + int(own[name]) for name, count in tally.items()}
+                counts = json.loads(file.read_text(encoding="utf-8"))
+                tally = {name: count + int(counts[name]) for name, count in tally.items()}
     return tally
 
 
 def sweep(results: Path, most: int = MOST_BYTES) -> None:
     """Remove what was used longest ago, and what killed writers have left."""
-    now, files = time.time(), []
+    clock, files = time.time(), []
     for file in (results / FOLDER / _OF_CASES).rglob("*"):
         try:
             status = file.stat()
         except OSError:  # another run sweeps too
             continue
-        if file.name.endswith(PARTIAL) and now - status.st_mtime > _DAY:
+        if file.name.endswith(PARTIAL) and clock - status.st_mtime > _DAY:
             file.unlink(missing_ok=True)
         elif file.suffix == ".nc":
             files.append((status.st_mtime, status.st_size, file))
@@ -147,9 +147,9 @@ def _solver() -> str:
     )
 
 
-def _digest(own: str, cases: Mapping[str, xr.DataArray]) -> str:
+def _digest(question: str, cases: Mapping[str, xr.DataArray]) -> str:
     """Hash of the values of all factors, to the last bit, over their dimensions."""
-    digest = hashlib.sha256(own.encode())
+    digest = hashlib.sha256(question.encode())
     for name, array in cases.items():
         digest.update(json.dumps([name, list(map(str, array.dims)), list(array.shape)]).encode())
         values = array.values
@@ -159,7 +159,7 @@ def _digest(own: str, cases: Mapping[str, xr.DataArray]) -> str:
 
 
 def _parts(study: Study, cases: Mapping[str, xr.DataArray]) -> Iterator[_Part]:
-    """Where the pieces lie: runs of equal values of what needs tables, or levels of the first axis."""
+    """Return the regions of the pieces: runs of equal values of tabled factors, or levels of the first axis."""
     names = [name for name in study.tabled if name in cases]
     dims = list(dict.fromkeys(str(dim) for name in names for dim in cases[name].dims))
     runs = {dim: _runs([cases[name] for name in names if dim in cases[name].dims], dim) for dim in dims}
@@ -222,6 +222,6 @@ def _as_solved(stored: xr.Dataset, name: str) -> xr.Dataset:
     """Answer as the solver gave it, without what every file says; FormatError where it is that of another case."""
     if stored.attrs.get(CASE) != name:
         raise FormatError(name, "is no answer to this case")
-    beside = {*standard(stored), CHECKSUM, CASE}
-    stored.attrs = {name: value for name, value in stored.attrs.items() if name not in beside}
+    attributes_of_files = {*standard(stored), CHECKSUM, CASE}
+    stored.attrs = {name: value for name, value in stored.attrs.items() if name not in attributes_of_files}
     return stored.drop_encoding()

@@ -88,7 +88,7 @@ def _field(name: str, description: str, kind: str) -> dict[str, Any]:
 
 
 def _axis(name: str, category: bool) -> tuple[str, str]:
-    """What an axis of the factorial means, and its type."""
+    """Return the meaning and type of an axis of the factorial."""
     if category:
         return f"{name} of the case", "sc:Text"
     return f"{FACTORS[name].long_name}, in {FACTORS[name].units}", "sc:Float"

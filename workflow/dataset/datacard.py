@@ -72,7 +72,7 @@ def markdown(card: Mapping[str, Any]) -> str:
 
 
 def _refused(study: Study, slabs: Sequence[Path]) -> dict[str, Any]:
-    """How many places the solver refuses, where and why; empty where it refuses none."""
+    """Number of refused places with their range and reasons; empty where the solver refuses none."""
     parts = []
     for slab in slabs:
         with netCDF4.Dataset(slab, "r") as file:
@@ -88,7 +88,7 @@ def _refused(study: Study, slabs: Sequence[Path]) -> dict[str, Any]:
 
 
 def _groups(study: Study) -> dict[str, Any]:
-    """What is stored in place of the factors, and how every case follows from it; empty of a study without groups."""
+    """Return the stored axes of a study with groups and the rule that gives each case; empty without groups."""
     if not study.groups:
         return {}
     axes = {

@@ -57,12 +57,12 @@ def towards_ends(
     tables = np.stack([drawn[name].values for name in study.tabled or study.factors])
     place = np.unique(tables, axis=1, return_index=True, return_inverse=True)[1:]
     order = np.argsort(np.tile(place[0][place[1].reshape(-1)], 2), kind="stable")  # as they came
-    both = {}
+    factors = {}
     for name, axis in study.factors.items():
         u = random.beta(*TOWARDS_ENDS, size=count)
         values = drawn[name].values if name in study.tabled else _along(name, axis, u)
-        both[name] = xr.DataArray(np.concatenate([drawn[name].values, values])[order], dims="case")
-    return both, (order < count).astype(np.int8)
+        factors[name] = xr.DataArray(np.concatenate([drawn[name].values, values])[order], dims="case")
+    return factors, (order < count).astype(np.int8)
 
 
 def _along(name: str, axis: Axis, u: Array) -> Array:

@@ -58,10 +58,10 @@ def _beside_half_plane(
     effects: Effects, factor: str, case: Mapping[str, Any], solved: Callable[[Mapping[str, Any]], xr.Dataset]
 ) -> xr.Dataset:
     """Solved cases, and behind those of a film the half-plane of the baseline: what both have."""
-    out, beside = solved(case), effects.half_plane(factor)
-    if beside is None:
+    out, reference = solved(case), effects.half_plane(factor)
+    if reference is None:
         return out
-    half_plane = solved(beside)
+    half_plane = solved(reference)
     held = ", ".join(f"{name} = {value}" for name, value in case.items() if name in OF_A_FILM and name != factor)
     out = out.drop_vars([name for name in OF_A_FILM if name in out.coords and name != factor])
     shared = [name for name in out.data_vars if name in half_plane]

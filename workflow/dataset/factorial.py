@@ -43,18 +43,18 @@ def axis_inputs(study: Study) -> list[Input]:
 
 
 def grouping(study: Study, learned: xr.Dataset | None = None) -> Grouping:
-    """How what the surrogate learns follows from a study's groups; logarithms are chosen where it has the factorial."""
+    """Return the relation of learned quantities to a study's groups; logarithms need the factorial."""
     plain = similar.grouping(study, inputs(study), axis_inputs(study))
     untold = study.crossed and study.surrogate.log is None
     return plain if learned is None or untold else similar.with_logarithms(plain, study, learned)
 
 
 def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
-    """What is learned of the factorial over its axes: the outputs, or with groups the outputs over their scales."""
+    """Return the learned data over the axes: the outputs, or with groups the outputs over their scales."""
     if by is None:
         return data
-    own = {name: data[name] for name in study.axes}
-    return by.reduced(with_factors(study, data), [str(name) for name in data.data_vars]).assign_coords(own)
+    coordinates = {name: data[name] for name in study.axes}
+    return by.reduced(with_factors(study, data), [str(name) for name in data.data_vars]).assign_coords(coordinates)
 
 
 def with_factors(study: Study, data: xr.Dataset) -> xr.Dataset:
@@ -91,8 +91,8 @@ def cases(study: Study, name: str, cache: CaseCache | None = None) -> xr.Dataset
     drawn, even = draws.sample(study, getattr(study.validation, key), (study.validation.seed, number), ends)
     if not ends:
         return exact(study, drawn, curves=name == "calibration" and not study.groups, holes=np.inf, cache=cache)
-    told = {"long_name": "1 where a case is spread evenly over the box, 0 where it is drawn towards its ends"}
-    return exact(study, drawn, holes=np.inf, cache=cache).assign_coords({EVEN: ("case", even, told)})
+    attributes = {"long_name": "1 where a case is spread evenly over the box, 0 where it is drawn towards its ends"}
+    return exact(study, drawn, holes=np.inf, cache=cache).assign_coords({EVEN: ("case", even, attributes)})
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
@@ -138,10 +138,10 @@ def exact(
     """
     grouped = bool(study.groups) and axes.keys() >= study.products.keys() and not axes.keys() >= study.factors.keys()
     over = list(study.products) if grouped else []
-    own = representatives.factors(study, {name: axes[name] for name in over}) if over else {}
-    rest = {name: values for name, values in axes.items() if name not in over}
-    rest |= {name: names for name, names in study.categories.items() if name not in axes}
-    factors = {**study.fixed, **own, **rest}
+    factors_of_groups = representatives.factors(study, {name: axes[name] for name in over}) if over else {}
+    other_axes = {name: values for name, values in axes.items() if name not in over}
+    other_axes |= {name: names for name, names in study.categories.items() if name not in axes}
+    factors = {**study.fixed, **factors_of_groups, **other_axes}
 
     searched = study.searched if peaks is None else peaks
 
@@ -154,13 +154,13 @@ def exact(
 
     options = {"peaks": sorted(searched), "regular": regular, "regions": study.regions if curves else []}
     options |= {"positions": None if positions is None else list(map(float, positions))}
-    asked = whole if cache is None else cache.around(study, whole, options)
+    entrance = whole if cache is None else cache.around(study, whole, options)
     try:
-        solved = asked(factors) if holes is None else answered(asked, factors, holes)
+        solved = entrance(factors) if holes is None else answered(entrance, factors, holes)
     except AllRefusedError:
         raise
     except FactorError as error:
-        raise _named(study, *refused(asked, factors, error)) from None
+        raise _named(study, *refused(entrance, factors, error)) from None
     if over:
         along = {name: _axis(study, name, axes[name]) for name in over}
         solved = solved.assign_coords(along).transpose(*dict.fromkeys(axis.dims[0] for axis in along.values()), ...)
@@ -169,13 +169,13 @@ def exact(
 
 def _named(study: Study, case: Mapping[str, Any], reason: FactorError) -> FactorError:
     """The refusal of one case, with the factors and categories that tell it from others."""
-    given = [
+    words = [
         f"{name} = {case[name]:.6g} {FACTORS[name].units}".removesuffix(" 1") if name in study.factors
         else f"{name} = {case[name]}"
         for name in (*study.factors, *study.categories)
         if name in case
     ]  # fmt: skip
-    return type(reason)(f"{reason}; the case is {', '.join(given)}") if given else reason
+    return type(reason)(f"{reason}; the case is {', '.join(words)}") if words else reason
 
 
 def _axis(study: Study, name: str, values: Any) -> xr.Variable:

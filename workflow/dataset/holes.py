@@ -13,7 +13,7 @@ from workflow.study.refusals import MOST, REASON, REFUSAL, AllRefusedError, Hole
 
 
 class Mask:
-    """Which cases of a slab are refused and why, met block by block."""
+    """Refused cases of a slab with their reasons, collected block by block."""
 
     def __init__(self, axes: Mapping[str, NDArray[Any]], most: float) -> None:
         self.axes, self.most, self.count = list(axes), most, 0
@@ -23,7 +23,7 @@ class Mask:
 
     @property
     def left(self) -> float:
-        """How many further cases may be refused."""
+        """Number of cases that may still be refused."""
         return self.most - self.count
 
     def values(self, region: Region, solved: Callable[[], xr.Dataset], frame: xr.Dataset) -> dict[str, NDArray[Any]]:
@@ -45,8 +45,8 @@ class Mask:
         for name, array in frame.data_vars.items():
             shape = (*codes.shape, *array.shape[codes.ndim :])
             missing = np.broadcast_to(codes.reshape(codes.shape + (1,) * (len(shape) - codes.ndim)) > 0, shape)
-            own = answered[name].values if name in answered else np.full(shape, np.nan)
-            values[str(name)] = np.ma.masked_array(own, missing)
+            solved_values = answered[name].values if name in answered else np.full(shape, np.nan)
+            values[str(name)] = np.ma.masked_array(solved_values, missing)
         return values
 
     def _too_many(self, reason: str) -> HolesError:
@@ -70,7 +70,7 @@ def kept(cases: xr.Dataset) -> xr.Dataset:
 
 
 def refused(data: xr.Dataset, axes: Sequence[str]) -> Flags:
-    """Which places along some dimensions are refused in any category, over these dimensions."""
+    """Return the mask of places that are refused in any category, over `axes`."""
     if REFUSAL not in data:
         return np.zeros([data.sizes[name] for name in axes], dtype=bool)
     mask = data[REFUSAL] > 0
@@ -105,8 +105,8 @@ def joined(parts: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
 
 def _renumbered(data: xr.Dataset, numbers: dict[str, int], dims: Sequence[str]) -> NDArray[np.int32]:
     """The mask of some cases over some dimensions, by the numbers that reasons have; new ones get the next."""
-    own = [numbers.setdefault(str(text), len(numbers) + 1) for text in data[REASON].values]
-    return np.asarray(np.array([0, *own], dtype=np.int32)[data[REFUSAL].transpose(*dims).values])
+    codes = [numbers.setdefault(str(text), len(numbers) + 1) for text in data[REASON].values]
+    return np.asarray(np.array([0, *codes], dtype=np.int32)[data[REFUSAL].transpose(*dims).values])
 
 
 def check(data: xr.Dataset, axes: Sequence[str]) -> None:
@@ -142,9 +142,9 @@ def summary(data: xr.Dataset, axes: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def _told(count: int, of: int, reason: str) -> str:
-    """How many places are refused, and why."""
-    return f"{count:,} of {of:,} places ({100 * count / of:.2g} %) are refused: {reason}"
+def _told(count: int, total: int, reason: str) -> str:
+    """Report the number of refused places and the reason."""
+    return f"{count:,} of {total:,} places ({100 * count / total:.2g} %) are refused: {reason}"
 
 
 def _common(data: xr.Dataset) -> str:

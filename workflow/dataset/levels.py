@@ -35,7 +35,7 @@ _MEANINGS = {
 def choose(study: Study) -> xr.Dataset:
     """Level counts for ``validation.tolerance`` within ``dataset.budget``, and the evidence for them."""
     study = _with_scales(study)
-    given = {name: axis.levels for name, axis in study.axes.items() if axis.levels is not None}
+    fixed_counts = {name: axis.levels for name, axis in study.axes.items() if axis.levels is not None}
 
     def solve(axes: dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]) -> xr.Dataset:
         log.info("pilot of %s", " x ".join(f"{axis.size} {name}" for name, axis in axes.items()))
@@ -43,7 +43,7 @@ def choose(study: Study) -> xr.Dataset:
 
     grouping = factorial.grouping(study) if study.groups else None
     tolerance, budget = study.validation.tolerance, study.dataset.budget
-    pilot = explore(solve, factorial.axis_inputs(study), tolerance, budget, study.output_names, given)
+    pilot = explore(solve, factorial.axis_inputs(study), tolerance, budget, study.output_names, fixed_counts)
     choice = pilot.choice
     for name, where in choice.kinked.items():
         log.warning("%s is kinked along %s: no tolerance is claimed for it", name, ", ".join(where))
@@ -60,7 +60,7 @@ def choose(study: Study) -> xr.Dataset:
     chosen = choice.decay.assign(
         levels=("input", [counts[name] for name in names]),
         pilot_levels=("input", [pilot.levels[name] for name in names]),
-        given=("input", [int(name in given) for name in names]),
+        given=("input", [int(name in fixed_counts) for name in names]),
         affine=("input", [int(name in choice.affine) for name in names]),
         extrapolated=("input", [int(name in choice.extrapolated) for name in names]),
         predicted_error=("output", list(choice.error.values())),

@@ -13,8 +13,8 @@ from workflow.study.refusals import REASON, REFUSAL
 def gather(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
     """Quantities of the whole factorial from its slabs, without the statistics of each slab."""
     names = [name for name in ALL_QUANTITIES if name in slabs[0]]
-    own = [part[[*names, *(extra for extra in (REFUSAL, REASON) if extra in part)]] for part in slabs]
-    whole = holes.joined(own, str(slabs[0][names[0]].dims[0]))
+    parts = [part[[*names, *(extra for extra in (REFUSAL, REASON) if extra in part)]] for part in slabs]
+    whole = holes.joined(parts, str(slabs[0][names[0]].dims[0]))
     for array in whole.data_vars.values():
         array.attrs = {key: value for key, value in array.attrs.items() if key not in STATISTICS}
     if REFUSAL in whole:

@@ -28,11 +28,11 @@ _LENGTHS = ("thickness", "radius", "width", "datum", "slope")
 def grouping(
     study: Study, inputs: Sequence[Input], axes: Sequence[Input], weights: Mapping[str, str] | None = None
 ) -> Grouping:
-    """How the study's outputs follow from what is learned over its groups."""
+    """Return the rule by which outputs follow from the quantities learned over groups."""
     names = [input_.name for input_ in inputs]
     groups = tuple(_group(study, axis, names) for axis in axes)
     scalings = (
-        {name: Scaling(scale(study, of)) for name, of in weights.items()}
+        {name: Scaling(scale(study, weight)) for name, weight in weights.items()}
         if weights is not None
         else {
             output(name, combination): Scaling(scale(study, name), _coefficient(study, name, combination))
@@ -56,23 +56,23 @@ def _group(study: Study, axis: Input, names: Sequence[str]) -> Group:
 
 def with_logarithms(grouping: Grouping, study: Study, learned: xr.Dataset) -> Grouping:
     """The grouping with the logarithms that are learned: those that the study names, or that decay faster."""
-    asked = study.surrogate.log
+    names_in_study = study.surrogate.log
     names = [
         output(name, combination)
         for combination in study.combinations
         for name in study.outputs
-        if asked is None or name in asked
+        if names_in_study is None or name in names_in_study
     ]
     signs = {name: _sign(learned[name].values) for name in names}
     for name, sign in signs.items():
-        if asked is not None and not sign:
+        if names_in_study is not None and not sign:
             low, high = float(learned[name].min()), float(learned[name].max())
             raise InputError(
                 f"{study.path}: surrogate: log: {name!r} is from {low:g} to {high:g}: no logarithm of what changes sign"
             )
     possible = {name: sign for name, sign in signs.items() if sign and not grouping.scalings[name].coefficient}
     logs = _replaced(grouping, possible)
-    if asked is None:
+    if names_in_study is None:
         plain, bent = (_errors(tried, learned, list(possible)) for tried in (grouping, logs))
         logs = _replaced(grouping, {name: sign for name, sign in possible.items() if bent[name] < _GAIN * plain[name]})
     return logs
@@ -109,12 +109,12 @@ def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> di
 
 
 def _within(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> tuple[Array, tuple[Indices, ...]]:
-    """At places of the box: scales of outputs (output, place), and the next level of every axis."""
+    """Scales of outputs (output, place) at places of the box, and the next level of every axis."""
     unit = 2 * sobol_points(_PLACES, len(grouping.inputs)).T - 1
     points = np.stack([input_.from_unit(t) for input_, t in zip(grouping.inputs, unit, strict=True)], -1)
-    at = grouping.products.values(points)
+    group_values = grouping.products.values(points)
     levels = [learned[axis.name].values for axis in grouping.axes]
-    nearest = tuple(np.abs(along[:, None] - x).argmin(0) for along, x in zip(levels, at.T, strict=True))
+    nearest = tuple(np.abs(along[:, None] - x).argmin(0) for along, x in zip(levels, group_values.T, strict=True))
     return grouping.scales(names).values(points), nearest
 
 
@@ -127,18 +127,18 @@ def scale(study: Study, quantity: str) -> dict[str, float]:
         return {}
     known = {*study.factors, *study.fixed, *(["thickness"] if study.body else [])}
     known |= set() if study.kind.datum == "absolute" else {"datum"}
-    own = next(name for name in _LENGTHS if name in known)
-    powers = scale_powers(quantity, study.kind.loads.force, own)
+    length = next(name for name in _LENGTHS if name in known)
+    powers = scale_powers(quantity, study.kind.loads.force, length)
     return {name: power for name, power in powers.items() if name in study.factors and power}
 
 
 def _coefficient(study: Study, name: str, combination: Combination) -> float:
-    """What the logarithm of a length is multiplied by in a quantity that the groups tell but for the datum."""
+    """Factor of the logarithm of a length in a quantity that groups determine up to the datum."""
     if name not in study.added:
         return 0.0
     datum = length(study)
     if datum is None:
         return 0.0
-    here = {**{key: value for key, value in study.fixed.items() if key != "datum"}, **middles(study), **combination}
-    values = study.solved(solve, {**here, "datum": datum * np.array([1.0, np.e])})[name].values
+    case = {**{key: value for key, value in study.fixed.items() if key != "datum"}, **middles(study), **combination}
+    values = study.solved(solve, {**case, "datum": datum * np.array([1.0, np.e])})[name].values
     return float(values[1] - values[0])

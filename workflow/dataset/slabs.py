@@ -8,7 +8,8 @@ import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from math import prod
+from itertools import product
+from math import ceil, prod
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from solver.fields import ACROSS, ALONG, EVERY_FIELD, FIELDS
 from storage.blocks import Region, write_blocks
 from storage.netcdf import MAX_BYTES, read_whole
 from storage.sealed import check_seal
-from workflow.dataset import factorial, holes, tiling
+from workflow.dataset import factorial, holes
 from workflow.dataset.casecache import CaseCache
 from workflow.run.joblog import log
 from workflow.study import partition
@@ -51,20 +52,22 @@ def write_slab(study: Study, index: int, path: Path, cache: CaseCache | None = N
     positions = study.dataset.positions.values() if study.stores_fields else None
     points = max([study.dataset.positions.count, *(REGIONS[name].panels.size for name in study.regions)])
     lengths, block = [levels.size for levels in axes.values()], max(1, _BLOCK // points)
-    chunk = tiling.chunk_lengths(lengths, min(block, _CHUNK_CASES))
-    regions = list(tiling.regions(lengths, chunk, block))
+    chunk = chunk_lengths(lengths, min(block, _CHUNK_CASES))
+    regions = list(block_regions(lengths, chunk, block))
     name = f"slab {index + 1} of {partition.count(study)}"
     cases = prod(levels.size for levels in axes.values())
 
     def part(region: Region) -> xr.Dataset:
-        own = {axis: levels[some] for (axis, levels), some in zip(axes.items(), region, strict=True)}
-        return factorial.exact(study, own, positions, curves=True, holes=mask.left, cache=cache)
+        axes_of_part = {
+            axis: levels[part_slice] for (axis, levels), part_slice in zip(axes.items(), region, strict=True)
+        }
+        return factorial.exact(study, axes_of_part, positions, curves=True, holes=mask.left, cache=cache)
 
     def blocks() -> Iterator[tuple[Region, Mapping[str, NDArray[Any]]]]:
         with tqdm(total=cases, desc=name, unit=" cases", disable=None, leave=False) as bar:
             for region in regions:
                 yield region, mask.values(region, partial(part, region), frame)
-                bar.update(prod(some.stop - some.start for some in region))
+                bar.update(prod(part_slice.stop - part_slice.start for part_slice in region))
 
     mask = holes.Mask(axes, MOST * study.cases)
     frame = _frame(_one_case(study, axes, positions), axes, study.dataset.precision)
@@ -76,13 +79,13 @@ def write_slab(study: Study, index: int, path: Path, cache: CaseCache | None = N
 def _one_case(study: Study, axes: Mapping[str, NDArray[np.float64]], positions: Iterable[float] | None) -> xr.Dataset:
     """A case with all categories: the first of the slab, or if that is refused one that is not, tried at random."""
     whole, random = factorial.axes(study), np.random.default_rng(0)
-    at = {axis: levels if axis in study.categories else levels[:1] for axis, levels in axes.items()}
+    case = {axis: levels if axis in study.categories else levels[:1] for axis, levels in axes.items()}
     for _ in range(_TRIES):
         try:
-            return factorial.exact(study, at, positions, curves=True)
+            return factorial.exact(study, case, positions, curves=True)
         except FactorError as error:
             refusal = error
-        at = {axis: at[axis] if axis in study.categories else random.choice(whole[axis], 1) for axis in axes}
+        case = {axis: case[axis] if axis in study.categories else random.choice(whole[axis], 1) for axis in axes}
     raise refusal
 
 
@@ -90,18 +93,57 @@ def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision:
     """The slab without its values: coordinates, attributes, dimensions and types."""
     coords = {axis: xr.Variable(axis, levels, case[axis].attrs) for axis, levels in axes.items()}
     # along the first level of every axis, factors of groups stand there as arrays of one
-    kept = {
+    scalar_coordinates = {
         name: coordinate
         for name, coordinate in case.coords.items()
         if axes.keys().isdisjoint(map(str, coordinate.dims))
     }
-    frame = xr.Dataset(coords=kept).assign_coords(coords)
+    frame = xr.Dataset(coords=scalar_coordinates).assign_coords(coords)
     empty = {}
     for name, array in case.data_vars.items():
         nothing = np.zeros((), precision if array.ndim > len(axes) else array.dtype)
         shape = [frame.sizes[dim] for dim in array.dims]
         empty[name] = (array.dims, np.broadcast_to(nothing, shape), array.attrs)
     return frame.assign(empty).assign_attrs(case.attrs)
+
+
+def chunk_lengths(lengths: Sequence[int], cases: int) -> list[int]:
+    """Length of a chunk along every axis.
+
+    Chunks divide the axis that they split, where that takes no chunks of less than half of what is allowed; else the
+    last of the axis holds less than it has room for.
+    """
+    split, most = _split(lengths, cases)
+    length = lengths[split]
+    even = max(part for part in range(1, most + 1) if length % part == 0)
+    part = even if 2 * even >= most else _about_equal(length, most)
+    return [*([1] * split), part, *lengths[split + 1 :]]
+
+
+def block_regions(lengths: Sequence[int], chunk: Sequence[int], cases: int) -> Iterator[Region]:
+    """Yield the blocks in C order, each of whole chunks.
+
+    A chunk is compressed once and never read again while the file is written; no block goes beyond one level of the
+    first axis, which slabs share out.
+    """
+    split, most = _split(lengths, cases)
+    step = chunk[split] * _about_equal(ceil(lengths[split] / chunk[split]), max(1, most // chunk[split]))
+    for leading in product(*(range(length) for length in lengths[:split])):
+        for begin in range(0, lengths[split], step):
+            part = slice(begin, min(begin + step, lengths[split]))
+            whole = (slice(0, length) for length in lengths[split + 1 :])
+            yield (*(slice(place, place + 1) for place in leading), part, *whole)
+
+
+def _split(lengths: Sequence[int], cases: int) -> tuple[int, int]:
+    """The axis that is split so that later ones are whole, and how much of it so many cases hold; 1 of the first."""
+    split = next(k for k in range(1, len(lengths) + 1) if prod(lengths[k:]) <= cases) - 1
+    return split, max(1, cases // prod(lengths[split + 1 :])) if split else 1
+
+
+def _about_equal(length: int, most: int) -> int:
+    """The largest of as few pieces as possible, of about one size."""
+    return ceil(length / ceil(length / most))
 
 
 def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:
@@ -162,19 +204,19 @@ class Stacked(BackendArray):
         )
 
     def _selected(self, key: tuple[Any, ...]) -> NDArray[Any]:
-        first, *rest = key
+        first, *selection = key
         wanted = np.atleast_1d(np.arange(self.shape[0])[first])
         parts = []
         which = np.searchsorted(self.starts, wanted, side="right") - 1
         changes = np.flatnonzero(np.diff(which)) + 1
         for levels, part in zip(np.split(wanted, changes), np.split(which, changes), strict=True):
             if levels.size:
-                parts.append(self._read(int(part[0]), levels - self.starts[part[0]], rest))
-        whole = np.concatenate(parts) if parts else np.empty((0, *self.shape[1:]), self.dtype)[(slice(0), *rest)]
+                parts.append(self._read(int(part[0]), levels - self.starts[part[0]], selection))
+        whole = np.concatenate(parts) if parts else np.empty((0, *self.shape[1:]), self.dtype)[(slice(0), *selection)]
         return whole[0] if isinstance(first, int | np.integer) else whole
 
-    def _read(self, number: int, levels: NDArray[np.int64], rest: Sequence[Any]) -> NDArray[Any]:
+    def _read(self, number: int, levels: NDArray[np.int64], selection: Sequence[Any]) -> NDArray[Any]:
         check_seal(self.files[number], MAX_BYTES, digest=False)
         with netCDF4.Dataset(self.files[number], "r") as file:
             file.set_auto_maskandscale(False)
-            return np.stack([np.asarray(file[self.name][(int(level), *rest)]) for level in levels])
+            return np.stack([np.asarray(file[self.name][(int(level), *selection)]) for level in levels])

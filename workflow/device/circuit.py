@@ -25,7 +25,7 @@ from workflow.language import grammar
 
 @dataclass(frozen=True)
 class Circuit:
-    """What a contact is connected to."""
+    """Amplifier and cable of a contact, and the leakage of its film."""
 
     numbers: Mapping[str, float]  # Those of a study's section ``device`` by their names, in SI
     leakage: float = 0.0  # Rate 1/tau at which charge leaks through the film [1/s]
@@ -50,7 +50,7 @@ class Circuit:
 
     @property
     def reads_charge(self) -> bool:
-        """Whether the amplifier is one of charge."""
+        """Return whether the amplifier is a charge amplifier."""
         return "feedback_capacitance" in self.numbers
 
     @property
@@ -71,7 +71,7 @@ class Circuit:
         return 1 / self.numbers.get("input_resistance", np.inf) + feedback
 
     def time_constant(self, contact: float) -> float:
-        """In which the signal of a constant force decays to 1/e [s], of a contact of some capacitance [F]."""
+        """Return the time in which a constant force decays to 1/e [s], from the contact's capacitance [F]."""
         rate = contact * self.leakage + self.conductance
         return (contact + self.capacitance) / rate if rate else np.inf
 
@@ -82,9 +82,9 @@ class Circuit:
         that a resistance discharges: of the feedback, or of all of it.
         """
         feedback = self.numbers.get("feedback_capacitance", 0.0)
-        own = self._figure("smallest_force", contact + feedback, charge_per_force=1.0)
+        amplifier = self._figure("smallest_force", contact + feedback, charge_per_force=1.0)
         discharged = feedback or contact + self.capacitance
-        return float(np.hypot(own, np.sqrt(Boltzmann * temperature * discharged)))
+        return float(np.hypot(amplifier, np.sqrt(Boltzmann * temperature * discharged)))
 
     def _figure(self, name: str, contact: float, **known: float) -> float:
         """A figure of a device with a contact of some capacitance [F]."""

@@ -142,7 +142,7 @@ def response(
 
 
 def film(case: Mapping[str, Any], material: Material) -> Stack:
-    """What lies between the electrodes of a case on a single film, whatever its base."""
+    """Return the layer between the electrodes of a case on a single film."""
     if "collector" in case and "base_volume_fraction" in case:
         raise FactorError(
             f"base_volume_fraction: {float(case['base_volume_fraction']):g} of a film whose electrode a device reads; "

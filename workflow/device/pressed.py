@@ -75,20 +75,20 @@ def held(study: Study, pressing: Pressing) -> xr.Dataset:
 
 
 def spread(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Dataset:
-    """What one standard deviation of the materials' constants makes of a press, as shares, to first order."""
+    """Relative standard deviations of charge and output by the materials' constants, to first order."""
 
-    def told(own: Study) -> Array:
-        assert own.device is not None
-        factors, body, material = _pressed(own, pressing, case)
+    def told(moved: Study) -> Array:
+        assert moved.device is not None
+        factors, body, material = _pressed(moved, pressing, case)
         charge, capacitance = response(
             factors,
             np.array([pressing.force]),
-            length=_length(own),
-            materials=own.own_materials,
-            solved=lambda cases: own.solved(solve, cases),
+            length=_length(moved),
+            materials=moved.own_materials,
+            solved=lambda cases: moved.solved(solve, cases),
             body=body,
         )
-        circuit = Circuit.of(own.device.constants, material)
+        circuit = Circuit.of(moved.device.constants, material)
         return np.concatenate([charge, charge / (capacitance + circuit.capacitance)])
 
     try:
@@ -127,6 +127,6 @@ def _pressed(
 
 
 def _beside(body: Stack, case: Mapping[str, Any]) -> Material:
-    """What charge leaks through: the layer beside the electrode that is read, or else the top one."""
+    """Return the material through which charge leaks: the layer at the electrode that is read, or the top layer."""
     between = Electrode(body, int(case["collector"])).between if "collector" in case else []
     return body.layers[between[0][-1] if between else 0].material

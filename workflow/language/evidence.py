@@ -1,4 +1,4 @@
-"""What a source says of itself: whether it was read, or is told from memory."""
+"""Evidence of a source: whether it was read, or is recalled from memory."""
 
 import re
 

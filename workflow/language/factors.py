@@ -45,6 +45,6 @@ FACTORS: Mapping[str, Factor] = _Factors()
 
 
 def own_kind(name: object) -> str | None:
-    """What number of a layer an own name says that it is; None for any other name."""
+    """Return the kind of a layer's number that an own name ends with; None for any other name."""
     match = None if name in names.FACTORS or not isinstance(name, str) else _OWN.fullmatch(name)
     return match["kind"] if match else None

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
+from pydantic import ValidationInfo
+
 from solver.units import in_si
 from workflow.language.expressions import units_of
 from workflow.language.factors import FACTORS, own_kind
@@ -69,29 +71,37 @@ def lost_unit(value: float, unit: str, pressure: float) -> str:
     )
 
 
-def number(name: str, given: float | str, units: str = "") -> float:
-    """Return the value in SI of a number of a factor or device; a text has its unit, a bare number is checked."""
-    if isinstance(given, str):
-        return in_si(given, units or units_of(name))
-    check_bare(name, given, units)
-    return given
+def number(name: str, value: float | str, units: str = "", context: object = None) -> float:
+    """Return the value in SI of a number of a factor or device; a text has its unit, a bare number is checked.
+
+    A bare number passes where the context of a validation says by ``in_si`` that it was read and checked before.
+    """
+    if isinstance(value, str):
+        return in_si(value, units or units_of(name))
+    if not getattr(context, "in_si", False):
+        check_bare(name, value, units)
+    return value
 
 
-def entries(section: Any) -> Any:
-    """A section of numbers by the names of factors, in SI; what is no text for a number is left as it is."""
+def entries(section: Any, info: ValidationInfo) -> Any:
+    """Return a section of numbers by the names of factors in SI; other content stays as it is."""
     if not isinstance(section, Mapping):
         return section
-    return {name: _read(name, given, (name,)) if name in FACTORS else given for name, given in section.items()}
+    return {
+        name: _read(name, value, (name,), info.context) if name in FACTORS else value for name, value in section.items()
+    }
 
 
-def _read(name: str, given: Any, place: tuple[str, ...]) -> Any:
-    if isinstance(given, str | int | float) and not isinstance(given, bool):
+def _read(name: str, value: Any, place: tuple[str, ...], context: object) -> Any:
+    if isinstance(value, str | int | float) and not isinstance(value, bool):
         try:
-            return number(name, given)
+            return number(name, value, context=context)
         except ValueError as error:
             raise ValueError(f"{': '.join(place)}: {error}") from None
-    if isinstance(given, list):
-        return [_read(name, item, place) for item in given]
-    if isinstance(given, Mapping):
-        return {key: _read(name, item, (*place, key)) if key in _NUMBERS else item for key, item in given.items()}
-    return given
+    if isinstance(value, list):
+        return [_read(name, item, place, context) for item in value]
+    if isinstance(value, Mapping):
+        return {
+            key: _read(name, item, (*place, key), context) if key in _NUMBERS else item for key, item in value.items()
+        }
+    return value

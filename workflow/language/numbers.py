@@ -26,12 +26,12 @@ def number(value: float | None, digits: int = 4) -> str:
 
 
 def counted(count: float) -> str:
-    """How many there are, in groups of three digits."""
+    """Return a count in groups of three digits."""
     return f"{int(count):,}"
 
 
 def prefixed(size: float, units: str, digits: int = _DIGITS) -> tuple[float, str]:
-    """What to divide values of some size by, and the unit to write then.
+    """Return the divisor for values of some size, and the unit to write behind them.
 
     A prefix fits where the first symbol of the unit has no exponent, as in ``V m N-1``; a pure number has no unit.
     """

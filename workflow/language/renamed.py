@@ -38,8 +38,8 @@ def renamed_study(content: dict[str, Any]) -> dict[str, Any]:
 def _profile(content: dict[str, Any]) -> str:
     """Profile of a study's cases, before the study is checked; all profiles of a study have one kind of contact."""
     for section in ("categories", "fixed"):
-        given = content.get(section)
-        profile = given.get("profile") if isinstance(given, dict) else None
+        part = content.get(section)
+        profile = part.get("profile") if isinstance(part, dict) else None
         if isinstance(profile, list) and profile:
             profile = profile[0]
         if isinstance(profile, str):

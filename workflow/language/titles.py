@@ -48,19 +48,19 @@ def spoken(expression: Expression, text: str) -> str:
 
 def in_words(text: str) -> str:
     """A text with its names in words, sizes without their bars, and a lone division as "over"."""
-    told = _NAME.sub(lambda match: title(match[0]), _WIDTH.sub("width of the contact", _SIZE.sub(r"\1", text)))
-    return told.replace(" / ", " over ") if not _OTHERS.search(text) else told
+    words = _NAME.sub(lambda match: title(match[0]), _WIDTH.sub("width of the contact", _SIZE.sub(r"\1", text)))
+    return words.replace(" / ", " over ") if not _OTHERS.search(text) else words
 
 
 def stated(statement: statements.Statement) -> str:
-    """What is wanted or bounded, in words, and what a deviation is taken over."""
+    """Wanted or bounded expression in words, with the factors of a deviation."""
     words = spoken(statement.expression, statement.inner)
     over = f" over {listed([title(name) for name in statement.over])}" if statement.over else ""
     return f"deviation of {words}{over}" if statement.deviation else words
 
 
 def wanted(goals: Sequence[statements.Objective]) -> str:
-    """What a design is asked for, as the title of its card."""
+    """Goals of a design in words, as the title of its card."""
     return capital(listed([_superlative(goal) for goal in goals]))
 
 
@@ -74,10 +74,10 @@ def units(statement: statements.Statement, si: str) -> str:
     return "%" if statement.deviation else si
 
 
-def bound(limit: statements.Limit, at: float, units: str) -> str:
+def bound(limit: statements.Limit, value: float, units: str) -> str:
     """A limit in words."""
     chance = "" if limit.probability is None else f" with probability {limit.probability:g}"
-    return f"{stated(limit)} at {'most' if limit.upper else 'least'} {shown(at, units, 3)}{chance}"
+    return f"{stated(limit)} at {'most' if limit.upper else 'least'} {shown(value, units, 3)}{chance}"
 
 
 def value(name: str, number: float, digits: int = 3) -> str:

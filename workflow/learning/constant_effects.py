@@ -1,4 +1,4 @@
-"""What uncertain constants do to a study's quantities: exact differences on a small factorial, learned as a surrogate.
+"""Effects of uncertain constants on a study's quantities: exact differences on a small factorial, as a surrogate.
 
 Effects are a tenth of what they change, or less, so that a tenth of the factorial's accuracy is enough. Of films every
 level of a tabled factor costs tables of the solver, for every constant.
@@ -61,16 +61,16 @@ class ConstantEffects:
     def at(self, z: Array) -> GridGP:
         """The change of every output at scaled constants, then its derivative by each unknown, for every output."""
         z = z[: len(self._constants)]
-        here = self._exact(z) if np.any(z) else self._start
+        exact = self._exact(z) if np.any(z) else self._start
         if np.abs(z - self._at).max() > _STALE[bool(self._study.tabled)]:
             self._say("the constants have moved: their effects anew")
-            self._at, self._slopes = z.copy(), self._differences(z, here)
+            self._at, self._slopes = z.copy(), self._differences(z, exact)
         parts = {}
         for name in self._model.outputs_:
-            parts[f"{name}: change"] = here[name] - self._start[name]
+            parts[f"{name}: change"] = exact[name] - self._start[name]
             for constant, slope in zip(self._constants, self._slopes, strict=True):
                 parts[f"{name}: {constant.name}"] = slope[name]
-            parts |= {f"{name}: {silent}": xr.zeros_like(here[name]) for silent in self._silent}
+            parts |= {f"{name}: {silent}": xr.zeros_like(exact[name]) for silent in self._silent}
         return self._fitted(parts)
 
     def _fitted(self, parts: dict[str, xr.DataArray]) -> GridGP:
@@ -80,7 +80,7 @@ class ConstantEffects:
         study = moved(self._study, self._constants, z)
         return factorial.training_data(self._study, factorial.exact(study, dict(self._levels)))
 
-    def _differences(self, z: Array, here: xr.Dataset) -> list[xr.Dataset]:
+    def _differences(self, z: Array, exact: xr.Dataset) -> list[xr.Dataset]:
         """Derivatives of all outputs by every scaled constant, zero where it has no part."""
         differences: dict[str, xr.Dataset] = {}
         solved = [constant for constant in self._constants if not self._parts(constant)]
@@ -93,9 +93,9 @@ class ConstantEffects:
             categories_ = {
                 name: [held[name]] if name in held else names for name, names in self._study.categories.items()
             }
-            there = categories.apart(_expanded(cases, held), categories_, self._study.outputs)
+            shifted = categories.apart(_expanded(cases, held), categories_, self._study.outputs)
             differences[constant.name] = xr.Dataset({
-                name: (there[name] - here[name]) / _STEP if name in there else xr.zeros_like(here[name])
+                name: (shifted[name] - exact[name]) / _STEP if name in shifted else xr.zeros_like(exact[name])
                 for name in self._model.outputs_
             })  # fmt: skip
         for family in self._constants:
@@ -114,8 +114,8 @@ class ConstantEffects:
         """Standard deviation of what the effects leave at random cases, all constants one prior deviation off, (p,)."""
         random = np.random.default_rng(0)
         z = random.choice([-1.0, 1.0], len(self._constants))
-        here = self._exact(z)
-        change = self._fitted({name: here[name] - self._start[name] for name in self._model.outputs_})
+        shifted = self._exact(z)
+        change = self._fitted({name: shifted[name] - self._start[name] for name in self._model.outputs_})
         points = draws.points(self._study, _CHECKED, (self._study.validation.seed, 11), _TOGETHER)
         exact = factorial.training_data(self._study, factorial.exact(moved(self._study, self._constants, z), points))
         X = np.stack([points[name].values for name in self._model.box], -1)

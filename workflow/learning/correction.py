@@ -44,21 +44,21 @@ def learn(
         if not device.measures(model, rows).any():
             raise InputError(f"--instrument: {device.name}: no row holds a measured {device.quantity}")
     singles = uncertainty.own(study, constants)
-    every, count = [*constants, *singles], len(constants) + len(singles)
-    effects = ConstantEffects(study, model, every, say, [instrument.name for instrument in instruments])
-    own = np.maximum(upper - nominal, nominal - lower)[rows.row, rows.output] / Normal().ends(NOMINAL)[1, 0]
-    spread = np.hypot(own, effects.error[rows.output])
+    all_constants, count = [*constants, *singles], len(constants) + len(singles)
+    effects = ConstantEffects(study, model, all_constants, say, [instrument.name for instrument in instruments])
+    own_error = np.maximum(upper - nominal, nominal - lower)[rows.row, rows.output] / Normal().ends(NOMINAL)[1, 0]
+    spread = np.hypot(own_error, effects.error[rows.output])
     latest: list[GaussianProcess] = []
-    unknown: list[Constant | Instrument] = [*every, *instruments]
+    unknown: list[Constant | Instrument] = [*all_constants, *instruments]
     single = np.array([constant in singles for constant in unknown], np.bool_)
 
     def forward(z: Array) -> tuple[Array, Array]:
-        told = ", ".join(f"{value:+.2f}" for value in z[: len(constants)])
-        say(f"constants at {told} prior standard deviations")
+        moves = ", ".join(f"{value:+.2f}" for value in z[: len(constants)])
+        say(f"constants at {moves} prior standard deviations")
         latest[:] = [effects.at(z)]
         predicted = latest[0].predict_array(rows.points).reshape(len(rows.points), len(model.outputs_), -1)
-        own = predicted[rows.row, rows.output]
-        return shown(list(instruments), model, rows, z[count:], mean + own[:, 0], own[:, 1 : count + 1])
+        own_error = predicted[rows.row, rows.output]
+        return shown(list(instruments), model, rows, z[count:], mean + own_error[:, 0], own_error[:, 1 : count + 1])
 
     try:
         posterior = learning.learn(forward, rows, model.inputs_, len(unknown), spread, single)
@@ -102,7 +102,7 @@ def _check_size(model: GaussianProcess, rows: Measurements, mean: Array) -> None
 
 
 def _check_errors(model: GaussianProcess, output: int, errors: Array, largest: float) -> None:
-    """Whether errors of measurement leave something that was measured."""
+    """Refuse errors of measurement that are far larger than the values."""
     vague = errors[errors > _VAGUE * largest]
     if len(vague):
         name, units = model.outputs_[output], model.attrs_[model.outputs_[output]].get("units", "")

@@ -58,8 +58,8 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
     def smooth(names: Sequence[str]) -> GaussianProcess:
         if by is None:
             return GridGP(inputs, names, compression=compression)
-        own = replace(by, scalings={name: scalings.get(name, Scaling()) for name in names})
-        return GroupedGP(own, compression=compression)
+        scaled = replace(by, scalings={name: scalings.get(name, Scaling()) for name in names})
+        return GroupedGP(scaled, compression=compression)
 
     error = _SHARE * study.validation.tolerance
     return CurveGP(smooth, curves, largest, study.output_names, attrs, logarithms=by is None, error=error)
@@ -75,12 +75,12 @@ def joined(study: Study, quantities: xr.Dataset, slabs: Sequence[str]) -> xr.Dat
 
 
 def given(study: Study, data: xr.Dataset) -> bool:
-    """Whether data have the curves that a study learns, if it learns any."""
+    """Return whether data have the curves that a study learns, if it learns any."""
     return bool(study.regions) and set(_names(study)) <= data.keys()
 
 
 def training_data(study: Study, data: xr.Dataset) -> xr.Dataset:
-    """What the surrogate learns from: the study's outputs, and the curves that the data have."""
+    """Return the surrogate's training data: the study's outputs, and the curves that the data have."""
     outputs = factorial.training_data(study, data)
     if not given(study, data):
         return outputs

@@ -13,7 +13,7 @@ from workflow.study.model import Study
 
 
 def imputed(study: Study, data: xr.Dataset) -> xr.Dataset:
-    """What the surrogate learns over its axes, with NaN filled in; unchanged without NaN, and of no factorial.
+    """Return training data with NaN filled in; data without NaN, and of no factorial, are unchanged.
 
     The kernels are fitted to the quantities, and fill in curves too. Of a study with groups, quantities of one sign are
     filled in by their logarithms, so that they keep the sign.
@@ -45,9 +45,9 @@ def imputed(study: Study, data: xr.Dataset) -> xr.Dataset:
 
 
 def _missing(study: Study, array: xr.DataArray) -> Flags:
-    """Which places are missing, over the axes."""
-    further = [dim for dim in array.dims if dim not in study.axes]
-    return np.asarray(array.isnull().any(further).transpose(*study.axes).values)
+    """Return whether each place of the axes is missing."""
+    extra_dims = [dim for dim in array.dims if dim not in study.axes]
+    return np.asarray(array.isnull().any(extra_dims).transpose(*study.axes).values)
 
 
 def _filled(model: GridGP, array: xr.DataArray, axes: list[str], holes: Mapping[str, Flags]) -> Array:

@@ -1,4 +1,4 @@
-"""What instruments add to what they measure: a gain beside one, an offset beside zero, with priors of their sizes."""
+"""Errors of instruments: a gain near one and an offset near zero, with priors of their sizes."""
 
 from dataclasses import dataclass
 
@@ -22,12 +22,12 @@ class Instrument:
 
     @property
     def family(self) -> str:
-        """What it is."""
+        """Kind of the error in words."""
         return "gain" if self.gain else "offset"
 
     @property
     def name(self) -> str:
-        """As it is called."""
+        """Name of the instrument's error."""
         return f"{self.quantity}_{self.family}"
 
     @property
@@ -40,7 +40,7 @@ class Instrument:
         return f"{100 * self.std * z:+.3g} %" if self.gain else f"{self.std * z:+.3g} {self.units}".strip()
 
     def measures(self, model: GaussianProcess, rows: Measurements) -> NDArray[np.bool_]:
-        """Which measured values it has read, (n,)."""
+        """Return whether the instrument has read each measured value, (n,)."""
         names = [categories.parted(name)[0] for name in model.outputs_]
         return np.array([names[q] == self.quantity for q in rows.output.tolist()], np.bool_)
 
@@ -48,7 +48,7 @@ class Instrument:
 def shown(
     instruments: list[Instrument], model: GaussianProcess, rows: Measurements, z: Array, mean: Array, slopes: Array
 ) -> tuple[Array, Array]:
-    """What instruments show of true means, (n,), and its derivatives by constants and instruments, (n, k + m).
+    """Return the readings of true means, (n,), and their derivatives by constants and instruments, (n, k + m).
 
     z: (m,), scaled values of the instruments; mean: (n,), the true means, SI; slopes: (n, k), derivatives of the
     true means by the constants.

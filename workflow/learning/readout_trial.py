@@ -25,22 +25,22 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     inputs = [input_ for input_ in factorial.inputs(study) if input_.name in readout.infer]
     names = list(readout.measured)
     true = np.stack([input_.from_unit(random.uniform(-1, 1, readout.cases)) for input_ in inputs])
-    given = {own.name: xr.DataArray(row, dims="case") for own, row in zip(inputs, true, strict=True)}
-    solved = factorial.exact(study.narrowed(readout.combination), {**readout.held, **given}, holes=np.inf)
+    true_points = {axis.name: xr.DataArray(row, dims="case") for axis, row in zip(inputs, true, strict=True)}
+    solved = factorial.exact(study.narrowed(readout.combination), {**readout.held, **true_points}, holes=np.inf)
     if REFUSAL in solved or model.region_ is not None:
         held = {name: np.full(readout.cases, value) for name, value in readout.held.items()}
-        points: dict[str, xr.DataArray | Array] = {**held, **given}
+        points: dict[str, xr.DataArray | Array] = {**held, **true_points}
         X = np.stack([np.asarray(points[name]) for name in model.box], -1)
-        kept = ~holes.refused(solved, ["case"]) & model.has_answers(X)
-        solved, true = solved.drop_vars([REFUSAL, REASON], errors="ignore").isel(case=kept), true[:, kept]
-        given = {name: values[kept] for name, values in given.items()}
-    like = next(iter(given.values()))
+        usable = ~holes.refused(solved, ["case"]) & model.has_answers(X)
+        solved, true = solved.drop_vars([REFUSAL, REASON], errors="ignore").isel(case=usable), true[:, usable]
+        true_points = {name: values[usable] for name, values in true_points.items()}
+    like = next(iter(true_points.values()))
     exact = np.stack([solved[name].broadcast_like(like).values for name in names], -1)
     measured = exact + _errors(readout, exact) * random.standard_normal(exact.shape)
     combination = {name: readout.combination[name] for name in study.categories}
-    asked = [output(name, combination) for name in names]
-    own = model.only(asked) if study.kind.tabled else model  # of the many outputs that films have, only those
-    inversion = Inversion(own, [input_.name for input_ in inputs], asked, readout.held)
+    outputs = [output(name, combination) for name in names]
+    forward = model.only(outputs) if study.kind.tabled else model  # of the many outputs that films have, only those
+    inversion = Inversion(forward, [input_.name for input_ in inputs], outputs, readout.held)
     estimates = [
         inversion.estimate(row, errors) for row, errors in zip(measured, _errors(readout, measured), strict=True)
     ]
@@ -48,7 +48,7 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
         np.stack([getattr(posterior, key) for posterior in estimates], -1) for key in ("mean", "low", "high")
     )
     dims = ("factor", "case")
-    left = [(own.to_unit(b) - own.to_unit(a)) / (2 * _LEVEL) for own, a, b in zip(inputs, low, high, strict=True)]
+    left = [(axis.to_unit(b) - axis.to_unit(a)) / (2 * _LEVEL) for axis, a, b in zip(inputs, low, high, strict=True)]
     return xr.Dataset(
         {
             "true": (dims, true),

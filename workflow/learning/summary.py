@@ -1,4 +1,4 @@
-"""What measured rows tell, in words and as plain data."""
+"""Results of learning from measured rows, in words and as plain data."""
 
 from dataclasses import dataclass
 from typing import Any, Self
@@ -31,13 +31,13 @@ _RARE = 0.01  # chance of so few rows within their intervals from which on they 
 
 
 def understated(posterior: Learnt, output: int) -> bool:
-    """Whether errors are said to be larger than stated."""
+    """Return whether errors are reported as larger than stated."""
     return posterior.scale(output)[1] > LARGER
 
 
 @dataclass(frozen=True)
 class Summary:
-    """What measured rows tell."""
+    """Results of learning from measured rows."""
 
     plain: dict[str, Any]  # Of numbers, texts, lists: as JSON
 
@@ -51,17 +51,17 @@ class Summary:
         model: GaussianProcess,
         nominal: Array,
     ) -> Self:
-        """What was learned from measured rows.
+        """Return the results as plain data.
 
         single: (k,), whether it is a single constant beside its family; nominal: (n,), its means at the measured
         values.
         """
         constants, count = _constants(posterior, unknown), len(np.unique(rows.row))
-        told = {
+        content = {
             "rows": count,
             "values": len(rows.value),
-            "constants": [constant for constant, own in zip(constants, single, strict=True) if not own],
-            "single_constants": [constant for constant, own in zip(constants, single, strict=True) if own],
+            "constants": [constant for constant, alone in zip(constants, single, strict=True) if not alone],
+            "single_constants": [constant for constant, alone in zip(constants, single, strict=True) if alone],
             "known_together": _combinations(posterior, unknown),
             "discrepancies": [_discrepancy(posterior, rows, model, nominal, q) for q in rows.outputs],
             "errors": [_errors(posterior, model, q) for q in rows.outputs if np.isfinite(rows.error[rows.of(q)]).any()],
@@ -69,21 +69,21 @@ class Summary:
             "left_out": _left_out(posterior, rows, nominal),
         }
         if count < FEW:
-            told |= {"discrepancies": [], "errors": [], "outliers": []}
+            content |= {"discrepancies": [], "errors": [], "outliers": []}
         elif single.any():
-            told["single_constants_off"] = _verdict(
+            content["single_constants_off"] = _verdict(
                 "single constants are off beside their families", posterior.own_odds
             )
-        return cls(told | {"not_told_apart": _open(told)})
+        return cls(content | {"not_told_apart": _open(content)})
 
     @property
     def lines(self) -> list[str]:
-        """In words, a line each."""
-        told, left = self.plain, self.plain["left_out"]
-        every = [*told["constants"], *told["single_constants"]]
-        moved = [c for c in every if c["posterior_over_prior"] <= UNTOLD]
-        untold = [c["name"] for c in told["constants"] if c["posterior_over_prior"] > UNTOLD]
-        rows, values = (f"{told[key]} {word}{'s' * (told[key] > 1)}" for key, word in _COUNTED)
+        """Return the results in words, a line each."""
+        content, left = self.plain, self.plain["left_out"]
+        constants = [*content["constants"], *content["single_constants"]]
+        moved = [c for c in constants if c["posterior_over_prior"] <= UNTOLD]
+        untold = [c["name"] for c in content["constants"] if c["posterior_over_prior"] > UNTOLD]
+        rows, values = (f"{content[key]} {word}{'s' * (content[key] > 1)}" for key, word in _COUNTED)
         lines = [f"{rows}, {values}"]
         for c in sorted(moved, key=lambda c: c["posterior_over_prior"]):
             lines.append(
@@ -93,20 +93,20 @@ class Summary:
         lines += [] if moved else ["no constant was learnt"]
         if untold:
             lines.append(f"not identifiable, as before the measurement: {', '.join(untold)}")
-        for c in told["known_together"]:
+        for c in content["known_together"]:
             lines.append(f"known only together, to {c['posterior_over_prior']:.2f} of the prior: {c['combination']}")
-        lines += [told["single_constants_off"]["verdict"]] if "single_constants_off" in told else []
-        lines += [f"{d['output']}: {d['verdict']}" for d in told["discrepancies"]]
-        lines += [f"{e['output']}: {e['verdict']}" for e in told["errors"] if e["verdict"]]
-        lines += [o["verdict"] for o in told["outliers"]]
-        if told["not_told_apart"]:
-            lines.append(f"these rows neither show nor exclude: {'; '.join(told['not_told_apart'])}")
-        if told["rows"] < FEW:
+        lines += [content["single_constants_off"]["verdict"]] if "single_constants_off" in content else []
+        lines += [f"{d['output']}: {d['verdict']}" for d in content["discrepancies"]]
+        lines += [f"{e['output']}: {e['verdict']}" for e in content["errors"] if e["verdict"]]
+        lines += [o["verdict"] for o in content["outliers"]]
+        if content["not_told_apart"]:
+            lines.append(f"these rows neither show nor exclude: {'; '.join(content['not_told_apart'])}")
+        if content["rows"] < FEW:
             lines.append(
                 f"fewer than {FEW} rows: constants, a discrepancy, errors and outliers are not told apart; what is "
                 "said of constants rests on the priors of all four"
             )
-        if told["rows"] == 1:
+        if content["rows"] == 1:
             return lines
         lines.append(
             f"each row predicted from the others: {100 * left['share_within_95']:.1f} % of the values within 95 % "
@@ -125,7 +125,7 @@ def _odds_said(odds: float) -> str:
 
 
 def _verdict(what: str, odds: float) -> dict[str, Any]:
-    """Whether an explanation is needed."""
+    """Return whether an explanation is needed."""
     said = _odds_said(odds)
     if odds > REAL:
         verdict = f"{what} ({said})"
@@ -162,14 +162,14 @@ def _combinations(posterior: Learnt, constants: list[Unknown]) -> list[dict[str,
 def _discrepancy(
     posterior: Learnt, rows: Measurements, model: GaussianProcess, nominal: Array, q: int
 ) -> dict[str, Any]:
-    """Whether an output has a discrepancy, and how large it is at the measured points."""
+    """Return the odds of an output's discrepancy, and its size at the measured points."""
     k, odds = rows.of(q), posterior.odds[q]
     size = float(np.sqrt(np.mean(nominal[k] ** 2)))
     values = []
     for draw in posterior.draws:
         discrepancy = draw.discrepancies[q]
-        own, by_constants, _ = discrepancy.at(discrepancy.points)
-        values.append(own - by_constants @ draw.mean)
+        mean, by_constants, _ = discrepancy.at(discrepancy.points)
+        values.append(mean - by_constants @ draw.mean)
     share = float(np.sqrt(np.mean(np.mean(values, axis=0) ** 2))) / size if size else 0.0
     said = _odds_said(odds)
     if odds > REAL:
@@ -183,7 +183,7 @@ def _discrepancy(
 
 
 def _errors(posterior: Learnt, model: GaussianProcess, q: int) -> dict[str, Any]:
-    """How many times larger than stated errors are."""
+    """Return the factor by which errors are larger than stated."""
     median, low, high = posterior.scale(q)
     verdict = ""
     if low > LARGER or high < SMALLER:
@@ -196,36 +196,38 @@ def _outliers(posterior: Learnt, rows: Measurements, model: GaussianProcess) -> 
     named = []
     for k in np.flatnonzero(posterior.wild > NAMED).tolist():
         row, output = int(rows.row[k]) + 1, model.outputs_[rows.output[k]]
-        away = float((rows.value[k] - posterior.left_out[0][k]) / posterior.left_out[1][k])
+        deviation = float((rows.value[k] - posterior.left_out[0][k]) / posterior.left_out[1][k])
         odds = float(posterior.wild[k] / max(1 - posterior.wild[k], 1e-12))
         verdict = (
-            f"row {row}, {output}: an outlier ({_odds_said(odds)}), {away:+.1f} standard deviations from what the "
+            f"row {row}, {output}: an outlier ({_odds_said(odds)}), {deviation:+.1f} standard deviations from what the "
             "other rows say; it counts for little"
         )
-        named.append({"row": row, "output": output, "away": away, "odds": min(odds, float(ROUNDS)), "verdict": verdict})
+        named.append(
+            {"row": row, "output": output, "away": deviation, "odds": min(odds, float(ROUNDS)), "verdict": verdict}
+        )
     return named
 
 
-def _open(told: dict[str, Any]) -> list[str]:
+def _open(content: dict[str, Any]) -> list[str]:
     """Explanations that the rows do not decide between."""
     unresolved = [
         f"a discrepancy of {row['output']} ({_odds_said(row['odds'])})"
-        for row in told["discrepancies"]
+        for row in content["discrepancies"]
         if UNSEEN <= row["odds"] <= REAL
     ]
     unresolved += [
         f"errors of {row['output']} {row['times_stated']:.2g} times those stated"
-        for row in told["errors"]
+        for row in content["errors"]
         if row["low"] <= LARGER < row["times_stated"]
     ]
-    own = told.get("single_constants_off")
-    if own and UNSEEN <= own["odds"] <= REAL:
-        unresolved.append(f"{own['what']} ({_odds_said(own['odds'])})")
+    singles = content.get("single_constants_off")
+    if singles and UNSEEN <= singles["odds"] <= REAL:
+        unresolved.append(f"{singles['what']} ({_odds_said(singles['odds'])})")
     return unresolved
 
 
 def _left_out(posterior: Learnt, rows: Measurements, nominal: Array) -> dict[str, Any]:
-    """How well every row is predicted from the others, beside the surrogate before; outliers are left out of this."""
+    """Return the errors of predicting every row from the others, and the surrogate's before; without outliers."""
     predicted, std = posterior.left_out
     usual = posterior.wild <= NAMED
     reach = float(Normal().ends(NOMINAL)[1, 0])

@@ -31,15 +31,15 @@ _CALIBRATION = 3000
 
 
 def weights(X: Array, exponent: xr.DataArray) -> dict[str, xr.DataArray]:
-    """What every regular part is multiplied by, over ``position`` and the exponent's dimensions.
+    """Return the singular factor of every regular part, over ``position`` and the exponent's dimensions.
 
     X: (position,), positions over the half-width, |X| < 1.
     """
     if (np.abs(X) >= 1).any():
         raise ValueError(f"positions: {X[np.abs(X) >= 1][0]:g} is not under the punch, |X| < 1")
-    at = xr.DataArray(X, dims="position", coords={"position": X})
-    root = (1 - at**2) ** -0.5
-    pressure = (1 - at) ** exponent * (1 + at) ** (1 - exponent)
+    positions = xr.DataArray(X, dims="position", coords={"position": X})
+    root = (1 - positions**2) ** -0.5
+    pressure = (1 - positions) ** exponent * (1 + positions) ** (1 - exponent)
     return {name: pressure if name == "contact_pressure" else root for name in NAMES}
 
 
@@ -117,8 +117,8 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
     position = np.asarray(X, dtype=np.float64)
     weight = weights(position, quantities.predict(points, return_std=False)["pressure_exponent"])
     angle = xr.DataArray(np.arccos(-position), dims="position", coords={"position": position})
-    at = {**points, "angle": angle}
-    predicted = fields.predict(at).assign(fields.interval(at).data_vars)
+    inputs = {**points, "angle": angle}
+    predicted = fields.predict(inputs).assign(fields.interval(inputs).data_vars)
     return xr.Dataset(
         {
             f"{name}{suffix}": (predicted[f"{name}{suffix}"] * weight[name]).assign_attrs(FIELDS[name].attrs)
@@ -134,10 +134,10 @@ def _regular(study: Study, axes: dict[str, Any], angles: Array) -> xr.Dataset:
     out = solve({**study.fixed, **axes}, X, materials=study.own_materials, phases=study.phases, regular=True).drop_vars(
         "position"
     )
-    at = xr.DataArray(X, dims="position")
+    positions = xr.DataArray(X, dims="position")
     alpha = out["pressure_exponent"]
     parts = {name: out[f"{name}_regular"] for name in NAMES[1:]}
-    parts["contact_pressure"] = (out["contact_pressure"] / ((1 - at) ** alpha * (1 + at) ** (1 - alpha))).assign_attrs(
-        FIELDS["contact_pressure"].attrs
-    )
+    parts["contact_pressure"] = (
+        out["contact_pressure"] / ((1 - positions) ** alpha * (1 + positions) ** (1 - alpha))
+    ).assign_attrs(FIELDS["contact_pressure"].attrs)
     return xr.Dataset(parts).rename(position="angle").assign_coords(angle=angles)

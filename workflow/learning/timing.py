@@ -37,9 +37,9 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
         "surrogate_single_query": seconds(lambda: model.predict_array(X[:1], return_std=True)),
     }
     if study.dataset.peaks:
-        some = {name: array[:_SEARCHED] for name, array in points.items()}
-        times["exact_per_searched_case"] = seconds(lambda: factorial.exact(study, some), 1) / (
-            len(next(iter(some.values()))) * len(study.combinations)
+        first_points = {name: array[:_SEARCHED] for name, array in points.items()}
+        times["exact_per_searched_case"] = seconds(lambda: factorial.exact(study, first_points), 1) / (
+            len(next(iter(first_points.values()))) * len(study.combinations)
         )
     return times
 
@@ -70,13 +70,13 @@ def _films(study: Study, points: dict[str, xr.DataArray], with_holes: bool) -> d
         new = {name: values[:: max(1, values.size // (_FILMS + 2))][: _FILMS + 2] for name, values in points.items()}
     else:
         new = draws.points(study, _FILMS + 2, (study.validation.seed, 6), together=1)
-    own = {name: levels for name, levels in factorial.levels(study).items() if name not in study.tabled}
-    block: dict[str, Any] = {name: new[name][0] if name in study.tabled else own[name] for name in study.axes}
+    levels_of = {name: levels for name, levels in factorial.levels(study).items() if name not in study.tabled}
+    block: dict[str, Any] = {name: new[name][0] if name in study.tabled else levels_of[name] for name in study.axes}
     if study.groups:
         block = {name: np.atleast_1d(values) for name, values in block.items()}
     scattered = {name: values[1:-1] for name, values in new.items()}
     combinations = len(study.combinations)
-    cases = combinations * np.prod([levels.size for levels in own.values()])
+    cases = combinations * np.prod([levels.size for levels in levels_of.values()])
     single = study.narrowed(study.combinations[0])
     return {
         "exact_per_factorial_case": _once(lambda: factorial.exact(study, block, holes=np.inf)) / cases,
@@ -86,7 +86,7 @@ def _films(study: Study, points: dict[str, xr.DataArray], with_holes: bool) -> d
 
 
 def by_quantity(study: Study, times: dict[str, float]) -> list[dict[str, float | str]]:
-    """What an exact answer and a surrogate's, with its interval, cost for every output, and their ratio.
+    """Return the time of an exact answer and of a surrogate's, with its interval, for every output, and their ratio.
 
     Asking for one quantity costs as much as asking for all of its kind: the closed-form ones come together, and so do
     those that are searched for over the body.

@@ -49,8 +49,8 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     if curves.given(study, quantities):  # some outputs follow from them
         model: GaussianProcess = curves.model(study, compression(study), by)
     elif by is not None:
-        own = (lambda names: _crossing(study)) if study.crossed else None
-        model = GroupedGP(by, compression=compression(study), process=own)
+        crossing = (lambda names: _crossing(study)) if study.crossed else None
+        model = GroupedGP(by, compression=compression(study), process=crossing)
     else:
         model = _crossing(study) if study.crossed else process(study, study.output_names)
     model.made_from_ = study.physics
@@ -78,7 +78,7 @@ def _crossing(study: Study) -> CrossGP:
 
 
 def places(study: Study, solved: Sequence[xr.Dataset]) -> xr.Dataset:
-    """What a cross approximation asks for after the slabs of its batches so far: see `CrossGP.ask`."""
+    """Return the cases that a cross approximation needs after the slabs of its batches so far: see `CrossGP.ask`."""
     if not solved:
         return _crossing(study).ask(None)
     known = factorial.training_data(study, batches.joined(solved))
@@ -117,8 +117,8 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     out = out.assign_coords(units=("output", [cases[name].attrs["units"] for name in names]))
     table = described(out, "errors of the surrogate on exact cases", SOURCE, MEANINGS)
     logs = [] if by is None else [name for name, scaling in by.scalings.items() if scaling.logarithm]
-    told = {"logarithms": "; ".join(logs)} if logs else {}
-    return table.assign_attrs(tolerance=study.validation.tolerance, **told, **refused)
+    attributes = {"logarithms": "; ".join(logs)} if logs else {}
+    return table.assign_attrs(tolerance=study.validation.tolerance, **attributes, **refused)
 
 
 def answered(
@@ -148,7 +148,7 @@ def calibrated(study: Study, model: GaussianProcess, quantities: xr.Dataset, cas
 
 
 def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases: xr.Dataset) -> Region | None:
-    """Where the model answers, from the places of the factorial in the box and the cases for calibration.
+    """Return the region in which the model answers, from the factorial's places and the cases for calibration.
 
     None is all of the box: every case that is refused lies beyond it, where groups are at their ends together.
     """
@@ -161,7 +161,7 @@ def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases:
     texts = [text for data, dims in ((grid, axes), (cases, ["case"])) for text in holes.reasons(data, dims)]
     t = unit_coordinates(model.inputs_, X)
     inside = np.asarray((np.abs(t) <= 1 + 1e-9).all(axis=0))  # the stored cases of groups may lie beyond the box
-    texts = [text for text, kept in zip(texts, inside[refused].tolist(), strict=True) if kept]
+    texts = [text for text, chosen in zip(texts, inside[refused].tolist(), strict=True) if chosen]
     if not texts:
         return None
     even = np.zeros(len(X), dtype=bool)

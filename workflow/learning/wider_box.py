@@ -26,23 +26,23 @@ def beyond(study: Study, target: Target) -> dict[str, tuple[float, float]]:
     """Factors of which a target asks for values outside the study's ranges: the ranges that hold them too."""
     wider = {}
     for name, axis in study.factors.items():
-        asked = [value for value in target.values(name) if not isinstance(value, str)]
-        low, high = min([axis.low, *asked]), max([axis.high, *asked])
+        values = [value for value in target.values(name) if not isinstance(value, str)]
+        low, high = min([axis.low, *values]), max([axis.high, *values])
         if (low, high) != (axis.low, axis.high):
             wider[name] = (low, high)
     return wider
 
 
 def lines(study: Study, wider: Mapping[str, tuple[float, float]]) -> str:
-    """Which lines of the study to change, in words."""
+    """Return the lines of the study to change, in words."""
     parts = []
     for name, (low, high) in wider.items():
         axis = study.factors[name]
         ends = {"low": (low, axis.low), "high": (high, axis.high)}
         parts += [
-            f"factors: {name}: {end}: {value:g} (now {f'{now:g} {written(FACTORS[name].units)}'.strip()})"
-            for end, (value, now) in ends.items()
-            if value != now
+            f"factors: {name}: {end}: {value:g} (now {f'{present:g} {written(FACTORS[name].units)}'.strip()})"
+            for end, (value, present) in ends.items()
+            if value != present
         ]
     return f"{study.path}: {'; '.join(parts)}"
 
@@ -106,6 +106,6 @@ def _widened(axis: Axis, low: float, high: float) -> Axis:
 
 
 def _levels(axis: Axis, wider: Axis) -> int:
-    """As many levels to the length of a wider axis, on its scale, as an axis has."""
+    """Return the number of levels that keeps an axis' density on a wider range."""
     ends = Input("axis", axis.low, axis.high, wider.scale).to_unit(np.array([wider.low, wider.high]))
     return min(ceil((axis.levels or 2) * float(np.ptp(ends)) / 2 - 1e-9), _FINEST)

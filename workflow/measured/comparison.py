@@ -17,13 +17,13 @@ Row = dict[str, Any]
 
 
 def compared(measurements: Mapping[str, Measurement]) -> list[Row]:
-    """What the page says of every row, in plain values; lengths and charges in the unit of the row."""
+    """Return the page's content of every row in plain values; lengths and charges are in the row's unit."""
     return [_row(label, measurement) for label, measurement in measurements.items()]
 
 
 def _row(label: str, row: Measurement) -> Row:
     try:
-        model, rivals = ([modelled(asked) for asked in some] for some in (row.model, row.rivals))
+        model, rivals = ([modelled(entry) for entry in group] for group in (row.model, row.rivals))
     except ValueError as error:
         raise InputError(f"measurements: {label}: {error}") from None
     verdict = judged(row, model, rivals)
@@ -39,7 +39,7 @@ def _row(label: str, row: Measurement) -> Row:
 
 
 def _values(
-    row: Measurement, asked: Sequence[ModelValue], values: Sequence[Spread], off: Sequence[float | None]
+    row: Measurement, models: Sequence[ModelValue], values: Sequence[Spread], off: Sequence[float | None]
 ) -> list[Row]:
     scale = UNITS[row.unit]
     return [
@@ -51,7 +51,7 @@ def _values(
             "sets": value.sets,
             "off": deviations,
         }
-        for row, value, deviations in zip(asked, values, off, strict=True)
+        for row, value, deviations in zip(models, values, off, strict=True)
     ]
 
 

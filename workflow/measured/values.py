@@ -1,4 +1,4 @@
-"""What the model answers to a measurement: from the solver and the constants of a material, nothing fitted."""
+"""Model values for a measurement: from the solver and the constants of a material, nothing fitted."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -24,13 +24,13 @@ class Spread:
     sets: int  # Number of the alternative sets
 
 
-def modelled(asked: ModelValue) -> Spread:
+def modelled(entry: ModelValue) -> Spread:
     """The model's value and its spread over the material's published alternatives."""
-    material = solver.find(str(asked.case["material"]))
-    answer = _ANSWERS[asked.quantity]
-    own, *others = (answer(variant, asked.case) for variant in (material, *material.variants()))
-    moved = max((abs(other - own) for other in others), default=0.0)
-    return Spread(own, moved if moved > _ROUNDING * abs(own) else 0.0, len(others))
+    material = solver.find(str(entry.case["material"]))
+    answer = _ANSWERS[entry.quantity]
+    nominal, *others = (answer(variant, entry.case) for variant in (material, *material.variants()))
+    moved = max((abs(other - nominal) for other in others), default=0.0)
+    return Spread(nominal, moved if moved > _ROUNDING * abs(nominal) else 0.0, len(others))
 
 
 def _solved(material: Material, case: Case, **changed: float) -> xr.Dataset:

@@ -19,7 +19,7 @@ Word = Literal["agrees", "disagrees", "cannot be told"]
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a row says."""
+    """Verdict on a row."""
 
     word: Word  # In a word
     because: str  # Why, in a sentence without a full stop
@@ -39,17 +39,17 @@ def deviation(row: Measurement, value: Spread) -> float | None:
 
 def judged(row: Measurement, model: Sequence[Spread], rivals: Sequence[Spread] = ()) -> Verdict:
     """The verdict on a row."""
-    own, others = (tuple(deviation(row, value) for value in values) for values in (model, rivals))
-    word, because = _said(row, own, others, model)
-    return Verdict(word, because, own, others)
+    deviations, others = (tuple(deviation(row, value) for value in values) for values in (model, rivals))
+    word, because = _said(row, deviations, others, model)
+    return Verdict(word, because, deviations, others)
 
 
 def _said(
-    row: Measurement, own: Sequence[float | None], others: Sequence[float | None], model: Sequence[Spread]
+    row: Measurement, deviations: Sequence[float | None], others: Sequence[float | None], model: Sequence[Spread]
 ) -> tuple[Word, str]:
     if row.open:
         return "cannot be told", row.open
-    (off,) = own
+    (off,) = deviations
     if off is None:
         return _without_error(row, model[0])
     if abs(off) > AGREES_WITHIN:
@@ -76,8 +76,8 @@ def _and(outside: str) -> str:
 
 
 def _ruled_out(row: Measurement, others: Sequence[float | None]) -> str:
-    """What the row says to other rules."""
-    asked = zip(row.rivals, others, strict=True)
-    fits = {rule.quantity: abs(off) <= AGREES_WITHIN for rule, off in asked if off is not None}
+    """Return the row's verdict on other rules."""
+    pairs = zip(row.rivals, others, strict=True)
+    fits = {rule.quantity: abs(off) <= AGREES_WITHIN for rule, off in pairs if off is not None}
     said = [f"{name.replace('_', ' ')} {'fits too' if fit else 'does not fit'}" for name, fit in fits.items()]
     return "".join(f"; {sentence}" for sentence in said)

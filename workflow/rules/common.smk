@@ -14,7 +14,7 @@ from workflow.run import crate, lock, provenance, sources
 from workflow.run.interpreter import quote_interpreter
 from workflow.study import configuration, coupling, location, partition, planned
 from workflow.study import model as studies
-from workflow.study.digest import BOX, PHYSICS
+from workflow.study.keys import BOX, PHYSICS
 from workflow.study.sections import CHECK_GROUPS
 
 quote_interpreter()
@@ -130,8 +130,8 @@ def fields_felt(wildcards):
     return sorted(coupling.fields(study_of(wildcards)))
 
 
-def outputs_told(wildcards):
-    """A parameter: what the surrogate calls the quantities that the page tells."""
+def learned_quantities(wildcards):
+    """A parameter: names of the surrogate's outputs that the page shows."""
     return coupling.outputs(study_of(wildcards))
 
 

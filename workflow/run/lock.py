@@ -121,7 +121,7 @@ def _holder(path: Path) -> str:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """What a lock says; nothing where it is absent or just being written."""
+    """Return the content of a lock, empty where it is absent or being written."""
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):

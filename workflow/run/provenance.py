@@ -1,4 +1,4 @@
-"""What a result depends on: the sources behind a script, the versions behind a run."""
+"""Provenance of a result: hashes of the sources behind a script, versions of the packages behind a run."""
 
 import hashlib
 import json
@@ -108,10 +108,10 @@ def _data(room: str) -> list[Path]:
 @cache
 def _named(path: Path) -> tuple[frozenset[Path], frozenset[Path]]:
     """Modules and data files of the rooms that one module names, and what the templates among these name."""
-    text, every = path.read_text(encoding="utf-8"), _data(path.relative_to(ROOT).parts[0])
-    data = {file for file in every if file.name in text}
+    text, data_files = path.read_text(encoding="utf-8"), _data(path.relative_to(ROOT).parts[0])
+    data = {file for file in data_files if file.name in text}
     shown = "".join(file.read_text(encoding="utf-8") for file in data if file.suffix == ".j2")
-    return frozenset(_used(text)), frozenset(data | {file for file in every if file.name in shown})
+    return frozenset(_used(text)), frozenset(data | {file for file in data_files if file.name in shown})
 
 
 def _used(text: str) -> Iterator[Path]:
@@ -126,7 +126,7 @@ _IMPORT = re.compile(r"^[ \t]*(?:from ([\w.]+) )?import (\([^)]*\)|.*)", re.MULT
 
 
 def imports(text: str) -> Iterator[tuple[str, str]]:
-    """What a module's import statements name, functions' own too: ``(module, name)``, and ``("", module)`` of a whole.
+    """Names in a module's import statements, in functions too: ``(module, name)``, and ``("", module)`` of a whole.
 
     By their lines, which is fast: to parse all modules would take more than all else of a run's start.
     """

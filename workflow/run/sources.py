@@ -24,8 +24,8 @@ class ChangedError(RuntimeError):
 def digests(files: Iterable[Path] | None = None) -> dict[str, str]:
     """Hash of every file of the rooms, or of some of them, by its path below the root; empty for one that is gone."""
     wanted = [file for room in ROOMS for file in sorted((ROOT / room).rglob("*"))] if files is None else files
-    kept = [file for file in wanted if "__pycache__" not in file.parts and not file.is_dir()]
-    return {file.relative_to(ROOT).as_posix(): _digest(file) for file in kept}
+    source_files = [file for file in wanted if "__pycache__" not in file.parts and not file.is_dir()]
+    return {file.relative_to(ROOT).as_posix(): _digest(file) for file in source_files}
 
 
 def _digest(file: Path) -> str:
@@ -41,8 +41,8 @@ def used(script: str) -> set[Path]:
     within = {name: folder for name, folder in within.items() if rooms & {folder, *folder.parents}}
     imported = {within[folder] / name for folder, _, name in files if folder in within}
     folders = set(within.values())
-    beside = [data for folder in folders for part in ("*", "templates/*") for data in folder.glob(part)]
-    return imported | {data for data in beside if data.suffix in DATA}
+    data_files = [data for folder in folders for part in ("*", "templates/*") for data in folder.glob(part)]
+    return imported | {data for data in data_files if data.suffix in DATA}
 
 
 def check(planned: Mapping[str, str], script: str) -> None:

@@ -1,4 +1,4 @@
-"""What Snakemake would give to a script, for one that is run alone: in an editor, in a debugger, from the shell.
+"""A stand-in for Snakemake's job object, for a script that runs alone: in an editor, a debugger or the shell.
 
 ``python workflow/scripts/card.py results/quickstart/datacard.json`` makes that file from the files that are there. The
 Snakefile is read, and no job is started.
@@ -34,9 +34,9 @@ def job(script: Path, file: str = "") -> Snakemake:
         rules = [rule for rule in workflow.rules if rule.script and Path(rule.script).name == script.name]
         rule = next((candidate for candidate in rules if candidate.is_producer(file)), None)
         if rule is None:
-            made = ", ".join(str(output) for named in rules for output in named.output)
-            made = re.sub(r",[^{}]*}", "}", made)  # without what a wildcard may be
-            raise WorkflowError(f"{script.name}: {file!r} is not one of {made}")
+            outputs = ", ".join(str(output) for named in rules for output in named.output)
+            outputs = re.sub(r",[^{}]*}", "}", outputs)  # without what a wildcard may be
+            raise WorkflowError(f"{script.name}: {file!r} is not one of {outputs}")
         rule_job = Job(rule, DAG(workflow, rules=[rule]), rule.get_wildcards(file), targetfile=file)
     except WorkflowError as error:
         sys.exit(str(error))

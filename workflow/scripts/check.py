@@ -8,7 +8,7 @@ from workflow.run import joblog
 from workflow.study import planned
 
 snakemake = joblog.start(globals())
-asked = planned.study(snakemake).verification
-assert asked is not None
-findings = GROUPS[snakemake.wildcards.group](Sizes(**asked.model_dump()))
+sizes = planned.study(snakemake).verification
+assert sizes is not None
+findings = GROUPS[snakemake.wildcards.group](Sizes(**sizes.model_dump()))
 write_text(Path(snakemake.output[0]), findings.to_json())

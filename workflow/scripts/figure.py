@@ -19,7 +19,7 @@ with ExitStack() as stack:
         data = json.loads(Path(snakemake.input[0]).read_text(encoding="utf-8"))
     else:
         data = read_whole(Path(snakemake.input[0]))
-    for (draw, asked), file in zip(snakemake.params.draw, snakemake.output, strict=True):
+    for (draw, arguments), file in zip(snakemake.params.draw, snakemake.output, strict=True):
         module, _, name = draw.partition(".")
         function = getattr(import_module(f"workflow.report.figures.{module}"), name)
-        style.save(function(data, **{key: snakemake.params[key] for key in asked}), Path(file))
+        style.save(function(data, **{key: snakemake.params[key] for key in arguments}), Path(file))

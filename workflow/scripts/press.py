@@ -12,9 +12,11 @@ snakemake = joblog.start(globals())
 config = planned.study(snakemake)
 assert config.signal is not None  # the rule is of studies that have it
 if config.signal.case:
-    own = signal_case.of(config)
-    shown = pressed.signal(own, config.signal, own.fixed)
-    shown = shown.merge(pressed.held(own, config.signal)).merge(pressed.spread(own, config.signal, own.fixed))
+    contact = signal_case.of(config)
+    shown = pressed.signal(contact, config.signal, contact.fixed)
+    shown = shown.merge(pressed.held(contact, config.signal)).merge(
+        pressed.spread(contact, config.signal, contact.fixed)
+    )
 else:
     answer = netcdf.read(Path(snakemake.input[0]))
     case = {**config.fixed, **answer.combination, **answer.case}

@@ -1,4 +1,4 @@
-"""What a run is asked for: the strict model of a study and what reads it. ``workflow.study.load(path)`` gives one."""
+"""Studies: the strict model of a study's file and its reader. ``workflow.study.load(path)`` returns one."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING

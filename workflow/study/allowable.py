@@ -19,12 +19,12 @@ class Allowable:
     """The most that a material may be exposed to, by its own data."""
 
     value: float  # In SI
-    of: str  # Whose it is, in words
+    material: str  # name of the material, with what is unknown of its phases
     source: str  # Where it comes from
 
 
 def allowable(
-    name: str, given: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str]
+    name: str, factors: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str]
 ) -> Allowable:
     """The allowable of the top material, or of the base, of one body.
 
@@ -33,18 +33,18 @@ def allowable(
     """
     limit = plain(name)
     if of_the_base(name):
-        base = given.get("base")
+        base = factors.get("base")
         if base is None or base == RIGID:
-            modulus = "a base of given modulus" if "base_modulus" in given else "a half-plane, without a base,"
+            modulus = "a base of given modulus" if "base_modulus" in factors else "a half-plane, without a base,"
             raise ValueError(f"{name}: {'a rigid base' if base else modulus} has none")
         return _least(limit, [find(str(base), materials)], "")
-    if "material" in given:
-        return _least(limit, [find(str(given["material"]), materials)], "")
-    kind = str(given.get("composite", CHOICES["composite"][0]))
+    if "material" in factors:
+        return _least(limit, [find(str(factors["material"]), materials)], "")
+    kind = str(factors.get("composite", CHOICES["composite"][0]))
     if kind not in MIXTURES:
         return _least(limit, [made(kind, (), 0.0)], "")
     first, second = (find(phase, materials) for phase in phases)
-    fraction = given.get("volume_fraction")
+    fraction = factors.get("volume_fraction")
     parts = [first] if fraction == 1 else [second] if fraction == 0 else [first, second]
     return _least(limit, parts, kind)
 

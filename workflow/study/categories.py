@@ -26,7 +26,7 @@ def named(combination: Mapping[str, str]) -> str:
 
 
 def output(quantity: str, combination: Mapping[str, str]) -> str:
-    """What the surrogate calls a quantity of one combination."""
+    """Name in the surrogate of a quantity of one combination."""
     return f"{quantity}[{named(combination)}]" if combination else quantity
 
 

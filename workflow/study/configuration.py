@@ -77,13 +77,13 @@ def _profiles(arguments: Sequence[str]) -> Iterator[Path]:
 
     options, _ = get_argument_parser().parse_known_args(list(arguments))
     for name in options.profile or []:
-        if name != "none" and (found := get_profile_dir(name)):
-            yield found[1]
+        if name != "none" and (profile := get_profile_dir(name)):
+            yield profile[1]
     if options.workflow_profile != "none":
         wanted = Path(options.workflow_profile or "default")
         snakefile = resolve_snakefile(options.snakefile, allow_missing=True)
-        beside = [Path(snakefile).parent / "profiles" / wanted] if snakefile else []
-        places = [*([wanted] if options.workflow_profile else []), Path("profiles") / wanted, *beside]
+        bundled = [Path(snakefile).parent / "profiles" / wanted] if snakefile else []
+        places = [*([wanted] if options.workflow_profile else []), Path("profiles") / wanted, *bundled]
         folder = next((place for place in places if place.exists()), None)
-        if folder and (found := get_profile_dir(str(folder))):
-            yield found[1]
+        if folder and (profile := get_profile_dir(str(folder))):
+            yield profile[1]

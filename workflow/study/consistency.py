@@ -1,4 +1,4 @@
-"""Whether the outputs, targets and read-outs that a study asks for are among what its cases have."""
+"""Checks that outputs, targets and read-outs of a study are among the quantities of its cases."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ _SMOOTH = {"profile": "cylinder", "electric": "conducting", "magnetic": "conduct
 
 
 def check_quantities(study: Contents) -> None:
-    """Whether the data set holds what the surrogate and the designs ask for."""
+    """Raise ValueError unless the data set holds every quantity of the surrogate and the designs."""
     for name in study.searched if isinstance(study.dataset.peaks, list) else ():
         if name in study.absent or name not in ALL_PEAKS:
             known = ", ".join(name for name in ALL_PEAKS if name not in study.absent)
@@ -42,7 +42,7 @@ def check_quantities(study: Contents) -> None:
 
 
 def _check_signal(study: Contents) -> None:
-    """Whether a press in time has a design or a case, an amplifier that reads it, and a charge that can be read."""
+    """Raise ValueError unless a press in time has a design or a case, an amplifier and a readable charge."""
     if study.signal is not None and study.signal.case:
         signal_case.check(study)
     elif study.signal is not None:
@@ -50,7 +50,7 @@ def _check_signal(study: Contents) -> None:
 
 
 def _check_pressed(study: Contents, design: str) -> None:
-    """Whether the punch of a design can be read."""
+    """Raise ValueError unless the punch of a design can be read."""
     if design not in study.design:
         known = ", ".join(study.design) or "none"
         raise ValueError(f"signal: design: {design!r} is not a design target; known are {known}")
@@ -68,7 +68,7 @@ def _check_pressed(study: Contents, design: str) -> None:
 
 
 def _check_readout(study: Contents, where: str, readout: Readout) -> None:
-    """Whether a read-out knows or infers every factor, and measures what is learned."""
+    """Raise ValueError unless a read-out holds or infers every factor, and measures learned quantities."""
     for name in study.factors:
         if (name in readout.infer) + (name in readout.at) != 1:
             raise ValueError(f"{where}: {name!r} must be either in infer or in at")
@@ -86,13 +86,13 @@ def _check_readout(study: Contents, where: str, readout: Readout) -> None:
 
 def check_target(study: Contents, where: str, target: Target) -> None:
     """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs."""
-    given = [*target.over, *target.at, *target.worst_case, *target.uncertain]
-    for name in given:
-        if given.count(name) > 1:
+    named = [*target.over, *target.at, *target.worst_case, *target.uncertain]
+    for name in named:
+        if named.count(name) > 1:
             raise ValueError(f"{where}: {name!r} is given twice; over, at, worst_case and uncertain exclude each other")
         check_values(study, where, name, target.values(name))
     for name in (*study.factors, *study.categories):
-        if name not in given:
+        if name not in named:
             places = "over, at, worst_case or uncertain" if name in study.factors else "over or at"
             raise ValueError(f"{where}: {name!r} is missing; put it in {places}")
     for name in target.names():
@@ -113,31 +113,31 @@ def check_target(study: Contents, where: str, target: Target) -> None:
 
 
 def _check_tolerance(study: Contents, where: str, name: str, target: Target) -> None:
-    """Whether a tolerance leaves values of its variable whose whole tolerance is within the study's range."""
+    """Raise ValueError where a tolerance leaves no value whose whole tolerance is within the study's range."""
     if name not in study.factors:
         raise ValueError(f"{where}: a category has none")
-    axis, given = study.factors[name], target.tolerance[name]
+    axis, tolerance = study.factors[name], target.tolerance[name]
     if target.tolerances[name][1] and axis.low <= 0:
-        raise ValueError(f"{where}: {given} of what may be 0 is none; must have a unit [{FACTORS[name].units}]")
+        raise ValueError(f"{where}: {tolerance} of what may be 0 is none; must have a unit [{FACTORS[name].units}]")
     low, high = target.room(name, axis.low, axis.high)
     if name in target.continuous:
         low, high = target.range(name, low, high)
     if not low < high:
-        raise ValueError(f"{where}: {given} is larger than the range {axis.low:g} to {axis.high:g} leaves room for")
+        raise ValueError(f"{where}: {tolerance} is larger than the range {axis.low:g} to {axis.high:g} leaves room for")
     for value in target.variables[name].choices:
         if isinstance(value, str) or not low <= value <= high:
-            raise ValueError(f"{where}: {given} of {value} is not within {axis.low:g} to {axis.high:g}")
+            raise ValueError(f"{where}: {tolerance} of {value} is not within {axis.low:g} to {axis.high:g}")
 
 
 def _lack(study: Contents, name: str) -> str:
     """Why no case has a quantity or factor, where the body is why."""
     if name in _OF_FILMS and not study.kind.layered:
         return f"is a film's: a {study.kind.unbounded} has none"
-    return f"is not one of surrogate.outputs{told}" if (told := _instead(study, name)) else ""
+    return f"is not one of surrogate.outputs{alternative}" if (alternative := _instead(study, name)) else ""
 
 
 def _instead(study: Contents, name: str) -> str:
-    """What cases have in place of a quantity that bodies of their kind never have."""
+    """Name the quantities that cases have in place of one that bodies of their kind never have."""
     kind = study.kind
     if name not in ALL_PEAKS or name in kind.peaks:
         return ""
@@ -163,5 +163,5 @@ def check_values(study: Contents, where: str, name: str, values: Sequence[float 
             raise ValueError(f"{where}: {name}: {value!r} is not a number")
         if not axis.low <= value <= axis.high:
             end = "low" if value < axis.low else "high"
-            told = f"{name} = {value:g} is not within {axis.low:g} to {axis.high:g}"
-            raise ValueError(f"{where}: {told}; factors: {name}: {end} says so")
+            message = f"{name} = {value:g} is not within {axis.low:g} to {axis.high:g}"
+            raise ValueError(f"{where}: {message}; factors: {name}: {end} says so")

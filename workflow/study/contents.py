@@ -1,4 +1,4 @@
-"""What follows from what a study holds: its cases, quantities, outputs, materials and hashes."""
+"""The content of a study and everything derived from it: cases, quantities, outputs, materials and hashes."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping
@@ -22,8 +22,7 @@ from workflow.study import grouped, layered
 from workflow.study.allowable import MADE_OF, Allowable, allowable
 from workflow.study.categories import Combination, combinations, output
 from workflow.study.device import Device
-from workflow.study.digest import PHYSICS, digest
-from workflow.study.keys import Keys, Origin
+from workflow.study.keys import PHYSICS, Keys, Origin, digest
 from workflow.study.sections import Axis
 from workflow.study.target import Target
 
@@ -48,7 +47,7 @@ class Contents(Keys):
 
     @property
     def defaults(self) -> tuple[str, ...]:
-        """What was chosen for the study, which does not say it, and why: a line each."""
+        """Defaults that were chosen for the study, with the reason: a line each."""
         return self._defaults
 
     def tell_default(self, line: str) -> None:
@@ -63,31 +62,31 @@ class Contents(Keys):
     @property
     def kind(self) -> Kind:
         """The kind of body of its cases: what they can be asked for, and what that costs; in air where any case is."""
-        given = self.fixed if self.factors or self.effects is None else {**self.effects.baseline, **self.fixed}
-        usual = given.get("profile", CHOICES["profile"][0])
+        factors = self.fixed if self.factors or self.effects is None else {**self.effects.baseline, **self.fixed}
+        usual = factors.get("profile", CHOICES["profile"][0])
         profile = self.categories["profile"][0] if "profile" in self.categories else usual
         around = AIR if AIR in self.surroundings else self.surroundings[0]
-        return kind_of({*self.factors, *given, *([BODY] if self.body else [])}, profile, around)
+        return kind_of({*self.factors, *factors, *([BODY] if self.body else [])}, profile, around)
 
     @property
     def surroundings(self) -> list[str]:
-        """What is beside the contacts of its cases, each once: names of the factor ``surroundings``."""
+        """Distinct surroundings of the cases: names of the factor ``surroundings``."""
         usual = self.fixed.get("surroundings", CHOICES["surroundings"][0])
         return self.categories.get("surroundings", [str(usual)])
 
     @property
     def stores_fields(self) -> bool:
-        """Whether the data set holds surface fields, and the page draws them.
+        """Return True if the data set holds surface fields, which the page draws.
 
         A cross approximation has no factorial to show them over. Fields of sliding points are left to the solver, which
         takes milliseconds a case. Fields in air take as long as the contact: they are stored where positions are given.
         """
-        asked = "positions" in self.dataset.model_fields_set
-        return not self.crossed and (asked or not self.kind.air) and not self.slides
+        positions_given = "positions" in self.dataset.model_fields_set
+        return not self.crossed and (positions_given or not self.kind.air) and not self.slides
 
     @property
     def slides(self) -> bool:
-        """Whether its contacts are points that slide."""
+        """Return True if its contacts are points that slide."""
         return self.kind.contact == "point" and ("friction" in self.factors or bool(self.numbers["friction"]))
 
     @property
@@ -100,7 +99,7 @@ class Contents(Keys):
 
     @property
     def elastic(self) -> bool:
-        """Whether a punch on a line deforms: its displacement has a datum of its own."""
+        """Return True if a punch on a line deforms: its displacement then has its own datum."""
         named = {str(self.fixed.get("punch", RIGID_PUNCH)), *self.categories.get("punch", [])}
         numbers = "punch_modulus" in {*self.fixed, *self.factors}
         return self.kind.contact == "line" and (numbers or named != {RIGID_PUNCH})
@@ -117,14 +116,14 @@ class Contents(Keys):
 
         Axes that need tables of films come first, so that a block of cases needs few tables.
         """
-        own = grouped.axes(self.groups, self.factors, self.numbers) if self.groups else self.factors
-        return {name: own[name] for name in dict.fromkeys([*self.tabled, *own]) if name in own}
+        axes = grouped.axes(self.groups, self.factors, self.numbers) if self.groups else self.factors
+        return {name: axes[name] for name in dict.fromkeys([*self.tabled, *axes]) if name in axes}
 
     @property
     def products(self) -> dict[str, grouped.Product]:
-        """What every axis of a study with groups is made of."""
-        own = {product.name: product for product in map(grouped.product, self.groups)}
-        return {name: own[name] for name in self.axes} if own else {}
+        """Products of factors that form the axes of a study with groups."""
+        products = {product.name: product for product in map(grouped.product, self.groups)}
+        return {name: products[name] for name in self.axes} if products else {}
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -154,8 +153,8 @@ class Contents(Keys):
     @property
     def searched(self) -> frozenset[str]:
         """Largest stresses that the data set holds: none, all, or those that are named."""
-        asked = self.dataset.peaks
-        return frozenset(asked if isinstance(asked, list) else ALL_PEAKS if asked else ())
+        peaks = self.dataset.peaks
+        return frozenset(peaks if isinstance(peaks, list) else ALL_PEAKS if peaks else ())
 
     @property
     def cases(self) -> int:
@@ -175,7 +174,7 @@ class Contents(Keys):
 
     @property
     def open(self) -> bool:
-        """Whether the pipeline is to choose some levels."""
+        """Return True if the pipeline chooses some numbers of levels."""
         return any(axis.levels is None for axis in self.axes.values())
 
     @property
@@ -221,7 +220,7 @@ class Contents(Keys):
 
     @property
     def output_names(self) -> list[str]:
-        """What the surrogate calls them: those of every combination of categories."""
+        """Names of the outputs in the surrogate: those of every combination of categories."""
         return [output(name, combination) for combination in self.combinations for name in self.outputs]
 
     @property
@@ -243,16 +242,16 @@ class Contents(Keys):
         return layered.solved(self.body, entrance, factors, *axes, **options)
 
     def held(self, name: str) -> float | str | None:
-        """What a factor is fixed at, or a number of the top layer, or its default."""
+        """Value at which a factor is fixed, or a number of the top layer, or its default."""
         top = self.body[0].numbers.get(name) if self.body else None
         return self.fixed.get(name, FACTORS[name].default if top is None else top)
 
     def allowable(self, name: str) -> Allowable:
-        """What the top material or the base bears, of a study whose body has no open category."""
-        given: dict[str, Any] = dict(self.fixed)
+        """Allowable of the top material or the base, of a study whose body has no open category."""
+        factors: dict[str, Any] = dict(self.fixed)
         if self.body:
-            given |= {key: value for key, value in self.body[0] if key in MADE_OF and isinstance(value, str | float)}
-        return allowable(name, given, self.own_materials, self.phases)
+            factors |= {key: value for key, value in self.body[0] if key in MADE_OF and isinstance(value, str | float)}
+        return allowable(name, factors, self.own_materials, self.phases)
 
     def constant(self, name: str) -> float:
         """One of ``CONSTANTS``, of a study whose body has no open category."""
@@ -266,8 +265,8 @@ class Contents(Keys):
 
     def narrowed(self, combination: Mapping[str, str]) -> Self:
         """The study with some of its categories held at a name."""
-        rest = {name: names for name, names in self.categories.items() if name not in combination}
-        return self.model_copy(update={"fixed": {**self.fixed, **combination}, "categories": rest})
+        categories = {name: names for name, names in self.categories.items() if name not in combination}
+        return self.model_copy(update={"fixed": {**self.fixed, **combination}, "categories": categories})
 
     def with_materials(self, materials: Mapping[str, Material]) -> Self:
         """The study with other constants under the names of some materials; its quantities stay those that it has."""

@@ -1,4 +1,4 @@
-"""Which fields a study's cases have: those to which a material in use couples, or of which a punch has a charge."""
+"""Fields of a study's cases: those that a material couples to, or in which a punch has a charge."""
 
 import re
 from collections.abc import Collection, Mapping, Sequence
@@ -32,48 +32,48 @@ _SYMBOL = re.compile(r"[A-Za-z]+")
 def fields_of(units: str) -> frozenset[Field]:
     """The fields that a unit measures; none of a length or a stress."""
     symbols = set(_SYMBOL.findall(units))
-    return frozenset(field for field, own in _SYMBOLS.items() if symbols & own)
+    return frozenset(field for field, field_symbols in _SYMBOLS.items() if symbols & field_symbols)
 
 
 def fields(study: Contents) -> frozenset[Field]:
     """The fields of a study's cases: those to which some material in use couples, or of which a punch has a charge."""
     coupled = {field for material in materials(study) for field in _COUPLING if _couples(material, field)}
-    given = _given(study)
+    values = _given(study)
     for field, charge in zip(_COUPLING, study.kind.loads.charges, strict=True):
-        if charge in study.factors or any(value not in (0.0, None) for value in given.get(charge, [])):
+        if charge in study.factors or any(value not in (0.0, None) for value in values.get(charge, [])):
             coupled.add(field)
     return frozenset(coupled)
 
 
 def _couples(material: Material, field: Field) -> bool:
-    """Whether a material couples a field to its deformation or to the other field."""
+    """Return True if a material couples a field to its deformation or to the other field."""
     return any(np.any(np.nan_to_num(getattr(material, name))) for name in _COUPLING[field])
 
 
 def told(study: Contents) -> list[str]:
     """The surrogate's quantities that are of a field of the study, or of none, or that the study names itself."""
-    own = quantities(study)
-    return [name for name in study.outputs if name in own]
+    names = quantities(study)
+    return [name for name in study.outputs if name in names]
 
 
 def quantities(study: Contents) -> frozenset[str]:
     """The same of all quantities that there are."""
-    asked = set(wanted(study) if study.design else ()) | set(study.surrogate.outputs)
-    asked |= {name for readout in study.readout.values() for name in readout.measured}
-    own = fields(study)
+    named = set(wanted(study) if study.design else ()) | set(study.surrogate.outputs)
+    named |= {name for readout in study.readout.values() for name in readout.measured}
+    coupled = fields(study)
     return frozenset(
-        name for name, quantity in ALL_QUANTITIES.items() if name in asked or fields_of(quantity.units) <= own
+        name for name, quantity in ALL_QUANTITIES.items() if name in named or fields_of(quantity.units) <= coupled
     )
 
 
 def outputs(study: Contents) -> list[str]:
     """The same as the surrogate calls them, of every combination of the categories."""
-    own = told(study)
-    return [output(name, combination) for combination in study.combinations for name in own]
+    names = told(study)
+    return [output(name, combination) for combination in study.combinations for name in names]
 
 
 def wanted(study: Contents) -> list[str]:
-    """What the designs ask for of what the surrogate learns, or else all of that."""
+    """Learned quantities in the designs, or else all learned quantities."""
     return _asked(study) or study.outputs
 
 
@@ -90,39 +90,39 @@ def of_interest(study: Contents) -> list[str]:
 
 
 def aims(study: Contents) -> list[str]:
-    """What the goals of its designs are made of, as the surrogate calls it; without designs, its first two outputs."""
+    """Quantities in the designs' goals, by their names in the surrogate; without designs its first two outputs."""
     goals = [goal.expression for target in study.design.values() for goal in target.objectives]
-    asked = dict.fromkeys(name for goal in goals for name in goal.names())
-    outputs = [name for name in asked if name in study.outputs] or study.outputs[:2]
+    names = dict.fromkeys(name for goal in goals for name in goal.names())
+    outputs = [name for name in names if name in study.outputs] or study.outputs[:2]
     return [output(name, combination) for name in outputs for combination in study.combinations]
 
 
-def kept(data: xr.Dataset, own: Collection[str]) -> xr.Dataset:
+def kept(data: xr.Dataset, coupled: Collection[str]) -> xr.Dataset:
     """Fields or quantities of a file without those that measure another field than the study's own."""
     units = {name: str(array.attrs.get("units", "1")) for name, array in data.data_vars.items()}
-    return data.drop_vars([name for name, unit in units.items() if not fields_of(unit) <= set(own)])
+    return data.drop_vars([name for name, unit in units.items() if not fields_of(unit) <= set(coupled)])
 
 
 def materials(study: Contents) -> list[Material]:
     """Every material that some case of a study is made of, each once; of alloys the one without the added element."""
-    given = _given(study)
-    names = [*given.get("material", []), *(layer.material for layer in study.body)]
-    composites = [*given.get("composite", []), *(layer.composite for layer in study.body)]
+    values = _given(study)
+    names = [*values.get("material", []), *(layer.material for layer in study.body)]
+    composites = [*values.get("composite", []), *(layer.composite for layer in study.body)]
     baseline = study.effects.baseline if study.effects else {}
     if not composites and not study.body and "material" not in {**study.fixed, **study.categories, **baseline}:
         composites = [CHOICES["composite"][0]]
     phases = study.phases if any(composite in MIXTURES for composite in composites) else []
-    known = dict.fromkeys([*names, *given.get("base", []), *phases])
+    known = dict.fromkeys([*names, *values.get("base", []), *phases])
     alloys = [made(str(name), (), 0.0) for name in dict.fromkeys(composites) if name and name not in MIXTURES]
     return [*(find(str(name), study.own_materials) for name in known if name and name != RIGID), *alloys]
 
 
 def _given(study: Contents) -> dict[str, list[float | str]]:
-    """What each factor or category takes by name or as a number, beside the ranges of a factorial."""
-    given: dict[str, list[float | str]] = {}
+    """Names and numbers that each factor or category takes, without the ranges of a factorial."""
+    values: dict[str, list[float | str]] = {}
     parts: list[Mapping[str, float | str | Sequence[float | str]]] = [study.fixed, study.categories]
     if study.effects:
         parts += [study.effects.baseline, study.effects.film, study.effects.vary]
     for name, value in (pair for part in parts for pair in part.items()):
-        given.setdefault(name, []).extend([value] if isinstance(value, str | float | int) else value)
-    return given
+        values.setdefault(name, []).extend([value] if isinstance(value, str | float | int) else value)
+    return values

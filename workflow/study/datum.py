@@ -41,10 +41,10 @@ def hanging(study: Contents) -> frozenset[str]:
     """
     if study.kind.datum != "by_base":
         return HANGING if study.kind.datum == "relative" else frozenset()
-    here = inner(study, 0.7) | {name: study.factors[name].high for name in study.tabled}
-    datum = (here.pop("datum", None) or length(study) or 1.0) * np.array([1.0, 10.0])
+    case = inner(study, 0.7) | {name: study.factors[name].high for name in study.tabled}
+    datum = (case.pop("datum", None) or length(study) or 1.0) * np.array([1.0, 10.0])
     fixed = {name: value for name, value in study.fixed.items() if name != "datum"}
-    cases = {**fixed, **study.categories, **here, "datum": datum}
+    cases = {**fixed, **study.categories, **case, "datum": datum}
     solved = study.solved(solve, cases)
     solved_values = {name: solved[name].transpose("datum", ...).values for name in HANGING if name in solved}
     return frozenset(
@@ -55,6 +55,6 @@ def hanging(study: Contents) -> frozenset[str]:
 
 
 def meaning(name: str, hanging: Collection[str]) -> str:
-    """What a quantity is, relative to the datum only where it depends on it."""
+    """Meaning of a quantity, relative to the datum only where it depends on it."""
     words = ALL_QUANTITIES[name].long_name
     return words if name in hanging else words.removesuffix(_RELATIVE)

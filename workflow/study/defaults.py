@@ -1,4 +1,4 @@
-"""What a study does not name and is given: points rest, a device is pressed by steel, films and devices are in air.
+"""Defaults of a study: points rest, a device is pressed by steel, films and devices are in air.
 
 Each reads what the study's sections say alone: nothing is solved.
 """
@@ -82,7 +82,7 @@ def _lacking(study: Contents) -> str:
 
 
 def _asks_for_more(study: Contents) -> str:
-    """Which of what a study asks for contacts in air do not have; empty of none."""
+    """Name a quantity of the study that contacts in air do not have; empty where they have all."""
     has = kind_of({*study.factors, *study.fixed, *([BODY] if study.body else [])}, _profiles(study)[0], AIR)
     try:
         wanted = _asked(study)

@@ -1,4 +1,4 @@
-"""What a punch is connected to, as a study has it: its length, the amplifier that reads it, what drives it."""
+"""The circuit at a punch, as a study gives it: the punch's length, its amplifier and its drive voltage."""
 
 from typing import Annotated
 
@@ -12,17 +12,17 @@ from workflow.study.types import Number, Strict
 
 
 def _above(name: str, *, zero: bool = False) -> AfterValidator:
-    def check(given: float | str) -> float | str:
-        value = number(name, given)
+    def check(written: float | str) -> float | str:
+        value = number(name, written)
         if not (value >= 0 if zero else value > 0):
             raise ValueError(f"{value:g} is not a finite number {'>=' if zero else '>'} 0 [{DEVICE[name].units}]")
-        return given
+        return written
 
     return AfterValidator(check)
 
 
 class Amplifier(Strict):
-    """What reads the charge of the punch; numbers in SI, or with a unit, as ``10 pF``."""
+    """Amplifier that reads the charge of the punch; numbers in SI, or with a unit, as ``10 pF``."""
 
     input_capacitance: Annotated[Number | str, _above("input_capacitance")] = Field(description="of its input [F]")
     input_resistance: Annotated[Number | str, _above("input_resistance")] | None = Field(
@@ -49,7 +49,7 @@ class Amplifier(Strict):
 
 
 class Device(Strict):
-    """What makes figures of a device out of quantities; numbers in SI, or with a unit, as ``10 mm``."""
+    """Circuit that turns quantities into figures of a device; numbers in SI, or with a unit, as ``10 mm``."""
 
     electrode_length: Annotated[Number | str, _above("electrode_length")] | None = Field(
         None,
@@ -83,8 +83,8 @@ class Device(Strict):
     @property
     def constants(self) -> dict[str, float]:
         """Every number that is given, by its name in designs, in SI."""
-        given = {**dict(self), **dict(self.amplifier or {})}
-        numbers = {name: number(name, given[name]) for name in DEVICE if given.get(name) is not None}
+        written = {**dict(self), **dict(self.amplifier or {})}
+        numbers = {name: number(name, written[name]) for name in DEVICE if written.get(name) is not None}
         energy, feedback = Boltzmann * numbers["temperature"], numbers.get("feedback_capacitance", 0.0)
         # what a resistance discharges: all of a circuit, or a charge amplifier's feedback alone
         return numbers | {"thermal_energy": 0.0 if feedback else energy, "feedback_heat": (energy * feedback) ** 0.5}

@@ -41,7 +41,7 @@ class Product:
 
     @property
     def lone(self) -> bool:
-        """Whether it is one factor, as it is."""
+        """Return True if the product is one factor to the power one."""
         return list(self.powers.values()) == [1]
 
 
@@ -102,7 +102,7 @@ def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mappin
 
 
 def _range(axis: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> tuple[float, float]:
-    """What the box gives a group; ValueError where numbers end before."""
+    """Range of a group over the box; ValueError where it overflows."""
     try:
         low, high = span(_inputs(axis, factors, fixed), dict(axis.powers))
     except OverflowError:
@@ -155,13 +155,13 @@ def unlike(products: Sequence[Product], factors: Sequence[str], fixed: Mapping[s
     A = np.array([[axis.powers.get(name, 0) for name in factors] for axis in products], dtype=np.float64)
     A = A.reshape(-1, len(factors))
     W = np.array([[weight.size, weight.strength] for weight in map(weight_of, factors)])
-    kept = np.array([[weight.size, weight.strength] for weight in fixed.values()]).reshape(-1, 2)
-    similar = W @ (null_space(kept) if len(kept) else np.eye(2))
+    fixed_weights = np.array([[weight.size, weight.strength] for weight in fixed.values()]).reshape(-1, 2)
+    similar = W @ (null_space(fixed_weights) if len(fixed_weights) else np.eye(2))
     unseen = null_space(A)
-    rest = unseen - similar @ np.linalg.lstsq(similar, unseen, rcond=None)[0]
-    if not unseen.size or np.abs(rest).max() < _SAME:
+    dissimilar = unseen - similar @ np.linalg.lstsq(similar, unseen, rcond=None)[0]
+    if not unseen.size or np.abs(dissimilar).max() < _SAME:
         return None
-    worst = unseen[:, int(np.abs(rest).max(axis=0).argmax())]
+    worst = unseen[:, int(np.abs(dissimilar).max(axis=0).argmax())]
     worst = worst / worst[np.abs(worst).argmax()]
     return {name: 10.0**power for name, power in zip(factors, worst.tolist(), strict=True) if abs(power) > _SAME}
 
@@ -172,15 +172,15 @@ def check_signs(products: Sequence[Product], factors: Mapping[str, Axis], fixed:
         if not any(sum(axis.powers.get(name, 0) for name in flipped) % 2 for axis in products):
             raise ValueError(f"groups: the sign of {' and '.join(flipped)} is in no group; give an odd power of it")
     for gone in _some(name for name, axis in factors.items() if axis.low <= 0 <= axis.high):
-        rest = [axis for axis in products if not axis.powers.keys() & set(gone)]
-        if change := unlike(rest, [name for name in factors if name not in gone], fixed):
+        others = [axis for axis in products if not axis.powers.keys() & set(gone)]
+        if change := unlike(others, [name for name in factors if name not in gone], fixed):
             raise ValueError(
                 f"{refusal(change)}; {' = '.join(gone)} = 0 is in the box, where {_hidden(products, gone)}"
             )
 
 
 def _hidden(products: Sequence[Product], gone: Collection[str]) -> str:
-    """What tells nothing but 0 where some factors are."""
+    """Name the groups that are 0 where some factors are."""
     return ", ".join(axis.text for axis in products if axis.powers.keys() & set(gone)) + " tells no more"
 
 
@@ -191,7 +191,7 @@ def _some(names: Iterable[str]) -> list[tuple[str, ...]]:
 
 
 def refusal(change: Mapping[str, float]) -> str:
-    """What is wrong with groups that do not see a change, in one line."""
+    """Return the refusal, in one line, of groups that do not distinguish a change."""
     shown = " and ".join(f"{name} x {by:.3g}" for name, by in change.items())
     return (
         f"groups: {shown} is in no group, and is another contact: under similarity lengths (also the radius and the "

@@ -1,8 +1,11 @@
-"""The keys of a study's file, each with what it may hold, and what a study has beside that file."""
+"""Keys of a study's file with their types, and hashes of its sections, by which results know their study."""
 
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -16,16 +19,22 @@ from workflow.study.sections import Axis, DataSet, Effects, Group, Surrogate, Va
 from workflow.study.target import Target
 from workflow.study.types import BY_FACTOR, CategoryName, FactorName, InputName, Number, Strict
 
+#: Sections that decide what a case is and what the solver answers.
+PHYSICS = ("phases", "materials", "fixed", "factors", "categories", "body", "groups")
+#: The same without the numbers of levels, for `digest`.
+BOX = "box"
+
 
 @dataclass(frozen=True)
 class Origin:
-    """What a study has beside the content of its file."""
+    """Origin of a study, beside the content of its file."""
 
     path: Path  # The file
     materials: dict[str, Material]  # The study's own materials by name
     # Quantities that some cases lack; None before the solver, which takes seconds for films, was asked for them
     absent: frozenset[str] | None = None
     hanging: frozenset[str] = frozenset()  # Quantities that depend on a datum which is in none of the groups
+    in_si: bool = False  # the content comes from a checked study, whose numbers are bare and in SI
 
 
 class Keys(Strict):
@@ -71,3 +80,26 @@ class Keys(Strict):
         max_length=100,
         description="published measurements that the model is held against, by name",
     )
+
+
+def digest(study: Keys, sections: Sequence[str], materials: Mapping[str, Any]) -> str:
+    """Hash of some sections of a study, see `Contents.digest`."""
+    whole = [name for section in sections for name in (PHYSICS if section == BOX else (section.partition(".")[0],))]
+    content = study.model_dump(mode="json", include=set(whole))
+    parts = {name: content[name.partition(".")[0]].get(name.partition(".")[2]) for name in sections if "." in name}
+    content = {
+        name: section for name, section in content.items() if name in {*sections, *(PHYSICS if BOX in sections else ())}
+    }
+    content |= parts
+    if BOX in sections:
+        for axis in (*content["factors"].values(), *content["groups"].values()):
+            del axis["levels"]
+    for name in ("body", "groups"):  # which studies had before there were any
+        if not content.get(name):
+            content.pop(name, None)
+    if study.surrogate.method == "factorial" and "surrogate" in content:  # the same
+        content["surrogate"].pop("method")
+    text = json.dumps(content, sort_keys=True)
+    if {"phases", BOX} & set(sections):
+        text += json.dumps(materials, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -23,7 +23,7 @@ _MOST_LAYERS = 20
 
 
 class Below(Strict):
-    """What the interface below a layer is to each field."""
+    """Conditions of both fields at the interface below a layer."""
 
     electric: Literal["grounded", "bonded"] | None = Field(None, description="null: grounded above the base")
     magnetic: Literal["grounded", "bonded", "insulated"] | None = Field(
@@ -44,8 +44,8 @@ class BodyLayer(Strict):
     @property
     def numbers(self) -> dict[str, float | str]:
         """The numbers that the layer is given, or names of factors in their place."""
-        given = {kind: getattr(self, kind) for kind in OF_A_LAYER}
-        return {kind: value for kind, value in given.items() if value is not None}
+        numbers = {kind: getattr(self, kind) for kind in OF_A_LAYER}
+        return {kind: value for kind, value in numbers.items() if value is not None}
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -79,23 +79,23 @@ class BodyLayer(Strict):
 
     def made(self, values: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Layer:
         """The solver's layer, with factors at values."""
-        at = self.at(values)
+        numbers = self.at(values)
         if self.material is not None:
             material = find(self.material, materials)
         else:
             kind = str(self.composite)
-            material = made(kind, (find(phases[0], materials), find(phases[1], materials)), at[COMPOSITES[kind]])
-        return Layer(material, at["thickness"], self.below.electric, self.below.magnetic)
+            material = made(kind, (find(phases[0], materials), find(phases[1], materials)), numbers[COMPOSITES[kind]])
+        return Layer(material, numbers["thickness"], self.below.electric, self.below.magnetic)
 
     def words(self) -> str:
         """The layer in words."""
-        given = {
+        parts = {
             kind: value if isinstance(value, str) else titles.value(kind, value, 4)
             for kind, value in self.numbers.items()
         }
-        given |= {f"{field} interface": condition for field, condition in self.below if condition is not None}
+        parts |= {f"{field} interface": condition for field, condition in self.below if condition is not None}
         return ", ".join(
-            [str(self.material or self.composite), *(f"{kind} = {value}" for kind, value in given.items())]
+            [str(self.material or self.composite), *(f"{kind} = {value}" for kind, value in parts.items())]
         )
 
 
@@ -110,7 +110,7 @@ def named(layers: Layers) -> list[str]:
 
 
 def tabled(layers: Layers) -> list[str]:
-    """Those of them for whose every value the solver makes tables: a thickness that all layers share is none.
+    """Factors with a table of the solver for each value; a thickness that all layers share has none.
 
     By dimension only the ratios of the thicknesses need tables of their own (`solver.line.similar`).
     """
@@ -134,8 +134,8 @@ def check(layers: Layers, fixed: Mapping[str, float | str], ranges: Mapping[str,
                 raise ValueError(f"body.{number}: {kind}: {factor!r} is neither in factors nor in fixed")
     parts: list[tuple[str, Mapping[str, Sequence[float | str]]]]
     parts = [("fixed", {name: [value] for name, value in fixed.items()}), ("factors", ranges)]
-    for part, given in parts:
-        for name, values in given.items():
+    for part, entries in parts:
+        for name, values in entries.items():
             if own_kind(name) and name not in named(layers):
                 raise ValueError(f"{part}: {name}: no layer of the body names it")
             if name not in (*named(layers), *OF_THE_BASE[1:]):
@@ -156,44 +156,46 @@ def solved(
     **options: Any,
 ) -> xr.Dataset:
     """Exact cases of a body, by an entrance of the solver (``solve``, ``solve_interior``)."""
-    own = {name: _array(name, factors[name]) for name in factors if name in (*named(layers), *OF_THE_BASE)}
-    if not any(own.keys() & set(OF_THE_BASE) == names for names in _BASES):
-        given = ", ".join(name for name in OF_THE_BASE if name in own) or "base"
-        raise ValueError(f"{given}: a body needs a base, or else base_modulus and base_poisson, not both")
-    whole = xr.broadcast(*own.values())
+    body_values = {name: _array(name, factors[name]) for name in factors if name in (*named(layers), *OF_THE_BASE)}
+    if not any(body_values.keys() & set(OF_THE_BASE) == names for names in _BASES):
+        named_base = ", ".join(name for name in OF_THE_BASE if name in body_values) or "base"
+        raise ValueError(f"{named_base}: a body needs a base, or else base_modulus and base_poisson, not both")
+    whole = xr.broadcast(*body_values.values())
     rows = list(zip(*(factor.values.ravel().tolist() for factor in whole), strict=True))
-    made = {row: stack(layers, dict(zip(own, row, strict=True)), materials, phases) for row in dict.fromkeys(rows)}
+    stack_of_row = {
+        row: stack(layers, dict(zip(body_values, row, strict=True)), materials, phases) for row in dict.fromkeys(rows)
+    }
     stacks = np.empty(len(rows), dtype=object)
-    stacks[:] = [made[row] for row in rows]
+    stacks[:] = [stack_of_row[row] for row in rows]
     # the solver keeps a factor's name from the dimensions of others
-    apart = {str(dim): f"{dim} of the body" for dim in whole[0].dims if dim in own}
-    body = xr.DataArray(stacks.reshape(whole[0].shape), dims=[apart.get(str(dim), dim) for dim in whole[0].dims])
-    rest = {name: value for name, value in factors.items() if name not in own}
-    out = entrance({**rest, BODY: body}, *axes, materials=materials, phases=phases, **options)
-    back = {kept: dim for dim, kept in apart.items()}
-    out = out.drop_vars(BODY).rename({kept: dim for kept, dim in back.items() if kept in out.dims})
+    renamed_dims = {str(dim): f"{dim} of the body" for dim in whole[0].dims if dim in body_values}
+    body = xr.DataArray(stacks.reshape(whole[0].shape), dims=[renamed_dims.get(str(dim), dim) for dim in whole[0].dims])
+    other_factors = {name: value for name, value in factors.items() if name not in body_values}
+    out = entrance({**other_factors, BODY: body}, *axes, materials=materials, phases=phases, **options)
+    back = {renamed: dim for dim, renamed in renamed_dims.items()}
+    out = out.drop_vars(BODY).rename({renamed: dim for renamed, dim in back.items() if renamed in out.dims})
     out = out.assign_coords(
-        {name: xr.Variable(factor.dims, factor.values, _attrs(name)) for name, factor in own.items()}
+        {name: xr.Variable(factor.dims, factor.values, _attrs(name)) for name, factor in body_values.items()}
     )
     dims = dict.fromkeys(dim for name, value in factors.items() for dim in _array(name, value).dims)
     words = " | ".join([*(layer.words() for layer in layers), "base"])
     return out.transpose(*(dim for dim in dims if dim in out.dims), ...).assign_attrs(body=words)
 
 
-def stack(layers: Layers, at: dict[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Stack:
+def stack(layers: Layers, values: dict[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Stack:
     """The stack of one combination of factors."""
     whole = []
     for number, layer in enumerate(layers):
         try:
-            whole.append(layer.made(at, materials, phases))
+            whole.append(layer.made(values, materials, phases))
         except MaterialError as error:
             raise MaterialError(f"body.{number}: {error}") from None
-    if "base" not in at:
-        return Stack(whole, Material.isotropic(at["base_modulus"], at["base_poisson"], name="base"))
-    if at["base"] == RIGID:
+    if "base" not in values:
+        return Stack(whole, Material.isotropic(values["base_modulus"], values["base_poisson"], name="base"))
+    if values["base"] == RIGID:
         return Stack(whole, RIGID)
     try:
-        base = find(str(at["base"]), materials)
+        base = find(str(values["base"]), materials)
     except MaterialError as error:
         raise MaterialError(f"base: {str(error).removeprefix('material: ')} and {RIGID}") from None
     return Stack(whole, base)

@@ -1,4 +1,4 @@
-"""Where a study's file is: ``config/<name>.yaml``, or wherever a path has said.
+"""Location of a study's file: ``config/<name>.yaml``, or any path.
 
 Results, logs and rules know a study by its name alone. A path that was given for it stands in the environment, which
 jobs inherit from the process that has read the Snakefile: there the path is the key ``study`` of Snakemake's config,
@@ -73,7 +73,7 @@ def _here() -> list[str]:
 
 
 def by_path(name: str) -> bool:
-    """Whether a study was given by a path, or comes with the program: jobs are told where it is."""
+    """Return True if a study was given by a path, or comes with the program: jobs need its path."""
     return name in _paths()
 
 

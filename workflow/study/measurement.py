@@ -17,7 +17,7 @@ UNITS = {"pC/N": 1e-12, "pm/V": 1e-12, "1": 1.0}
 
 
 class ModelValue(Strict):
-    """What the model is asked for."""
+    """Question to the model, whose answer is compared with a measurement."""
 
     quantity: ModelQuantity = Field(description="what the model answers with")
     case: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(

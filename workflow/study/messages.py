@@ -1,4 +1,4 @@
-"""What is wrong with a study, in the words of one line."""
+"""The first error of a study, in one line."""
 
 from collections.abc import Mapping
 from types import UnionType
@@ -61,7 +61,7 @@ def _keys_at(model: type[BaseModel], place: list[str]) -> list[str]:
 
 
 def _within(node: Any, part: str) -> list[Any]:
-    """What a type may hold under a key or an index."""
+    """Types that a type may hold under a key or an index."""
     if _is_model(node):
         return _branches(node.model_fields[part].annotation) if part in node.model_fields else []
     return _branches(get_args(node)[-1]) if get_origin(node) in (dict, list) else []

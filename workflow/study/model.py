@@ -127,13 +127,13 @@ def thawed(frozen: Mapping[str, Any]) -> Study:
     materials = {name: Material.from_mapping(entries) for name, entries in frozen["materials"].items()}
     return _made(
         frozen["study"],
-        Origin(Path(frozen["path"]), materials, frozenset(frozen["absent"]), frozenset(frozen["hanging"])),
+        Origin(Path(frozen["path"]), materials, frozenset(frozen["absent"]), frozenset(frozen["hanging"]), in_si=True),
     )
 
 
 def remade(study: Study, **sections: Any) -> Study:
     """A study with other sections, checked as one that is read from a file."""
-    origin = Origin(study.path, study.own_materials)
+    origin = Origin(study.path, study.own_materials, in_si=True)
     return _made(study.model_dump(mode="json") | sections, origin)
 
 

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from workflow.language.given import number
 from workflow.study.device import Device
@@ -10,9 +10,9 @@ from workflow.study.types import BY_FACTOR, InputName, Number, Strict
 
 
 def _read(name: str, units: str) -> BeforeValidator:
-    def positive(value: object) -> object:
+    def positive(value: object, info: ValidationInfo) -> object:
         if isinstance(value, str | int | float) and not isinstance(value, bool):
-            value = number(name, value, units)
+            value = number(name, value, units, info.context)
             if not 0 < value < float("inf"):
                 raise ValueError(f"{value:g} is not a finite number > 0 [{units}]")
         return value

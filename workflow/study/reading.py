@@ -1,17 +1,15 @@
-"""What people write: YAML files (safe, with YAML 1.2 numbers, no key twice), numbers, and how it is shown again."""
+"""Reader of YAML files (safe, with YAML 1.2 numbers, no key twice) and numbers, and writer of messages."""
 
 import re
 import unicodedata
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from solver import Material, MaterialError
-from solver.material.constants import UNITS
-from solver.names import LIMITS
-from solver.units import in_si, plain
+from solver.units import plain
 from storage.files import regular
 
 _LARGEST = 1 << 20  # bytes; a study or a material is a few kB
@@ -140,17 +138,6 @@ def read_material(path: Path) -> tuple[str, Material]:
         One line that names file, constant, value and what is allowed.
     """
     content = {"name": path.stem, **read_yaml(path)}
-    where = f"{path}: {content['name']}"
-    content = _si(where, content, UNITS)
-    if isinstance(limits := content.get("limits"), dict):
-        units = {name: {"value": limit.units} for name, limit in LIMITS.items()}
-        content["limits"] = {
-            name: _si(f"{where}: limits: {name}", entry, units.get(name, {})) for name, entry in limits.items()
-        }
-    if isinstance(others := content.get("alternatives"), list):
-        content["alternatives"] = [
-            _si(f"{where}: alternatives: {k}", other, UNITS) for k, other in enumerate(others, 1)
-        ]
     try:
         material = Material.from_mapping(content)
     except MaterialError as error:
@@ -160,17 +147,3 @@ def read_material(path: Path) -> tuple[str, Material]:
             f"{path}: name: {material.name[:80]!r} must be up to 60 letters, digits, blanks and any of _()+.,:/%-"
         )
     return material.name, material
-
-
-def _si(where: str, entry: Any, units: Mapping[str, str]) -> Any:
-    """Numbers with a unit in SI; what else there is, and what is no mapping, is left to the material's check."""
-    if not isinstance(entry, dict):
-        return entry
-    si = dict(entry)
-    for name, unit in units.items():
-        if isinstance(text := si.get(name), str):
-            try:
-                si[name] = in_si(text, unit)
-            except ValueError as error:
-                raise InputError(f"{where}: {name}: {error}") from None
-    return si

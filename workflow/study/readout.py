@@ -10,7 +10,7 @@ from workflow.study.types import FactorName, InputName, Number, QuantityName, St
 
 
 class Readout(Strict):
-    """From measured quantities back to factors, with 95 % intervals."""
+    """Inference of factors from measured quantities, with 95 % intervals."""
 
     measured: dict[QuantityName, str] = Field(
         min_length=1, description="standard deviation of each measurement: '2 V', or '0.5 %' of the value"

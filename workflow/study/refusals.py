@@ -52,7 +52,7 @@ def answered(solved: Solved, factors: Mapping[str, Any], most: float = np.inf) -
         first = error
     cases = {name: labelled(name, value) for name, value in factors.items()}
     whole = _everywhere(cases)
-    sizes = {dim: _length(some) for dim, some in whole.items()}
+    sizes = {dim: _length(part) for dim, part in whole.items()}
     parts, count = [], 0
     for region, part in _parts(solved, cases, whole, first):
         parts.append((region, part))
@@ -98,8 +98,8 @@ def _parts(
         return
     whole = region[longest]
     middle = (whole.start + whole.stop) // 2
-    for some in (slice(whole.start, middle), slice(middle, whole.stop)):
-        half = {**region, longest: some}
+    for half_slice in (slice(whole.start, middle), slice(middle, whole.stop)):
+        half = {**region, longest: half_slice}
         try:
             answer = solved({name: array.isel(half, missing_dims="ignore") for name, array in cases.items()})
         except refusal as error:
@@ -108,8 +108,8 @@ def _parts(
             yield half, answer
 
 
-def _length(some: slice) -> int:
-    return int(some.stop - some.start)
+def _length(part: slice) -> int:
+    return int(part.stop - part.start)
 
 
 def _whole(cases: _Cases, sizes: Mapping[str, int], parts: Sequence[_Part]) -> xr.Dataset:
@@ -121,15 +121,15 @@ def _whole(cases: _Cases, sizes: Mapping[str, int], parts: Sequence[_Part]) -> x
     whole = like[shared].drop_dims([dim for dim in dims if dim in like.dims])
     variables: dict[str, xr.Variable] = {}
     for name in [*shared, *(coordinate for coordinate in like.coords if set(like[coordinate].dims) & set(dims))]:
-        of = like[name]
-        shape = [sizes.get(str(dim), of.sizes[dim]) for dim in of.dims]
+        variable = like[name]
+        shape = [sizes.get(str(dim), variable.sizes[dim]) for dim in variable.dims]
         if name in like.coords:
-            values = _given(cases[str(name)], of, shape) if name in cases else np.full(shape, np.nan)
+            values = _given(cases[str(name)], variable, shape) if name in cases else np.full(shape, np.nan)
         else:
             values = np.full(shape, np.nan)
         for region, part in solved:
-            values[tuple(region.get(str(dim), slice(None)) for dim in of.dims)] = part[name].values
-        variables[str(name)] = xr.Variable(of.dims, values, of.attrs)
+            values[tuple(region.get(str(dim), slice(None)) for dim in variable.dims)] = part[name].values
+        variables[str(name)] = xr.Variable(variable.dims, values, variable.attrs)
     whole = whole.assign_coords({name: variables[name] for name in map(str, like.coords) if name in variables})
     whole = whole.assign({name: variables[name] for name in map(str, shared)})
     return _masked(whole, dims, sizes, parts)
@@ -148,14 +148,14 @@ def _masked(data: xr.Dataset, dims: Sequence[str], sizes: Mapping[str, int], par
 def _given(array: xr.DataArray, like: xr.DataArray, shape: Sequence[int]) -> NDArray[Any]:
     """A factor's values over the dimensions of a coordinate."""
     dims = [dim for dim in like.dims if dim in array.dims]
-    own = array.transpose(*dims).values.reshape([array.sizes.get(dim, 1) for dim in like.dims])
-    return np.broadcast_to(own, shape).copy()
+    values = array.transpose(*dims).values.reshape([array.sizes.get(dim, 1) for dim in like.dims])
+    return np.broadcast_to(values, shape).copy()
 
 
 def masked(data: xr.Dataset, mask: xr.Variable, reasons: Sequence[str]) -> xr.Dataset:
     """Cases with a mask of those that are refused, and its reasons."""
-    told = np.array(reasons, dtype=str)
-    return data.assign({REFUSAL: (mask.dims, mask.values, _MASK), REASON: ("reason", told, _REASONS)})
+    texts = np.array(reasons, dtype=str)
+    return data.assign({REFUSAL: (mask.dims, mask.values, _MASK), REASON: ("reason", texts, _REASONS)})
 
 
 def labelled(name: str, value: ArrayLike | xr.DataArray) -> xr.DataArray:

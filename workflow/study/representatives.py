@@ -34,10 +34,10 @@ def factors(study: Contents, axes: Mapping[str, Array | xr.DataArray]) -> dict[s
             raise ValueError(f"groups: {', '.join(waiting)}: each needs a factor that another varies")
         for name in ready:
             powers = study.products[name].powers
-            rest = _over(name, axes[name])
+            remainder = _over(name, axes[name])
             for factor in _others(study, leads, name):
-                rest = rest / values[factor] ** powers[factor]
-            values[leads[name]] = _root(rest, powers[leads[name]])
+                remainder = remainder / values[factor] ** powers[factor]
+            values[leads[name]] = _root(remainder, powers[leads[name]])
             waiting.remove(name)
     return {name: values[name] for name in study.factors}
 
@@ -55,9 +55,9 @@ def ends(study: Contents) -> dict[str, Any]:
 
 def corners(study: Contents) -> dict[str, Any]:
     """Factors of a case in each corner of a study's axes, those that need tables low in every other one, else high."""
-    apart = [name for name in study.axes if name not in study.tabled]
-    high = np.array(list(product((False, True), repeat=len(apart))))
-    ends = dict(zip(apart, high.T, strict=True)) | dict.fromkeys(study.tabled, high.sum(1) % 2 == 1)
+    untabled = [name for name in study.axes if name not in study.tabled]
+    high = np.array(list(product((False, True), repeat=len(untabled))))
+    ends = dict(zip(untabled, high.T, strict=True)) | dict.fromkeys(study.tabled, high.sum(1) % 2 == 1)
     return factors(
         study,
         {

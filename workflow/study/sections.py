@@ -80,7 +80,7 @@ class Positions(Strict):
 
 
 class DataSet(Strict):
-    """What is stored of the factorial."""
+    """Stored part of the factorial."""
 
     positions: Positions = Field(default_factory=Positions, description="positions of the surface fields")
     slabs: int | None = Field(
@@ -99,7 +99,7 @@ class DataSet(Strict):
 
     @model_serializer(mode="wrap")
     def _as_given(self, written: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """As plain data, positions only where they are given: contacts in air have fields where they are asked for."""
+        """Return plain data, with positions only where they are given: in air, they ask for fields."""
         content: dict[str, Any] = written(self)
         if "positions" not in self.model_fields_set:
             content.pop("positions", None)

@@ -15,7 +15,7 @@ def of(study: Whole) -> Whole:
     """The study of that contact alone: all of its factors are fixed, and it has the defaults of a study."""
     assert study.signal is not None
     bare = {name: key.get_default(call_default_factory=True) for name, key in type(study).model_fields.items()}
-    own = study.model_copy(
+    contact = study.model_copy(
         update=bare
         | {
             "title": study.signal.title,
@@ -24,28 +24,28 @@ def of(study: Whole) -> Whole:
             "device": study.signal.device or study.device,
         }
     )
-    defaults.settle(own)
-    return own
+    defaults.settle(contact)
+    return contact
 
 
 def check(study: Contents) -> None:
     """Raise ValueError, in one line, unless the factors are those of a contact that an amplifier may read."""
     assert study.signal is not None
-    own = of(study)
+    contact = of(study)
     try:
-        force = own.kind.loads.force
-        material_of(Cases(checked({force: study.signal.force, **own.fixed}), own.own_materials, study.phases))
+        force = contact.kind.loads.force
+        material_of(Cases(checked({force: study.signal.force, **contact.fixed}), contact.own_materials, study.phases))
     except ValueError as error:
         raise ValueError(f"signal: case: {error}") from None
-    kind = own.kind
+    kind = contact.kind
     if kind.datum == "relative" or "charge_per_force" not in kind.quantities:
         raise ValueError("signal: case: a film, or a point contact, has a charge to be read; this has none")
     for name in (force, *kind.loads.charges):
-        if name in own.fixed:
+        if name in contact.fixed:
             raise ValueError(f"signal: case: {name}: the press gives the force, and the circuit the charge")
-    if own.device is None or own.device.amplifier is None:
+    if contact.device is None or contact.device.amplifier is None:
         raise ValueError("signal: needs device: amplifier")
     try:
-        own.device.check(kind.contact)
+        contact.device.check(kind.contact)
     except ValueError as error:
         raise ValueError(f"signal: device: {error}") from None

@@ -1,4 +1,4 @@
-"""Whether the solver can answer a study at all, and which quantities its cases lack or tell only with the datum."""
+"""Checks that the solver can answer a study, and the quantities that its cases lack or share with the datum."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -15,6 +15,7 @@ from solver.names import ALL_QUANTITIES, PROFILES
 from solver.similarity import Weight, weight_of
 from surrogate import Input
 from workflow.language.factors import FACTORS
+from workflow.language.given import DESTROYED
 from workflow.study import datum, grouped, representatives
 from workflow.study.contents import Contents
 from workflow.study.refusals import MOST, REASON, REFUSAL, AllRefusedError, HolesError, answered
@@ -25,12 +26,11 @@ from workflow.study.sections import MOST_CASES, MOST_CORNERS, MOST_LEARNED, MOST
 _SCOUTS_OF_TABLES, _SCOUTS, _DEVIATIONS = 16, 64, 3.0
 _REFUSED = f"factors: the solver refuses more than {100 * MOST:.0f} % of the box"
 _PATIENCE = 30.0  # seconds of the processor after which no more places of the box are tried
-_HARDEST = 3e9  # pressure [Pa] that no piezoelectric material bears
 _SLOW = 20.0  # seconds of the processor from which on a case is told before the run starts
 
 
 def check_contact(study: Contents) -> None:
-    """Whether all cases touch in one way, and the device is one for it."""
+    """Raise ValueError unless all cases have one kind of contact, for which the device is made."""
     profiles = study.categories.get("profile", [])
     if len({PROFILES[name].contact for name in profiles if name in PROFILES}) > 1:
         raise ValueError(f"categories: profile: {', '.join(profiles)}: lines and points need a study each")
@@ -42,7 +42,7 @@ def check_contact(study: Contents) -> None:
 
 
 def check_groups(study: Contents) -> None:
-    """Whether the groups are axes, and cases with the same groups are similar."""
+    """Raise ValueError unless groups form axes over which cases with equal groups are similar."""
     if not study.groups:
         return
     if "power" in (study.fixed.get("profile"), *study.categories.get("profile", [])):
@@ -74,7 +74,7 @@ def _check_lone(products: Sequence[grouped.Product]) -> None:
 
 
 def _check_cases(study: Contents) -> None:
-    """Whether the stored cases, which may leave the box of the factors, are what factors may be."""
+    """Raise ValueError unless stored cases, which may leave the box of the factors, have allowed factors."""
     for name, values in representatives.ends(study).items():
         for value in np.unique(values):
             if not (np.isfinite(value) and FACTORS[name].allows(value)):
@@ -92,10 +92,10 @@ def _standing(study: Contents) -> dict[str, Weight]:
         for kind, value in layer.numbers.items()
         if not isinstance(value, str)
     }
-    own = {name: weight_of(name) for name in fixed if name != "datum"} | layers
+    weights = {name: weight_of(name) for name in fixed if name != "datum"} | layers
     if study.kind.air:  # the gap is as wide as the contact is strongly pressed, and the vacuum's constants stay
-        own["gap_permittivity"] = Weight(0.0, 1.0)
-    return {name: weight for name, weight in own.items() if weight != Weight()}
+        weights["gap_permittivity"] = Weight(0.0, 1.0)
+    return {name: weight for name, weight in weights.items() if weight != Weight()}
 
 
 def hanging_on_datum(study: Contents) -> frozenset[str]:
@@ -116,16 +116,16 @@ def _on_punch(study: Contents) -> frozenset[str]:
     if _tells(study, {"strength": Weight(0.0, 1.0)}):
         return frozenset()
     hanging = frozenset(name for name, quantity in ALL_QUANTITIES.items() if quantity.on_punch)
-    if asked := [name for name in study.surrogate.outputs if name in hanging]:
+    if learned := [name for name in study.surrogate.outputs if name in hanging]:
         raise ValueError(
-            f"groups: {', '.join(asked)} depend on an elastic punch's radius beside the groups: make groups of each "
+            f"groups: {', '.join(learned)} depend on an elastic punch's radius beside the groups: make groups of each "
             "length over another and of load over a length, or leave them out of surrogate.outputs"
         )
     return hanging
 
 
 def _tells(study: Contents, fixed: dict[str, Weight]) -> bool:
-    """Whether groups tell cases apart that are not similar under what else stays."""
+    """Return True if groups distinguish all cases that are not similar while `fixed` stays."""
     return grouped.unlike(list(study.products.values()), list(study.factors), _standing(study) | fixed) is None
 
 
@@ -137,10 +137,10 @@ def _on_datum(study: Contents) -> frozenset[str]:
     hanging = datum.hanging(study)
     by_base = study.kind.datum == "by_base" and not study.elastic
     untold = hanging - ({"depth"} if by_base else set())
-    asked = [name for name in study.surrogate.outputs or ([] if by_base else study.quantities) if name in untold]
-    if asked:
+    learned = [name for name in study.surrogate.outputs or ([] if by_base else study.quantities) if name in untold]
+    if learned:
         raise ValueError(
-            f"groups: {', '.join(asked)} depend on the datum, which is in no group: give one with it, as "
+            f"groups: {', '.join(learned)} depend on the datum, which is in no group: give one with it, as "
             "load * radius / datum^2, or leave them out of surrogate.outputs"
         )
     return hanging
@@ -193,7 +193,7 @@ def _answered(study: Contents, factors: Mapping[str, Any]) -> xr.Dataset:
 def _tell_pressure(study: Contents, solved: xr.Dataset) -> None:
     """Report contacts that are pressed beyond every material in all corners of the box: a unit may have been lost."""
     lowest = float(solved["peak_pressure"].min()) if "peak_pressure" in solved else 0.0
-    if lowest > _HARDEST:
+    if lowest > DESTROYED:
         names = [name for name in (study.kind.loads.force, "radius", "width") if name in {*study.factors, *study.fixed}]
         study.tell_default(
             f"pressure: {lowest / 1e9:.3g} GPa or more in every corner of the box, beyond any material's strength; "
@@ -204,8 +204,8 @@ def _tell_pressure(study: Contents, solved: xr.Dataset) -> None:
 def _tell_time(study: Contents, seconds: float) -> None:
     """Report, before a run starts, how long its cases take where one takes longer than people wait."""
     corners = 2 if study.tabled else 2 ** len(study.axes)
-    each = seconds / (corners * len(study.combinations))
-    if each < _SLOW:
+    seconds_per_case = seconds / (corners * len(study.combinations))
+    if seconds_per_case < _SLOW:
         return
     names = study.tabled or list(study.axes)
     levels = prod(study.axes[name].levels or 1 for name in names if name in study.axes)
@@ -213,8 +213,8 @@ def _tell_time(study: Contents, seconds: float) -> None:
     opened = ", its open numbers of levels counted as 1" if study.open else ""
     count = levels * len(study.combinations)
     study.tell_default(
-        f"time: {unit} takes about {each:.0f} s of one core; the {count:,} of the data set{opened} take about "
-        f"{count * each / 3600:.2g} h, and random cases for calibration and validation come on top"
+        f"time: {unit} takes about {seconds_per_case:.0f} s of one core; the {count:,} of the data set{opened} take "
+        f"about {count * seconds_per_case / 3600:.2g} h, and random cases for calibration and validation come on top"
     )
 
 
@@ -249,7 +249,7 @@ def _check_share(study: Contents) -> None:
 
 
 def check_fields(study: Contents) -> None:
-    """Whether cases have the fields and largest stresses that sections ask for."""
+    """Raise ValueError unless cases have the fields and largest stresses that sections name."""
     effects = study.effects
     if effects and effects.film and study.kind.contact == "point":
         raise ValueError("effects: film: is not drawn of a point; a film stands in the baseline")
@@ -259,14 +259,14 @@ def check_fields(study: Contents) -> None:
 
 
 def solve_effects(study: Contents) -> None:
-    """Whether the solver answers every effect."""
+    """Raise an error unless the solver answers every effect."""
     if study.effects is not None:
         for factor in study.effects.vary:
             solve(study.effects.case(factor), materials=study.own_materials, phases=study.phases)
 
 
 def check_size(study: Contents) -> None:
-    """Whether what the study asks for can be computed and stored at all."""
+    """Raise ValueError for a study that is too large to compute or store."""
     if study.crossed:
         _check_crossed(study)
     elif study.cases > MOST_CASES:
@@ -295,7 +295,7 @@ def check_size(study: Contents) -> None:
 
 
 def _check_crossed(study: Contents) -> None:
-    """Whether a cross approximation has levels to choose among, and what it learns."""
+    """Raise ValueError unless a cross approximation has levels, and learns only what it can."""
     for name, axis in study.axes.items():
         if axis.levels is None:
             where = "groups" if study.groups else "factors"

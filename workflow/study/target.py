@@ -44,7 +44,7 @@ class Variable(Strict):
 
 
 class Distribution(Strict):
-    """How an uncertain factor is distributed; exactly one of the three."""
+    """Distribution of an uncertain factor; exactly one of the three is given."""
 
     uniform: Interval | None = Field(None, description="[low, high]")
     normal: Interval | None = Field(None, description="[mean, standard deviation], cut at 3 standard deviations")
@@ -52,9 +52,9 @@ class Distribution(Strict):
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        given = [name for name in ("uniform", "normal", "triangular") if getattr(self, name) is not None]
-        if len(given) != 1:
-            raise ValueError(f"give one of uniform, normal, triangular, not {' and '.join(given) or 'none'}")
+        kinds = [name for name in ("uniform", "normal", "triangular") if getattr(self, name) is not None]
+        if len(kinds) != 1:
+            raise ValueError(f"give one of uniform, normal, triangular, not {' and '.join(kinds) or 'none'}")
         if self.uniform and not self.uniform[0] < self.uniform[1]:
             raise ValueError(f"uniform: {self.uniform[0]:g} must be below {self.uniform[1]:g}")
         if self.normal and not self.normal[1] > 0:
@@ -132,8 +132,8 @@ class Target(Strict):
     def tolerances(self) -> dict[str, tuple[float, float]]:
         """Absolute part and share of every tolerance."""
         return {
-            name: size(name, given) if isinstance(given, str) else (given, 0.0)
-            for name, given in self.tolerance.items()
+            name: size(name, tolerance) if isinstance(tolerance, str) else (tolerance, 0.0)
+            for name, tolerance in self.tolerance.items()
         }
 
     @property
@@ -144,7 +144,7 @@ class Target(Strict):
 
     @property
     def random(self) -> list[str]:
-        """What is drawn where a limit or a statistic asks for draws: uncertain factors, and tolerances, uniformly."""
+        """Factors drawn for limits and statistics: the uncertain ones, and tolerances, uniformly."""
         return [*self.uncertain, *self.tolerance]
 
     def room(self, name: str, low: float, high: float) -> tuple[float, float]:
@@ -166,16 +166,16 @@ class Target(Strict):
 
     @property
     def continuous(self) -> list[str]:
-        """Those of a range."""
+        """Design variables with a range."""
         return [name for name, variable in self.variables.items() if name in FACTORS and not variable.choices]
 
     @property
     def objectives(self) -> list[statements.Objective]:
-        """What is wanted, parsed; two or more make a Pareto front."""
+        """Parsed objectives; two or more make a Pareto front."""
         maximise = [self.maximise] if isinstance(self.maximise, str) else self.maximise
         minimise = [self.minimise] if isinstance(self.minimise, str) else self.minimise
-        asked = [*((text, True) for text in maximise), *((text, False) for text in minimise)]
-        return [_objective(text, maximise=largest, meeting=self._meeting) for text, largest in asked]
+        texts = [*((text, True) for text in maximise), *((text, False) for text in minimise)]
+        return [_objective(text, maximise=largest, meeting=self._meeting) for text, largest in texts]
 
     @property
     def limits(self) -> list[statements.Limit]:
@@ -184,7 +184,7 @@ class Target(Strict):
 
     @property
     def statistic(self) -> statistics.Statistic:
-        """How uncertain cases count in the objective."""
+        """Statistic of uncertain cases in the objective."""
         return statistics.statistic(self.robust)
 
     @model_validator(mode="after")
@@ -223,7 +223,7 @@ class Target(Strict):
         return self
 
     def _check_tolerance(self) -> None:
-        for name, given in self.tolerance.items():
+        for name, tolerance in self.tolerance.items():
             if name not in self.variables:
                 raise ValueError(
                     f"tolerance: {name}: is not one of the design variables: {', '.join(self.variables)}; "
@@ -233,10 +233,10 @@ class Target(Strict):
                 _, share = self.tolerances[name]
             except ValueError as error:
                 raise ValueError(f"tolerance: {name}: {error}") from None
-            if not isinstance(given, str) and not given > 0:
-                raise ValueError(f"tolerance: {name}: {given:g} is not a positive number")
+            if not isinstance(tolerance, str) and not tolerance > 0:
+                raise ValueError(f"tolerance: {name}: {tolerance:g} is not a positive number")
             if share >= 1:
-                raise ValueError(f"tolerance: {name}: {given}: must be below 100 %")
+                raise ValueError(f"tolerance: {name}: {tolerance}: must be below 100 %")
 
     def values(self, name: str) -> list[float | str]:
         """Every value that the question gives to a factor: its ends, choices, or the one it is held at."""

@@ -1,4 +1,4 @@
-"""What the parts of the study's model are made of: strictness, numbers and the names of the interface."""
+"""Base types of the study's model: strictness, numbers and names of the interface."""
 
 from typing import Annotated
 

@@ -34,6 +34,7 @@ USUAL, POISSON = 0.05, 0.02
 #: Prior standard deviation of the logarithm of one constant beside its family, at least.
 OWN = 0.03
 _STEP = 0.1  # of difference quotients, in prior standard deviations: what they leave out is 1e-5 of a derivative
+_WIDE = 0.3  # prior standard deviation from which a constant is moved by all of it, not to first order
 _MOST_OWN = 0.1  # of a scatter: variants that differ more are other materials
 _ELASTIC = {"modulus": FAMILIES["stiffness"], "poisson": FAMILIES["stiffness"]}
 _VACUUM = {"permittivity": VACUUM_PERMITTIVITY, "permeability": VACUUM_PERMEABILITY}
@@ -42,7 +43,7 @@ _KINDS = ("base", "material")
 
 @dataclass(frozen=True)
 class Constant:
-    """What is uncertain of a material."""
+    """Uncertain constant, or family of constants, of a material."""
 
     # Name of the material; a family of its constants, ``modulus``, ``poisson``, or one constant
     material: str
@@ -51,7 +52,7 @@ class Constant:
 
     @property
     def name(self) -> str:
-        """As it is called."""
+        """Name of the constant with its material."""
         return f"{self.material} {self.family}"
 
     @property
@@ -77,18 +78,18 @@ class Constant:
         return moved
 
 
-def uncertain(study: Study, asked: Mapping[str, float | None] | None = None) -> list[Constant]:
+def uncertain(study: Study, priors: Mapping[str, float | None] | None = None) -> list[Constant]:
     """The uncertain constants of a study, with their priors."""
     constants = {name: _constants(name, find(name, study.own_materials)) for name in materials(study)}
     if not constants:
         raise InputError(f"{study.path}: no material whose constants could be uncertain")
-    if asked is None:
+    if priors is None:
         return [family for families in constants.values() for family in families]
-    return [_asked(name, std, constants, study) for name, std in asked.items()]
+    return [_asked(name, std, constants, study) for name, std in priors.items()]
 
 
 def own(study: Study, constants: list[Constant]) -> list[Constant]:
-    """What single constants of these families may be off by, each for itself, beside their families.
+    """Single constants of some families with priors of their deviation from the family.
 
     The prior standard deviation is the scatter of other published values about their family's mean, and 3 % at least.
     """
@@ -124,18 +125,18 @@ def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> St
 def sensitivities(
     study: Study, constants: list[Constant], values: Callable[[Study], NDArray[np.float64]]
 ) -> NDArray[np.float64]:
-    """What one prior standard deviation of each constant makes of some values, relative to them, to first order.
+    """Relative changes of some values by one prior standard deviation of each constant, (value, constant).
 
-    Each constant is moved by itself, up and down by a tenth of its standard deviation.
-
-    result: (n, k).
+    Each constant is moved by itself, up and down by a tenth of its standard deviation. A constant whose published
+    values differ by more than 30 % is moved by its whole standard deviation.
     """
-    here = values(study)
-    shares = np.empty((len(here), len(constants)))
+    nominal = values(study)
+    shares = np.empty((len(nominal), len(constants)))
     for column, constant in enumerate(constants):
-        ends = [values(moved(study, [constant], np.array([z]))) for z in (_STEP, -_STEP)]
+        step = _STEP if constant.std <= _WIDE else 1.0
+        ends = [values(moved(study, [constant], np.array([z]))) for z in (step, -step)]
         with np.errstate(divide="ignore", invalid="ignore"):
-            shares[:, column] = (ends[0] - ends[1]) / (2 * _STEP) / here
+            shares[:, column] = (ends[0] - ends[1]) / (2 * step) / nominal
     shares[~np.isfinite(shares)] = np.nan
     return shares
 
@@ -157,10 +158,10 @@ def materials(study: Study) -> list[str]:
 
 def _phases(study: Study) -> list[str]:
     """The phases, where a composite is made of them."""
-    own: list[str | None] = [layer.composite for layer in study.body]
+    composites: list[str | None] = [layer.composite for layer in study.body]
     if not study.body and "material" not in study.fixed and "material" not in study.categories:
-        own = [*study.categories.get("composite", [str(study.fixed.get("composite", "fibrous"))])]
-    return list(study.phases) if any(kind in MIXTURES for kind in own) else []
+        composites = [*study.categories.get("composite", [str(study.fixed.get("composite", "fibrous"))])]
+    return list(study.phases) if any(kind in MIXTURES for kind in composites) else []
 
 
 def _constants(name: str, material: Material) -> list[Constant]:
@@ -179,10 +180,15 @@ def _asked(name: str, std: float | None, constants: Mapping[str, list[Constant]]
     known = {family.name: family for families in constants.values() for family in families}
     if name not in known:
         material, _, constant = name.rpartition(" ")
-        own = find(material, study.own_materials) if material in constants else None
-        if own is None or constant not in UNITS or constant == "rho" or float(getattr(own, constant)) in (0.0, np.nan):
+        named_material = find(material, study.own_materials) if material in constants else None
+        if (
+            named_material is None
+            or constant not in UNITS
+            or constant == "rho"
+            or float(getattr(named_material, constant)) in (0.0, np.nan)
+        ):
             raise InputError(f"--uncertain: {name!r} is unknown; {nearest(name, list(known))}; or one constant, as e33")
-        known[name] = Constant(material, constant, _spread(own, (constant,)))
+        known[name] = Constant(material, constant, _spread(named_material, (constant,)))
     return known[name] if std is None else replace(known[name], std=std)
 
 

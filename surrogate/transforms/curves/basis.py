@@ -68,22 +68,22 @@ class Basis:
         mean = values.mean(axis=0)
         scales = np.sqrt((values**2).mean(axis=(0, 2)))
         scales[scales == 0] = 1.0
-        rest = ((values - mean) / scales[:, None]).reshape(len(values), -1)
-        allowed, total = error**2 * rest.size, float((rest**2).sum())
+        centred = ((values - mean) / scales[:, None]).reshape(len(values), -1)
+        allowed, total = error**2 * centred.size, float((centred**2).sum())
         from sklearn.utils.extmath import randomized_svd  # slow to import: a model from its file needs it not
 
-        most, count = min(rest.shape), _FIRST
+        most, count = min(centred.shape), _FIRST
         while True:
             count = min(count, most)
-            _, sizes, vectors = randomized_svd(rest, count, n_oversamples=8, n_iter=3, random_state=0)
+            _, sizes, vectors = randomized_svd(centred, count, n_oversamples=8, n_iter=3, random_state=0)
             left = total - np.cumsum(sizes**2)
             # cancellation leaves no less of the total than its rounding
-            kept = int(np.count_nonzero(np.append(total, left[:-1]) > max(allowed, 1e-14 * total)))
-            if kept < count or count == most:
+            modes = int(np.count_nonzero(np.append(total, left[:-1]) > max(allowed, 1e-14 * total)))
+            if modes < count or count == most:
                 break
             count *= 2
-        kept = max(kept, 1)
-        return cls(mean, vectors[:kept].reshape(kept, *mean.shape) * scales[:, None], scales)
+        modes = max(modes, 1)
+        return cls(mean, vectors[:modes].reshape(modes, *mean.shape) * scales[:, None], scales)
 
     def scores(self, values: Array) -> Array:
         """Return the scores of fields, (B, field, point): (rank, B)."""

@@ -122,8 +122,8 @@ class CurveGP(Transformed):
                 f"score {number} {k}": like.copy(data=row.reshape(like.shape)).drop_attrs()
                 for k, row in enumerate(bases[-1].scores(values))
             }
-        kept = [str(name) for name in X.variables if name in X.dims or name in X.coords]
-        data = xr.Dataset(parts, {name: X[name] for name in kept if not set(X[name].dims) & self._dims()})
+        coordinates = [str(name) for name in X.variables if name in X.dims or name in X.coords]
+        data = xr.Dataset(parts, {name: X[name] for name in coordinates if not set(X[name].dims) & self._dims()})
         smooth = self.smooth(list(parts)).fit(data)
         self.bases_, self.calibration_ = tuple(bases), None
         allowed = {f"log {size}": self.error for size in self._sizes()}  # of a size itself, none
@@ -198,14 +198,14 @@ class CurveGP(Transformed):
         out, links = np.empty((len(self.outputs), smooth.shape[1])), self._links
         for k, row in links.plain:
             out[k] = smooth[row]
-        for some in blocks(smooth.shape[1], _BLOCK):
+        for block in blocks(smooth.shape[1], _BLOCK):
             for number, measure, names in links.searches():
-                scores, land = smooth[links.scores[number], some], self._landscapes[number]
+                scores, land = smooth[links.scores[number], block], self._landscapes[number]
                 summit = land.summit(scores, measure)
                 for name in names:
                     place = self.largest[name].place
                     value = summit.value if place < 0 else land.read(scores, summit, place)
-                    out[self.outputs.index(name), some] = value * links.size(name, smooth[:, some])
+                    out[self.outputs.index(name), block] = value * links.size(name, smooth[:, block])
         return out
 
     @override
@@ -218,18 +218,18 @@ class CurveGP(Transformed):
         mean = self._followed(smooth)
         for number, measure, names in links.searches():
             rows, land = links.scores[number], self._landscapes[number]
-            for some in blocks(t.shape[1], _BLOCK):
-                summit = land.summit(smooth[rows, some], measure)
+            for block in blocks(t.shape[1], _BLOCK):
+                summit = land.summit(smooth[rows, block], measure)
                 for name in names:
-                    by_score = land.sensitivity(smooth[rows, some], measure, summit, self.largest[name].place)
-                    slope = np.einsum("drb,rb->db", slopes[:, rows, some], by_score)
-                    slope *= links.size(name, smooth[:, some])
+                    by_score = land.sensitivity(smooth[rows, block], measure, summit, self.largest[name].place)
+                    slope = np.einsum("drb,rb->db", slopes[:, rows, block], by_score)
+                    slope *= links.size(name, smooth[:, block])
                     k = self.outputs.index(name)
                     if size := links.size_of(name):
                         row = links.sizes[size]
-                        share = 1.0 if self.logarithms else 1 / smooth[row, some]
-                        slope += mean[k, some] * share * slopes[:, row, some]
-                    out[:, k, some] = slope
+                        share = 1.0 if self.logarithms else 1 / smooth[row, block]
+                        slope += mean[k, block] * share * slopes[:, row, block]
+                    out[:, k, block] = slope
         return out
 
     @override
@@ -261,8 +261,8 @@ class CurveGP(Transformed):
         known, left = np.zeros_like(smooth), errors.copy()
         for k, row in self._links.plain:
             known[row] = errors[k]
-        asked = {name for curves in self.curves for name in (*curves.fields, *curves.sizes) if name}
-        whole = asked <= dataset.keys()
+        required = {name for curves in self.curves for name in (*curves.fields, *curves.sizes) if name}
+        whole = required <= dataset.keys()
         true = smooth + known
         if whole:
             for size, row in self._links.sizes.items():

@@ -33,18 +33,18 @@ class Landscape:
         scores: (rank, B), of B sets of curves.
         """
         scan, ones = self.panels.scan, np.concatenate([np.ones((1, scores.shape[1])), scores])
-        some = self._scanned[:, : measure.fields * scan.points.size]
-        fields = (ones.T.astype(some.dtype) @ some).reshape(scores.shape[1], measure.fields, -1)
+        scanned = self._scanned[:, : measure.fields * scan.points.size]
+        fields = (ones.T.astype(scanned.dtype) @ scanned).reshape(scores.shape[1], measure.fields, -1)
         hills = scan.hills(measure.values(fields))
-        every = np.arange(len(hills))
+        cases = np.arange(len(hills))
         top = hills.argmax(axis=1)
-        floor = hills[every, top]
+        floor = hills[cases, top]
         floor = floor - RIVAL * np.abs(floor)
-        curves, points = [every], [top]
+        curves, points = [cases], [top]
         for _ in range(CLIMBED - 1):
-            hills[every, top] = -np.inf
+            hills[cases, top] = -np.inf
             top = hills.argmax(axis=1)
-            rival = np.flatnonzero(hills[every, top] > floor)
+            rival = np.flatnonzero(hills[cases, top] > floor)
             if not rival.size:
                 break
             curves.append(rival)
@@ -58,9 +58,9 @@ class Landscape:
         """
         out, ones = np.empty(scores.shape[1]), np.concatenate([np.ones((1, scores.shape[1])), scores])
         for number in np.unique(summit.panel).tolist():
-            own = np.flatnonzero(summit.panel == number)
-            fields = self._fields(ones[:, own], number, slice(field, field + 1))
-            out[own] = jets(fields, *self._rows(number, summit, own))[:, 0, 0, 0]
+            members = np.flatnonzero(summit.panel == number)
+            fields = self._fields(ones[:, members], number, slice(field, field + 1))
+            out[members] = jets(fields, *self._rows(number, summit, members))[:, 0, 0, 0]
         return out
 
     def sensitivity(self, scores: Array, measure: Measure, summit: Top, place: int) -> Array:
@@ -73,23 +73,25 @@ class Landscape:
         out = np.empty_like(scores)
         ones = np.concatenate([np.ones((1, scores.shape[1])), scores])
         for number in np.unique(summit.panel).tolist():
-            own = np.flatnonzero(summit.panel == number)
-            across, down = self._rows(number, summit, own)
-            each = np.einsum("rfdc,npc,nqd->nrfqp", self._by_panel[number], across, down, optimize=True)
-            jet = np.einsum("rn,nrfqp->nfqp", ones[:, own], each)
-            out[:, own] = self._sensitivity(jet, each[:, 1:], measure, place, summit, own).T
+            members = np.flatnonzero(summit.panel == number)
+            across, down = self._rows(number, summit, members)
+            by_score = np.einsum("rfdc,npc,nqd->nrfqp", self._by_panel[number], across, down, optimize=True)
+            jet = np.einsum("rn,nrfqp->nfqp", ones[:, members], by_score)
+            out[:, members] = self._sensitivity(jet, by_score[:, 1:], measure, place, summit, members).T
         return out
 
-    def _sensitivity(self, jet: Array, each: Array, measure: Measure, place: int, summit: Top, own: Indices) -> Array:
+    def _sensitivity(
+        self, jet: Array, by_score: Array, measure: Measure, place: int, summit: Top, members: Indices
+    ) -> Array:
         """From jets of the curves, (n, field, 3, 3), and of what each score multiplies; (n, rank)."""
-        inner, parts = jet[:, : measure.fields], each[:, :, : measure.fields]
+        inner, parts = jet[:, : measure.fields], by_score[:, :, : measure.fields]
         bent = measure.bent(inner[..., 0, 0])
         if place < 0:
             return np.asarray(np.einsum("nm,nrm->nr", bent.slope, parts[..., 0, 0]))
         gradient, (uu, vv, uv) = hill(inner, bent)
         down, across = self._shape
-        at = summit.across[own], summit.down[own]
-        fixed = np.stack([held(*side) for side in zip(at, gradient, (across, down), strict=True)], axis=1)
+        place_of_top = summit.across[members], summit.down[members]
+        fixed = np.stack([held(*side) for side in zip(place_of_top, gradient, (across, down), strict=True)], axis=1)
         steep = inner[..., [0, 1], [1, 0]]
         push = np.einsum("nm,nrms->nsr", bent.slope, parts[..., [0, 1], [1, 0]])
         push += np.einsum("nms,nmk,nrk->nsr", steep, bent.bend, parts[..., 0, 0], optimize=True)
@@ -98,7 +100,9 @@ class Landscape:
         curvature = np.where(free[:, :, None] & free[:, None], curvature, np.eye(2))
         moved = -np.linalg.pinv(curvature, hermitian=True) @ np.where(free[..., None], push, 0.0)
         return np.asarray(
-            each[:, :, place, 0, 0] + jet[:, place, 0, 1, None] * moved[:, 0] + jet[:, place, 1, 0, None] * moved[:, 1]
+            by_score[:, :, place, 0, 0]
+            + jet[:, place, 0, 1, None] * moved[:, 0]
+            + jet[:, place, 1, 0, None] * moved[:, 1]
         )
 
     def _highest(self, ones: Array, measure: Measure, curves: Indices, points: Indices) -> Top:
@@ -108,21 +112,21 @@ class Landscape:
         start = scan.across[points], scan.down[points]
         fields = np.empty((points.size, measure.fields, *self._shape))
         for number in np.unique(panel).tolist():
-            own = np.flatnonzero(panel == number)
-            fields[own] = self._fields(ones[:, curves[own]], number, slice(measure.fields))
+            members = np.flatnonzero(panel == number)
+            fields[members] = self._fields(ones[:, curves[members]], number, slice(measure.fields))
         tops = np.stack(climb(fields, measure, start))
         order = np.lexsort((-tops[2], curves))
         best = order[np.searchsorted(curves[order], np.arange(ones.shape[1]))]
         return Top(panel[best], tops[0, best], tops[1, best], tops[2, best])
 
-    def _rows(self, number: int, summit: Top, own: Indices) -> tuple[Array, Array]:
+    def _rows(self, number: int, summit: Top, members: Indices) -> tuple[Array, Array]:
         down, across = self._shape
-        return rows(across, summit.across[own]), rows(down, summit.down[own])
+        return rows(across, summit.across[members]), rows(down, summit.down[members])
 
     def _fields(self, ones: Array, number: int, fields: slice) -> Array:
         """Some fields on a panel, of curves by 1 and their scores, (1 + rank, n): (n, field, down, across)."""
-        own = self._by_panel[number][:, fields]
-        return (ones.T @ own.reshape(len(own), -1)).reshape(-1, *own.shape[1:])
+        panel_fields = self._by_panel[number][:, fields]
+        return (ones.T @ panel_fields.reshape(len(panel_fields), -1)).reshape(-1, *panel_fields.shape[1:])
 
     @cached_property
     def _whole(self) -> Array:
@@ -146,6 +150,6 @@ class Landscape:
         most_down, most_across = (gauss_points(count) for count in self._shape)
         parts = []
         for down, across, part in self.panels.parts:
-            own = self._whole[..., part].reshape(*self._whole.shape[:2], down, across)
-            parts.append(rows(down, most_down)[:, 0] @ own @ rows(across, most_across)[:, 0].T)
+            panel_fields = self._whole[..., part].reshape(*self._whole.shape[:2], down, across)
+            parts.append(rows(down, most_down)[:, 0] @ panel_fields @ rows(across, most_across)[:, 0].T)
         return parts

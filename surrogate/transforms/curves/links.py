@@ -40,7 +40,7 @@ class Links:
         self._logarithms, self._smooth = logarithms, smooth
         rows = {name: k for k, name in enumerate(smooth)}
         self.plain = [(k, rows[name]) for k, name in enumerate(outputs) if name not in largest]
-        sizes = sorted({size for each in curves for size in each.sizes if size})
+        sizes = sorted({size for curve in curves for size in curve.sizes if size})
         self.sizes = {size: rows[name] for size in sizes if (name := learnt_name(size, logarithms)) in rows}
         self.scores = [
             [rows[name] for k in range(len(basis.vectors)) if (name := f"score {number} {k}") in rows]
@@ -51,8 +51,8 @@ class Links:
         """Numbers of curves, measures of them, and the outputs that each of these gives."""
         searched = {(largest.curves, largest.measure): None for largest in self._largest.values()}
         for number, measure in sorted(searched, key=lambda search: search[0]):
-            both = number, measure
-            names = [name for name, largest in self._largest.items() if (largest.curves, largest.measure) == both]
+            key = number, measure
+            names = [name for name, largest in self._largest.items() if (largest.curves, largest.measure) == key]
             yield number, measure, names
 
     def size_of(self, name: str) -> str:
@@ -115,16 +115,16 @@ class Links:
                 }
                 for name, largest in self._largest.items()
             ],
-            "measures": [{"linear": own.linear.tolist(), "root": own.root.tolist()} for own in measures],
+            "measures": [{"linear": measure.linear.tolist(), "root": measure.root.tolist()} for measure in measures],
             "logarithms": self._logarithms,
             "nets": [
                 {
-                    "across": each.panels.across,
-                    "down": each.panels.down,
+                    "across": curve.panels.across,
+                    "down": curve.panels.down,
                     "scores": rows,
                     "whole": _whole(basis, spreads[rows]),
                 }
-                for each, basis, rows in zip(self._curves, self._bases, self.scores, strict=True)
+                for curve, basis, rows in zip(self._curves, self._bases, self.scores, strict=True)
             ],
             "spread": [self._typical(name) for name in self._outputs],
         }

@@ -59,10 +59,10 @@ def from_arrays(stored: xr.Dataset, outputs: Sequence[str]) -> tuple[list[Curves
         measures.append(Measure(stored[f"measure_linear_{k}"].values, stored[f"measure_root_{k}"].values))
     columns = [stored[f"largest_{part}"].values.tolist() for part in ("output", "curves", "measure", "place")]
     largest: dict[str, Largest] = {}
-    for name, own, measure, place in zip(*columns, strict=True):
-        if name not in outputs or not (0 <= own < len(curves) and 0 <= measure < len(measures)):
+    for name, curve, measure, place in zip(*columns, strict=True):
+        if name not in outputs or not (0 <= curve < len(curves) and 0 <= measure < len(measures)):
             raise ValueError(f"what follows as {name!r} is not there")
-        if measures[measure].fields > len(curves[own].fields) or not -1 <= place < len(curves[own].fields):
+        if measures[measure].fields > len(curves[curve].fields) or not -1 <= place < len(curves[curve].fields):
             raise ValueError(f"{name!r} follows from fields that its curves do not have")
-        largest[str(name)] = Largest(own, measures[measure], place)
+        largest[str(name)] = Largest(curve, measures[measure], place)
     return curves, bases, largest

@@ -113,8 +113,8 @@ class CorrectedGP(Transformed):
         mean = effect[..., 0].T - slopes @ self.about_
         variance = np.zeros_like(mean)
         for q, discrepancy in draw.discrepancies.items():
-            own, by_constants, variance[q] = discrepancy.at(t.T)
-            mean[q] += own
+            shift, by_constants, variance[q] = discrepancy.at(t.T)
+            mean[q] += shift
             slopes[q] -= by_constants
         return mean + slopes @ draw.mean, variance + np.einsum("pbk,kl,pbl->pb", slopes, draw.covariance, slopes)
 
@@ -137,8 +137,8 @@ class CorrectedGP(Transformed):
             mean = effect[:, :, 0] - slopes @ self.about_
             variance = np.zeros_like(mean)
             for q, discrepancy in draw.discrepancies.items():
-                own, by_constants, variance[:, q] = discrepancy.gradient(t.T)
-                mean[:, q] += own
+                shift, by_constants, variance[:, q] = discrepancy.gradient(t.T)
+                mean[:, q] += shift
                 slopes[:, q] -= by_constants
             variance += np.einsum("ipbk,kl,ipbl->ipb", slopes, draw.covariance, slopes)
             parts.append((mean + slopes @ draw.mean, variance))
@@ -158,7 +158,7 @@ class CorrectedGP(Transformed):
     def state(self) -> xr.Dataset:
         rows, names, first = self.rows_, list(self.constants_), self.draws_[0].discrepancies
         mean, covariance = self.posterior
-        at = "measurement"
+        dim = "measurement"
         state = xr.Dataset(
             {
                 "constant_prior": ("constant", list(self.constants_.values())),
@@ -168,18 +168,18 @@ class CorrectedGP(Transformed):
                 "constant_about": ("constant", self.about_),
                 "error_of_effects": ("output", self.effect_std_),
                 "row_point": (("row", "input"), rows.points),
-                "measured_row": (at, rows.row),
-                "measured_output": (at, rows.output),
-                "measured_value": (at, rows.value),
-                "measured_error": (at, np.nan_to_num(rows.error, nan=0.0)),
-                "measured_residual": (at, self._flat([part.residual for part in first.values()])),
-                "measured_slope": ((at, "constant"), self._flat([part.slopes for part in first.values()])),
+                "measured_row": (dim, rows.row),
+                "measured_output": (dim, rows.output),
+                "measured_value": (dim, rows.value),
+                "measured_error": (dim, np.nan_to_num(rows.error, nan=0.0)),
+                "measured_residual": (dim, self._flat([part.residual for part in first.values()])),
+                "measured_slope": ((dim, "constant"), self._flat([part.slopes for part in first.values()])),
                 "draw_mean": (("draw", "constant"), np.stack([draw.mean for draw in self.draws_])),
                 "draw_covariance": (
                     ("draw", "constant", "other_constant"), np.stack([draw.covariance for draw in self.draws_]),
                 ),
-                "draw_noise": (("draw", at), np.stack([
-                    self._flat([own.noise for own in draw.discrepancies.values()]) for draw in self.draws_
+                "draw_noise": (("draw", dim), np.stack([
+                    self._flat([draws_of.noise for draws_of in draw.discrepancies.values()]) for draw in self.draws_
                 ])),
                 "draw_amplitude": (("draw", "discrepancy"), np.array([
                     [discrepancy.amplitude for discrepancy in draw.discrepancies.values()] for draw in self.draws_
@@ -219,13 +219,14 @@ class CorrectedGP(Transformed):
         scaled = unit_coordinates(inputs, points).T
         draws = []
         for k in range(stored.sizes["draw"]):
-            own = {}
+            discrepancies = {}
             for number, q in enumerate(rows.outputs):
-                at = rows.of(q)
-                own[q] = Discrepancy(
-                    scaled[row[at]], arrays["draw_noise"][k, at], float(arrays["draw_amplitude"][k, number]),
-                    arrays["draw_length"][k, number], arrays["measured_residual"][at], arrays["measured_slope"][at],
+                place = rows.of(q)
+                discrepancies[q] = Discrepancy(
+                    scaled[row[place]], arrays["draw_noise"][k, place], float(arrays["draw_amplitude"][k, number]),
+                    arrays["draw_length"][k, number],
+                    arrays["measured_residual"][place], arrays["measured_slope"][place],
                 )  # fmt: skip
-            draws.append(Draw(arrays["draw_mean"][k], arrays["draw_covariance"][k], own))
+            draws.append(Draw(arrays["draw_mean"][k], arrays["draw_covariance"][k], discrepancies))
         model.draws_ = tuple(draws)
         return model

@@ -39,8 +39,8 @@ class Discrepancy:
     @cached_property
     def whitened(self) -> tuple[Array, Array]:
         """The inverse of the covariance applied to the residuals (n,) and to the slopes (n, k)."""
-        both = cho_solve((self.factor, True), np.column_stack([self.residual, self.slopes]))
-        return both[:, 0], both[:, 1:]
+        solved = cho_solve((self.factor, True), np.column_stack([self.residual, self.slopes]))
+        return solved[:, 0], solved[:, 1:]
 
     @property
     def information(self) -> tuple[Array, Array]:

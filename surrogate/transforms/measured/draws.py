@@ -26,8 +26,8 @@ class Draw:
         """
         precision, weighted = np.zeros((len(prior), len(prior))), np.zeros(len(prior))
         for discrepancy in discrepancies.values():
-            own, estimate = discrepancy.information
-            precision += own
+            information, estimate = discrepancy.information
+            precision += information
             weighted += estimate
         return cls(*posterior(precision, weighted, prior), discrepancies)
 
@@ -41,12 +41,14 @@ def posterior(precision: Array, weighted: Array, prior: Array) -> tuple[Array, A
 
 def moments(parts: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
     """Return mean and variance of an even mixture from the means and variances of its parts, of any shape."""
-    means, variances = (np.stack(each) for each in zip(*parts, strict=True))
+    means, variances = (np.stack(part) for part in zip(*parts, strict=True))
     return means.mean(axis=0), variances.mean(axis=0) + means.var(axis=0)
 
 
 def mixture(draws: Sequence[Draw]) -> tuple[Array, Array]:
     """Return mean (k,) and covariance (k, k) of the scaled constants over all draws."""
     means = np.stack([draw.mean for draw in draws])
-    away = means - means.mean(axis=0)
-    return means.mean(axis=0), np.mean([draw.covariance for draw in draws], axis=0) + away.T @ away / len(draws)
+    deviation = means - means.mean(axis=0)
+    return means.mean(axis=0), np.mean([draw.covariance for draw in draws], axis=0) + deviation.T @ deviation / len(
+        draws
+    )

@@ -9,7 +9,7 @@ import solver
 from solver.gap.coupled import AirContact
 from solver.gap.table import AirTable, farthest
 from solver.halfplane.profile import Profile
-from solver.halfplane.punch import RIGID_PUNCH, Punch
+from solver.halfplane.sliding import RIGID_PUNCH, Punch
 from solver.line.contact import FilmContact
 from solver.line.table import table
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
@@ -47,12 +47,12 @@ def airy(
     nodes: int = 6,
 ) -> AirContact:
     """A cylinder on a film of 0.3 mm; lengths over the thickness."""
-    of = table(stack, friction, conducts, least=0.02, most=6.0, punch=punch)
+    air_table = table(stack, friction, conducts, least=0.02, most=6.0, punch=punch)
     bare = FilmContact(
-        of, Profile.cylinder(np.array([RADIUS / THICKNESS])), np.array([load / THICKNESS]),
+        air_table, Profile.cylinder(np.array([RADIUS / THICKNESS])), np.array([load / THICKNESS]),
         np.array([charges]) / THICKNESS, np.array([1.0]),
     )  # fmt: skip
-    near = of.narrowed(float(bare.half_width[0]), 1.06, nodes)
+    near = air_table.narrowed(float(bare.half_width[0]), 1.06, nodes)
     filled = permittivity * np.array([VACUUM_PERMITTIVITY, VACUUM_PERMEABILITY])
     contact = replace(bare, table=near)
     return AirContact(AirTable(near, farthest(contact, filled)), contact, filled, held)

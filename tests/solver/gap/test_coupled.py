@@ -9,7 +9,7 @@ import solver
 from solver.gap.charges import FAR
 from solver.gap.coupled import AirContact
 from solver.gap.tractions import Solved
-from solver.halfplane.punch import Punch
+from solver.halfplane.sliding import Punch
 from solver.line.interior import fields_of
 from solver.material.constants import Material
 from tests.solver.gap.airy import BTO, FIBROUS, PZT, RADIUS, THICKNESS, airy, half_plane, on_rigid, on_steel
@@ -27,21 +27,21 @@ def test_finite_elements_of_body_gap_and_punch_agree(elastic: bool) -> None:
     """On steel their mesh ends far away; the load and V are those of order 6, whose own misses these are."""
     punch = Punch.isotropic(210e9, 0.3) if elastic else Punch()
     contact = airy(on_steel(PZT), 2e4, friction=0.3, charges=(1e-7, 0.0), conducts=(True, False), punch=punch)
-    found = contact.state
+    state = contact.state
     other = GapContact(
         [Layer(constants(PZT), THICKNESS, (ELECTRIC,))], isotropic(200e9, 0.3),
-        Cylinder(RADIUS, 0.3, 1e-7, 0.0, (ELECTRIC,)), found.half * THICKNESS, order=6,
+        Cylinder(RADIUS, 0.3, 1e-7, 0.0, (ELECTRIC,)), state.half * THICKNESS, order=6,
         elastic=isotropic(210e9, 0.3) if elastic else None,
     )  # fmt: skip
     assert other.load == pytest.approx(2e4, rel=2e-5)
-    assert other.centre == pytest.approx(found.centre * found.half * THICKNESS, rel=1e-4)
-    voltage = found.response[1] * found.of.contact.scale[2] * THICKNESS
+    assert other.centre == pytest.approx(state.centre * state.half * THICKNESS, rel=1e-4)
+    voltage = state.response[1] * state.of.contact.scale[2] * THICKNESS
     assert other.potential(ELECTRIC) == pytest.approx(voltage, rel=1e-4)
     X, phi = other.beside(ELECTRIC)
-    tractions, datum = Solved(found, np.array([1.0, -1.0]), FAR).tractions, contact.contact.datum
-    some = np.flatnonzero(np.abs(X) < 10)[::3]
-    ours = fields_of(tractions, X[some], np.zeros(1), ("electric_potential",), datum)[0, 0, 0] * THICKNESS
-    np.testing.assert_allclose(phi[some], ours, rtol=0, atol=1e-4 * abs(voltage))
+    tractions, datum = Solved(state, np.array([1.0, -1.0]), FAR).tractions, contact.contact.datum
+    compared = np.flatnonzero(np.abs(X) < 10)[::3]
+    ours = fields_of(tractions, X[compared], np.zeros(1), ("electric_potential",), datum)[0, 0, 0] * THICKNESS
+    np.testing.assert_allclose(phi[compared], ours, rtol=0, atol=1e-4 * abs(voltage))
 
 
 @pytest.mark.parametrize("material", [BTO, FIBROUS])
@@ -68,12 +68,12 @@ def test_tangents_are_those_of_neighbouring_cases() -> None:
     bare, scale = contact.contact, contact.contact.scale
     values = np.concatenate([bare.load, bare.charges[0]])
     for k in range(3):
-        found = []
+        responses = []
         for sign in (-1.0, 1.0):
             moved = values * (1 + sign * 1e-4 * (np.arange(3) == k))
             near = replace(bare, load=moved[:1], charges=moved[None, 1:])
-            found.append(AirContact(contact.table, near, contact.permittivity).state.response * scale[1:])
-        slope = (found[1] - found[0]) / (2e-4 * values[k])
+            responses.append(AirContact(contact.table, near, contact.permittivity).state.response * scale[1:])
+        slope = (responses[1] - responses[0]) / (2e-4 * values[k])
         np.testing.assert_allclose(contact.state.tangents[:, k], slope, rtol=1e-6, atol=1e-6 * np.max(np.abs(slope)))
 
 

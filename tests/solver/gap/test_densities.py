@@ -21,8 +21,8 @@ def _adaptive(h: float, target: float, stack: Stack, reach: float) -> float:
     mix = np.eye(19)[:, CHANNEL : CHANNEL + 1]
 
     def integrand(theta: float) -> float:
-        at = np.array([h * (target - np.cosh(theta))])
-        return float(wide.at(at, mix)[0, 0] * np.exp(-theta) * np.sinh(theta))
+        distance = np.array([h * (target - np.cosh(theta))])
+        return float(wide.at(distance, mix)[0, 0] * np.exp(-theta) * np.sinh(theta))
 
     near = float(np.arccosh(max(target, 1.0)))
     return sum(
@@ -37,9 +37,9 @@ def test_rules_and_pieces_are_quadrature_that_adapts(h: float, target: float) ->
     stack = on_steel(PZT)
     reach = 1e4 * kernel(stack, 1.0).width
     wide = kernel(stack, reach, by_distance=True)
-    found = Densities(GRID, wide).integrals(h, np.array([target]), np.eye(19)[:, CHANNEL : CHANNEL + 1])
+    integrals = Densities(GRID, wide).integrals(h, np.array([target]), np.eye(19)[:, CHANNEL : CHANNEL + 1])
     finite = GRID.slice(GRID.panels - 1).start
-    ours = float(found[0, 0, :finite] @ np.exp(-GRID.theta[:finite]))
+    ours = float(integrals[0, 0, :finite] @ np.exp(-GRID.theta[:finite]))
     assert ours == pytest.approx(_adaptive(h, target, stack, reach), rel=1e-8)
 
 
@@ -54,7 +54,7 @@ def test_singularity_next_to_an_interval_is_seen() -> None:
 def test_long_distances_do_not_see_where_the_spectrum_ends() -> None:
     """An octave far away, its spectrum ended smoothly, and the same from zero on, where it is not: to rounding."""
     stack = on_steel(PZT)
-    far, whole = (kernel(stack, 600.0, by_distance=apart) for apart in (True, False))
+    far, whole = (kernel(stack, 600.0, by_distance=separate) for separate in (True, False))
     x = np.geomspace(60.0, 599.0, 60)
     scale = np.max(np.abs(whole.positive.series[:, 0]), 0)
     np.testing.assert_allclose(far.at(x), whole.at(x), rtol=0, atol=1e-12 * np.max(scale))

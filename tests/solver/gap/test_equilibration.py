@@ -46,7 +46,7 @@ def test_panels_sixteen_times_as_far_change_nothing(stack: Stack, load: float, o
     Of AlN on silicon it was 3e-5, and 1e-4 more by rounding: charges far away move the contact by a thousand times
     their density, which left the others no digits. A film bonded to its base moves by 1e-4 of its strain constant.
     """
-    found = airy(stack, load, conducts=(True, False))
-    far = replace(found, table=AirTable(found.table.table, 16 * np.cosh(found.table.operators.grid.ends[-1])))
-    assert far.nodes > found.nodes
-    np.testing.assert_allclose(figures(found), figures(far), rtol=off)
+    contact = airy(stack, load, conducts=(True, False))
+    far = replace(contact, table=AirTable(contact.table.table, 16 * np.cosh(contact.table.operators.grid.ends[-1])))
+    assert far.nodes > contact.nodes
+    np.testing.assert_allclose(figures(contact), figures(far), rtol=off)

@@ -39,13 +39,13 @@ INSIDE = ("stress_xx", "stress_yy", "stress_xy", "electric_displacement_y", "ele
 
 @cache
 def made(name: str) -> AirContact:
-    stack, own = CASES[name]
-    return airy(stack, **own)  # type: ignore[arg-type]
+    stack, options = CASES[name]
+    return airy(stack, **options)  # type: ignore[arg-type]
 
 
 def inside(contact: AirContact, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-    found: Array = fields_of(Solved(contact.state, EDGES, FAR).tractions, x, y, names, contact.contact.datum)[0]
-    return found
+    fields: Array = fields_of(Solved(contact.state, EDGES, FAR).tractions, x, y, names, contact.contact.datum)[0]
+    return fields
 
 
 @pytest.mark.sampled(2)
@@ -54,25 +54,25 @@ def test_kernels_and_waves_meet_at_the_surface_and_the_gap_has_its_law(name: str
     """Inside fields come from spectra of all charges, those on the surface from tables of kernels; V by the table."""
     contact = made(name)
     state, scale = contact.state, contact.contact.scale
-    found = surface_fields(state, X)
-    at = inside(contact, X, np.zeros(1), (*(other for _, other, _ in BOTH), "electric_potential"))[:, 0]
-    for (field, _, sign), other in zip(BOTH, at[:-1], strict=True):
-        one = found[field][0]
+    surface = surface_fields(state, X)
+    interior = inside(contact, X, np.zeros(1), (*(other for _, other, _ in BOTH), "electric_potential"))[:, 0]
+    for (field, _, sign), other in zip(BOTH, interior[:-1], strict=True):
+        values = surface[field][0]
         np.testing.assert_allclose(
-            one,
+            values,
             sign * other,
             rtol=0,
-            atol=1e-9 * np.max(np.abs(one)) + 1e-6 * (field == "shear_traction"),
+            atol=1e-9 * np.max(np.abs(values)) + 1e-6 * (field == "shear_traction"),
             err_msg=field,
         )
     V, within = state.response[1] * scale[2], np.abs(X) < 1
-    np.testing.assert_allclose(at[-1, within], V, rtol=3e-9)
-    of = state.of.table.operators
+    np.testing.assert_allclose(interior[-1, within], V, rtol=3e-9)
+    operators = state.of.table.operators
     nodes = [30, 60]
-    beside = of.grid.distance[nodes]
-    phi = inside(contact, beside, np.zeros(1), ("electric_potential",))[0, 0]
+    exterior = operators.grid.distance[nodes]
+    phi = inside(contact, exterior, np.zeros(1), ("electric_potential",))[0, 0]
     gap = state.gap[nodes] * state.half * scale[1]
-    D = surface_fields(state, beside)["electric_displacement_y"][0]
+    D = surface_fields(state, exterior)["electric_displacement_y"][0]
     close = 1e-8 * np.abs(V / (V - phi))  # next to the edge the difference of potentials has fewer digits
     assert np.all(np.abs(D * gap / (-VACUUM_PERMITTIVITY * (V - phi)) - 1) < 1e-6 + close)
 
@@ -87,16 +87,20 @@ def test_tractions_balance_load_and_charges(name: str) -> None:
     ends = np.concatenate([[0.0], np.geomspace(1e-6, 24.0, 60)])
     theta = ((ends[1:] + ends[:-1]) / 2)[:, None] + np.diff(ends)[:, None] / 2 * local
     share = (np.diff(ends)[:, None] / 2 * weights * np.sinh(theta)).ravel()
-    away = np.cosh(theta.ravel())
-    beside = Solved(state, EDGES, FAR).beside.at(np.concatenate([away, -away])) / contact.contact.scale[2:, None]
-    at = surface_fields(state, away[-900:-500])
-    for one, other in zip((at["electric_displacement_y"], at["magnetic_induction_y"]), beside, strict=True):
-        np.testing.assert_allclose(one[0], other[: away.size][-900:-500], rtol=1e-12)
+    distances = np.cosh(theta.ravel())
+    densities = (
+        Solved(state, EDGES, FAR).beside.at(np.concatenate([distances, -distances])) / contact.contact.scale[2:, None]
+    )
+    surface = surface_fields(state, distances[-900:-500])
+    for density, other in zip(
+        (surface["electric_displacement_y"], surface["magnetic_induction_y"]), densities, strict=True
+    ):
+        np.testing.assert_allclose(density[0], other[: distances.size][-900:-500], rtol=1e-12)
     totals = np.array([contact.contact.load[0], *contact.contact.charges[0]])
     for number, (field, _, _) in enumerate((BOTH[0], BOTH[2], BOTH[3])):
         sign = 1.0 if number == 0 else -1.0
         inner = sign * nodes.weight @ (on[field][0] * nodes.root)
-        outer = sign * np.tile(share, 2) @ beside[number - 1] if number else 0.0
+        outer = sign * np.tile(share, 2) @ densities[number - 1] if number else 0.0
         size = abs(outer) + nodes.weight @ np.abs(on[field][0] * nodes.root) + 1e-300
         assert abs(state.half * (inner + outer) - totals[number]) <= 1e-6 * state.half * size, field
 
@@ -115,11 +119,11 @@ def test_fields_do_not_see_where_the_intervals_end() -> None:
     state = made("rigid").state
     few, many = (Solved(state, EDGES, count).tractions for count in (10, FAR))
     x, y = np.array([-2.0, 0.4]), np.array([-0.2, -0.9])
-    one, two = (fields_of(of, x, y, INSIDE[:5], np.ones(1)) for of in (few, many))
-    np.testing.assert_allclose(one, two, rtol=1e-9)
+    coarse, fine = (fields_of(tractions, x, y, INSIDE[:5], np.ones(1)) for tractions in (few, many))
+    np.testing.assert_allclose(coarse, fine, rtol=1e-9)
     far, part = replace(few, widest=3.0), slice(0, 1)
     assert far.part(part) is far
-    np.testing.assert_allclose(fields_of(far, x, y, INSIDE[:5], np.ones(1)), one, rtol=1e-9)
+    np.testing.assert_allclose(fields_of(far, x, y, INSIDE[:5], np.ones(1)), coarse, rtol=1e-9)
 
 
 def test_fields_inside_are_in_equilibrium_and_meet_at_interfaces() -> None:
@@ -134,10 +138,10 @@ def test_fields_inside_are_in_equilibrium_and_meet_at_interfaces() -> None:
     for x, depth in ((1.6, 0.4), (-2.5, 1.5 / half)):
         v = fields_of(tractions, x + offsets, -depth + offsets, names, np.ones(1))[0]
         along, down = v[:, 3] @ stencil, stencil @ v[:, :, 3].T
-        for one, other in ((0, 1), (1, 2), (3, 4), (5, 6)):
-            size = abs(along[one]) + abs(down[other])
-            assert abs(along[one] + down[other]) < 1e-6 * size + 1e-9 * np.max(np.abs(v[[one, other]]))
+        for normal, other in ((0, 1), (1, 2), (3, 4), (5, 6)):
+            size = abs(along[normal]) + abs(down[other])
+            assert abs(along[normal] + down[other]) < 1e-6 * size + 1e-9 * np.max(np.abs(v[[normal, other]]))
     met = ("stress_xy", "stress_yy", "strain_xx", "electric_displacement_y", "electric_field_x")
-    both = fields_of(tractions, X, -np.array([1 - 1e-13, 1 + 1e-9]) / half, met, np.ones(1))[0]
-    for name, (over, under) in zip(met, both, strict=True):
+    values = fields_of(tractions, X, -np.array([1 - 1e-13, 1 + 1e-9]) / half, met, np.ones(1))[0]
+    for name, (over, under) in zip(met, values, strict=True):
         np.testing.assert_allclose(over, under, rtol=0, atol=2e-7 * np.max(np.abs(over)), err_msg=name)

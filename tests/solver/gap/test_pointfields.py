@@ -33,34 +33,34 @@ CASES: dict[str, dict[str, Any]] = {"film": FILM | {"total_charge": 2e-10}, "hal
 )
 def test_sums_over_b_meet_the_surface_and_both_fields_see_one_gap(case: dict[str, Any]) -> None:
     """Tractions follow from S in closed form, fields inside from sums over b and waves, V from tables."""
-    at = np.array([0.1, 0.6, 0.9, 1.2, 2.0, 5.0])
-    found = solver.solve(case, at)
-    below = solver.solve_interior(case, at, [0.0], fields=[*MET.values(), *POTENTIALS]).isel(y=0)
+    positions = np.array([0.1, 0.6, 0.9, 1.2, 2.0, 5.0])
+    surface = solver.solve(case, positions)
+    below = solver.solve_interior(case, positions, [0.0], fields=[*MET.values(), *POTENTIALS]).isel(y=0)
     for name, other in MET.items():
-        own = np.asarray(found[name])
-        np.testing.assert_allclose(own, below[other] * (-1 if name == "contact_pressure" else 1), rtol=0,
-                                   atol=2e-7 * np.max(np.abs(own)), err_msg=name)  # fmt: skip
+        values = np.asarray(surface[name])
+        np.testing.assert_allclose(values, below[other] * (-1 if name == "contact_pressure" else 1), rtol=0,
+                                   atol=2e-7 * np.max(np.abs(values)), err_msg=name)  # fmt: skip
     gaps = []
     for (potential, density), vacuum in zip(
         POTENTIALS.items(), (VACUUM_PERMITTIVITY, VACUUM_PERMEABILITY), strict=True
     ):
         held = {"electric_potential": "voltage"}.get(potential, potential)
-        if held in found:
-            phi, V = np.asarray(below[potential]), float(found[held])
+        if held in surface:
+            phi, V = np.asarray(below[potential]), float(surface[held])
             np.testing.assert_allclose(phi[:3], V, rtol=1e-8)
-            gaps.append(vacuum * (phi - V)[3:] / np.asarray(found[density])[3:])
+            gaps.append(vacuum * (phi - V)[3:] / np.asarray(surface[density])[3:])
     assert np.all(gaps[0] > 0)
     np.testing.assert_allclose(gaps[-1], gaps[0], rtol=1e-6)
 
 
 def test_what_rings_are_read_at_and_panels_before_the_first() -> None:
     grid = rings().grid
-    own = np.eye(grid.count)[20]
+    density = np.eye(grid.count)[20]
     r = grid.distance[[20, 21]]
-    np.testing.assert_allclose(rings().read(r) @ own, [r[0] ** -2, 0.0], atol=1e-12)
+    np.testing.assert_allclose(rings().read(r) @ density, [r[0] ** -2, 0.0], atol=1e-12)
     ends: Array = panels(Stack((Coat(BTO, 1.0, "bonded", "bonded"),), BTO), 1.0)
-    more = from_smaller(ends, 1e6)
-    np.testing.assert_array_equal(more[-ends.size + 1 :], ends[1:])
-    assert more[0] == 0
-    assert more[1] * 1e6 < 100
-    assert np.all(np.diff(more) > 0)
+    extended = from_smaller(ends, 1e6)
+    np.testing.assert_array_equal(extended[-ends.size + 1 :], ends[1:])
+    assert extended[0] == 0
+    assert extended[1] * 1e6 < 100
+    assert np.all(np.diff(extended) > 0)

@@ -50,37 +50,37 @@ def test_finite_elements_of_body_and_gap_agree(
     material: Material, thickness: float, radius: float, charge: float
 ) -> None:
     """On a rigid base, order 8, single nodes good to 4e-5; on steel and half-spaces, in half a minute, as well."""
-    own = constants(material) | {"c12": float(material.c12)}
-    other = PointContact([Layer(own, thickness)], None, 5e-3, radius, charge)
-    given = {"material": material, "thickness": thickness, "base": "rigid", "total_charge": charge}
-    found = answer(SPHERE | given | {"force": other.force})
+    constants_of_film = constants(material) | {"c12": float(material.c12)}
+    other = PointContact([Layer(constants_of_film, thickness)], None, 5e-3, radius, charge)
+    factors = {"material": material, "thickness": thickness, "base": "rigid", "total_charge": charge}
+    solution = answer(SPHERE | factors | {"force": other.force})
     expected = [radius, other.depth, other.voltage]
-    np.testing.assert_allclose([found[name] for name in ("contact_radius", "depth", "voltage")], expected, rtol=1e-6)
+    np.testing.assert_allclose([solution[name] for name in ("contact_radius", "depth", "voltage")], expected, rtol=1e-6)
     r, phi = other.beside(ELECTRIC)
-    some = np.flatnonzero((r > 1.02) & (r < 6))[::7]
+    compared = np.flatnonzero((r > 1.02) & (r < 6))[::7]
     inside = solver.solve_interior(
-        SPHERE | given | {"force": other.force}, r[some], [0.0], fields=["electric_potential"]
+        SPHERE | factors | {"force": other.force}, r[compared], [0.0], fields=["electric_potential"]
     )
-    np.testing.assert_allclose(inside["electric_potential"][0], phi[some], rtol=0, atol=1e-4 * abs(other.voltage))
-    assert np.max(np.abs(phi[some] - other.voltage)) > 0.3 * abs(other.voltage)
+    np.testing.assert_allclose(inside["electric_potential"][0], phi[compared], rtol=0, atol=1e-4 * abs(other.voltage))
+    assert np.max(np.abs(phi[compared] - other.voltage)) > 0.3 * abs(other.voltage)
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize(("power", "tolerance"), [((1.0, 0.05), 1e-6), ((4.0, 1e9), 3e-8)])
 def test_finite_elements_below_a_cone_and_a_power_agree(power: tuple[float, float], tolerance: float) -> None:
     """With the gap's end given; a cone's kinked apex is harder on the elements."""
-    own = constants(BTO) | {"c12": float(BTO.c12)}
-    other = PointContact([Layer(own, 1e-4)], None, 5e-3, 5e-5, power=power)
+    constants_of_film = constants(BTO) | {"c12": float(BTO.c12)}
+    other = PointContact([Layer(constants_of_film, 1e-4)], None, 5e-3, 5e-5, power=power)
     profile = {"profile": "power", "exponent": power[0], "coefficient": power[1]}
     if power[0] == 1:
         profile = {"profile": "cone", "slope": power[1]}
     case = {name: value for name, value in FILM.items() if name not in ("radius", "interface_electric")}
-    found = answer(case | profile | {"base": "rigid", "gap_radius": 5e-3, "force": other.force})
+    solution = answer(case | profile | {"base": "rigid", "gap_radius": 5e-3, "force": other.force})
     expected = [5e-5, other.depth, other.voltage]
     np.testing.assert_allclose(
-        [found[name] for name in ("contact_radius", "depth", "voltage")], expected, rtol=tolerance
+        [solution[name] for name in ("contact_radius", "depth", "voltage")], expected, rtol=tolerance
     )
-    assert ("peak_pressure" in found) == ("peak_displacement" in found) == (power[0] > 1)
+    assert ("peak_pressure" in solution) == ("peak_displacement" in solution) == (power[0] > 1)
 
 
 def test_a_gap_s_end_is_a_sphere_s_radius_unless_it_is_said() -> None:
@@ -91,8 +91,8 @@ def test_a_gap_s_end_is_a_sphere_s_radius_unless_it_is_said() -> None:
     for name, value in sphere.items():
         assert power[name] == pytest.approx(value, rel=1e-12), name
     wide = answer(HALF | {"gap_radius": 2e-2})
-    more = wide["capacitance"] - sphere["capacitance"]
-    assert more == pytest.approx(4 * np.pi * VACUUM_PERMITTIVITY * 5e-3 * np.log(4), rel=0.02)
+    difference = wide["capacitance"] - sphere["capacitance"]
+    assert difference == pytest.approx(4 * np.pi * VACUUM_PERMITTIVITY * 5e-3 * np.log(4), rel=0.02)
 
 
 def test_a_gap_that_ends_within_the_contact_is_refused() -> None:
@@ -119,44 +119,44 @@ def test_grounded_on_a_half_space_it_does_not_see_the_air(case: dict[str, Any]) 
     assert air["capacitance"] > 1.2 * bare["capacitance"]
 
 
-@pytest.mark.parametrize("own", [FILM, FILM | MIXED | {"force": 5.0}, HALF])
-def test_tangents_are_those_of_neighbouring_cases(own: dict[str, Any]) -> None:
+@pytest.mark.parametrize("factors", [FILM, FILM | MIXED | {"force": 5.0}, HALF])
+def test_tangents_are_those_of_neighbouring_cases(factors: dict[str, Any]) -> None:
     """At fixed charges; those of held potentials follow, as without air."""
-    case = _own(own)
+    case = _own(factors)
     step = 1e-4
     low, high = (answer(case | {"force": case["force"] * (1 + s), "total_flux": 0.0}) for s in (-step, step))
-    here, change = answer(case | {"total_flux": 0.0}), 2 * step * case["force"]
-    assert here["contact_stiffness_open"] == pytest.approx(change / (high["depth"] - low["depth"]), rel=1e-6)
-    assert here["voltage_per_force"] == pytest.approx((high["voltage"] - low["voltage"]) / change, rel=1e-6)
-    charge = abs(here["voltage"] * here["capacitance"])
+    solution, change = answer(case | {"total_flux": 0.0}), 2 * step * case["force"]
+    assert solution["contact_stiffness_open"] == pytest.approx(change / (high["depth"] - low["depth"]), rel=1e-6)
+    assert solution["voltage_per_force"] == pytest.approx((high["voltage"] - low["voltage"]) / change, rel=1e-6)
+    charge = abs(solution["voltage"] * solution["capacitance"])
     low, high = (answer(case | {"total_charge": s * charge}) for s in (-step, step))
     if "composite" not in case:
         capacity = 2 * step * charge / (high["voltage"] - low["voltage"])
-        assert here["capacitance_at_force"] == pytest.approx(capacity, rel=1e-6)
+        assert solution["capacitance_at_force"] == pytest.approx(capacity, rel=1e-6)
 
 
 def test_magnetic_gap_is_the_electric_one_s_twin() -> None:
     """Magnetic constants in the ratio of the vacuum's to the electric ones: the same contact in other units."""
     ratio = VACUUM_PERMEABILITY / VACUUM_PERMITTIVITY
     root = float(np.sqrt(ratio))
-    own = constants(BTO)
-    changed: dict[str, Any] = {name: own[name] for name in ("c11", "c13", "c33", "c44")}
-    changed |= {f"f{place}": root * own[f"e{place}"] for place in ("31", "33", "15")}
-    changed |= {f"mu{place}": ratio * own[f"eps{place}"] for place in ("11", "33")}
+    electric_constants = constants(BTO)
+    changed: dict[str, Any] = {name: electric_constants[name] for name in ("c11", "c13", "c33", "c44")}
+    changed |= {f"f{place}": root * electric_constants[f"e{place}"] for place in ("31", "33", "15")}
+    changed |= {f"mu{place}": ratio * electric_constants[f"eps{place}"] for place in ("11", "33")}
     twin = Material(**changed, eps11=np.array(1e-9), eps33=np.array(1e-9), name="twin")
     case = FILM | {"thickness": 2e-4, "base": "rigid", "interface_magnetic": "grounded"}
-    one = answer(case | {"friction": 0.2})
-    two = answer(case | {"friction": 0.2, "material": twin, "electric": "insulating", "magnetic": "conducting"})
+    electric = answer(case | {"friction": 0.2})
+    magnetic = answer(case | {"friction": 0.2, "material": twin, "electric": "insulating", "magnetic": "conducting"})
     for name in ("contact_radius", "contact_offset"):
-        assert two[name] == pytest.approx(one[name], rel=1e-11, abs=0)
-    assert two["flux_per_force"] == pytest.approx(root * one["charge_per_force"], rel=1e-9)
-    assert two["magnetic_potential"] == pytest.approx(one["voltage"] / root, rel=1e-9)
-    assert two["permeance"] == pytest.approx(ratio * one["capacitance"], rel=1e-9)
+        assert magnetic[name] == pytest.approx(electric[name], rel=1e-11, abs=0)
+    assert magnetic["flux_per_force"] == pytest.approx(root * electric["charge_per_force"], rel=1e-9)
+    assert magnetic["magnetic_potential"] == pytest.approx(electric["voltage"] / root, rel=1e-9)
+    assert magnetic["permeance"] == pytest.approx(ratio * electric["capacitance"], rel=1e-9)
 
 
 def test_air_changes_what_theory_says_it_changes() -> None:
     """BaTiO3 of 0.1 mm on steel at a/h = 1: 1.05 % less charge; a half-space's voltage falls to two thirds."""
-    bare, air = (answer(FILM | {"surroundings": one}) for one in ("insulated", "air"))
+    bare, air = (answer(FILM | {"surroundings": surroundings}) for surroundings in ("insulated", "air"))
     assert air["charge_per_force"] / bare["charge_per_force"] == pytest.approx(135.02 / 136.46, rel=1e-4)
     assert air["nominal_field"] == pytest.approx(abs(air["voltage"]) / 1e-4, rel=1e-12)
     assert "electric_edge_intensity" not in air
@@ -170,7 +170,7 @@ def test_loads_are_those_of_the_galerkin_tables(ratio: float, exponent: float) -
     """Two discretisations, one in distances and Gauss's nodes, one in wavenumbers and Legendre functions."""
     kind = PointKind(film(BTO), (True, False), Shape(exponent))
     stack = kind.film.stack()
-    own = RingOperators(rings(), (0,), kind.compliance, kind.shape, normal_kernel(stack), strip(stack))
-    found = own.at(ratio)[own.rows.loads, : own.rows.causes]
+    operators = RingOperators(rings(), (0,), kind.compliance, kind.shape, normal_kernel(stack), strip(stack))
+    loads = operators.at(ratio)[operators.rows.loads, : operators.rows.causes]
     read = kind.stiffness(window(kind, int(number_of(np.array([ratio]))[0])).read(np.log([ratio]))).loads[0]
-    np.testing.assert_allclose(found, read[np.ix_([0, 1], [0, 1, 3])], rtol=1e-10)
+    np.testing.assert_allclose(loads, read[np.ix_([0, 1], [0, 1, 3])], rtol=1e-10)

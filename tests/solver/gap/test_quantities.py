@@ -21,17 +21,17 @@ def films(conducts: tuple[bool, bool]) -> Films:
 
 
 def test_windows_give_what_a_table_about_the_case_gives() -> None:
-    found = quantities(films((True, False)), np.ones(2))
+    result = quantities(films((True, False)), np.ones(2))
     contact = airy(on_rigid(FIBROUS), conducts=(True, False))
     state, scale = contact.state, contact.contact.scale
-    assert found["contact_trailing"][0] == pytest.approx(THICKNESS * state.half, rel=1e-8)
-    assert found["voltage"][0] == pytest.approx(THICKNESS * state.response[1] * scale[2], rel=1e-6)
-    assert found["capacitance_per_length"][0] == pytest.approx(1 / state.at_fixed_contact[1, 0], rel=1e-6)
-    assert found["capacitance_at_load"][0] == pytest.approx(1 / state.tangents[1, 1], rel=1e-6)
+    assert result["contact_trailing"][0] == pytest.approx(THICKNESS * state.half, rel=1e-8)
+    assert result["voltage"][0] == pytest.approx(THICKNESS * state.response[1] * scale[2], rel=1e-6)
+    assert result["capacitance_per_length"][0] == pytest.approx(1 / state.at_fixed_contact[1, 0], rel=1e-6)
+    assert result["capacitance_at_load"][0] == pytest.approx(1 / state.tangents[1, 1], rel=1e-6)
     bare = without(films((True, False)))
     gone = {name for name in bare if "_edge_intensity_" in name}
     new = {"capacitance_at_load", "peak_displacement", "gap_field"}
-    assert found.keys() == (bare.keys() - gone) | new
+    assert result.keys() == (bare.keys() - gone) | new
 
 
 def test_insulating_punch_has_no_air() -> None:

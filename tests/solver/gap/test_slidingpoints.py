@@ -19,12 +19,14 @@ TURNED = ("contact_offset", "trailing_tension", "peak_pressure", "peak_displacem
 
 def test_no_friction_is_no_sliding_and_little_is_a_little() -> None:
     """First orders are proportions; what is largest beside the centre or at the edge need not be."""
-    rests, still, little, more = (answer(HALF | own) for own in ({}, *({"friction": eta} for eta in (0.0, 0.1, 0.2))))
+    rests, still, little, double = (
+        answer(HALF | factors) for factors in ({}, *({"friction": eta} for eta in (0.0, 0.1, 0.2)))
+    )
     assert set(still) - set(rests) == {"contact_offset", "trailing_tension"}
     assert all(still[name] == value for name, value in rests.items())
     assert still["contact_offset"] == 0
-    assert more["contact_offset"] == pytest.approx(2 * little["contact_offset"], rel=1e-13)
-    by_one, by_two = (one["trailing_tension"] - still["trailing_tension"] for one in (little, more))
+    assert double["contact_offset"] == pytest.approx(2 * little["contact_offset"], rel=1e-13)
+    by_one, by_two = (solution["trailing_tension"] - still["trailing_tension"] for solution in (little, double))
     assert by_two == pytest.approx(2 * by_one, rel=1e-12)
 
 
@@ -47,9 +49,9 @@ def test_a_dielectric_under_its_own_elasticity_feels_nothing_of_it() -> None:
 def test_tension_beside_the_trailing_edge_is_that_of_the_fields_inside(case: dict[str, Any]) -> None:
     """Sums over b and waves, extrapolated to the edge, against moments and rates."""
     gaps = np.array([4e-4, 8e-4, 1.6e-3, 3.2e-3, 6.4e-3])
-    beside = solver.solve_interior(case | SLID, 1 + gaps, [0.0], fields=["stress_xx"])["stress_xx"].values.ravel()
+    stresses = solver.solve_interior(case | SLID, 1 + gaps, [0.0], fields=["stress_xx"])["stress_xx"].values.ravel()
     rows = gaps[:, None] ** np.array([0.0, 0.5, 1.0, 1.5, 2.0])
-    assert np.linalg.solve(rows, beside)[0] == pytest.approx(answer(case | SLID)["trailing_tension"], rel=1e-3)
+    assert np.linalg.solve(rows, stresses)[0] == pytest.approx(answer(case | SLID)["trailing_tension"], rel=1e-3)
 
 
 def test_electric_and_magnetic_charges_see_one_gap_that_friction_tilts() -> None:
@@ -63,24 +65,26 @@ def test_electric_and_magnetic_charges_see_one_gap_that_friction_tilts() -> None
         ("electric_potential", "electric_displacement", "voltage", VACUUM_PERMITTIVITY),
         ("magnetic_potential", "magnetic_induction", "magnetic_potential", VACUUM_PERMEABILITY),
     ):
-        both = inside[potential].values.reshape(2, -1) - float(punch[level]), surface[density].values.reshape(2, -1)
-        (phi, phi_1), (D, D_1) = (((own[0] + own[1]) / 2, (own[0] - own[1]) / 2) for own in both)
+        pairs = inside[potential].values.reshape(2, -1) - float(punch[level]), surface[density].values.reshape(2, -1)
+        (phi, phi_1), (D, D_1) = (((pair[0] + pair[1]) / 2, (pair[0] - pair[1]) / 2) for pair in pairs)
         gap = vacuum * phi / D
         gaps.append((gap, (vacuum * phi_1 - D_1 * gap) / D))
-    for one, other in zip(*gaps, strict=True):
-        np.testing.assert_allclose(one, other, rtol=1e-5)
+    for electric, other in zip(*gaps, strict=True):
+        np.testing.assert_allclose(electric, other, rtol=1e-5)
     assert np.all(np.abs(gaps[0][1]) > 1e-3 * gaps[0][0])
 
 
 def test_largest_values_are_those_of_the_fields() -> None:
     """Beside the edge of a contact whose charge is below what the surface gives way to; inside the edge D is steep."""
     case = HALF | {"friction": 0.02, "total_charge": 1.6e-9}
-    found = answer(case)
-    at = np.concatenate([np.linspace(-0.99, 0.99, 23), 1 + np.geomspace(1e-3, 3, 9), -1 - np.geomspace(1e-3, 3, 9)])
-    fields = solver.solve(case, at)
+    solution = answer(case)
+    positions = np.concatenate(
+        [np.linspace(-0.99, 0.99, 23), 1 + np.geomspace(1e-3, 3, 9), -1 - np.geomspace(1e-3, 3, 9)]
+    )
+    fields = solver.solve(case, positions)
     D = np.abs(fields["electric_displacement"].values.ravel())
-    assert np.max(D) <= found["peak_displacement"] * (1 + 1e-9)
-    np.testing.assert_allclose(np.max(D), found["peak_displacement"], rtol=0.1)
+    assert np.max(D) <= solution["peak_displacement"] * (1 + 1e-9)
+    np.testing.assert_allclose(np.max(D), solution["peak_displacement"], rtol=0.1)
 
 
 def test_a_field_beyond_what_the_surface_carries_is_told() -> None:

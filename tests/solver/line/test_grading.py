@@ -13,13 +13,14 @@ from solver.arrays import Array
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
+from solver.line.assembly import Rough
 from solver.line.basis import Basis
 from solver.line.interior import Interior
 from solver.line.kernel import graded_response, kernel
-from solver.line.rough import Rough
 from solver.line.system import System
-from solver.line.table import Table, at, table
+from solver.line.table import SlowWarning, Table, at, table
 from solver.line.tractions import TractionTable
+from solver.line.windows import Kind, window
 from solver.material.constants import UNITS
 from solver.stack.electroded import surface as surface_of
 from solver.stack.electrodes import Electrode
@@ -275,3 +276,23 @@ def test_what_is_not_given_of_graded_layers_is_refused() -> None:
         waves(LINEAR, np.ones(1))
     with pytest.raises(StackError, match="patch_size: of the electrode on top of a film that is graded is not given"):
         Electrode(FALLING[True], 1).rows(np.ones(1))
+
+
+@pytest.mark.parametrize("load", [1e11, 1e20])
+def test_too_large_loads_on_graded_films_are_refused_by_homogeneous_ones(
+    monkeypatch: pytest.MonkeyPatch, load: float
+) -> None:
+    def refuse(kind: Kind, number: int, *, rough: bool = False) -> Table:
+        assert not kind.graded, "a graded film's own wide table takes a minute"
+        return window(kind, number, rough=rough)
+
+    monkeypatch.setattr("solver.line.similar.window", refuse)
+    case = {"volume_fraction": 0.8, "base_volume_fraction": 0.2, "thickness": 1e-4, "base": "rigid", "radius": 0.05}
+    with pytest.raises(solver.CaseError, match=r"wider than the resolved range, 0\.0001 to 60 of half-length"):
+        solver.solve(case | {"load": load})
+
+
+def test_tables_that_take_long_say_so_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("solver.line.table.at", lambda *_: np.zeros(()))
+    with pytest.warns(SlowWarning, match="a table of half-lengths from 20 to 60 thicknesses of this film takes about"):
+        _ = table(LINEAR, least=20.0, most=60.0, nodes=20).at_nodes

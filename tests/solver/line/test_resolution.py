@@ -1,13 +1,18 @@
 """What the default resolution resolves, and the limits of thin films."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import solver
+from solver.arrays import Array
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
 from solver.line import outputs
+from solver.line.assembly import Assembly
 from solver.line.kernel import kernel
+from solver.line.surface import local_fields
 from solver.line.system import System
 from solver.line.table import at, table
 from solver.stack.layers import Layer, Stack, StackError
@@ -59,3 +64,16 @@ def test_stack_beyond_what_is_resolved_is_refused() -> None:
     stack = Stack((Layer(BTO, 1e-9), Layer(FIBROUS, 1.0)))
     with pytest.raises(StackError, match="beyond the range"):
         kernel(stack, 1.0)
+
+
+@pytest.mark.parametrize(("material", "half"), [("PMN-PT 67:33", 9.0), ("PMN-PT 67:33", 30.0), ("LiNbO3", 30.0)])
+def test_tractions_of_wide_contacts_are_those_of_many_more_terms(material: str, half: float) -> None:
+    """D_y and the pressure at 1e-8 of the largest, whatever the roots of the film's material."""
+    of = table(Stack((Layer(solver.find(material), 1.0),), STEEL), 0.2, least=half / 2, most=half, accuracy=1.25)
+    X: Array = np.array([-0.97, -0.6, 0.0, 0.3, 0.8, 0.99])
+    tractions = []
+    for system in (of.system, replace(of.system, accuracy=2 * of.system.accuracy)):
+        assembly = Assembly(system, system.basis(half), np.array([half]), X)
+        tractions.append(np.einsum("hfpu,huc->fpc", local_fields(assembly)[:, :2], assembly.unknowns)[..., 0])
+    few, many = tractions
+    np.testing.assert_array_less(np.max(np.abs(few - many), 1), 1.5e-8 * np.max(np.abs(many), 1))

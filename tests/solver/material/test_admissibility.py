@@ -39,12 +39,12 @@ def test_admissible_materials_are_solved(c: dict[str, float], case: dict[str, An
 
 
 @property_based
-@given(one=phases(), two=phases(), fraction=between(0, 1))
+@given(first=phases(), second=phases(), fraction=between(0, 1))
 def test_composites_of_admissible_phases_are_admissible(
-    one: solver.Material, two: solver.Material, fraction: float
+    first: solver.Material, second: solver.Material, fraction: float
 ) -> None:
     for mix in (solver.fibrous, solver.laminate):
-        material = mix(one, two, fraction)
+        material = mix(first, second, fraction)
         blocks = energies({name: float(getattr(material, name)) for name in ("c11", "c12", "c13", "c33", *DIELECTRIC)})
         assert all(np.linalg.eigvalsh(block)[0] > 0 for block in blocks)
         out = solver.solve({"material": material, "radius": 0.05, "load": 1e5, "friction": 0.5}, POSITIONS)
@@ -59,8 +59,8 @@ _BREAKABLE = {"c13": ("c11", "c33"), "c12": ("c11", "c11"), "g11": ("eps11", "mu
 @given(c=constants(), name=st.sampled_from(sorted(_BREAKABLE)), share=between(-1.5, 1.5))
 def test_the_check_is_that_of_the_eigenvalues(c: dict[str, float], name: str, share: float) -> None:
     """One off-diagonal constant anywhere within or beyond its bound: accepted exactly where the energy is positive."""
-    one, two = _BREAKABLE[name]
-    c = c | {name: share * (c[one] * c[two]) ** 0.5}
+    first, second = _BREAKABLE[name]
+    c = c | {name: share * (c[first] * c[second]) ** 0.5}
     least = min(float(np.linalg.eigvalsh(block)[0]) for block in energies(c))
     assume(abs(least) > 1e-12)
     if least > 0:
@@ -75,8 +75,8 @@ def test_the_check_is_that_of_the_eigenvalues(c: dict[str, float], name: str, sh
 def test_the_bound_itself(name: str, sign: int) -> None:
     c = {"c11": 2e11, "c13": 0.0, "c33": 1.5e11, "c44": 5e10}
     c |= {"eps11": 5e-9, "eps33": 7e-9, "mu11": 1e-4, "mu33": 3e-4}
-    one, two = _BREAKABLE[name]
-    bound = sign * (c[one] * c[two]) ** 0.5
+    first, second = _BREAKABLE[name]
+    bound = sign * (c[first] * c[second]) ** 0.5
     solver.Material.from_mapping(c | {name: bound * (1 - 1e-12)})
     with pytest.raises(solver.MaterialError, match=f"{name} = "):
         solver.Material.from_mapping(c | {name: bound * (1 + 1e-12)})

@@ -78,8 +78,8 @@ def test_beside_other_composites_it_is_what_its_constants_say(body: dict[str, An
             material = solver.aluminium_scandium_nitride(x) if kind == "AlScN" else getattr(solver, kind)(*phases, 0.6)
             alone = solver.solve({"material": material, **contact})
             for name, value in alone.data_vars.items():
-                found = out[name].isel(composite=k, scandium_fraction=j)
-                np.testing.assert_allclose(found, value, rtol=1e-11, atol=0, err_msg=f"{kind} {x} {name}")
+                values = out[name].isel(composite=k, scandium_fraction=j)
+                np.testing.assert_allclose(values, value, rtol=1e-11, atol=0, err_msg=f"{kind} {x} {name}")
 
 
 def test_attributes_name_the_composite_and_no_phases() -> None:
@@ -92,6 +92,6 @@ def test_constants_have_the_shape_of_the_fraction() -> None:
     many = solver.aluminium_scandium_nitride(np.linspace(0, 0.5, 6).reshape(2, 3))
     assert many.shape == (2, 3)
     for name in UNITS:
-        one = getattr(solver.aluminium_scandium_nitride(0.4), name)
+        single = getattr(solver.aluminium_scandium_nitride(0.4), name)
         values = np.broadcast_to(getattr(many, name), (2, 3))
-        np.testing.assert_allclose(values[1, 1], one, rtol=1e-15, err_msg=name)
+        np.testing.assert_allclose(values[1, 1], single, rtol=1e-15, err_msg=name)

@@ -21,11 +21,11 @@ def solid(material: solver.Material) -> dict[str, float]:
     return {name: float(getattr(material, name)) for name in (*CONSTANTS, "c12")}
 
 
-def assert_exact(kind: str, one: solver.Material, two: solver.Material, fraction: float, rtol: float) -> None:
-    found, exact = MIX[kind](one, two, fraction), EXACT[kind](solid(one), solid(two), fraction)
+def assert_exact(kind: str, first: solver.Material, second: solver.Material, fraction: float, rtol: float) -> None:
+    mixed, exact = MIX[kind](first, second, fraction), EXACT[kind](solid(first), solid(second), fraction)
     for name, value in exact.items():
         floor = 1e-3 * rtol * size(name, exact)
-        np.testing.assert_allclose(float(getattr(found, name)), float(value), rtol=rtol, atol=floor, err_msg=name)
+        np.testing.assert_allclose(float(getattr(mixed, name)), float(value), rtol=rtol, atol=floor, err_msg=name)
 
 
 def size(name: str, c: dict[str, Any]) -> float:
@@ -34,16 +34,16 @@ def size(name: str, c: dict[str, Any]) -> float:
     elastic = {"c12": "c11", "e31": "c11", "f31": "c11", "e15": "c44", "f15": "c44"}.get(name, "c33")
     couples = {"c12": (elastic, "c11"), "c13": (elastic, "c11"), "g": (electric, magnetic)}
     couples |= {"e": (elastic, electric), "f": (elastic, magnetic)}
-    one, two = couples.get(name, couples.get(name.rstrip("135"), (name, name)))
-    return float(np.sqrt(float(abs(c[one] * c[two]))))
+    first, second = couples.get(name, couples.get(name.rstrip("135"), (name, name)))
+    return float(np.sqrt(float(abs(c[first] * c[second]))))
 
 
 @BOTH
 @pytest.mark.parametrize("fraction", [0.0, 1e-9, 0.37, 0.999, 1.0])
 def test_composites_are_those_of_the_full_tensors(kind: str, fraction: float) -> None:
-    one, two = solver.find("BaTiO3"), solver.find("CoFe2O4")
-    assert_exact(kind, one, two, fraction, 1e-12)
-    assert_exact(kind, two, one, fraction, 1e-12)
+    first, second = solver.find("BaTiO3"), solver.find("CoFe2O4")
+    assert_exact(kind, first, second, fraction, 1e-12)
+    assert_exact(kind, second, first, fraction, 1e-12)
 
 
 @BOTH
@@ -53,11 +53,11 @@ def test_a_phase_with_every_constant_and_a_bare_elastic_one(kind: str) -> None:
 
 @BOTH
 @property_based
-@given(one=phases(), two=phases(), fraction=between(0.0, 1.0))
+@given(first=phases(), second=phases(), fraction=between(0.0, 1.0))
 def test_composites_of_any_admissible_phases(
-    kind: str, one: solver.Material, two: solver.Material, fraction: float
+    kind: str, first: solver.Material, second: solver.Material, fraction: float
 ) -> None:
-    assert_exact(kind, one, two, fraction, 1e-11)
+    assert_exact(kind, first, second, fraction, 1e-11)
 
 
 def test_published_table_follows_from_fibrous_mori_tanaka() -> None:
@@ -82,9 +82,9 @@ def test_published_transverse_coupling_follows_from_the_wrong_sign_of_mu11() -> 
 
 @BOTH
 def test_ends_are_the_phases_themselves(kind: str) -> None:
-    one, two = solver.find("BaTiO3"), solver.find("CoFe2O4")
-    for fraction, phase in ((0.0, two), (1.0, one)):
-        assert_is(MIX[kind](one, two, fraction), phase)
+    first, second = solver.find("BaTiO3"), solver.find("CoFe2O4")
+    for fraction, phase in ((0.0, second), (1.0, first)):
+        assert_is(MIX[kind](first, second, fraction), phase)
 
 
 @BOTH
@@ -104,11 +104,11 @@ def assert_is(mix: solver.Material, phase: solver.Material) -> None:
 
 @BOTH
 def test_fractions_and_phases_broadcast(kind: str) -> None:
-    one, two = solver.find("BaTiO3"), solver.find("CoFe2O4")
+    first, second = solver.find("BaTiO3"), solver.find("CoFe2O4")
     fractions = np.linspace(0, 1, 6).reshape(2, 3)
-    mix = MIX[kind](one, two, fractions)
+    mix = MIX[kind](first, second, fractions)
     assert mix.shape == (2, 3)
-    single = MIX[kind](one, two, float(fractions[1, 1]))
+    single = MIX[kind](first, second, float(fractions[1, 1]))
     for name in UNITS:
         values = np.broadcast_to(getattr(mix, name), (2, 3))
         np.testing.assert_allclose(values[1, 1], getattr(single, name), rtol=4e-16, err_msg=name)
@@ -122,7 +122,7 @@ def test_mass_is_conserved(kind: str) -> None:
 def test_two_readings_of_a_laminate_of_a_laminate() -> None:
     """Layers of A-B over layers of C are layers of A, B, C in whatever order they are taken together."""
     a, b, c = (solver.find(name) for name in ("BaTiO3", "CoFe2O4", "PZT-4"))
-    one = solver.laminate(solver.laminate(a, b, 0.25), c, 0.8)  # 0.2 A, 0.6 B, 0.2 C
-    two = solver.laminate(a, solver.laminate(b, c, 0.75), 0.2)
-    for name, value in solid(one).items():
-        np.testing.assert_allclose(value, float(getattr(two, name)), rtol=1e-13, atol=1e-26, err_msg=name)
+    nested = solver.laminate(solver.laminate(a, b, 0.25), c, 0.8)  # 0.2 A, 0.6 B, 0.2 C
+    flat = solver.laminate(a, solver.laminate(b, c, 0.75), 0.2)
+    for name, value in solid(nested).items():
+        np.testing.assert_allclose(value, float(getattr(flat, name)), rtol=1e-13, atol=1e-26, err_msg=name)

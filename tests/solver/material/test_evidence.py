@@ -109,10 +109,10 @@ def test_what_the_entries_say_of_their_alternatives() -> None:
     """Voltage 10 % higher (BaTiO3) and 2 % lower (PZT-4) at else the same contact; d33 of PMN-PT as its source has."""
     contact: dict[str, Any] = {"radius": 0.05, "load": 1e4, "friction": 0.3}
     for name, voltage in {"BaTiO3": 1.10, "PZT-4": 0.977}.items():
-        both = solver.solve({"material": [name, f"{name} (alternative 1)"], **contact})
-        assert float(both.voltage[1] / both.voltage[0]) == pytest.approx(voltage, abs=2e-3)
+        solution = solver.solve({"material": [name, f"{name} (alternative 1)"], **contact})
+        assert float(solution.voltage[1] / solution.voltage[0]) == pytest.approx(voltage, abs=2e-3)
         for same in ("contact_trailing", "peak_pressure", "charge_per_force", "trailing_tension"):
-            assert float(both[same][1] / both[same][0]) == pytest.approx(1, abs=4e-3)
+            assert float(solution[same][1] / solution[same][0]) == pytest.approx(1, abs=4e-3)
     m = solver.find("PMN-PT 67:33 (alternative 1)")
     c = np.array([[m.c11, m.c12, m.c13], [m.c12, m.c11, m.c13], [m.c13, m.c13, m.c33]], dtype=float)
     s = np.linalg.inv(c)

@@ -20,10 +20,10 @@ EXPECTED = {
 
 @pytest.mark.parametrize("name", COMPOSITES)
 def test_every_name_has_its_own_law(name: str) -> None:
-    made = laws.made(name, PHASES, 0.3)
+    mixture = laws.made(name, PHASES, 0.3)
     for constant in UNITS:
-        np.testing.assert_array_equal(getattr(made, constant), getattr(EXPECTED[name], constant))
-    assert (name in MIXTURES) == (made.c11 != laws.made(name, PHASES[::-1], 0.3).c11)
+        np.testing.assert_array_equal(getattr(mixture, constant), getattr(EXPECTED[name], constant))
+    assert (name in MIXTURES) == (mixture.c11 != laws.made(name, PHASES[::-1], 0.3).c11)
 
 
 def test_a_name_without_law_is_refused_and_a_new_law_serves_the_layers_of_a_study(

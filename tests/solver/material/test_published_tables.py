@@ -111,10 +111,10 @@ def test_doubts_in_the_entries_are_what_the_constants_say() -> None:
     assert float(shear / film.c44) == pytest.approx(10, rel=0.01)
     assert "c44 = 0.105 GPa is a tenth of what (c11 - c12)/2 = 1.05 GPa" in film.note
     stiffer = replace(film, c44=shear, name="stiffer")
-    both = solver.solve({"material": [film, stiffer], "radius": 0.05, "load": 1e3, "friction": 0.3})
-    both = both.assign(width=both["contact_trailing"] + both["contact_leading"])
+    solution = solver.solve({"material": [film, stiffer], "radius": 0.05, "load": 1e3, "friction": 0.3})
+    solution = solution.assign(width=solution["contact_trailing"] + solution["contact_leading"])
     for name, ratio in {"width": 0.6, "peak_pressure": 1.7, "trailing_tension": 0.6, "voltage": 0.7}.items():
-        assert round(float(both[name][1] / both[name][0]), 1) == ratio
+        assert round(float(solution[name][1] / solution[name][0]), 1) == ratio
 
 
 @pytest.mark.parametrize(
@@ -137,7 +137,7 @@ def test_compliances_and_strain_constants_of_the_source_come_back(
     s = np.linalg.inv(stiffness)
     axial, along = float(getattr(m, f"{coupling}31")), float(getattr(m, f"{coupling}33"))
     d = s @ np.array([axial, axial, along])
-    found = {"s11": s[0, 0], "s33": s[2, 2], "s13": s[0, 2]}
+    computed = {"s11": s[0, 0], "s33": s[2, 2], "s13": s[0, 2]}
     for key, value in compliances.items():
-        assert found[key] == pytest.approx(value, rel=3e-3)
+        assert computed[key] == pytest.approx(value, rel=3e-3)
     assert d[[0, 2]] == pytest.approx([strains["31"], strains["33"]], rel=5e-3)

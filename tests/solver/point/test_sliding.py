@@ -55,9 +55,9 @@ def test_films_do_not_hang_on_the_number_of_nodes(monkeypatch: pytest.MonkeyPatc
     names = ["contact_offset", "electric_edge_intensity_trailing", "magnetic_edge_intensity_leading"]
     usual = solver.solve(case)[names]
     monkeypatch.setattr(slidingtable, "_FIRST", 36)
-    slidingtable.sliding_window.cache_clear()
+    slidingtable.sliding_window.clear()
     finer = solver.solve(case)[names]
-    slidingtable.sliding_window.cache_clear()
+    slidingtable.sliding_window.clear()
     for name in names:
         np.testing.assert_allclose(usual[name], finer[name], rtol=1e-9, atol=0)
 

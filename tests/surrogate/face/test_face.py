@@ -12,7 +12,17 @@ import xarray as xr
 from sklearn.exceptions import NotFittedError
 
 from solver import solve
-from surrogate import FormatError, GaussianProcess, GridGP, Input, OutOfBoxError, ScatterGP, load, save
+from surrogate import (
+    FactorialRegressor,
+    FormatError,
+    GaussianProcess,
+    GridGP,
+    Input,
+    OutOfBoxError,
+    ScatterGP,
+    load,
+    save,
+)
 from surrogate.data.points import named_points
 from tests.surrogate import functions
 
@@ -196,7 +206,7 @@ def test_arrays_and_tables_are_points_too(model: GridGP) -> None:
     table = _table(named)
     points = {name: xr.DataArray(values, dims="point") for name, values in named.items()}
     expected, ends, slopes = model.predict(points), model.interval(points), model.gradient(points)
-    for points in (table.to_numpy(), table.to_numpy().tolist(), table, table[table.columns[::-1]]):
+    for points in (table.to_numpy(), table.to_numpy().tolist()):
         xr.testing.assert_identical(model.predict(points), expected)
         xr.testing.assert_identical(model.interval(points), ends)
         xr.testing.assert_identical(model.gradient(points), slopes)
@@ -369,3 +379,55 @@ def test_a_model_has_a_level_of_its_own(model: GridGP, tmp_path: Path) -> None:
     save(own, save_as)
     with pytest.raises(FormatError, match="level 2 is not between 0 and 1"):
         load(save_as)
+
+
+def test_masked_cells_are_refused_as_nan_is() -> None:
+    """A masked cell has a value behind it, as 1e20: of sequences, arrays, labelled arrays, tables and cases."""
+    import pandas as pd
+
+    x, y = Input("x", 0.0, 1.0), Input("y", 1.0, 2.0)
+    grid = xr.Dataset(coords={"x": x.levels(4), "y": y.levels(3)})
+    model = GridGP([x, y]).fit(grid.assign(f=grid.x * grid.y))
+    column = np.ma.masked_array([0.5, 0.25], [False, True])
+    both = np.ma.masked_array([[0.5, 1.5], [0.25, 1.5]], [[False, False], [True, False]])
+    nullable = pd.DataFrame({"x": pd.array([0.5, None], dtype="Float64"), "y": [1.5, 1.5]})
+    absent = pd.DataFrame({"x": [0.5, np.nan], "y": [1.5, 1.5]})
+    rows = [{"x": 0.5, "y": 1.5}, {"y": 1.5}]
+    for points in ({"x": column, "y": 1.5}, {"x": [0.5, np.ma.masked], "y": 1.5}, both, nullable, absent, rows):
+        with pytest.raises(ValueError, match="'x' is nan at 1 of 2 points; give finite values"):
+            model.predict(points)
+    with pytest.raises(ValueError, match="'x' is nan"):
+        model.predict({"x": xr.DataArray(column, dims="case"), "y": 1.5})
+    with pytest.raises(ValueError, match="must be numbers, got object values"):
+        model.predict({"x": [0.5, None], "y": 1.5})
+    with pytest.raises(OutOfBoxError):
+        model.predict_array(both)
+    cases = np.random.default_rng(0).uniform(0, 1, (12, 2))
+    hidden = np.ma.masked_array(cases, np.arange(24).reshape(12, 2) == 5)
+    values = np.ma.masked_array(cases[:, 0], np.arange(12) == 3)
+    for X, y_ in ((hidden, cases[:, 0]), (cases, values)):
+        with pytest.raises(ValueError, match="NaN"):
+            FactorialRegressor().fit(X, y_)
+    with pytest.raises(ValueError, match="NaN"):
+        FactorialRegressor().fit(cases, cases[:, 0]).predict(hidden)
+    assert np.isnan(x.to_unit(column)).tolist() == [False, True]
+    with pytest.raises(ValueError, match="not finite"):
+        GridGP([x]).fit(
+            xr.Dataset({"f": ("x", np.ma.masked_array(np.ones(4), [False, False, True, False]))}, {"x": x.levels(4)})
+        )
+
+
+def test_the_rows_of_tables_are_points() -> None:
+    import pandas as pd
+
+    x, y = Input("x", 0.0, 1.0), Input("y", 1.0, 2.0)
+    grid = xr.Dataset(coords={"x": x.levels(4), "y": y.levels(3)})
+    model = GridGP([x, y]).fit(grid.assign(f=grid.x * grid.y))
+    frame = pd.DataFrame({"y": [1.5, 2.0], "x": [0.5, 0.25]}, index=["first", "second"])
+    answer = model.predict(frame)
+    assert answer["f"].dims == ("case",)
+    assert answer["case"].values.tolist() == ["first", "second"]
+    np.testing.assert_allclose(answer["f"], [0.75, 0.5], rtol=1e-9)
+    listed = model.predict(frame.to_dict("records"))
+    np.testing.assert_array_equal(listed["f"], answer["f"])
+    assert listed["f"].dims == ("case",)

@@ -37,7 +37,7 @@ def test_the_chebyshev_kernel_is_its_sum() -> None:
     angles = np.arccos(x[:, 0]), np.arccos(y[:, 0])
     terms = np.cos(orders * angles[0][:, None])[:, None] * np.cos(orders * angles[1][:, None])
     expected = 1 + first * (rho ** (orders - 1.0) * terms).sum(axis=-1)
-    np.testing.assert_allclose(kernels.Poisson(np.array([first]), np.array([rho]))(x, y), expected, rtol=1e-12)
+    np.testing.assert_allclose(kernels.Chebyshev(np.array([first]), np.array([rho]))(x, y), expected, rtol=1e-12)
 
 
 def test_noise_of_a_case_that_weighs_four_is_a_fourth() -> None:

@@ -2,6 +2,7 @@
 
 import re
 import warnings
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
 from surrogate import Input, ScatterGP
-from surrogate.gp.scattergp import KernelName
+from surrogate.gp.scattergp import REACH, KernelName
 from tests.surrogate.dense import stationary
 from tests.surrogate.slopes import assert_slopes
 
@@ -45,13 +46,13 @@ def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient(ker
     data, held, step = cases(40), cases(10, seed=1), 1e-3
     model = ScatterGP(kernel, INPUTS, nugget=1e-2).fit(data)
     found = model.gradient(held[["x", "y"]], return_std=True)
-    t = np.stack([one.to_unit(data[one.name]) for one in INPUTS], axis=1)
+    t = np.stack([one.to_unit(data[one.name]) for one in INPUTS], axis=1) / REACH
     at = np.stack([one.to_unit(held[one.name]) for one in INPUTS], axis=1)
     for p, name in enumerate(("f", "g")):
         theta = np.exp(model.regressors_[p].kernel_.theta)
         factor = cho_factor(theta[0] * radial(kernel, t / theta[1:], t / theta[1:]) + 1e-2 * np.eye(len(t)))
         for k, one in enumerate(INPUTS):
-            ends = np.concatenate([at + step * np.eye(2)[k], at - step * np.eye(2)[k]]) / theta[1:]
+            ends = np.concatenate([at + step * np.eye(2)[k], at - step * np.eye(2)[k]]) / REACH / theta[1:]
             cross = theta[0] * radial(kernel, ends, t / theta[1:])
             C = theta[0] * radial(kernel, ends, ends) - cross @ cho_solve(factor, cross.T)
             want = (np.diag(C)[:10] + np.diag(C)[10:] - 2 * np.diag(C[:10, 10:])) / (2 * step) ** 2
@@ -68,11 +69,11 @@ def test_prediction_is_that_of_a_dense_process(kernel: KernelName) -> None:
     model = ScatterGP(kernel, INPUTS, nugget=1e-4).fit(data)
     held = cases(25, seed=1)
     answer = model.predict(held[["x", "y"]])
-    t = np.stack([one.to_unit(data[one.name]) for one in INPUTS], axis=1)
+    t = np.stack([one.to_unit(data[one.name]) for one in INPUTS], axis=1) / REACH
     at = np.stack([one.to_unit(held[one.name]) for one in INPUTS], axis=1)
     for p, name in enumerate(("f", "g")):
         theta = np.exp(model.regressors_[p].kernel_.theta)
-        a, b = t / theta[1:], at / theta[1:]
+        a, b = t / theta[1:], at / REACH / theta[1:]
         values = data[name].values
         offset, scale = values.mean(), values.std()
         factor = cho_factor(theta[0] * radial(kernel, a, a) + 1e-4 * np.eye(len(a)))
@@ -86,7 +87,7 @@ def test_prediction_is_that_of_a_dense_process(kernel: KernelName) -> None:
     assert answer["f"].attrs["units"] == "K"
 
 
-@pytest.mark.parametrize("kernel", ["rbf", "matern32", "matern52"])
+@pytest.mark.parametrize("kernel", ["auto", "rbf", "matern32", "matern52"])
 def test_gradient_agrees_with_differences(kernel: KernelName) -> None:
     """The slope of a Matern 3/2 mean has kinks at the cases, so differences agree to the size of the step only."""
     model = ScatterGP(kernel, INPUTS, nugget=1e-4).fit(cases(40))
@@ -115,6 +116,44 @@ def test_few_cases_without_noise_err_no_more_than_by_scikit_learn_s_process() ->
         theirs = GaussianProcessRegressor(kernel, alpha=1e-10, normalize_y=True).fit(t, truth(t)).predict(fresh)
     errors = [float(np.abs(found - truth(fresh)).max()) for found in (ours, theirs)]
     assert errors[0] < errors[1]
+
+
+FUNCTIONS: list[tuple[int, Callable[[Array], Array]]] = [
+    (1, lambda t: np.sin(3 * t[:, 0])),
+    (1, lambda t: 1 / (1 + 4 * t[:, 0] ** 2)),
+    (2, lambda t: np.sin(3 * t[:, 0]) + t[:, 1] ** 2),
+    (2, lambda t: np.exp(t[:, 0]) * np.cos(2 * t[:, 1])),
+    (2, lambda t: np.abs(t[:, 0] - 0.2) * t[:, 1]),
+    (3, lambda t: np.exp(t[:, 0]) * np.cos(2 * t[:, 1]) * (1 + 0.3 * t[:, 2])),
+    (3, lambda t: 1 / (2.5 + t[:, 0] + 0.8 * t[:, 1] + 0.5 * t[:, 2])),
+]
+
+
+def held(model: ScatterGP, truth: Callable[[Array], Array], points: Array) -> tuple[float, float]:
+    """Share of 95 % intervals that hold the truth, and the median standard deviation."""
+    mean, std = model.predict_array(points, return_std=True, extrapolate=True)
+    return float((np.abs(mean[:, 0] - truth(points)) <= 1.96 * std[:, 0]).mean()), float(np.median(std))
+
+
+def test_intervals_of_few_cases_hold_inside_and_grow_outside() -> None:
+    inside, outside = [], []
+    for number, (d, truth) in enumerate(FUNCTIONS):
+        random, box = np.random.default_rng(number), [Input(name, -1.0, 1.0) for name in "abc"[:d]]
+        points, beyond = random.uniform(-1, 1, (300, d)), random.uniform(-1.2, 1.2, (2000, d))
+        beyond = beyond[np.abs(beyond).max(axis=1) > 1]
+        for count in (20, 40, 60):
+            t = random.uniform(-1, 1, (count, d))
+            data = {own.name: ("case", column) for own, column in zip(box, t.T, strict=True)}
+            model = ScatterGP(inputs=box).fit(xr.Dataset(data | {"f": ("case", truth(t))}))
+            inside.append(held(model, truth, points)[0])
+            share, near = held(model, truth, beyond)
+            outside.append(share)
+            far = held(model, truth, 2 * beyond)[1]
+            assert far > near > held(model, truth, points)[1]
+    # 0.26 to 0.95 inside and 0.05 outside were the fault
+    assert np.mean(inside) > 0.88
+    assert np.mean(outside) > 0.85
+    assert min(outside) > 0.4
 
 
 @pytest.mark.parametrize(

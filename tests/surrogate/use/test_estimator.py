@@ -157,7 +157,7 @@ def test_tables_name_the_inputs_and_own_names_do_not_clash() -> None:
     model = FactorialRegressor(design="scattered").fit(table(fresh(30), names), truth(fresh(30)))
     assert model.feature_names_in_.tolist() == list(model.model_.box) == names
     assert model.model_.outputs_ == ("y0_",)
-    np.testing.assert_allclose(model.predict(table(fresh(30), names)), truth(fresh(30)), atol=1e-4)
+    np.testing.assert_allclose(model.predict(table(fresh(30), names)), truth(fresh(30)), atol=1e-3)
     with pytest.raises(ValueError, match="feature names"):
         model.predict(table(fresh(30), names[::-1]))
 
@@ -249,3 +249,20 @@ def test_what_a_weight_means_is_noise_of_so_many_times_less_variance() -> None:
     K = regressor.kernel_.k1(regressor.X_train_) * y.std() ** 2
     dense = K @ np.linalg.solve(K + np.diag(noise / model.weights_), model.values_[:, 0] - y.mean()) + y.mean()
     np.testing.assert_allclose(model.predict_array(model.points_)[:, 0], dense, atol=1e-8)
+
+
+def test_a_fold_of_cross_validation_is_as_good_outside_of_its_points() -> None:
+    """80 noiseless points of sin 3a + b^2: 5e-6 to 3e-2 between folds was the fault, and 5 % of the intervals held."""
+    X = np.random.default_rng(0).uniform(0, 1, (80, 2))
+
+    def smooth(X: Array) -> Array:
+        return np.asarray(np.sin(3 * X[:, 0]) + X[:, 1] ** 2)
+
+    folds = KFold(5, shuffle=True, random_state=0)
+    scores = cross_val_score(FactorialRegressor(), X, smooth(X), cv=folds, scoring="neg_root_mean_squared_error")
+    assert -scores.min() < 1e-3
+    edge = np.random.default_rng(1).uniform(-0.1, 1.1, (400, 2))
+    edge = edge[np.abs(edge - 0.5).max(axis=1) > 0.5]
+    mean, std = FactorialRegressor().fit(X, smooth(X)).predict(edge, return_std=True)
+    assert np.abs(mean - smooth(edge)).max() < 0.03
+    assert (np.abs(mean - smooth(edge)) <= 1.96 * std).mean() > 0.8

@@ -96,10 +96,10 @@ def test_devices_and_pipes_are_refused(tmp_path: Path) -> None:
 def test_a_cell_may_bear_its_unit(tmp_path: Path) -> None:
     table = tmp_path / "cases.csv"
     table.write_text("thickness,radius [mm],force\n20 um,5,10 mN\n0.00002,5 cm,0.01\n", encoding="utf-8")
-    found = read_cases(table).columns
-    assert found["thickness"].tolist() == [2e-5, 2e-5]
-    assert found["radius"].tolist() == [5e-3, 5e-2]
-    assert found["force"].tolist() == [0.01, 0.01]
+    columns = read_cases(table).columns
+    assert columns["thickness"].tolist() == [2e-5, 2e-5]
+    assert columns["radius"].tolist() == [5e-3, 5e-2]
+    assert columns["force"].tolist() == [0.01, 0.01]
     table.write_text("thickness\n20 kg\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"line 2: thickness: '20 kg': unit mismatch: 'kg' does not measure what 'm'"):
         read_cases(table)

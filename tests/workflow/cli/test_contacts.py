@@ -31,9 +31,9 @@ def test_a_table_mixes_punches_and_bodies(tmp_path: Path) -> None:
     cases: list[dict[str, Any]] = [
         {}, {"punch": "steel"}, {"punch": "steel"}, {"punch": "brass", "thickness": 5e-4, "base": "steel"},
     ]  # fmt: skip
-    for row, own in enumerate(cases):
+    for row, case in enumerate(cases):
         for name in ("contact_trailing", "depth", "voltage"):
-            exact = float(solver.solve(punch | own)[name])
+            exact = float(solver.solve(punch | case)[name])
             assert float(data[name][row]) == pytest.approx(exact, rel=1e-12), (row, name)
     assert data["punch"].values.tolist() == ["", "steel", "", "brass"]
     np.testing.assert_array_equal(data["punch_modulus"], [np.nan, np.nan, 210e9, np.nan])
@@ -51,26 +51,26 @@ def test_a_table_mixes_surroundings_and_says_what_is_empty(tmp_path: Path, capsy
     table, out = tmp_path / "air.csv", tmp_path / "out.nc"
     table.write_text(AIRY, encoding="utf-8")
     assert main.main(["solve", str(table), "-o", str(out)]) == 0
-    told = capsys.readouterr().err
-    assert "empty where a case has no such quantity: pressure_exponent" in told or "edge_intensity" in told
+    printed = capsys.readouterr().err
+    assert "empty where a case has no such quantity: pressure_exponent" in printed or "edge_intensity" in printed
     data = read_whole(out)
     assert np.isnan(data["gap_field"].values).tolist() == [True, False, False]
     assert data["gap_field"].attrs["comment"] == "no number where a case has none"
     case: dict[str, Any] = {"material": "PZT-4", "radius": 0.05, "load": 1e4, "magnetic": "insulating"}
     film: dict[str, Any] = {"surroundings": "air", "gap_permittivity": 2.2, "thickness": 2e-4, "base": "steel"}
-    for row, own in enumerate([{}, {"surroundings": "air"}, film]):
+    for row, factors in enumerate([{}, {"surroundings": "air"}, film]):
         for name in ("contact_trailing", "voltage", "charge_per_force"):
-            exact = float(solver.solve(case | own)[name])
+            exact = float(solver.solve(case | factors)[name])
             assert float(data[name][row]) == pytest.approx(exact, rel=1e-9), (row, name)
 
 
 LINES_AND_POINTS = """\
-material,profile,radius [mm],width [um],load,force,thickness [mm],base,friction,electric
-BaTiO3,cylinder,50,,1e4,,,,0.1,
-BaTiO3,sphere,5,,,1,,,,
-BaTiO3,sphere,5,,,1,0.1,steel,,
-BaTiO3,disc,,100,,1,,,,insulating
-PZT-4,,50,,1e4,,0.2,rigid,,
+material,profile,radius [mm],width [um],load,force,thickness [mm],base,friction,electric,surroundings
+BaTiO3,cylinder,50,,1e4,,,,0.1,,
+BaTiO3,sphere,5,,,1,,,,,
+BaTiO3,sphere,5,,,1,0.1,steel,,,insulated
+BaTiO3,disc,,100,,1,,,,insulating,
+PZT-4,,50,,1e4,,0.2,rigid,,,insulated
 """
 
 
@@ -83,8 +83,10 @@ def test_a_table_mixes_lines_and_points_and_is_written_as_one(tmp_path: Path) ->
     disc: dict[str, Any] = {"material": "BaTiO3", "profile": "disc", "width": 1e-4, "force": 1.0}
     cases: list[dict[str, Any]] = [
         {"material": "BaTiO3", "radius": 0.05, "load": 1e4, "friction": 0.1},
-        ball, ball | {"thickness": 1e-4, "base": "steel"}, disc | {"electric": "insulating"},
-        {"material": "PZT-4", "radius": 0.05, "load": 1e4, "thickness": 2e-4, "base": "rigid"},
+        ball, ball | {"thickness": 1e-4, "base": "steel", "surroundings": "insulated"},
+        disc | {"electric": "insulating"},
+        {"material": "PZT-4", "radius": 0.05, "load": 1e4, "thickness": 2e-4, "base": "rigid",
+         "surroundings": "insulated"},
     ]  # fmt: skip
     for row, case in enumerate(cases):
         exact = solver.solve(case)
@@ -109,11 +111,11 @@ def test_the_place_between_two_patches_is_told_as_far_as_the_noise_lets_it() -> 
     gradient = float(solver.solve(case | read | {"patch_pitch": 4e-3})["patch_charge_gradient"])
     step = 1e-6
     places = np.array([2e-3 - step, 2e-3 + step, -2e-3 - step, -2e-3 + step])
-    found = solver.solve(case | read | {"patch_position": places})["patch_charge_per_force"].values
+    charges = solver.solve(case | read | {"patch_position": places})["patch_charge_per_force"].values
     moved = (
-        0.5 * ((found[3] - found[2]) - (found[1] - found[0])) / (2 * step)
+        0.5 * ((charges[3] - charges[2]) - (charges[1] - charges[0])) / (2 * step)
     )  # of the difference, by the contact's place
     figure = grammar.parse("position_resolution", "point")
     known = {"charge_noise": 1e-15, "patch_charge_gradient": gradient, "force": 0.5}
-    told = float(figure.evaluate({name: np.array(known[name]) for name in figure.names()}))
-    assert told == pytest.approx(np.sqrt(2) * 1e-15 / abs(moved), rel=1e-4)
+    resolution = float(figure.evaluate({name: np.array(known[name]) for name in figure.names()}))
+    assert resolution == pytest.approx(np.sqrt(2) * 1e-15 / abs(moved), rel=1e-4)

@@ -13,9 +13,21 @@ from workflow.cli import main
 from workflow.run.provenance import ROOT
 
 
-def test_the_example_mixes_films_and_half_planes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.fixture
+def films(tmp_path: Path) -> Path:
+    """The example without air, which takes long."""
+    header, *rows = (ROOT / "examples/films.csv").read_text(encoding="utf-8").splitlines()
+    text = [f"{header},surroundings", *(f"{row},{'insulated' if ',,,' not in row else ''}" for row in rows)]
+    path = tmp_path / "cases.csv"
+    path.write_text("\n".join(text), encoding="utf-8")
+    return path
+
+
+def test_the_example_mixes_films_and_half_planes(
+    films: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "films.nc"
-    assert main.main(["solve", str(ROOT / "examples/films.csv"), "-o", str(out), "--positions=-0.5,2"]) == 0
+    assert main.main(["solve", str(films), "-o", str(out), "--positions=-0.5,2"]) == 0
     assert "empty where a case has no such quantity: " in capsys.readouterr().err
     data = read_whole(out)
     assert set(QUANTITIES) <= set(data.data_vars)
@@ -29,10 +41,11 @@ def test_the_example_mixes_films_and_half_planes(tmp_path: Path, capsys: pytest.
         4: {"material": "PZT-4"},
     }  # fmt: skip
     for row, factors in rows.items():
-        exact = solver.solve(punch | factors, [-0.5, 2.0])
-        for name in exact.data_vars:  # of films in air, by iteration
-            np.testing.assert_allclose(data[name][row], exact[name], rtol=1e-8, err_msg=str(name))
-    assert data["surroundings"].values.tolist() == ["air", "air", "air", "air", "insulated"]
+        exact = solver.solve(
+            punch | factors | ({"surroundings": "insulated"} if "thickness" in factors else {}), [-0.5, 2.0]
+        )
+        for name in exact.data_vars:
+            np.testing.assert_allclose(data[name][row], exact[name], rtol=1e-9, err_msg=str(name))
 
 
 def test_films_alone_have_their_own_columns(tmp_path: Path) -> None:
@@ -45,9 +58,9 @@ def test_films_alone_have_their_own_columns(tmp_path: Path) -> None:
     assert float(data["capacitance_per_length"][0]) > 0
 
 
-def test_fields_inside_films_and_half_planes(tmp_path: Path) -> None:
+def test_fields_inside_films_and_half_planes(films: Path, tmp_path: Path) -> None:
     out = tmp_path / "inside.nc"
-    example, grid = str(ROOT / "examples/films.csv"), ["--x=0,0.5", "--y=-4,-0.5", "--fields=stress_yy,von_mises"]
+    example, grid = str(films), ["--x=0,0.5", "--y=-4,-0.5", "--fields=stress_yy,von_mises"]
     assert main.main(["interior", example, "-o", str(out), *grid]) == 0
     data = read_whole(out)
     rigid = data["base"].values == "rigid"

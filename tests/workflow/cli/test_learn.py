@@ -38,10 +38,10 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     exact = factorial.exact(uncertainty.moved(study, known, np.array([-1.5])), points).sel(composite="laminate")
     lines = ["# made up\n", HEADER]
     read = [points["radius"], points["load"], exact["depth"], exact["voltage"]]
-    for k, (radius, force, depth, voltage) in enumerate(zip(*(one.values.tolist() for one in read), strict=True)):
+    for k, (radius, force, depth, voltage) in enumerate(zip(*(column.values.tolist() for column in read), strict=True)):
         depth *= 1 + 0.002 * float(np.random.default_rng(k).normal())
-        told = repr(1e-3 * voltage * (1 + 0.003 * float(np.sin(9 * k)))) if k % 3 else ""
-        lines.append(f"{100 * radius!r},{force!r},laminate,{depth!r},{0.002 * depth!r},{told}\n")
+        voltage_text = repr(1e-3 * voltage * (1 + 0.003 * float(np.sin(9 * k)))) if k % 3 else ""
+        lines.append(f"{100 * radius!r},{force!r},laminate,{depth!r},{0.002 * depth!r},{voltage_text}\n")
     (folder / "rows.csv").write_text("".join(lines), encoding="utf-8")
     return folder
 
@@ -55,9 +55,9 @@ def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, caps
     out = project / "results/study/corrected.nc"
     assert asked(project, "--json") == 0
     said = capsys.readouterr()
-    found = json.loads(said.out)
-    assert (found["rows"], found["values"]) == (15, 25)
-    (stiffness,) = found["constants"]
+    summary = json.loads(said.out)
+    assert (summary["rows"], summary["values"]) == (15, 25)
+    (stiffness,) = summary["constants"]
     assert stiffness["name"] == "BaTiO3 stiffness"
     assert stiffness["mean"] == pytest.approx(-1.5, abs=0.3)
     assert f"wrote {out}" in said.err
@@ -83,7 +83,7 @@ def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, caps
         ("composite,", "composite [1],", "column 'composite': holds names, which have no unit"),
         ("voltage [kV]", "volts", "column 'volts': unknown column; did you mean"),
         ("voltage [kV]", "capacitance_per_length", "column 'capacitance_per_length': unknown column"),
-        ("voltage [kV]", "thickness", "thickness: neither an input of the surrogate nor learned by it"),
+        ("voltage [kV]", "slope", "slope: neither an input of the surrogate nor learned by it"),
         ("radius [cm]", "radius", "is outside the trained box [0.02, 0.1] m"),
         (",depth,", ",contact_trailing,", "depth_std: without a column depth"),
         (",depth,depth_std,voltage [kV]", ",friction,speed,datum", "friction: neither an input"),
@@ -131,16 +131,16 @@ def test_one_row_of_a_film_tells_e33_over_c33_and_not_the_two_apart(
     )
     words = ["learn", str(tmp_path / "row.csv"), "--on", str(tmp_path / "results/study/surrogate.nc"), "--json"]
     assert main.main([*words, "--uncertain", "PZT-4 e33=50%,PZT-4 c33=30%"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    e33, c33 = found["constants"]
-    (together,) = found["known_together"]
+    summary = json.loads(capsys.readouterr().out)
+    e33, c33 = summary["constants"]
+    (together,) = summary["known_together"]
     assert e33["mean"] + e33["std"] < 0
     assert min(e33["std"], c33["std"]) > 0.5
     # the charge goes with e33 and against c33, and hardly with what leaves their ratio
     assert together["combination"].startswith("+0.")
     assert " PZT-4 e33 -0." in together["combination"]
     assert together["posterior_over_prior"] < 0.4
-    assert found["discrepancies"] == []
+    assert summary["discrepancies"] == []
     corrected = load(tmp_path / "results/study/corrected.nc")
     assert isinstance(corrected, CorrectedGP)
     said = corrected.learnt_.split("\n")

@@ -73,9 +73,9 @@ def test_solve_gives_fields_where_positions_are_given(tmp_path: Path) -> None:
 
 
 def test_solve_takes_own_materials(tmp_path: Path) -> None:
-    own = write(tmp_path / "mine.yaml", "name: mine\nc11: 166e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\n")
+    material = write(tmp_path / "mine.yaml", "name: mine\nc11: 166e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\n")
     cases = write(tmp_path / "cases.csv", "material,radius,load\nmine,0.05,1e5\n")
-    assert main.main(["solve", str(cases), "-o", str(tmp_path / "out.nc"), "--materials", str(own)]) == 0
+    assert main.main(["solve", str(cases), "-o", str(tmp_path / "out.nc"), "--materials", str(material)]) == 0
     assert (tmp_path / "out.nc").is_file()
 
 
@@ -145,12 +145,12 @@ def test_query_prints_and_writes_what_the_surrogate_says(
     path = ran.folder / "results/small/surrogate.nc"
     model = surrogate.load(path)
     point = {"volume_fraction": 0.6, "friction": 0.2, "radius": 0.1, "load": 1e4}
-    at = ",".join(f"{k}={v}" for k, v in point.items())
-    assert main.main(["query", str(path), "--si", "--at", at]) == 0
+    point_text = ",".join(f"{k}={v}" for k, v in point.items())
+    assert main.main(["query", str(path), "--si", "--at", point_text]) == 0
     printed = capsys.readouterr().out
     for name in model.outputs_:
         assert name in printed
-    assert main.main(["query", str(path.parent), "--si", "--at", at]) == 0
+    assert main.main(["query", str(path.parent), "--si", "--at", point_text]) == 0
     assert capsys.readouterr().out == printed  # of the study's folder too
     table = write(tmp_path / "at.csv", "volume_fraction,friction,radius,load\n0.6,0.2,0.1,1e4\n0.5,0,0.02,5e3\n")
     out = tmp_path / "out.csv"
@@ -162,23 +162,23 @@ def test_query_prints_and_writes_what_the_surrogate_says(
     for name in model.outputs_:
         for key in (name, f"{name}_std", f"{name}_lower", f"{name}_upper"):
             assert float(rows[0][key]) == pytest.approx(float(expected[key][0]), rel=1e-9)
-        line = next(one for one in printed.splitlines() if one.split()[0] == name)
-        found = re.fullmatch(rf"{name} +(\S+) \[(\S+), (\S+)\] {model.attrs_[name]['units']} \(95 %\)", line.rstrip())
-        assert found, line
+        line = next(row_text for row_text in printed.splitlines() if row_text.split()[0] == name)
+        match = re.fullmatch(rf"{name} +(\S+) \[(\S+), (\S+)\] {model.attrs_[name]['units']} \(95 %\)", line.rstrip())
+        assert match, line
         half = float(expected[f"{name}_upper"][0] - expected[f"{name}_lower"][0]) / 2
-        for text, key in zip(found.groups(), (name, f"{name}_lower", f"{name}_upper"), strict=True):
+        for text, key in zip(match.groups(), (name, f"{name}_lower", f"{name}_upper"), strict=True):
             assert float(text) == pytest.approx(float(expected[key][0]), abs=0.051 * half)
     columns = [f"{name}{part}" for name in model.outputs_ for part in ("", "_std", "_lower", "_upper")]
     assert list(rows[0]) == [*point, *columns]
     assert "+-" not in printed
     assert [row["radius"] for row in rows] == ["0.1", "0.02"]
-    assert main.main(["query", str(path), "--si", "--at", at, "--level", "0.8"]) == 0
+    assert main.main(["query", str(path), "--si", "--at", point_text, "--level", "0.8"]) == 0
     name, narrow = model.outputs_[0], model.interval(named, 0.8)
-    line = next(one for one in capsys.readouterr().out.splitlines() if one.split()[0] == name)
-    found = re.fullmatch(rf"{name} +(\S+) \[(\S+), (\S+)\] .* \(80 %\)", line.rstrip())
-    assert found, line
+    line = next(row_text for row_text in capsys.readouterr().out.splitlines() if row_text.split()[0] == name)
+    match = re.fullmatch(rf"{name} +(\S+) \[(\S+), (\S+)\] .* \(80 %\)", line.rstrip())
+    assert match, line
     half = float(narrow[f"{name}_upper"][0] - narrow[f"{name}_lower"][0]) / 2
-    assert float(found[3]) == pytest.approx(float(narrow[f"{name}_upper"][0]), abs=0.051 * half)
+    assert float(match[3]) == pytest.approx(float(narrow[f"{name}_upper"][0]), abs=0.051 * half)
     for level in ("1", "0", "nan", "0.99999"):
         assert main.main(["query", str(path), str(table), "-o", str(tmp_path / "no.csv"), "--level", level]) == 2
         assert capsys.readouterr().err.startswith(
@@ -193,31 +193,31 @@ def test_query_gives_the_exact_answer_beside_its_own(
     monkeypatch.chdir(ran.folder)
     path, out = "results/small/surrogate.nc", tmp_path / "out.csv"
     point = {"load": 1e4, "volume_fraction": 0.5, "friction": 0.2, "radius": 0.05}
-    at = ",".join(f"{k}={v}" for k, v in point.items())
-    assert main.main(["query", path, "--at", at, "--exact", "small", "-o", str(out)]) == 0
+    point_text = ",".join(f"{k}={v}" for k, v in point.items())
+    assert main.main(["query", path, "--at", point_text, "--exact", "small", "-o", str(out)]) == 0
     with out.open(encoding="utf-8") as file:
         row = next(csv.DictReader(file))
     exact = solve(point)
     for name in ("voltage_per_load", "peak_pressure"):
         assert float(row[f"{name}_exact"]) == pytest.approx(float(exact[name]), rel=1e-13)
-    assert main.main(["query", path, "--at", at, "--exact", "small"]) == 0
+    assert main.main(["query", path, "--at", point_text, "--exact", "small"]) == 0
     assert f"exact {float(exact['peak_pressure']) / 1e6:.10g} MPa" in capsys.readouterr().out
-    assert "the study's factors are" in complaint(capsys, "query", path, "--at", at, "--exact", "quickstart")
+    assert "the study's factors are" in complaint(capsys, "query", path, "--at", point_text, "--exact", "quickstart")
     other = write(tmp_path / "another.yaml", SMALL.replace("fibrous", "laminate"))
-    line = complaint(capsys, "query", path, "--at", at, "--exact", other)
+    line = complaint(capsys, "query", path, "--at", point_text, "--exact", other)
     assert f"--exact: {other}: the surrogate was made from another study, or another state of it" in line
-    assert "study: 'smal' is unknown" in complaint(capsys, "query", path, "--at", at, "--exact", "smal")
+    assert "study: 'smal' is unknown" in complaint(capsys, "query", path, "--at", point_text, "--exact", "smal")
 
 
 def test_query_outside_the_box_is_refused_or_flagged(
     ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = ran.folder / "results/small/surrogate.nc"
-    at = "volume_fraction=0.6,friction=0.2,radius=0.5,load=1e4"
-    line = complaint(capsys, "query", path, "--at", at)
+    point_text = "volume_fraction=0.6,friction=0.2,radius=0.5,load=1e4"
+    line = complaint(capsys, "query", path, "--at", point_text)
     assert "radius" in line
     assert "0.5" in line
-    assert main.main(["query", str(path), "--at", at, "--extrapolate"]) == 0
+    assert main.main(["query", str(path), "--at", point_text, "--extrapolate"]) == 0
     assert "extrapolated" in capsys.readouterr().out
     table = write(tmp_path / "at.csv", "volume_fraction,friction,radius,load\n0.6,0.2,0.1,1e4\n0.6,0.2,0.5,1e4\n")
     out = tmp_path / "out.csv"
@@ -229,7 +229,7 @@ def test_query_outside_the_box_is_refused_or_flagged(
 
 
 @pytest.mark.parametrize(
-    ("at", "expected"),
+    ("point_text", "expected"),
     [
         ("radius=0.1", "volume_fraction: missing; the surrogate needs volume_fraction, friction, radius, load"),
         ("radius=0.1,raduis=0.2", "raduis: not an input of the surrogate; did you mean 'radius'?"),
@@ -240,9 +240,11 @@ def test_query_outside_the_box_is_refused_or_flagged(
         ("volume_fraction=nan,friction=0.2,radius=0.1,load=1e4", "nan"),
     ],
 )
-def test_query_refuses_bad_points(ran: Project, capsys: pytest.CaptureFixture[str], at: str, expected: str) -> None:
+def test_query_refuses_bad_points(
+    ran: Project, capsys: pytest.CaptureFixture[str], point_text: str, expected: str
+) -> None:
     path = ran.folder / "results/small/surrogate.nc"
-    assert expected in complaint(capsys, "query", path, "--at", at)
+    assert expected in complaint(capsys, "query", path, "--at", point_text)
 
 
 def test_query_refuses_what_is_no_surrogate(ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -281,7 +283,7 @@ def test_a_table_of_every_kind_of_punch(tmp_path: Path, capsys: pytest.CaptureFi
     table.write_text(MIXED, encoding="utf-8")
     assert main.main(["solve", str(table), "-o", str(out), "--positions=-2,0,0.5", "--peaks"]) == 0
     assert "empty where a case has no such quantity: peak_pressure, magnetic_potential" in capsys.readouterr().err
-    found = read_whole(out)
+    data = read_whole(out)
     alone = [
         {"radius": 0.05, "material": "BaTiO3", "load": 1e5, "friction": 0.3, "charge": 1e-6},
         {"profile": "flat", "width": 0.01, "volume_fraction": 0.4, "load": 1e5, "friction": 0.2,
@@ -295,23 +297,23 @@ def test_a_table_of_every_kind_of_punch(tmp_path: Path, capsys: pytest.CaptureFi
     for row, factors in enumerate(alone):
         expected = solver.solve(factors, [-2.0, 0.0, 0.5], peaks=True)
         for name in names:
-            np.testing.assert_allclose(found[name].isel(case=row), expected[name], rtol=1e-9, err_msg=f"{name}, {row}")
-    assert list(found["profile"].values) == ["cylinder", "flat", "wedge", "half_cylinder", "flat"]
+            np.testing.assert_allclose(data[name].isel(case=row), expected[name], rtol=1e-9, err_msg=f"{name}, {row}")
+    assert list(data["profile"].values) == ["cylinder", "flat", "wedge", "half_cylinder", "flat"]
 
 
 def test_the_interior_of_a_table_of_cases(tmp_path: Path) -> None:
     table, out = tmp_path / "cases.csv", tmp_path / "out.nc"
     table.write_text(MIXED, encoding="utf-8")
     assert main.main(["interior", str(table), "-o", str(out), "--x=-1.2,0,2", "--y=-0.5,0"]) == 0
-    found = read_whole(out)
-    assert set(found.data_vars) == set(INTERIOR)
-    assert found["von_mises"].dims == ("case", "y", "x")
+    data = read_whole(out)
+    assert set(data.data_vars) == set(INTERIOR)
+    assert data["von_mises"].dims == ("case", "y", "x")
     expected = solver.solve_interior(
         {"profile": "wedge", "slope": 0.02, "material": "PZT-4", "load": 2e4, "friction": 0.1}, [-1.2, 0, 2], [-0.5, 0]
     )
     for name in INTERIOR:
         scale = float(np.abs(expected[name]).max())
-        np.testing.assert_allclose(found[name].isel(case=2), expected[name], rtol=1e-9, atol=1e-12 * scale)
+        np.testing.assert_allclose(data[name].isel(case=2), expected[name], rtol=1e-9, atol=1e-12 * scale)
 
 
 @pytest.mark.parametrize(

@@ -20,9 +20,9 @@ SLOPE = -0.05  # V for a N/m
 
 @pytest.fixture(autouse=True)
 def results(monkeypatch: pytest.MonkeyPatch) -> None:
-    own = Input("load", 1e3, 1e5, "log", "N m-1")
-    levels = own.levels(14)
-    model = GridGP(inputs=[own]).fit(xr.Dataset({"voltage": ("load", SLOPE * levels)}, {"load": levels}))
+    axis = Input("load", 1e3, 1e5, "log", "N m-1")
+    levels = axis.levels(14)
+    model = GridGP(inputs=[axis]).fit(xr.Dataset({"voltage": ("load", SLOPE * levels)}, {"load": levels}))
     study = made(STUDY)
     monkeypatch.setattr(questions, "results", lambda folder: (study, model))
 

@@ -21,9 +21,9 @@ class Terminal(io.StringIO):
 
 def record(event: str = "", level: int = logging.INFO, message: str = "", **known: Any) -> logging.LogRecord:
     """What Snakemake logs."""
-    one = logging.LogRecord("snakemake.logging", level, "", 0, message, None, None)
-    one.__dict__.update(known, event=type("Event", (), {"value": event})())
-    return one
+    entry = logging.LogRecord("snakemake.logging", level, "", 0, message, None, None)
+    entry.__dict__.update(known, event=type("Event", (), {"value": event})())
+    return entry
 
 
 def told(shown: Progress) -> list[bool]:
@@ -37,7 +37,7 @@ def told(shown: Progress) -> list[bool]:
         record(message="Nothing to be done (all requested files are present and up to date)."),
         record("job_error", logging.ERROR, "Error in rule surrogate"),
     ]
-    return [shown.filter(one) for one in lines]
+    return [shown.filter(entry) for entry in lines]
 
 
 def test_a_log_has_a_line_a_step_and_a_terminal_one_line_in_all() -> None:

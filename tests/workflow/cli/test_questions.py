@@ -45,20 +45,20 @@ def test_answers_as_a_table_and_as_json(
     for form in ([], ["--json"]):
         assert main.main(["design", "results/small", *words, *form]) == 0
         tables.append(capsys.readouterr().out)
-    first, told, *rest = tables[0].splitlines()
+    first, sentence, *table = tables[0].splitlines()
     assert first == "maximise abs(voltage_per_load)"
-    assert told.startswith(
+    assert sentence.startswith(
         "Beyond linear theory; otherwise recommended: limited by tension behind the contact of 50 MPa."
     )
-    assert len(told) <= 100  # columns, for people
-    assert rest.index("polish: on the exact solver") == rest.index("feasible; binding: trailing_tension<5e7") + 1
-    found = json.loads(tables[1])
-    assert found["polish"] == "on the exact solver"
-    at = {name: one["value"] for name, one in found["factors"].items()}
+    assert len(sentence) <= 100  # columns, for people
+    assert table.index("polish: on the exact solver") == table.index("feasible; binding: trailing_tension<5e7") + 1
+    content = json.loads(tables[1])
+    assert content["polish"] == "on the exact solver"
+    point = {name: factor["value"] for name, factor in content["factors"].items()}
     friction = np.linspace(0.1, 0.4, 61)
-    exact = solve({**at, "friction": friction, "composite": "fibrous"})
+    exact = solve({**point, "friction": friction, "composite": "fibrous"})
     best = float(abs(exact["voltage_per_load"]).min())
-    assert found["terms"]["abs(voltage_per_load)"]["exact"] == pytest.approx(best, rel=1e-9)
+    assert content["terms"]["abs(voltage_per_load)"]["exact"] == pytest.approx(best, rel=1e-9)
     assert float(exact["trailing_tension"].max()) <= 5e7
     grid = solve(
         {"volume_fraction": np.linspace(0.4, 0.8, 200), "radius": np.geomspace(0.02, 0.2, 200), "load": 1e4,
@@ -73,12 +73,12 @@ def test_an_answer_is_written_as_its_ending_says_or_not_at_all(
     ran: Project, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(ran.folder)
-    asked = {"maximise": ["peak_pressure"], "over": ["radius"], "at": ["load=1e4,friction=0,volume_fraction=0.5"]}
-    words = ["design", "results/small", *(part for name, (one,) in asked.items() for part in (f"--{name}", one))]
-    told: list[str] = []
-    answer = questions.ask(Path("results/small"), asked, told.append)
+    options = {"maximise": ["peak_pressure"], "over": ["radius"], "at": ["load=1e4,friction=0,volume_fraction=0.5"]}
+    words = ["design", "results/small", *(part for name, (path,) in options.items() for part in (f"--{name}", path))]
+    steps: list[str] = []
+    answer = questions.ask(Path("results/small"), options, steps.append)
     exactly = [f"{step} on the exact solver" for step in ("polishing", "judging")]
-    assert told == ["searching", *exactly, "the fields of the design"]
+    assert steps == ["searching", *exactly, "the fields of the design"]
     for name, written in (("x.csv", as_csv([answer])), ("x.json", f"{as_json(answer)}\n")):
         assert main.main([*words, "-o", str(tmp_path / name)]) == 0
         assert (tmp_path / name).read_text(encoding="utf-8") == written
@@ -87,7 +87,7 @@ def test_an_answer_is_written_as_its_ending_says_or_not_at_all(
     with pytest.raises(SystemExit, match="2"):
         main.main([*words, "-o", str(tmp_path / "x.xlsx")])
     assert "x.xlsx': must end in .csv or .json: the answer is written as CSV or JSON\n" in capsys.readouterr().err
-    assert {one.name for one in tmp_path.iterdir()} == {"x.csv", "x.json"}
+    assert {path.name for path in tmp_path.iterdir()} == {"x.csv", "x.json"}
 
 
 def test_several_goals_give_a_front(ran: Project) -> None:

@@ -16,9 +16,9 @@ from workflow.run.provenance import ROOT
 from workflow.study import layered, location
 
 
-@pytest.mark.parametrize("given", ["0", "-1", "x", "1.5", "", "１", "9" * 4301])
-def test_cores_are_a_number_from_one_on_or_all(given: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "--cores: " in complaint(capsys, "run", "quickstart", f"--cores={given}")
+@pytest.mark.parametrize("count", ["0", "-1", "x", "1.5", "", "１", "9" * 4301])
+def test_cores_are_a_number_from_one_on_or_all(count: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "--cores: " in complaint(capsys, "run", "quickstart", f"--cores={count}")
 
 
 @pytest.mark.parametrize("command", [["solve"], ["interior", "--x=0", "--y=-1"]])
@@ -37,10 +37,10 @@ def test_the_help_of_query_shows_single_percent_signs(capsys: pytest.CaptureFixt
 
 
 def test_a_composite_is_no_misspelt_material(capsys: pytest.CaptureFixture[str]) -> None:
-    told = complaint(capsys, "material", "AlScN")
-    assert "is a composition, not one material: a case says composite=AlScN and scandium_fraction" in told
-    assert "scandium_fraction" in told
-    assert "did you mean" not in told
+    refusal = complaint(capsys, "material", "AlScN")
+    assert "is a composition, not one material: a case says composite=AlScN and scandium_fraction" in refusal
+    assert "scandium_fraction" in refusal
+    assert "did you mean" not in refusal
 
 
 def test_the_page_s_own_names_lead_to_the_interface_s() -> None:

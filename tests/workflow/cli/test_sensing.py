@@ -9,6 +9,7 @@ import pytest
 
 from tests.workflow.cli.test_main import complaint
 from workflow.cli import main, sensing
+from workflow.device import contact
 from workflow.run.provenance import ROOT
 
 PAGE = (ROOT / "docs/signal.md").read_text(encoding="utf-8")
@@ -21,6 +22,7 @@ def test_the_example_of_the_page_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(contact, "_COUNT", 5)  # contacts in air take long
     (tmp_path / "history.csv").write_text(BLOCKS[0].replace("    ", ""), encoding="utf-8")
     program, *words = shlex.split(BLOCKS[1])
     assert program == "meecontact"
@@ -76,6 +78,7 @@ def test_the_rows_of_an_oscilloscope_are_read_and_long_signals_thinned(
         ("time,force\n0,0\n1,1\n", CASE, f"{DEVICE},cable=1", "cable: unknown key"),
         ("time,force\n0,0\n1,1\n", f"{CASE},radius=1", DEVICE, "given twice"),
         ("time,force\n0,0\n1,1\n", "profile=sphere,material=stel,radius=1", DEVICE, "did you mean 'steel'"),
+        ("time,force\n0,0\n1,1\n", "profile=sphere,material=BaTiO3,radius=20", DEVICE, "did you mean 20 mm?"),
         ("time,force\n0,0\n1,1\n", "material=BaTiO3,radius=1", DEVICE, "electrode_length: missing"),
     ],
 )

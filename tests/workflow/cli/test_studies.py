@@ -39,8 +39,8 @@ def test_what_init_writes_is_a_study_with_a_comment_on_every_part(
 
 
 def test_list_tells_every_name_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    told = studies.listed(None)
-    assert [line for line in told.splitlines() if line.endswith(":") and " " not in line] == [
+    printed = studies.listed(None)
+    assert [line for line in printed.splitlines() if line.endswith(":") and " " not in line] == [
         "studies:", "factors:", "quantities:", "materials:"
     ]  # fmt: skip
     quantities = studies.listed("quantities").splitlines()
@@ -49,11 +49,11 @@ def test_list_tells_every_name_once(monkeypatch: pytest.MonkeyPatch, tmp_path: P
     assert re.search(r"^quickstart +Which composite", studies.listed("studies"), re.MULTILINE)
     with pytest.raises(InputError, match=r"^list: 'material' is unknown; did you mean 'materials'\?"):
         studies.listed("material")
-    here = studies.listed("studies")
+    local = studies.listed("studies")
     monkeypatch.chdir(tmp_path)
-    assert studies.listed("studies") == here  # those that come with the program
+    assert studies.listed("studies") == local  # those that come with the program
     (tmp_path / "config").mkdir()
     (tmp_path / "config/mine.yaml").write_text("title: My own\n", encoding="utf-8")
     first, *others = studies.listed("studies").splitlines()
     assert first.split() == ["mine", "My", "own"]
-    assert [line.split() for line in others] == [line.split() for line in here.splitlines()]
+    assert [line.split() for line in others] == [line.split() for line in local.splitlines()]

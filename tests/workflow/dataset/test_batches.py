@@ -74,19 +74,19 @@ def test_it_is_the_surrogate_of_the_whole_factorial(study: Study, slabs: list[Pa
     whole = GridGP(inputs=factorial.inputs(study), outputs=study.output_names, compression=1e-9).fit(exact)
     points = {name: values.values for name, values in draws.points(study, 200, (5,)).items()}
     X = np.stack(list(points.values()), axis=1)
-    away = np.abs(crossed.predict_array(X) - whole.predict_array(X)).max(axis=0)
-    assert (away <= 1e-3 * np.array([np.ptp(exact[name].values) for name in study.outputs])).all()
+    errors = np.abs(crossed.predict_array(X) - whole.predict_array(X)).max(axis=0)
+    assert (errors <= 1e-3 * np.array([np.ptp(exact[name].values) for name in study.outputs])).all()
     assert crossed.made_from_ == study.physics
 
 
 def test_slabs_and_restarts_change_no_byte(study: Study, slabs: list[Path], tmp_path: Path) -> None:
-    one = study.model_copy(update={"dataset": study.dataset.model_copy(update={"slabs": 1})})
+    single_slab = study.model_copy(update={"dataset": study.dataset.model_copy(update={"slabs": 1})})
     for name in ("0.nc", "0_0.nc"):  # a run of one slab a batch that was ended after its first
         if name == "0.nc":
             (tmp_path / name).write_bytes((slabs[0].parent / name).read_bytes())
         else:
-            batches.write_slab(one, tmp_path / "0.nc", 0, tmp_path / name)
-    again = run(one, tmp_path)
+            batches.write_slab(single_slab, tmp_path / "0.nc", 0, tmp_path / name)
+    again = run(single_slab, tmp_path)
     assert len(again) < len(slabs)
     assert gathered(again, tmp_path / "again.nc") == gathered(slabs, tmp_path / "first.nc")
 
@@ -94,17 +94,17 @@ def test_slabs_and_restarts_change_no_byte(study: Study, slabs: list[Path], tmp_
 def test_the_card_counts_what_was_solved(study: Study, slabs: list[Path]) -> None:
     card = datacard.card(study, "crossed", slabs, [])
     places = sum(read_whole(slab).sizes["place"] for slab in slabs)
-    assert card["cases"] == 6 * places == 6 * sum(one["levels"] for one in card["files"])
+    assert card["cases"] == 6 * places == 6 * sum(file["levels"] for file in card["files"])
     assert card["positions"] == []
     assert "a cross approximation asked for" in datacard.markdown(card)
 
 
 def test_films_that_differ_in_size_alone_share_their_tables(study: Study) -> None:
     cases = {"volume_fraction": 0.471, "lower_volume_fraction": 0.522, "load": 2e4}
-    one = factorial.exact(study, {**cases, "thickness": xr.DataArray([2e-4], dims="thickness")})
-    made = window.cache_info().misses
+    answer = factorial.exact(study, {**cases, "thickness": xr.DataArray([2e-4], dims="thickness")})
+    misses = window.misses
     factorial.exact(study, {**cases, "thickness": xr.DataArray([2e-4, 2.1e-4], dims="thickness")})
-    assert window.cache_info().misses == made
+    assert window.misses == misses
     # by dimension: twice the lengths under twice the load
     fixed = study.model_copy(update={"fixed": {**study.fixed, "radius": 0.1}})
     twice = factorial.exact(fixed, {**cases, "load": 4e4, "thickness": xr.DataArray([4e-4], dims="thickness")})
@@ -114,7 +114,7 @@ def test_films_that_differ_in_size_alone_share_their_tables(study: Study) -> Non
         "contact_offset": 2.0,
         "capacitance_per_length": 1.0,
     }.items():
-        np.testing.assert_allclose(twice[name].values, times * one[name].values, rtol=1e-10)
+        np.testing.assert_allclose(twice[name].values, times * answer[name].values, rtol=1e-10)
 
 
 @pytest.mark.parametrize(
@@ -166,18 +166,18 @@ def test_any_study_whose_factorial_is_beyond_the_budget_takes_a_part_of_it(tmp_p
     study = made(text)
     assert sorted(study.crossed) == sorted(study.axes)
     files = run(study, tmp_path)
-    asked = quantities.gather([read_whole(file) for file in files])
-    model = training.fit(study, asked)
+    solved = quantities.gather([read_whole(file) for file in files])
+    model = training.fit(study, solved)
     plain = study.model_copy(
         update={"surrogate": study.surrogate.model_copy(update={"method": "factorial", "log": []})}
     )
     whole = fitted(plain)
     X = np.stack([values.values for values in draws.points(study, 200, (7,)).values()], axis=1)
-    away = np.abs(model.predict_array(X) - whole.predict_array(X)).max(axis=0)
+    errors = np.abs(model.predict_array(X) - whole.predict_array(X)).max(axis=0)
     # what 24 places on levels keep, other points may exceed
-    assert (away <= 5 * study.validation.tolerance * np.ptp(whole.predict_array(X), axis=0)).all()
-    assert asked.sizes["place"] == model.cases_ < study.cases / (1 if grouped else 2)
-    table = training.validate(study, asked, factorial.sample(study, 60, (8,)), model)
+    assert (errors <= 5 * study.validation.tolerance * np.ptp(whole.predict_array(X), axis=0)).all()
+    assert solved.sizes["place"] == model.cases_ < study.cases / (1 if grouped else 2)
+    table = training.validate(study, solved, factorial.sample(study, 60, (8,)), model)
     assert float(table["max_error"].max()) <= 2e-3
 
 

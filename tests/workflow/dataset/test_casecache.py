@@ -37,10 +37,10 @@ def slab(study: Study, results: Path) -> tuple[CaseCache, bytes]:
     """A slab of the study written with what is kept: who was asked, and the bytes."""
     output = results / "film/fields/slab_0.nc"
     output.parent.mkdir(parents=True, exist_ok=True)
-    own = CaseCache(results, output)
-    slabs.write_slab(study, 0, output, own)
-    own.tell()
-    return own, output.read_bytes()
+    cache = CaseCache(results, output)
+    slabs.write_slab(study, 0, output, cache)
+    cache.tell()
+    return cache, output.read_bytes()
 
 
 def test_nested_levels_take_the_cases_of_before_and_give_equal_bytes(film: Study, tmp_path: Path) -> None:
@@ -70,10 +70,10 @@ def test_half_of_a_file_is_solved_again(film: Study, tmp_path: Path) -> None:
 
 
 def test_random_cases_are_those_of_the_solver(film: Study, tmp_path: Path) -> None:
-    own, again = (CaseCache(tmp_path, tmp_path / "film/cases/validation.nc") for _ in range(2))
-    first, second = (factorial.cases(film, "validation", one) for one in (own, again))
+    cache, again = (CaseCache(tmp_path, tmp_path / "film/cases/validation.nc") for _ in range(2))
+    first, second = (factorial.cases(film, "validation", job_cache) for job_cache in (cache, again))
     plain = factorial.cases(film, "validation")
-    assert (own.taken, own.cases, again.taken) == (0, 40, 40)  # on two bases
+    assert (cache.taken, cache.cases, again.taken) == (0, 40, 40)  # on two bases
     xr.testing.assert_identical(first, second)
     assert list(first.variables) == list(plain.variables)
     assert first.attrs == plain.attrs
@@ -96,8 +96,8 @@ def test_cases_that_take_microseconds_are_not_kept(tmp_path: Path) -> None:
         ", interface_electric: grounded, interface_magnetic: grounded", ""
     )
     half = made("\n".join(line for line in text.split("\n") if "thickness" not in line))
-    own, _ = slab(half, tmp_path)
-    assert own.cases == 0
+    cache, _ = slab(half, tmp_path)
+    assert cache.cases == 0
     assert not list((tmp_path / casecache.FOLDER).rglob("*.nc"))
 
 
@@ -123,8 +123,8 @@ def test_an_answer_to_another_case_is_solved_again(film: Study, tmp_path: Path) 
         "truncated": (contents[0][:-1], contents[1]),
         "empty": (b"", contents[1]),
     }
-    for kind, (one, other) in poisons.items():
-        first.write_bytes(one)
+    for kind, (poison, other) in poisons.items():
+        first.write_bytes(poison)
         second.write_bytes(other)
         again, bytes_ = slab(film, tmp_path)
         assert (again.taken, bytes_) == (0 if kind == "swapped" else 18, whole), kind

@@ -55,11 +55,11 @@ def test_slabs_make_up_the_factorial(study: Study, count: int, tmp_path: Path) -
 
 
 def test_samples_are_in_the_box_and_follow_the_seed(study: Study) -> None:
-    one, again, other = (factorial.sample(study, 400, seed) for seed in ((1, 0), (1, 0), (1, 1)))
-    assert one.equals(again)
-    assert not one.equals(other)
+    first, again, other = (factorial.sample(study, 400, seed) for seed in ((1, 0), (1, 0), (1, 1)))
+    assert first.equals(again)
+    assert not first.equals(other)
     for name, axis in study.factors.items():
-        values = one[name].values
+        values = first[name].values
         assert values.min() >= axis.low
         assert values.max() <= axis.high
         middle = np.sqrt(axis.low * axis.high) if axis.scale == "log" else (axis.low + axis.high) / 2

@@ -53,11 +53,13 @@ def test_every_case_of_the_data_set_is_the_solvers(study: Study, slabs: list[Pat
     assert parts[0]["voltage"].attrs["long_name"] == "electric potential of the punch"
     for part, where in zip(parts, ((1, 3, 4, 0), (0, 5, 0, 1)), strict=True):
         names = ("volume_fraction", "load", "thickness", "base")
-        one = part.isel(dict(zip(names, (where[0], where[2], where[1], where[3]), strict=True)))
-        case = {name: one[name].item() for name in names}
-        exact = solver.solve(study.fixed | case, one["position"].values)
+        stored = part.isel(dict(zip(names, (where[0], where[2], where[1], where[3]), strict=True)))
+        case = {name: stored[name].item() for name in names}
+        exact = solver.solve(study.fixed | case, stored["position"].values)
         for name in (*study.quantities, *FIELDS):
-            np.testing.assert_allclose(one[name], exact[name], rtol=1e-9, atol=1e-9 * float(np.abs(part[name]).max()))
+            np.testing.assert_allclose(
+                stored[name], exact[name], rtol=1e-9, atol=1e-9 * float(np.abs(part[name]).max())
+            )
 
 
 def test_the_surrogate_of_a_few_tables_hits_cases_between_them(study: Study, slabs: list[Path]) -> None:
@@ -92,13 +94,13 @@ def test_the_card_says_what_hangs_on_the_datum(study: Study, slabs: list[Path]) 
 @pytest.mark.parametrize(("factor", "last"), [("thickness", np.nan), ("base", "half-plane")])
 def test_effects_of_films_stand_beside_the_half_plane(study: Study, factor: str, last: object) -> None:
     assert study.effects is not None
-    found = effects.effect(study, factor)
-    np.testing.assert_array_equal(found[factor].values[-1:], [last])
+    curves = effects.effect(study, factor)
+    np.testing.assert_array_equal(curves[factor].values[-1:], [last])
     positions = study.effects.positions.values()
     baseline = dict(study.effects.baseline)
     np.testing.assert_array_equal(
-        found["contact_pressure"].isel({factor: -1}), solver.solve(baseline, positions)["contact_pressure"]
+        curves["contact_pressure"].isel({factor: -1}), solver.solve(baseline, positions)["contact_pressure"]
     )
     film = solver.solve(baseline | {"thickness": 2e-4, "surroundings": "insulated", "base": "silicon"}, positions)
-    np.testing.assert_allclose(found["stress_xx"].isel({factor: 1}), film["stress_xx"], rtol=1e-12)
+    np.testing.assert_allclose(curves["stress_xx"].isel({factor: 1}), film["stress_xx"], rtol=1e-12)
     assert "thickness" not in effects.effect(study, "friction").coords

@@ -53,25 +53,25 @@ def folder(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_mask_is_that_of_cases_solved_alone(study: Study, folder: Path) -> None:
-    found = read_whole(folder / "quantities.nc")
-    mask = found[REFUSAL] > 0
+    data = read_whole(folder / "quantities.nc")
+    mask = data[REFUSAL] > 0
     assert 0.02 < float(mask.mean()) < refusals.MOST
-    assert found[REASON].values.tolist() == [REASON_GIVEN]
-    assert {name for name in found.data_vars if name != REASON and np.isnan(found[name]).any()} == {*study.quantities}
+    assert data[REASON].values.tolist() == [REASON_GIVEN]
+    assert {name for name in data.data_vars if name != REASON and np.isnan(data[name]).any()} == {*study.quantities}
     levels = factorial.levels(study)
     random = np.random.default_rng(1)
-    some = [tuple(place) for place in random.permutation(np.argwhere(mask.values))[:4]]
-    some += [tuple(place) for place in random.permutation(np.argwhere(~mask.values))[:8]]
-    for place in some:
+    places = [tuple(place) for place in random.permutation(np.argwhere(mask.values))[:4]]
+    places += [tuple(place) for place in random.permutation(np.argwhere(~mask.values))[:8]]
+    for place in places:
         case = {name: levels[name][k] for name, k in zip(map(str, mask.dims), place, strict=True)}
         if mask.values[place]:
             with pytest.raises(CaseError, match=re.escape(REASON_GIVEN)):
                 solve({**study.fixed, **case})
-            assert all(np.isnan(found[name].values[place]) for name in study.quantities)
+            assert all(np.isnan(data[name].values[place]) for name in study.quantities)
         else:
             alone = solve({**study.fixed, **case})
             for name in study.quantities:
-                np.testing.assert_allclose(found[name].values[place], alone[name], rtol=1e-12)
+                np.testing.assert_allclose(data[name].values[place], alone[name], rtol=1e-12)
 
 
 def test_slabs_hold_the_mask_of_their_fields_too_and_the_card_counts_no_refused_case(
@@ -86,11 +86,13 @@ def test_slabs_hold_the_mask_of_their_fields_too_and_the_card_counts_no_refused_
     for name in ("contact_pressure", "depth"):
         parts = [read_whole(folder / file["name"])[name] for file in card["files"]]
         values = np.concatenate([part.values for part in parts])
-        told = card["variables"][name]
-        assert told["count"] == np.isfinite(values).sum()
-        assert told["count"] < values.size
-        assert told["attributes"]["mean"] == pytest.approx(np.nanmean(values.astype(float)), rel=1e-9)
-        assert told["attributes"]["actual_range"] == pytest.approx([np.nanmin(values), np.nanmax(values)], rel=1e-12)
+        described = card["variables"][name]
+        assert described["count"] == np.isfinite(values).sum()
+        assert described["count"] < values.size
+        assert described["attributes"]["mean"] == pytest.approx(np.nanmean(values.astype(float)), rel=1e-9)
+        assert described["attributes"]["actual_range"] == pytest.approx(
+            [np.nanmin(values), np.nanmax(values)], rel=1e-12
+        )
 
 
 def test_a_slab_of_which_nothing_is_answered_is_a_slab(study: Study) -> None:
@@ -128,10 +130,10 @@ def test_a_few_refused_cases_among_many_cost_few_calls() -> None:
         return xr.Dataset({"f": a + b})
 
     axis = np.arange(64.0)
-    found = refusals.answered(solved, {"a": axis, "b": axis})
-    assert np.argwhere(found[REFUSAL].values > 0).tolist() == [[63, 62], [63, 63]]
-    np.testing.assert_array_equal(np.isnan(found["f"].values), found[REFUSAL].values > 0)
-    assert float(found["f"][10, 20]) == 30
+    answers = refusals.answered(solved, {"a": axis, "b": axis})
+    assert np.argwhere(answers[REFUSAL].values > 0).tolist() == [[63, 62], [63, 63]]
+    np.testing.assert_array_equal(np.isnan(answers["f"].values), answers[REFUSAL].values > 0)
+    assert float(answers["f"][10, 20]) == 30
     assert calls <= 1 + 2 * 12 + 2
 
 
@@ -158,8 +160,8 @@ def test_a_factorial_that_lacks_too_much_is_refused_in_one_line() -> None:
 
 
 def test_a_box_of_which_most_is_refused_is_bad_input() -> None:
-    told = refusal(edited(STUDY, "low: 2e5", "low: 2e4"))
-    assert told.startswith("factors: the solver refuses more than 20 % of the box: contact: it would")
+    message = refusal(edited(STUDY, "low: 2e5", "low: 2e4"))
+    assert message.startswith("factors: the solver refuses more than 20 % of the box: contact: it would")
 
 
 def test_a_check_that_takes_long_ends_and_tells_the_time_of_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -189,11 +191,11 @@ def test_the_surrogate_of_a_study_with_holes_is_exact_at_kept_nodes_and_refuses_
     model = training.fit(study, whole)
     nodes = factorial.training_data(study, whole)
     points = {name: nodes[name] for name in study.factors}
-    found = model.predict(points, return_std=False)
+    predicted = model.predict(points, return_std=False)
     for name in ("depth", "contact_trailing", "voltage_per_load"):
         truth = nodes[name].transpose(*study.factors).values
-        away = np.abs(found[name].transpose(*study.factors).values - truth)
-        assert np.nanmax(away) <= 1e-12 * np.nanmax(np.abs(truth))
+        errors = np.abs(predicted[name].transpose(*study.factors).values - truth)
+        assert np.nanmax(errors) <= 1e-12 * np.nanmax(np.abs(truth))
     training.calibrated(study, model, whole, factorial.cases(study, "calibration"))
     assert model.region_ is not None
     other = study.validation.model_copy(update={"seed": 9})

@@ -56,8 +56,8 @@ def test_cases_for_calibration_reach_the_ends_of_groups(study: Study) -> None:
     mixture = study.model_copy(update={"factors": {**study.factors, "friction": study.factors["charge"]}})
     drawn = draws.points(mixture, 40, (5, 0)) | {"friction": xr.DataArray(np.repeat([0.3, 0.1], 20), dims="case")}
     assert mixture.tabled == ["friction"]
-    found, flags = draws.towards_ends(mixture, drawn, (5, 1))
-    np.testing.assert_array_equal(found["friction"], np.repeat([0.3, 0.1], 40))  # as they came, and together
+    both_samples, flags = draws.towards_ends(mixture, drawn, (5, 1))
+    np.testing.assert_array_equal(both_samples["friction"], np.repeat([0.3, 0.1], 40))  # as they came, and together
     assert flags.reshape(2, 2, 20)[:, 0].all()
     assert not flags.reshape(2, 2, 20)[:, 1].any()
 
@@ -79,15 +79,15 @@ def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study)
     grouping = factorial.grouping(study)
     X = np.array([[case[name] for name in study.factors]])
     axes = dict(zip(study.axes, grouping.products.values(X)[0][:, None], strict=True))
-    stored, true = (factorial.training_data(study, factorial.exact(study, one)) for one in (axes, case))
-    at = representatives.factors(study, axes)
-    near = np.array([[np.asarray(at[name]).item() for name in study.factors]])
+    stored, true = (factorial.training_data(study, factorial.exact(study, place)) for place in (axes, case))
+    factors = representatives.factors(study, axes)
+    near = np.array([[np.asarray(factors[name]).item() for name in study.factors]])
     assert near[0, 0] == pytest.approx(np.sqrt(2e-4 * 1e-3))
     values = np.array([[stored[name].item()] for name in study.output_names])
     scales = grouping.scales(study.output_names)
-    told = scales.untransform(scales.transform(values, near), X)
-    for name, found in zip(study.output_names, told[:, 0], strict=True):
-        assert found == pytest.approx(true[name].item(), rel=1e-7), name
+    followed = scales.untransform(scales.transform(values, near), X)
+    for name, value in zip(study.output_names, followed[:, 0], strict=True):
+        assert value == pytest.approx(true[name].item(), rel=1e-7), name
     assert grouping.scalings["depth[steel]"].coefficient > 0
     assert grouping.scalings["depth[rigid]"].coefficient == pytest.approx(0, abs=1e-12 * true["depth[rigid]"].item())
 
@@ -130,5 +130,5 @@ def test_blocks_of_the_data_set_are_over_the_axes(study: Study) -> None:
     data = factorial.exact(study, factorial.axes(study))
     assert data["voltage"].dims == ("load_radius_per_thickness2", "charge_per_load", "base")
     assert data["load_radius_per_thickness2"].attrs["units"] == "Pa"
-    charged, own = data["charge"] / data["load"], data["charge_per_load"]
-    np.testing.assert_allclose(charged, own.broadcast_like(charged), rtol=1e-12)
+    charged, axis = data["charge"] / data["load"], data["charge_per_load"]
+    np.testing.assert_allclose(charged, axis.broadcast_like(charged), rtol=1e-12)

@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 import tracemalloc
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,8 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 
 from solver.fields import FIELDS
 from solver.names import QUANTITIES
@@ -83,15 +86,15 @@ def test_opening_reads_no_field(folder: Path, monkeypatch: pytest.MonkeyPatch) -
     reads: list[int] = []
     read = dataset.Stacked._read
 
-    def counted(self: dataset.Stacked, number: int, levels: Any, rest: Any) -> Any:
+    def counted(self: dataset.Stacked, number: int, levels: Any, selection: Any) -> Any:
         reads.append(number)
-        return read(self, number, levels, rest)
+        return read(self, number, levels, selection)
 
     monkeypatch.setattr(dataset.Stacked, "_read", counted)
     data = dataset.open_results(folder)
-    one = data["contact_pressure"].sel(friction=0.2, method="nearest").isel(volume_fraction=0)
+    curve = data["contact_pressure"].sel(friction=0.2, method="nearest").isel(volume_fraction=0)
     assert reads == []
-    one.load()
+    curve.load()
     assert reads == [0]  # the first slab only
 
 
@@ -110,9 +113,9 @@ def test_the_card_tells_sizes_and_statistics(folder: Path, study: Study, exact: 
     assert card["cases"] == 840
     assert card["bytes"] == sum(file.stat().st_size for file in (folder / "fields").iterdir())
     assert card["bytes_unpacked"] == 840 * (len(QUANTITIES) * 8 + len(FIELDS) * 32 * 4)
-    for name, one in card["variables"].items():
-        values = exact[name].values.astype(one["type"]).astype(np.float64)
-        attrs = one["attributes"]
+    for name, described in card["variables"].items():
+        values = exact[name].values.astype(described["type"]).astype(np.float64)
+        attrs = described["attributes"]
         assert attrs["actual_range"] == [values.min(), values.max()]
         assert attrs["mean"] == pytest.approx(values.mean(), rel=1e-9, abs=1e-9 * np.abs(values).max())
         assert attrs["standard_deviation"] == pytest.approx(values.std(), rel=1e-5)
@@ -159,3 +162,44 @@ def test_memory_of_a_slab_does_not_grow_with_it(study: Study, tmp_path: Path, mo
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] < 1.3 * peaks[0]
+
+
+FACTORIALS = st.lists(st.integers(1, 45), min_size=1, max_size=5).filter(lambda lengths: prod(lengths) <= 4000)
+
+
+@settings(deadline=None, derandomize=True, max_examples=60)
+@given(lengths=FACTORIALS, cases=st.sampled_from([1, 2, 3, 7, 28, 100, 168, 1000, 16384]) | st.integers(1, 5000))
+@example(lengths=[5, 6, 4, 7], cases=28)
+@example(lengths=[2, 13, 4], cases=100)
+@example(lengths=[2, 10, 20, 40, 5], cases=1000)
+@example(lengths=[2, 10, 20, 40, 5], cases=16384)
+def test_blocks_fill_the_factorial_in_order_of_whole_chunks(lengths: list[int], cases: int) -> None:
+    chunk = dataset.chunk_lengths(lengths, max(1, cases // 2))
+    assert prod(chunk) <= max(1, cases // 2)
+    regions = list(dataset.block_regions(lengths, chunk, cases))
+
+    case = np.arange(prod(lengths)).reshape(lengths)
+    blocks = [case[region].ravel() for region in regions]
+    np.testing.assert_array_equal(np.concatenate(blocks), case.ravel())
+    assert max(block.size for block in blocks) <= cases
+    level = prod(lengths[1:])
+    assert all(block[0] // level == block[-1] // level for block in blocks)  # of the first factor
+
+    places = np.indices(lengths) // np.array(chunk).reshape(-1, *[1] * len(lengths))
+    number = np.ravel_multi_index(tuple(places), tuple(lengths))
+    held = [set(number[region].ravel().tolist()) for region in regions]
+    assert sum(map(len, held)) == len(set().union(*held))  # no chunk lies in two blocks
+
+
+@pytest.mark.parametrize(
+    ("lengths", "cases", "chunk"),
+    [
+        ([25, 10, 20, 40, 5], 16384, [1, 2, 20, 40, 5]),  # 4 of 10 would leave room unused
+        ([25, 10, 20, 40, 5], 20000, [1, 5, 20, 40, 5]),
+        ([25, 13, 100], 700, [1, 7, 100]),  # 13 is a prime
+        ([26, 5, 8, 10, 4], 16384, [1, 5, 8, 10, 4]),
+        ([4], 100, [1]),
+    ],
+)
+def test_chunks_divide_the_axis_that_they_split(lengths: list[int], cases: int, chunk: list[int]) -> None:
+    assert dataset.chunk_lengths(lengths, cases) == chunk

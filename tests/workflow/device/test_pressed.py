@@ -47,8 +47,8 @@ def test_a_press_on_a_patch_is_its_charge_over_the_feedback(tmp_path: Path) -> N
     case = {**study.fixed, "thickness": 7e-4, "force": 0.02}
     shown = pressed.signal(study, study.signal, case)
     body = Stack([Layer(solver.find("PDMS"), 7e-4, "grounded"), Layer(PVDF, 5e-5)])
-    own = {name: value for name, value in study.fixed.items() if name != "base"}
-    exact = solver.solve({**own, "surroundings": "insulated", "body": body, "force": [0.05]})
+    factors = {name: value for name, value in study.fixed.items() if name != "base"}
+    exact = solver.solve({**factors, "surroundings": "insulated", "body": body, "force": [0.05]})
     charge = float(exact["patch_charge_per_force"].squeeze()) * 0.05
     assert float(shown["contact_charge"]) == pytest.approx(charge, rel=1e-8)
     held = shown["output"].sel(time=slice(0.2, 1.0)).values
@@ -87,7 +87,7 @@ def test_a_voltage_amplifier_on_a_patch_divides_by_its_plates() -> None:
 def test_plates_have_a_film_on_each_side_and_a_metal_between() -> None:
     copper, glass = solver.find("copper"), solver.find("glass")
     body = Stack([Layer(PVDF, 1e-5, "grounded"), Layer(glass, 2e-5), Layer(copper, 1e-5), Layer(glass, 4e-5)], "rigid")
-    sides = [permittivity(one) / thickness for one, thickness in ((glass, 2e-5), (glass, 4e-5))]
+    sides = [permittivity(material) / thickness for material, thickness in ((glass, 2e-5), (glass, 4e-5))]
     assert Electrode(body, 2).capacitance == pytest.approx(sum(sides), rel=1e-12)
     assert Electrode(body, 1).capacitance == pytest.approx(sides[0], rel=1e-12)  # the bare film above ends nowhere
     covered = Stack([Layer(PVDF, 1e-5), Layer(glass, 2e-5)], electroded=True)
@@ -121,15 +121,15 @@ def _moved_by_hand(case: dict[str, Any]) -> float:
     moved = [{"material": replace(film, **constants)} for constants in scaled]
     moved += [{"base": replace(steel, **{name: getattr(base, name) for name in families[0]})} for base in bases]
     start = float(solver.solve(case)["charge_per_force"])
-    changes = [float(solver.solve(case | one)["charge_per_force"]) / start - 1 for one in moved]
+    changes = [float(solver.solve(case | change)["charge_per_force"]) / start - 1 for change in moved]
     return float(np.linalg.norm(changes)) / step
 
 
 def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path: Path) -> None:
     study = made(BESIDE)
     assert isinstance(study.signal, Pressing)
-    own = signal_case.of(study)
-    shown = pressed.signal(own, study.signal, own.fixed).merge(pressed.held(own, study.signal))
+    press_study = signal_case.of(study)
+    shown = pressed.signal(press_study, study.signal, press_study.fixed).merge(pressed.held(press_study, study.signal))
     ball = {
         "material": "PZT-4",
         "profile": "sphere",
@@ -143,15 +143,15 @@ def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path
     charge = 0.05 * float(exact["charge_per_force"])
     assert float(shown["contact_charge"]) == pytest.approx(charge, rel=1e-9)
     write_whole(shown, tmp_path / "signal.nc")
-    told = tables.signal(tmp_path)
-    assert told["output"] == pytest.approx(charge / 20e-12, rel=1e-5)  # open-loop gain 1e6
-    spread = pressed.spread(own, study.signal, own.fixed)
+    figures = tables.signal(tmp_path)
+    assert figures["output"] == pytest.approx(charge / 20e-12, rel=1e-5)  # open-loop gain 1e6
+    spread = pressed.spread(press_study, study.signal, press_study.fixed)
     moved = _moved_by_hand(ball | {"force": 0.05})
     assert float(spread["charge_spread"]) == pytest.approx(moved, rel=2e-3)  # forward quotients, their step a hundredth
     assert float(spread["output_spread"]) == pytest.approx(moved, rel=2e-3)  # Q/C_f
-    told |= {str(name): float(value) for name, value in spread.items()}
-    assert told["held"]["peak_pressure"] == pytest.approx(float(exact["peak_pressure"]), rel=1e-9)
-    card = report.card(study, told, told["held"])
+    figures |= {str(name): float(value) for name, value in spread.items()}
+    assert figures["held"]["peak_pressure"] == pytest.approx(float(exact["peak_pressure"]), rel=1e-9)
+    card = report.card(study, figures, figures["held"])
     assert card.title == "Steel ball, R = 5 mm, read by its amplifier"
     assert (
         card.build.replace("\N{NO-BREAK SPACE}", " ")
@@ -163,9 +163,9 @@ def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path
     assert card.stops.startswith("Contact pressure of ")
     band = f"{100 * moved:.2g}\N{NO-BREAK SPACE}%"
     assert card.does.count(f"±\N{NO-BREAK SPACE}{band}") == 2
-    bare = report.card(study, told | {"charge_spread": np.nan, "output_spread": np.nan}, told["held"])
+    bare = report.card(study, figures | {"charge_spread": np.nan, "output_spread": np.nan}, figures["held"])
     assert "±" not in bare.does
-    half = report.card(study, told, {name: value / (2 * share) for name, value in told["held"].items()})
+    half = report.card(study, figures, {name: value / (2 * share) for name, value in figures["held"].items()})
     assert half.good
     assert half.stops.startswith("Contact pressure is 50\N{NO-BREAK SPACE}% of the depoling stress of PZT-4, 83")
 
@@ -206,10 +206,10 @@ def test_a_press_that_cannot_be_is_refused(old: str, new: str, words: str) -> No
 
 
 @pytest.mark.parametrize(
-    ("more", "words"),
+    ("factors", "words"),
     [({}, "patch_size: missing"), ({"patch_size": 1e-3, "patch": "strip"}, "patch: 'strip' below a point has no end")],
 )
-def test_electrodes_without_an_end_are_refused(more: dict[str, Any], words: str) -> None:
+def test_electrodes_without_an_end_are_refused(factors: dict[str, Any], words: str) -> None:
     case = {
         "material": "PZT-4",
         "profile": "sphere",
@@ -220,4 +220,4 @@ def test_electrodes_without_an_end_are_refused(more: dict[str, Any], words: str)
         "collector": 1,
     }
     with pytest.raises(solver.FactorError, match=words):
-        ContactCurves.from_case(case | more, 1.0, body=film(case, solver.find("PZT-4")))
+        ContactCurves.from_case(case | factors, 1.0, body=film(case, solver.find("PZT-4")))

@@ -119,8 +119,8 @@ def test_a_ball_at_constant_speed_gives_a_current_as_v_to_three_halves_and_root_
     speeds, currents = np.array([2e-7, 4e-7]), []
     times = np.linspace(0.0, 1.0, 61)
     for speed in speeds:
-        found = read(History(times, stiff * (speed * times) ** 1.5), half_space, shunt)
-        currents.append(-found.voltage[1:])  # at the end of an interval of constant rate: its mean current
+        reading = read(History(times, stiff * (speed * times) ** 1.5), half_space, shunt)
+        currents.append(-reading.voltage[1:])  # at the end of an interval of constant rate: its mean current
     middles = (times[1:] + times[:-1]) / 2
     faster, slower = np.log(currents[1] / currents[0]), np.polyfit(np.log(middles[9:]), np.log(currents[0][9:]), 1)[0]
     np.testing.assert_allclose(faster / np.log(2), 1.5, atol=1e-5)
@@ -144,10 +144,10 @@ def test_a_constant_force_decays_exponentially(film: ContactCurves, numbers: dic
     capacitance = float(film.capacitance(np.array([FORCE]))[0])
     if not circuit.reads_charge:
         lasting += 1e9 * capacitance
-    found = read(PRESS, film, circuit)
+    reading = read(PRESS, film, circuit)
     held = PRESS.times >= 0.1
-    expected = found.output[held][0] * np.exp(-(PRESS.times[held] - 0.1) / lasting)
-    np.testing.assert_allclose(found.output[held], expected, rtol=2e-5, atol=1e-6 * np.abs(expected).max())
+    expected = reading.output[held][0] * np.exp(-(PRESS.times[held] - 0.1) / lasting)
+    np.testing.assert_allclose(reading.output[held], expected, rtol=2e-5, atol=1e-6 * np.abs(expected).max())
     assert circuit.time_constant(capacitance) == pytest.approx(lasting, rel=1e-5)
 
 
@@ -164,9 +164,9 @@ def test_no_charge_is_lost(film: ContactCurves) -> None:
     """What the node holds is what its resistance has let through, by the trapezoidal rule over the voltage."""
     resistance, capacitance = 1e9, 1e-10
     history = History(np.array([0.0, 0.2, 0.5]), np.array([0.1, FORCE, 0.3])).divided(400)
-    found = read(history, film, Circuit.of({"input_capacitance": capacitance, "input_resistance": resistance}))
-    through = np.trapezoid(found.voltage / resistance, history.times)
-    held = found.charge + capacitance * found.voltage
+    reading = read(history, film, Circuit.of({"input_capacitance": capacitance, "input_resistance": resistance}))
+    through = np.trapezoid(reading.voltage / resistance, history.times)
+    held = reading.charge + capacitance * reading.voltage
     assert held[0] - held[-1] == pytest.approx(through, abs=2e-5 * np.abs(held).max())
 
 
@@ -191,15 +191,15 @@ def test_noise_is_that_of_amplifier_and_temperature() -> None:
         {"electrode_length": "1 m", "temperature": "300 K", "amplifier": {**numbers, "charge_noise": "1 fC"}}
     )
     known = device.constants | {"capacitance_per_length": 1e-11, "charge_per_force": -1.0}
-    found = figure.evaluate({name: np.array(known[name]) for name in figure.names()})
-    assert float(found) == pytest.approx(Circuit.of(numbers).noise(1e-11, 300.0), rel=1e-12, abs=0)
+    force = figure.evaluate({name: np.array(known[name]) for name in figure.names()})
+    assert float(force) == pytest.approx(Circuit.of(numbers).noise(1e-11, 300.0), rel=1e-12, abs=0)
     charge = Circuit.of({"input_capacitance": 9e-11, "feedback_capacitance": 4e-10})
     assert charge.noise(1e-11, 300.0) ** 2 == pytest.approx(4 * thermal, rel=1e-12, abs=0)
     amplifier = {"input_capacitance": 9e-11, "feedback_capacitance": 4e-10, "charge_noise": 0.0}
     device = Device.model_validate({"electrode_length": "1 m", "temperature": "300 K", "amplifier": amplifier})
     known = device.constants | {"capacitance_per_length": 1e-11, "charge_per_force": -1.0}
-    found = figure.evaluate({name: np.array(known[name]) for name in figure.names()})
-    assert float(found) == pytest.approx(charge.noise(1e-11, 300.0), rel=1e-12, abs=0)
+    force = figure.evaluate({name: np.array(known[name]) for name in figure.names()})
+    assert float(force) == pytest.approx(charge.noise(1e-11, 300.0), rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize(

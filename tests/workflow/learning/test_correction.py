@@ -80,9 +80,13 @@ def test_intervals_hold_exact_answers_with_other_constants(half_plane: tuple[Stu
         corrected, summary = correction.learn(study, model, rows(X[:40], exact[:40], [0, 1], 0.005, seed), known)
         lower, upper = corrected.interval_array(X[40:])
         held.append((lower <= exact[40:]) & (exact[40:] <= upper))
-        after, before = (np.abs(one.predict_array(X[40:]) - exact[40:]).mean(axis=0) for one in (corrected, model))
+        after, before = (
+            np.abs(surrogate.predict_array(X[40:]) - exact[40:]).mean(axis=0) for surrogate in (corrected, model)
+        )
         better.append(after / before)
-        moved.append([(c["mean"] - own) / c["std"] for c, own in zip(summary.plain["constants"], z, strict=True)])
+        moved.append(
+            [(c["mean"] - truth_z) / c["std"] for c, truth_z in zip(summary.plain["constants"], z, strict=True)]
+        )
     # 100 cases x 4 outputs a truth, of which two were never measured
     assert np.mean(held) >= 0.92
     assert np.median(better, axis=0)[:2].max() < 0.3
@@ -95,8 +99,10 @@ def test_a_perturbed_base_is_found(film: tuple[Study, GridGP]) -> None:
     z = np.array([-1.8, 0.5])
     X, exact = truth(study, model, known, z, 60, 3)
     steel = [model.outputs_.index(f"{name}[steel]") for name in ("depth", "contact_trailing")]
-    told: list[str] = []
-    corrected, summary = correction.learn(study, model, rows(X[:25], exact[:25], steel, 0.002, 3), known, told.append)
+    messages: list[str] = []
+    corrected, summary = correction.learn(
+        study, model, rows(X[:25], exact[:25], steel, 0.002, 3), known, messages.append
+    )
     modulus = summary.plain["constants"][0]
     assert modulus["mean"] == pytest.approx(-1.8, abs=3 * modulus["std"])
     assert modulus["std"] < 0.5
@@ -107,7 +113,7 @@ def test_a_perturbed_base_is_found(film: tuple[Study, GridGP]) -> None:
     np.testing.assert_allclose(
         corrected.predict_array(X)[:, rigid], model.predict_array(X)[:, rigid], rtol=1e-9
     )  # a rigid base has no modulus
-    assert any(one.startswith("1 of 2: steel modulus") for one in told)
+    assert any(message.startswith("1 of 2: steel modulus") for message in messages)
     assert summary.lines[0] == "25 rows, 50 measured values"
     assert any(line.startswith("steel modulus: moved by -1.") for line in summary.lines)
 
@@ -136,13 +142,13 @@ def test_bad_noise_outliers_and_a_gain_are_told_and_hide_no_constant(half_plane:
 
     start = exact[good.row, good.output]
     understated = told(start + 3 * (good.value - start)).plain
-    assert all(one["low"] > 1.2 and one["low"] < 3 < one["high"] * 1.2 for one in understated["errors"])
-    assert all(one["odds"] < 20 for one in understated["discrepancies"])
+    assert all(entry["low"] > 1.2 and entry["low"] < 3 < entry["high"] * 1.2 for entry in understated["errors"])
+    assert all(entry["odds"] < 20 for entry in understated["discrepancies"])
     wide = [int(np.argmax(np.where(good.output == q, good.error, 0))) for q in range(2)]
     off = good.value.copy()
     off[wide] += [12 * good.error[wide[0]], -9 * good.error[wide[1]]]
     outliers = told(off)
-    assert {(one["row"], one["output"]) for one in outliers.plain["outliers"]} == {
+    assert {(entry["row"], entry["output"]) for entry in outliers.plain["outliers"]} == {
         (int(good.row[k]) + 1, model.outputs_[good.output[k]]) for k in wide
     }
     assert any(line.startswith(f"row {good.row[wide[1]] + 1}, voltage: an outlier (") for line in outliers.lines)

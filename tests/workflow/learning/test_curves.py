@@ -52,5 +52,5 @@ def test_calibration_cases_have_curves_which_correct_the_largest_stresses() -> N
     points = {name: fresh[name] for name in study.factors}
     before = model.predict(points, return_std=False)["peak_von_mises"]
     after = model.calibrate(curves.training_data(study, held)).predict(points, return_std=False)["peak_von_mises"]
-    errors = [np.median(np.abs(found - fresh["peak_von_mises"])) for found in (before, after)]
+    errors = [np.median(np.abs(predicted - fresh["peak_von_mises"])) for predicted in (before, after)]
     assert errors[1] < 0.3 * errors[0]

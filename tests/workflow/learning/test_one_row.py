@@ -15,14 +15,14 @@ PAGE = Path(__file__).parents[3] / "docs/learning.md"
 def blocks(section: str) -> list[str]:
     """What is indented in a section of the page."""
     text = PAGE.read_text(encoding="utf-8").split(f"\n## {section}\n")[1].split("\n## ")[0]
-    found, lines = [], list[str]()
+    blocks_of_code, lines = [], list[str]()
     for line in [*text.splitlines(), ""]:
         if line.startswith("    "):
             lines.append(line[4:])
         elif lines:
-            found.append("\n".join(lines) + "\n")
+            blocks_of_code.append("\n".join(lines) + "\n")
             lines = []
-    return found
+    return blocks_of_code
 
 
 def test_one_row_is_learnt_from_as_the_page_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -30,9 +30,9 @@ def test_one_row_is_learnt_from_as_the_page_says(tmp_path: Path, capsys: pytest.
     for folder in ("config", "results/study"):
         (tmp_path / folder).mkdir(parents=True)
     (tmp_path / "row.csv").write_text(row, encoding="utf-8")
-    made = tmp_path / "results/study/surrogate.nc"
-    save(study_of(text, tmp_path / "config")[1], made)
+    surrogate = tmp_path / "results/study/surrogate.nc"
+    save(study_of(text, tmp_path / "config")[1], surrogate)
     first, options = command.split(" row.csv --on results/sol_gel/surrogate.nc ")
     assert first == "make run STUDY=sol_gel\nmeecontact learn"
-    assert main.main(["learn", str(tmp_path / "row.csv"), "--on", str(made), *shlex.split(options)]) == 0
+    assert main.main(["learn", str(tmp_path / "row.csv"), "--on", str(surrogate), *shlex.split(options)]) == 0
     assert capsys.readouterr().out == words

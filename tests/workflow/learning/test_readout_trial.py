@@ -34,10 +34,10 @@ def model(study: Study) -> GridGP:
 @pytest.mark.parametrize("cases", [100, pytest.param(400, marks=pytest.mark.soak)])
 def test_intervals_hold_the_truth(study: Study, model: GridGP, cases: int) -> None:
     measured = {"voltage": "0.5 %", "magnetic_potential": "0.5 %"}
-    asked = Readout(
+    readout = Readout(
         measured=measured, infer=["load", "friction"], at={"volume_fraction": 0.67, "radius": 0.12}, cases=cases
     )
-    tried = readout_trial.trial(study, asked, model)
+    tried = readout_trial.trial(study, readout, model)
     # 3.2 standard deviations; 2,000 were measured to hold 95.0 and 95.2 % (docs)
     assert tried["coverage"].values == pytest.approx(0.95, abs=3.2 * np.sqrt(0.95 * 0.05 / cases))
     assert float(tried["width"].sel(factor="load")) < 0.02
@@ -46,13 +46,13 @@ def test_intervals_hold_the_truth(study: Study, model: GridGP, cases: int) -> No
 
 
 def test_a_precise_measurement_gives_the_load_back(study: Study, model: GridGP) -> None:
-    asked = Readout(
+    readout = Readout(
         measured={"depth": "1e-6 %"},
         infer=["load"],
         at={"volume_fraction": 0.67, "radius": 0.12, "friction": 0.3},
         cases=50,
     )
-    tried = readout_trial.trial(study, asked, model)
+    tried = readout_trial.trial(study, readout, model)
     np.testing.assert_allclose(tried["mean"], tried["true"], rtol=2e-3)  # the small surrogate's own error
 
 

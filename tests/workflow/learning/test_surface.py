@@ -45,16 +45,16 @@ def test_fields_are_the_exact_ones_up_to_the_edges(study: Study, models: tuple[G
         i.name: xr.DataArray(i.from_unit(random.uniform(-1, 1, 200)), dims="case") for i in factorial.inputs(study)
     }
     X = np.array([-1 + 1e-6, -0.97, -0.5, 0.0, 0.3, 0.9, 0.999, 1 - 1e-6])
-    found = surface.predict(*models, points, X)
+    predicted = surface.predict(*models, points, X)
     exact = solve({**study.fixed, **points}, X)
     for name in surface.NAMES:
-        assert found[name].dims == ("case", "position")
-        assert found[name].attrs["units"] == exact[name].attrs["units"]
+        assert predicted[name].dims == ("case", "position")
+        assert predicted[name].attrs["units"] == exact[name].attrs["units"]
         # singular fields are as good as their regular parts
         weight = 1.0 if name == "contact_pressure" else np.sqrt(1 - X**2)
-        error, size = np.abs(found[name].values - exact[name].values) * weight, np.abs(exact[name].values) * weight
+        error, size = np.abs(predicted[name].values - exact[name].values) * weight, np.abs(exact[name].values) * weight
         assert error.max() < 2e-5 * size.max()
-        assert bool((found[f"{name}_std"] >= 0).all())
+        assert bool((predicted[f"{name}_std"] >= 0).all())
 
 
 def test_intervals_of_the_regular_parts_hold(study: Study, models: tuple[GridGP, GaussianProcess]) -> None:

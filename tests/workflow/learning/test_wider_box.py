@@ -49,17 +49,17 @@ def test_a_wider_question_is_answered_exactly(study: Study) -> None:
     )  # fmt: skip
     wider = wider_box.beyond(study, target)
     assert wider == {"volume_fraction": (0.5, 0.8), "radius": (0.05, 0.2)}
-    told = "factors: volume_fraction: high: 0.8 (now 0.6); factors: radius: high: 0.2 (now 0.1 m)"
-    assert wider_box.lines(study, wider) == f"{study.path}: {told}"
-    own = wider_box.made(study, target, wider)
-    assert (own.factors["volume_fraction"].levels, own.factors["radius"].levels) == (15, 6)
-    assert own.outputs == ["trailing_tension", "voltage_per_load"]
-    found = targets.answer(own, "mine", target, wider_box.fitted(own))
+    words = "factors: volume_fraction: high: 0.8 (now 0.6); factors: radius: high: 0.2 (now 0.1 m)"
+    assert wider_box.lines(study, wider) == f"{study.path}: {words}"
+    wider_study = wider_box.made(study, target, wider)
+    assert (wider_study.factors["volume_fraction"].levels, wider_study.factors["radius"].levels) == (15, 6)
+    assert wider_study.outputs == ["trailing_tension", "voltage_per_load"]
+    answer = targets.answer(wider_study, "mine", target, wider_box.fitted(wider_study))
     over = {"volume_fraction": np.linspace(0.5, 0.8, 301), "radius": np.geomspace(0.05, 0.2, 301)}
     exact = solve({**over, "composite": "fibrous", "load": 1e4, "friction": 0.2})
     dense = abs(exact["voltage_per_load"]).where(exact["trailing_tension"] <= 40e6).max()
-    assert found.terms[0].exact >= float(dense) * (1 - 1e-6)
-    assert found.feasible
+    assert answer.terms[0].exact >= float(dense) * (1 - 1e-6)
+    assert answer.feasible
 
 
 def test_what_cannot_be_wider_is_one_line(study: Study) -> None:
@@ -80,31 +80,31 @@ def test_what_cannot_be_wider_is_one_line(study: Study) -> None:
 
 def test_groups_widen_with_their_factors() -> None:
     study = made(GROUPED)
-    asked = {
+    content = {
         "maximise": "abs(voltage_per_load)",
         "over": {"volume_fraction": {"high": 0.8}, "radius": {"high": 0.4}},
         "at": {"load": 1e4},
         "worst_case": {"friction": [0.1, 0.3]},
         "subject_to": ["trailing_tension <= 40 MPa"],
     }
-    target = Target.model_validate(asked)
-    own = wider_box.made(study, target, wider_box.beyond(study, target))
+    target = Target.model_validate(content)
+    wider_study = wider_box.made(study, target, wider_box.beyond(study, target))
     # the logit of 0.8 is 3.4 times as far from that of 0.5 as 0.6's; load times radius spans a factor of 16, not of 4
-    assert {text: one.levels for text, one in own.groups.items()} == {
+    assert {text: group.levels for text, group in wider_study.groups.items()} == {
         "volume_fraction": 18, "friction": 3, "load * radius": 8,
     }  # fmt: skip
-    found = targets.answer(own, "mine", target, wider_box.fitted(own))
+    answer = targets.answer(wider_study, "mine", target, wider_box.fitted(wider_study))
     over = {"volume_fraction": np.linspace(0.5, 0.8, 101), "radius": np.geomspace(0.05, 0.4, 101)}
     exact = solve({**over, "friction": np.linspace(0.1, 0.3, 5), "composite": "fibrous", "load": 1e4})
     goal, tension = abs(exact["voltage_per_load"]).min("friction"), exact["trailing_tension"].max("friction")
-    assert found.terms[0].exact >= float(goal.where(tension <= 40e6).max()) * (1 - 1e-6)
-    assert found.feasible
+    assert answer.terms[0].exact >= float(goal.where(tension <= 40e6).max()) * (1 - 1e-6)
+    assert answer.feasible
     beyond_one = {"over": {"volume_fraction": {"high": 1.0}, "radius": {}}}
     for changed, words in (
         (beyond_one, "volume_fraction: scale: logit needs a range between 0"),
         ({"worst_case": {"friction": [-1e6, 0.3]}}, "friction"),
     ):
-        beyond = Target.model_validate(asked | changed)
+        beyond = Target.model_validate(content | changed)
         with pytest.raises(InputError, match=words) as error:
             wider_box.made(study, beyond, wider_box.beyond(study, beyond))
         assert "\n" not in str(error.value)

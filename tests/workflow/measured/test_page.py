@@ -45,10 +45,10 @@ def test_verdicts(rows: list[Row]) -> None:
 
 def test_the_file_holds_them_in_si(rows: list[Row], tmp_path: Path) -> None:
     write_whole(dataset(rows), tmp_path / "measurements.nc")
-    found = read_whole(tmp_path / "measurements.nc")
-    assert float(found["measured"][0]) == pytest.approx(13e-12)
-    off = (found["model"] - found["measured"]) / np.hypot(found["measured_std"], found["model_std"])
-    np.testing.assert_allclose(off, found["deviations"], atol=1e-9)
+    data = read_whole(tmp_path / "measurements.nc")
+    assert float(data["measured"][0]) == pytest.approx(13e-12)
+    off = (data["model"] - data["measured"]) / np.hypot(data["measured_std"], data["model_std"])
+    np.testing.assert_allclose(off, data["deviations"], atol=1e-9)
 
 
 def test_the_figure_has_every_row_on_one_axis(rows: list[Row]) -> None:

@@ -30,16 +30,16 @@ def test_a_tip_has_the_charge_of_the_theory_of_points(material: str, expected: f
 
 def test_lithium_niobate_and_its_spread() -> None:
     """13.517 and 13.444: the eigenvalue problem of `verification.oracles.anisotropic` gives both."""
-    found = modelled(ModelValue(quantity="charge_per_force", case={"material": "LiNbO3", **TIP}))
-    assert 1e12 * found.value == pytest.approx(13.517, abs=1e-3)
-    assert 1e12 * found.deviation == pytest.approx(13.517 - 13.444, abs=1e-3)
-    assert found.sets == 1
+    spread = modelled(ModelValue(quantity="charge_per_force", case={"material": "LiNbO3", **TIP}))
+    assert 1e12 * spread.value == pytest.approx(13.517, abs=1e-3)
+    assert 1e12 * spread.deviation == pytest.approx(13.517 - 13.444, abs=1e-3)
+    assert spread.sets == 1
 
 
 def test_clamped_films() -> None:
-    found = modelled(ModelValue(quantity="clamped_d33", case={"material": "AlN"}))
-    assert 1e12 * found.value == pytest.approx(1550 / 389, rel=1e-12)
-    assert 1e12 * found.deviation == pytest.approx(1550 / 389 - 1460 / 385, rel=1e-9)
+    spread = modelled(ModelValue(quantity="clamped_d33", case={"material": "AlN"}))
+    assert 1e12 * spread.value == pytest.approx(1550 / 389, rel=1e-12)
+    assert 1e12 * spread.deviation == pytest.approx(1550 / 389 - 1460 / 385, rel=1e-9)
     assert 1e12 * value("clamped_d33", material="LiNbO3") == pytest.approx(5.3, abs=0.1)
 
 
@@ -66,5 +66,5 @@ def test_linear_theory_knows_no_dependence_on_load_or_charge() -> None:
 def test_the_layers_of_hayes() -> None:
     ratios, expected = np.array([0.2, 0.4, 1.0, 2.0]), [1.20656, 1.47261, 2.48352, 4.35324]
     disc = {"material": "steel", "profile": "disc", "force": 1.0, "thickness": 1e-3, **ELASTIC}
-    found = [value("layer_factor", width=2e-3 * ratio, **disc) for ratio in ratios.tolist()]
-    np.testing.assert_allclose(found, expected, atol=6e-6)
+    factors = [value("layer_factor", width=2e-3 * ratio, **disc) for ratio in ratios.tolist()]
+    np.testing.assert_allclose(factors, expected, atol=6e-6)

@@ -29,8 +29,8 @@ def spread(value: float, deviation: float = 0.0) -> Spread:
 
 
 def test_deviations_hold_the_error_and_the_spread_together() -> None:
-    told = judged(row(), [spread(20.0, 4.0)])
-    assert told.deviations == pytest.approx((2.0,))  # 10 over the root of 9 and 16
+    verdict = judged(row(), [spread(20.0, 4.0)])
+    assert verdict.deviations == pytest.approx((2.0,))  # 10 over the root of 9 and 16
 
 
 @pytest.mark.parametrize(
@@ -48,21 +48,21 @@ def test_a_spread_of_constants_can_make_a_row_agree_which_its_own_value_does_not
 
 def test_a_row_says_which_rules_it_rules_out() -> None:
     rival = [D33, {"quantity": "clamped_d33", "case": {"material": "PZT-4"}}]
-    told = judged(row(rivals=rival), [spread(10.0)], [spread(30.0), spread(12.0)])
-    assert told.because.endswith("; free d33 does not fit; clamped d33 fits too")
+    verdict = judged(row(rivals=rival), [spread(10.0)], [spread(30.0), spread(12.0)])
+    assert verdict.because.endswith("; free d33 does not fit; clamped d33 fits too")
 
 
 def test_without_an_error_only_what_is_the_same_agrees() -> None:
     assert judged(row(error=None), [spread(10.0)]).word == "agrees"
-    told = judged(row(error=None), [spread(11.0)])
-    assert (told.word, told.deviations) == ("cannot be told", (None,))
-    assert "10 % off" in told.because
+    verdict = judged(row(error=None), [spread(11.0)])
+    assert (verdict.word, verdict.deviations) == ("cannot be told", (None,))
+    assert "10 % off" in verdict.because
     assert judged(row(error=None, outside="domains turn"), [spread(11.0)]).word == "disagrees"
 
 
 def test_an_open_row_cannot_be_told_however_near_the_numbers_are() -> None:
-    told = judged(row(open="nobody says how"), [spread(10.0)])
-    assert (told.word, told.because) == ("cannot be told", "nobody says how")
+    verdict = judged(row(open="nobody says how"), [spread(10.0)])
+    assert (verdict.word, verdict.because) == ("cannot be told", "nobody says how")
     assert judged(row(open="no constants", model=[]), []).deviations == ()
 
 

@@ -76,8 +76,8 @@ def test_a_lock_that_its_holder_removes_meanwhile_is_taken_anew(disk: Path, monk
 def test_a_holder_elsewhere_is_named_with_its_host(disk: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     running.claim({"tiny": {}})
     monkeypatch.setattr(socket, "gethostname", lambda: "another")
-    here = json.loads((disk / "tiny/.running").read_text(encoding="utf-8"))["host"]
-    with pytest.raises(running.BusyError, match=rf"\(process {os.getpid()} on {re.escape(here)}\): wait"):
+    host = json.loads((disk / "tiny/.running").read_text(encoding="utf-8"))["host"]
+    with pytest.raises(running.BusyError, match=rf"\(process {os.getpid()} on {re.escape(host)}\): wait"):
         running.claim({"tiny": {}})
 
 

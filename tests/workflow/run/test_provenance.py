@@ -68,9 +68,9 @@ def test_the_page_does_not_reach_the_design_search() -> None:
 
 
 def test_the_hash_follows_the_bytes() -> None:
-    one = provenance.code("workflow/scripts/report.py")
-    assert one == provenance.code("workflow/scripts/report.py")
-    assert one != provenance.code("workflow/scripts/report.py", "workflow/report/captions/design.rst")
+    first = provenance.code("workflow/scripts/report.py")
+    assert first == provenance.code("workflow/scripts/report.py")
+    assert first != provenance.code("workflow/scripts/report.py", "workflow/report/captions/design.rst")
     assert "workflow/report/templates/report.html.j2" in reached("report.py")
 
 

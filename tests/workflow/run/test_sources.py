@@ -68,8 +68,8 @@ def test_a_job_is_held_to_the_sources_of_the_run_that_holds_its_results(
     script = {"snakemake": job, "__file__": str(sources.ROOT / "workflow/scripts/slab.py")}
     began = sources.digests()
     assert joblog.start(script) is job  # no run
-    for told, refused in ((began, ""), (began | {"workflow/run/joblog.py": "other"}, "workflow/run/joblog.py")):
-        lock.claim({"own": {}}, "mee/results", told)
+    for digests, refused in ((began, ""), (began | {"workflow/run/joblog.py": "other"}, "workflow/run/joblog.py")):
+        lock.claim({"own": {}}, "mee/results", digests)
         try:
             if refused:
                 with pytest.raises(ChangedError, match=refused):

@@ -17,13 +17,13 @@ from workflow.run.provenance import ROOT
     [("training.py", "surrogate.nc"), ("figure.py", "figures/decay.svg"), ("slab.py", "fields/slab_1.nc")],
 )
 def test_a_script_alone_makes_what_its_job_makes(ran: Project, tmp_path: Path, script: str, file: str) -> None:
-    made = tmp_path / "results/small" / file
+    output = tmp_path / "results/small" / file
     for folder in ("config", "results"):
         shutil.copytree(ran.folder / folder, tmp_path / folder)
-    made.unlink()
+    output.unlink()
     done = nursery.run(["python", str(ROOT / "workflow/scripts" / script), f"results/small/{file}"], tmp_path, ROOT)
     assert done.returncode == 0, done.stderr
-    assert made.read_bytes() == (ran.folder / "results/small" / file).read_bytes()
+    assert output.read_bytes() == (ran.folder / "results/small" / file).read_bytes()
     assert not (tmp_path / ".snakemake").exists()
     assert not (tmp_path / "logs").exists()
 
@@ -32,5 +32,5 @@ def test_a_script_alone_makes_what_its_job_makes(ran: Project, tmp_path: Path, s
 def test_a_file_that_the_script_does_not_make_is_refused_in_one_line(tmp_path: Path) -> None:
     alone = [sys.executable, str(ROOT / "workflow/scripts/slab.py"), "results/small/surrogate.nc"]
     done = subprocess.run(alone, cwd=tmp_path, check=False, capture_output=True, text=True)
-    told = "slab.py: 'results/small/surrogate.nc' is not one of results/{study}/fields/slab_{slab}.nc\n"
-    assert (done.returncode, done.stderr) == (1, told)
+    message = "slab.py: 'results/small/surrogate.nc' is not one of results/{study}/fields/slab_{slab}.nc\n"
+    assert (done.returncode, done.stderr) == (1, message)

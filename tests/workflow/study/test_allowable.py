@@ -1,4 +1,4 @@
-"""What the materials of a study bear, and the numbers of its device: read from the library and the study's file."""
+"""Allowables of a study's materials, and numbers of its device, from the library and the study's file."""
 
 import pytest
 
@@ -35,14 +35,14 @@ def film(**entries: str) -> str:
 
 
 def test_a_composite_bears_what_its_weaker_phase_does() -> None:
-    given = {"composite": "fibrous", "volume_fraction": 0.5}
-    both = allowable("tensile_strength", given, {}, ["PZT-4", "PZT-5H"])
-    assert both.value == min(find(name).limits["tensile_strength"].value for name in ("PZT-4", "PZT-5H"))
-    assert both.of == "PZT-5H, the weaker phase"
-    assert both.source == find("PZT-5H").limits["tensile_strength"].source
-    assert allowable("tensile_strength", {**given, "volume_fraction": 1}, {}, ["PZT-4", "PZT-5H"]).of == "PZT-4"
-    one = allowable("coercive_field", {}, {}, ["BaTiO3", "CoFe2O4"])
-    assert (one.value, one.of) == (0.3e6, "BaTiO3 (CoFe2O4: none known)")
+    factors = {"composite": "fibrous", "volume_fraction": 0.5}
+    strength = allowable("tensile_strength", factors, {}, ["PZT-4", "PZT-5H"])
+    assert strength.value == min(find(name).limits["tensile_strength"].value for name in ("PZT-4", "PZT-5H"))
+    assert strength.material == "PZT-5H, the weaker phase"
+    assert strength.source == find("PZT-5H").limits["tensile_strength"].source
+    assert allowable("tensile_strength", {**factors, "volume_fraction": 1}, {}, ["PZT-4", "PZT-5H"]).material == "PZT-4"
+    field = allowable("coercive_field", {}, {}, ["BaTiO3", "CoFe2O4"])
+    assert (field.value, field.material) == (0.3e6, "BaTiO3 (CoFe2O4: none known)")
     with pytest.raises(ValueError, match="base_yield_strength: a half-plane, without a base, has none"):
         allowable("base_yield_strength", {}, {}, ["BaTiO3", "CoFe2O4"])
     assert (
@@ -53,7 +53,7 @@ def test_a_composite_bears_what_its_weaker_phase_does() -> None:
 
 
 @pytest.mark.parametrize(
-    ("entries", "told"),
+    ("entries", "message"),
     [
         ({"limit": "nominal_field <= breakdown_field"}, "breakdown_field: none is known of BaTiO3 and CoFe2O4"),
         (
@@ -81,8 +81,8 @@ def test_a_composite_bears_what_its_weaker_phase_does() -> None:
         ({"more": "device: {electrode_length: -1}"}, "device.electrode_length: -1 is not a finite number > 0 [m]"),
     ],
 )
-def test_what_the_library_or_the_study_lacks_is_one_line(entries: dict[str, str], told: str) -> None:
-    assert told in refusal(film(**entries))
+def test_what_the_library_or_the_study_lacks_is_one_line(entries: dict[str, str], message: str) -> None:
+    assert message in refusal(film(**entries))
 
 
 def test_the_numbers_of_a_device_have_units() -> None:

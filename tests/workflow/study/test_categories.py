@@ -55,9 +55,9 @@ def test_every_combination_is_learned(study: Study, model: GaussianProcess) -> N
     for material, profile in product(MATERIALS, PROFILES):
         exact = solve({**point, "material": material, "profile": profile})
         for name in study.outputs:
-            found = answer[output(name, {"material": material, "profile": profile})]
-            assert float(found) == pytest.approx(float(exact[name]), rel=1e-6, abs=0)
-            assert found.attrs["units"] == exact[name].attrs["units"]
+            predicted = answer[output(name, {"material": material, "profile": profile})]
+            assert float(predicted) == pytest.approx(float(exact[name]), rel=1e-6, abs=0)
+            assert predicted.attrs["units"] == exact[name].attrs["units"]
 
 
 def test_the_chosen_combination_is_the_best_of_all(study: Study, model: GaussianProcess) -> None:
@@ -72,16 +72,16 @@ def test_the_chosen_combination_is_the_best_of_all(study: Study, model: Gaussian
     objective = answer.term(f"abs({SENSITIVITY})").exact
     assert best[winner] * (1 - 1e-9) <= objective <= best[winner] * 1.001
     assert all(limit.margin >= 0 for limit in answer.limits)
-    listed = {one.choice: one.choice_objective for one in answer.choices}
+    listed = {row.choice: row.choice_objective for row in answer.choices}
     assert len(listed) == 8
-    assert {one.choice for one in answer.choices if one.choice_feasible} == {", ".join(kinds) for kinds in best}
+    assert {row.choice for row in answer.choices if row.choice_feasible} == {", ".join(kinds) for kinds in best}
     for kinds, value in best.items():
         assert listed[", ".join(kinds)] == pytest.approx(value, rel=1e-3)
 
 
 def test_choices_of_numbers_and_names_together(study: Study, model: GaussianProcess) -> None:
     answer = targets.solve_target(study, "charge", model)
-    categories = [(one.category, one.kind, one.kind_role) for one in answer.categories]
+    categories = [(row.category, row.kind, row.kind_role) for row in answer.categories]
     assert categories == [("material", "PZT-5H", "variable"), ("profile", "cylinder", "given")]
     assert len(answer.choices) == 20
     assert answer.variable("radius").value in (0.02, 0.05, 0.1, 0.15, 0.2)
@@ -97,11 +97,11 @@ def test_the_front_is_that_of_all_combinations(
     over = {"radius": {}, "material": {"choices": list(materials)}, "profile": {}}
     target = Target.model_validate(study.design["front"].model_dump(exclude_unset=True) | {"over": over})
     answer = targets.answer(study, "front", target, model)
-    found = answer.pictures["front_exact"].values * [1, -1]
+    front = answer.pictures["front_exact"].values * [1, -1]
     everything = np.concatenate([np.stack(dense(*kinds), -1) for kinds in product(materials, PROFILES)]) * [1, -1]
     everything = everything[everything[:, 1] >= -150e6]
     reference = everything.min(0)
-    assert hypervolume(found, reference) >= 0.999 * hypervolume(everything, reference)
+    assert hypervolume(front, reference) >= 0.999 * hypervolume(everything, reference)
     chosen = set(answer.pictures["front_choice"].values)
     assert len(chosen) > 1
     for value, choice in zip(
@@ -119,8 +119,8 @@ def test_a_read_out_of_one_combination(study: Study, model: GaussianProcess) -> 
 
 
 def test_questions_in_words(study: Study) -> None:
-    asked = {"maximise": ["abs(charge_per_force)"], "over": ["radius,material=PZT-4|PZT-5H"], "at": ["load=1e4"]}
-    target = questions.target(study, asked)
+    options = {"maximise": ["abs(charge_per_force)"], "over": ["radius,material=PZT-4|PZT-5H"], "at": ["load=1e4"]}
+    target = questions.target(study, options)
     assert target.variables["material"].choices == ["PZT-4", "PZT-5H"]
     assert target.at["profile"] == "cylinder"  # its default
     for words, says in (
@@ -132,7 +132,7 @@ def test_questions_in_words(study: Study) -> None:
         ({"over": ["radius,material=1:2"]}, "material: 1.0 is not one of BaTiO3, PZT-4"),
     ):
         with pytest.raises(InputError, match=rf"^[^\n]*{re.escape(says)}[^\n]*$"):
-            questions._checked(study, questions.target(study, asked | words))
+            questions._checked(study, questions.target(study, options | words))
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""What does not couple is not told: fields of a study, and the quantities that measure them."""
+"""Fields that no material couples to are not shown, nor the quantities that measure them."""
 
 import xarray as xr
 
@@ -11,7 +11,7 @@ QUICKSTART = shipped("quickstart")
 
 def made_of(**fixed: str | float) -> Study:
     """The quickstart of something else, without its designs."""
-    factors = {name: one for name, one in QUICKSTART.factors.items() if name not in ("volume_fraction", "charge")}
+    factors = {name: axis for name, axis in QUICKSTART.factors.items() if name not in ("volume_fraction", "charge")}
     return QUICKSTART.model_copy(update={"fixed": fixed, "factors": factors, "design": {}})
 
 
@@ -27,11 +27,11 @@ def test_a_field_needs_a_material_that_couples_to_it_or_a_charge() -> None:
 
 def test_quantities_of_a_field_that_is_none_are_not_told_unless_they_are_asked_for() -> None:
     study = made_of(material="PZT-4")
-    told = coupling.told(study)
-    assert {"voltage", "peak_pressure", "stroke_per_volt"} <= set(told)
-    assert not {"magnetic_potential", "flux_per_force", "stroke_per_ampere", "permeance_per_length"} & set(told)
-    asked = study.surrogate.model_copy(update={"outputs": ["depth", "magnetic_potential"]})
-    assert coupling.told(study.model_copy(update={"surrogate": asked})) == ["depth", "magnetic_potential"]
+    names = coupling.told(study)
+    assert {"voltage", "peak_pressure", "stroke_per_volt"} <= set(names)
+    assert not {"magnetic_potential", "flux_per_force", "stroke_per_ampere", "permeance_per_length"} & set(names)
+    surrogate = study.surrogate.model_copy(update={"outputs": ["depth", "magnetic_potential"]})
+    assert coupling.told(study.model_copy(update={"surrogate": surrogate})) == ["depth", "magnetic_potential"]
     assert coupling.told(QUICKSTART) == QUICKSTART.outputs
 
 

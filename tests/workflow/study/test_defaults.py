@@ -1,4 +1,4 @@
-"""What presses a device whose study does not say."""
+"""The punch of a device whose study names none."""
 
 import pytest
 

@@ -1,5 +1,6 @@
 """Groups in a study: which are told apart, what is refused in one line, and similar cases that the data set holds."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -60,10 +61,10 @@ def test_axes_are_the_groups_over_the_box(half_plane: Study) -> None:
 
 def test_stored_cases_have_the_values_of_the_groups(half_plane: Study) -> None:
     axes = factorial.levels(half_plane)
-    found = representatives.factors(half_plane, axes)
-    assert found["radius"] == pytest.approx(np.sqrt(0.02 * 0.2))
-    load, charge = xr.DataArray(found["load"]), xr.DataArray(found["charge"])
-    np.testing.assert_allclose(load * found["radius"] / 0.25, axes["load_radius_per_datum2"], rtol=1e-12)
+    factors = representatives.factors(half_plane, axes)
+    assert factors["radius"] == pytest.approx(np.sqrt(0.02 * 0.2))
+    load, charge = xr.DataArray(factors["load"]), xr.DataArray(factors["charge"])
+    np.testing.assert_allclose(load * factors["radius"] / 0.25, axes["load_radius_per_datum2"], rtol=1e-12)
     np.testing.assert_allclose((charge / load).isel(load_radius_per_datum2=2), axes["charge_per_load"], rtol=1e-12)
 
 
@@ -100,7 +101,7 @@ def test_logarithms_are_chosen_by_decay_and_refused_of_signs(tmp_path: Path) -> 
     assert chosen.scalings["blocked_load_per_volt"].logarithm == -1
     assert chosen.scalings["depth"].logarithm == 0
     named = made(wide.replace("surrogate: {", "surrogate: {log: [trailing_tension], "))
-    logs = {name: one.logarithm for name, one in factorial.grouping(named, learned).scalings.items()}
+    logs = {name: scaling.logarithm for name, scaling in factorial.grouping(named, learned).scalings.items()}
     assert logs.pop("trailing_tension") == 1
     assert not any(logs.values())
     signs = made(wide.replace("surrogate: {", "surrogate: {log: [voltage], "))
@@ -139,11 +140,11 @@ def test_the_card_says_how_a_case_follows(half_plane: Study) -> None:
     bare: dict[str, Any] = dict(zip(names, ("", "", 0, 0, 0, [], [], [], [], []), strict=True))
     bare |= {name: {} for name in ("factors", "categories", "fixed", "variables")}
     bare |= {"datum": 1.0, "seconds_of_jobs": None, "groups": datacard._groups(half_plane)}
-    told = datacard.markdown(bare)
-    assert "| load_radius_per_datum2 | load * radius / datum^2 | 400 | 40000 | 5 | log |" in told
-    assert "Stored cases have radius = 0.0632456" in told
-    assert "- load^0.5 radius^-0.5: peak_pressure, trailing_tension, leading_compression" in told
-    assert "- load^1: depth, voltage, magnetic_potential" in told
+    card = datacard.markdown(bare)
+    assert "| load_radius_per_datum2 | load * radius / datum^2 | 400 | 40000 | 5 | log |" in card
+    assert "Stored cases have radius = 0.0632456" in card
+    assert "- load^0.5 radius^-0.5: peak_pressure, trailing_tension, leading_compression" in card
+    assert "- load^1: depth, voltage, magnetic_potential" in card
 
 
 @pytest.mark.parametrize(
@@ -192,8 +193,8 @@ def test_a_half_plane_without_the_datum_in_a_group_is_told_what_hangs_on_it(tmp_
 
 
 def test_a_product_is_read_as_written() -> None:
-    one = grouped.product("charge / (load * radius^2)")
-    assert (dict(one.powers), one.name) == ({"charge": 1, "load": -1, "radius": -2}, "charge_per_load_radius2")
+    product = grouped.product("charge / (load * radius^2)")
+    assert (dict(product.powers), product.name) == ({"charge": 1, "load": -1, "radius": -2}, "charge_per_load_radius2")
 
 
 ELASTIC = STUDY.replace("{composite: fibrous, datum: 0.5}", "{composite: fibrous, datum: 0.5, punch: steel}")
@@ -215,6 +216,42 @@ def test_what_groups_say_under_an_elastic_punch_is_exact(tmp_path: Path) -> None
     model = fitted(elastic)
     fresh = factorial.cases(elastic, "validation")
     for name in elastic.outputs:
-        points = {one: xr.DataArray(fresh[one].values, dims="case") for one in elastic.factors}
+        points = {name: xr.DataArray(fresh[name].values, dims="case") for name in elastic.factors}
         mean = model.predict(points, False)[name].values
         assert np.abs(mean - fresh[name].values).max() < 1e-4 * np.ptp(fresh[name].values), name
+
+
+FOUR_FACTORS = """\
+title: Groups at random
+fixed: {composite: fibrous, friction: 0.2}
+factors:
+  volume_fraction: {low: 0.3, high: 0.6}
+  radius: {low: 0.02, high: 0.04}
+  load: {low: 1e4, high: 2e4}
+  charge: {low: -1e-8, high: 2e-8}
+dataset: {slabs: 1, positions: {inside: 4, outside: 2}}
+surrogate: {outputs: [contact_trailing, peak_pressure]}
+validation: {cases: 20, calibration: 40}
+"""
+
+
+@pytest.mark.parametrize(
+    ("groups", "says"),
+    [
+        (["volume_fraction", "load * radius", "charge^2 / load^2"], "the sign of charge is in no group"),
+        (["volume_fraction", "charge * radius", "load / charge * volume_fraction"], "divides by 'charge'"),
+        (["charge / load", "load * radius", "radius * load * volume_fraction"], "each needs a factor that"),
+        (["charge / load", "volume_fraction", "radius * charge"], "radius = -0.05.* in a corner"),
+        (["charge / load", "volume_fraction * charge / load", "load * radius"], "charge = 0 is in the box, where"),
+        (
+            ["volume_fraction * load * radius", "load * radius", "charge / load"],
+            "volume_fraction = 2.4 .* must be a finite",
+        ),
+        (["volume_fraction", "load * radius * volume_fraction", "charge / load"], "'volume_fraction' is a group of"),
+        (["volume_fraction", "(load^9)^9", "charge / load"], "powers of a factor must be at most 9"),
+    ],
+)
+def test_groups_that_cannot_be_solved_or_do_not_tell_are_refused(groups: list[str], says: str) -> None:
+    """Each had passed the check, and ended in a job or with one answer to two questions."""
+    levels = {text: {"levels": 3} for text in groups}
+    assert re.search(f"groups: .*{says}", refusal(FOUR_FACTORS + f"groups: {levels}\n"))

@@ -67,12 +67,20 @@ def test_every_case_of_the_data_set_is_the_solvers_stack(study: Study, slab: Pat
     assert dict(whole.sizes) == {"copper_thickness": 3, "volume_fraction": 2, "load": 5, "base": 2, "position": 5}
     assert whole["copper_thickness"].attrs["units"] == "m"
     for place in ((0, 1, 4, 0), (2, 0, 1, 1)):
-        one = whole.isel(dict(zip(("copper_thickness", "volume_fraction", "load", "base"), place, strict=True)))
-        body = stack(one["copper_thickness"].item(), one["volume_fraction"].item(), one["base"].item())
-        case = {"surroundings": "insulated", "body": body, "radius": 0.05, "friction": 0.1, "load": one["load"].item()}
-        exact = solver.solve(case, one["position"].values)
+        stored = whole.isel(dict(zip(("copper_thickness", "volume_fraction", "load", "base"), place, strict=True)))
+        body = stack(stored["copper_thickness"].item(), stored["volume_fraction"].item(), stored["base"].item())
+        case = {
+            "surroundings": "insulated",
+            "body": body,
+            "radius": 0.05,
+            "friction": 0.1,
+            "load": stored["load"].item(),
+        }
+        exact = solver.solve(case, stored["position"].values)
         for name in (*study.quantities, *FIELDS):
-            np.testing.assert_allclose(one[name], exact[name], rtol=1e-9, atol=1e-9 * float(np.abs(whole[name]).max()))
+            np.testing.assert_allclose(
+                stored[name], exact[name], rtol=1e-9, atol=1e-9 * float(np.abs(whole[name]).max())
+            )
 
 
 ONE = """\
@@ -90,11 +98,11 @@ def test_a_body_of_one_layer_is_the_film_of_the_same_factors() -> None:
     """Two ways through the face to one number, with every factor of the body an axis of the cases."""
     study = made(ONE)
     values = ([2e-4, 3e-4, 2.5e-4], [0.4, 0.5, 0.6], [1e11, 2e11, 2e11])
-    axes = {name: xr.DataArray(own, dims="case") for name, own in zip(study.factors, values, strict=True)}
-    found = factorial.exact(study, axes)
+    axes = {name: xr.DataArray(column, dims="case") for name, column in zip(study.factors, values, strict=True)}
+    answers = factorial.exact(study, axes)
     film = solver.solve({**study.fixed, **axes, "composite": "laminate"})
     for name in study.quantities:
-        np.testing.assert_allclose(found[name], film[name], rtol=1e-11, atol=1e-12 * float(np.abs(film[name]).max()))
+        np.testing.assert_allclose(answers[name], film[name], rtol=1e-11, atol=1e-12 * float(np.abs(film[name]).max()))
 
 
 def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
@@ -112,9 +120,9 @@ def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
         assert answer.term(term).exact == pytest.approx(float(value), rel=1e-9)
     ends = report.contact(study, answer)
     assert ends["contact_leading"] == pytest.approx(float(exact["contact_leading"]), rel=1e-9)
-    told = firstscreen.answered(study, "thin", study.design["thin"], answer, ends, {}).build.partition(";")[0]
-    assert told.replace("\N{NO-BREAK SPACE}", " ").startswith("Fibrous, 50 % BaTiO3, 200 µm on copper, ")
-    assert told.endswith(" on a rigid base" if base == "rigid" else " on silicon")
+    build = firstscreen.answered(study, "thin", study.design["thin"], answer, ends, {}).build.partition(";")[0]
+    assert build.replace("\N{NO-BREAK SPACE}", " ").startswith("Fibrous, 50 % BaTiO3, 200 µm on copper, ")
+    assert build.endswith(" on a rigid base" if base == "rigid" else " on silicon")
     shown = fields(study.narrowed({"base": base}), design)
     below = solver.solve_interior(case, shown["x"].values, shown["y"].values, fields=["stress_xx"])
     np.testing.assert_allclose(shown["inside_stress_xx"], below["stress_xx"], rtol=1e-9, equal_nan=True)
@@ -142,7 +150,7 @@ def test_a_body_tells_what_it_is(study: Study, slab: Path) -> None:
     ("old", "new", "expected"),
     [
         ("  copper_thickness: {", "  zinc_thickness: {", "body.1: thickness: 'copper_thickness' is neither in factors"),
-        ("radius: 0.05", "radius: 0.05, x_thickness: 1.0", "fixed: x_thickness: no layer of the body names it"),
+        ("radius: 0.05", "radius: 0.05, x_thickness: 1e-3", "fixed: x_thickness: no layer of the body names it"),
         ("[rigid, silicon]", "[rigid, silicom]", "base: 'silicom' is unknown; did you mean 'silicon'?"),
         ("categories: {base: [rigid, silicon]}\n", "", "base: a body needs a base, or else base_modulus and base_poi"),
         ("radius: 0.05", "radius: 0.05, base_poisson: 0.3", "base, base_poisson: a body needs a base, or else"),
@@ -154,7 +162,7 @@ def test_a_body_tells_what_it_is(study: Study, slab: Path) -> None:
         ("s: copper_thickness", "s: thickness", "body.1: thickness: 'thickness' must be <word>_thickness, or a number"),
         ("thickness: 2e-4", "thickness: top_thickness", "body.0: thickness: 'top_thickness' must be thickness, or a"),
         ("thickness: 2e-4", "thickness: -2e-4", "body.0: thickness: -0.0002 is not a finite number > 0 [m]"),
-        ("low: 4e-5", "low: -1.0", "factors: copper_thickness: -1 is not a finite number > 0 [m]"),
+        ("low: 4e-5", "low: -1e-3", "factors: copper_thickness: -0.001 is not a finite number > 0 [m]"),
         ("{electric: grounded}", "{magnetic: insulated}", "interface_magnetic: 'insulated' is allowed above a rigid"),
         ("radius: 0.05", "radius: 0.05, thickness: 1e-4", "thickness: beside a body; a stack has its own materials"),
         ("copper_thickness <= 55 um", "copper_thickness <= 55 V", "design.thin: 'copper_thickness <= 55 V': unit mism"),

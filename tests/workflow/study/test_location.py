@@ -1,4 +1,4 @@
-"""Where a study's file is: by name, by path, from the results made of it; and names that no later step bears."""
+"""Studies by name, by path and from their results; names that no later step can bear are refused."""
 
 import json
 import os
@@ -56,10 +56,10 @@ def test_outside_of_a_project_it_says_what_is_missing_and_what_to_do(
 
 
 def test_a_study_comes_with_the_program_unless_the_folder_has_one_of_its_name(folder: Path) -> None:
-    own = write(folder / "config/film.yaml")
+    path = write(folder / "config/film.yaml")
     assert location.given("film") == "film"
     assert not location.by_path("film")
-    assert location.location("film").resolve() == own.resolve()
+    assert location.location("film").resolve() == path.resolve()
     assert location.given("quickstart") == "quickstart"
     assert location.by_path("quickstart")
     assert location.location("quickstart") == location.BUNDLED / "quickstart.yaml"
@@ -88,11 +88,11 @@ def test_a_path_is_found_again_by_those_that_this_process_starts(folder: Path) -
 def test_results_know_the_file_that_they_were_made_from(folder: Path) -> None:
     results = folder / "results/mine"
     results.mkdir(parents=True)
-    own, far = write(folder / "config/mine.yaml"), write(folder / "far/mine.yaml")
-    assert location.of_results(Path("results/mine")) == own
+    near, far = write(folder / "config/mine.yaml"), write(folder / "far/mine.yaml")
+    assert location.of_results(Path("results/mine")) == near
     location.given("far/mine.yaml")
     record = location.from_results("mine", Path("results/mine"))
     assert record == "../../far/mine.yaml"
-    for study, expected in ((record, far), ("../../gone.yaml", own), (3, own), ("../../../../etc/passwd", own)):
+    for study, expected in ((record, far), ("../../gone.yaml", near), (3, near), ("../../../../etc/passwd", near)):
         (results / "provenance.json").write_text(json.dumps({"study": study}), encoding="utf-8")
         assert location.of_results(Path("results/mine")) == expected

@@ -142,8 +142,8 @@ def test_refuses_a_box_of_more_corners_than_are_solved_at_once() -> None:
     names = "[a, b, c, d, e, f, g, h]"
     kinds = ", ".join(f"{name}: {names}" for name in ("profile", "electric", "magnetic", "corner"))
     ranges = ", ".join(f"{name}: {{low: 0.001, high: 0.002}}" for name in axes)
-    told = refusal(f"title: t\nfactors: {{{ranges}}}\ncategories: {{{kinds}}}\n")
-    assert told.startswith("factors: a box of 2097152 corners, over all categories, has more than 262144")
+    message = refusal(f"title: t\nfactors: {{{ranges}}}\ncategories: {{{kinds}}}\n")
+    assert message.startswith("factors: a box of 2097152 corners, over all categories, has more than 262144")
 
 
 def test_numbers_follow_yaml_1_2(tmp_path: Path) -> None:
@@ -242,10 +242,10 @@ def test_a_study_is_complete_when_it_is_made() -> None:
 
 
 def test_digest_follows_its_sections_only() -> None:
-    one = load(QUICKSTART)
+    study = load(QUICKSTART)
     other = made(edited(QUICKSTART.read_text("utf-8"), "maximise: abs(stroke", "maximise: abs(blocked_load"))
-    assert one.digest("phases", "factors") == other.digest("phases", "factors")
-    assert one.digest("design") != other.digest("design")
+    assert study.digest("phases", "factors") == other.digest("phases", "factors")
+    assert study.digest("design") != other.digest("design")
 
 
 def test_schema_and_documented_default_are_the_model() -> None:
@@ -269,10 +269,10 @@ title: An insulating half cylinder
 fixed: {profile: half_cylinder, electric: insulating, radius: 0.05, load: 1.0e+5}
 factors: {volume_fraction: {low: 0.2, high: 0.8, levels: 4}, friction: {low: 0.0, high: 0.5, levels: 4}}
 """
-    found = made(text).outputs
-    assert {"magnetic_potential", "trailing_tension", "depth"} <= set(found)
-    assert not {"voltage", "peak_pressure", "leading_compression", "peak_von_mises"} & set(found)
-    assert made(text + "dataset: {peaks: true}\n").outputs == [*found, *PEAKS]
+    outputs = made(text).outputs
+    assert {"magnetic_potential", "trailing_tension", "depth"} <= set(outputs)
+    assert not {"voltage", "peak_pressure", "leading_compression", "peak_von_mises"} & set(outputs)
+    assert made(text + "dataset: {peaks: true}\n").outputs == [*outputs, *PEAKS]
     for extra, expected in (
         ("surrogate: {outputs: [voltage]}", "surrogate: outputs: some of these cases have no 'voltage'"),
         ("surrogate: {outputs: [peak_von_mises]}", "surrogate: outputs: 'peak_von_mises' needs dataset: peaks: true"),
@@ -312,13 +312,13 @@ def test_a_study_over_the_composition_of_an_alloy() -> None:
     taken = {factor: fractions & set(study.effects.case(factor)) for factor in study.effects.vary}
     of_fibres = {"volume_fraction"}
     assert taken == {"composite": fractions, "volume_fraction": of_fibres, "load": of_fibres, "material": set()}
-    told = refusal(edited(ALLOY, "high: 0.4", "high: 0.6"))
-    assert "scandium_fraction: 0.6 is not a finite number >= 0 and <= 0.5 [1]" in told
+    message = refusal(edited(ALLOY, "high: 0.4", "high: 0.6"))
+    assert "scandium_fraction: 0.6 is not a finite number >= 0 and <= 0.5 [1]" in message
 
 
 def test_a_level_that_the_calibration_does_not_tell_is_refused() -> None:
-    one = load(QUICKSTART)
-    content = one.model_dump(exclude_unset=True)
+    study = load(QUICKSTART)
+    content = study.model_dump(exclude_unset=True)
     content["validation"]["calibration"] = 99
     assert Study.model_validate({**content, "surrogate": {"level": 0.97}}).surrogate.level == 0.97
     with pytest.raises(

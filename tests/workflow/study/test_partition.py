@@ -25,5 +25,5 @@ def test_orphans_are_slabs_beyond_the_count_and_levels_that_are_given(
     (tmp_path / "fields").mkdir()
     for name in ("slab_0.nc", "slab_1.nc", "slab_2.nc", ".slab_9.nc.x.partial", "effect_load.nc"):
         (tmp_path / "fields" / name).touch()
-    found = partition.orphans(partition.with_slabs(load(file)), tmp_path)
-    assert {one.name for one in found} == left
+    orphans = partition.orphans(partition.with_slabs(load(file)), tmp_path)
+    assert {file.name for file in orphans} == left

@@ -16,7 +16,7 @@ from tests.workflow.conftest import SMALL, Copy, Project
 from workflow.run import lock
 from workflow.run.provenance import ROOT
 from workflow.study import partition, planned
-from workflow.study.digest import BOX, PHYSICS
+from workflow.study.keys import BOX, PHYSICS
 from workflow.study.model import Study, load, named, thawed
 from workflow.study.reading import InputError
 
@@ -30,7 +30,7 @@ factors: {friction: {low: 0.0, high: 0.3, levels: 3}, radius: {low: 0.02, high: 
 
 
 @pytest.fixture
-def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Study]:
+def own_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Study]:
     """A study with a material of its own, as it is planned, in a folder of its own."""
     monkeypatch.chdir(tmp_path)
     Path("config").mkdir()
@@ -62,32 +62,34 @@ def edit(file: str, old: str, new: str) -> None:
     ],
     ids=["study", "material, as a module", "broken"],
 )
-def test_an_edit_while_the_run_lasts_reaches_no_job(own: Study, file: str, old: str, new: str, prefix: str) -> None:
-    parameter = planned.parameter(own, *PHYSICS)
-    lock.claim({"own": own.frozen()}, f"{prefix}results")
+def test_an_edit_while_the_run_lasts_reaches_no_job(
+    own_study: Study, file: str, old: str, new: str, prefix: str
+) -> None:
+    parameter = planned.parameter(own_study, *PHYSICS)
+    lock.claim({"own": own_study.frozen()}, f"{prefix}results")
     edit(file, old, new)
-    found = planned.study(job(parameter, prefix))
-    assert found.fixed["load"] == 1e5
-    assert found.own_materials["mine"].c44 == 7.7e10
+    result = planned.study(job(parameter, prefix))
+    assert result.fixed["load"] == 1e5
+    assert result.own_materials["mine"].c44 == 7.7e10
     lock.release()
     with pytest.raises(InputError, match=r"^config/own\.yaml: ") as caught:
         planned.study(job(parameter, prefix))
     assert "\n" not in str(caught.value)
 
 
-def test_without_a_copy_of_the_start_an_edited_study_is_refused(own: Study) -> None:
-    parameter = planned.parameter(own, *PHYSICS)
+def test_without_a_copy_of_the_start_an_edited_study_is_refused(own_study: Study) -> None:
+    parameter = planned.parameter(own_study, *PHYSICS)
     edit("config/own.yaml", "Own", "My own")
     assert planned.study(job(parameter)).title == "My own material"  # not among what the job was planned with
     with pytest.raises(InputError, match=r"own\.yaml: was changed \(.*title.*\) after this job was planned; run"):
-        planned.study(job(planned.parameter(own)))
+        planned.study(job(planned.parameter(own_study)))
 
 
 @pytest.mark.parametrize("text", ["", '{"study": {"title"', "[]"])
-def test_what_a_killed_run_has_left_half_written_is_not_believed(own: Study, text: str) -> None:
+def test_what_a_killed_run_has_left_half_written_is_not_believed(own_study: Study, text: str) -> None:
     Path("results/own").mkdir(parents=True)
     Path("results/own/.running").write_text(text, encoding="utf-8")
-    assert planned.study(job(planned.parameter(own))).digest(*PHYSICS) == own.digest(*PHYSICS)
+    assert planned.study(job(planned.parameter(own_study))).digest(*PHYSICS) == own_study.digest(*PHYSICS)
 
 
 @pytest.mark.parametrize("name", studies.NAMES)
@@ -99,9 +101,9 @@ def test_every_study_thaws_as_it_was_frozen(name: str) -> None:
     assert again.stores_fields == study.stores_fields
 
 
-def test_limits_and_alternatives_of_own_materials_thaw_too(own: Study) -> None:
-    more = "limits: {yield_strength: {value: 3e7, source: a}}\nalternatives: [{c44: 8e+10, source: b}]\n"
-    Path("config/mine.yaml").write_text(MATERIAL + more, encoding="utf-8")
+def test_limits_and_alternatives_of_own_materials_thaw_too(own_study: Study) -> None:
+    entries = "limits: {yield_strength: {value: 3e7, source: a}}\nalternatives: [{c44: 8e+10, source: b}]\n"
+    Path("config/mine.yaml").write_text(MATERIAL + entries, encoding="utf-8")
     study = partition.with_slabs(named("own"))
     again = thawed(json.loads(json.dumps(study.frozen()))).own_materials["mine"]
     assert (again.limits, again.alternatives) == (
@@ -109,26 +111,26 @@ def test_limits_and_alternatives_of_own_materials_thaw_too(own: Study) -> None:
         study.own_materials["mine"].alternatives,
     )
     assert again.limits["yield_strength"].value == 3e7
-    assert study.digest(*PHYSICS) != own.digest(*PHYSICS)
+    assert study.digest(*PHYSICS) != own_study.digest(*PHYSICS)
 
 
-def test_the_digest_tells_materials_apart_to_the_last_bit(own: Study) -> None:
+def test_the_digest_tells_materials_apart_to_the_last_bit(own_study: Study) -> None:
     next_one = float(np.nextafter(7.7e10, 1e11))
     edit("config/mine.yaml", "c44: 7.7e+10", f"c44: {next_one!r}")
     other = partition.with_slabs(named("own"))
-    assert other.digest(*PHYSICS) != own.digest(*PHYSICS)
-    assert other.digest("factors") == own.digest("factors")
+    assert other.digest(*PHYSICS) != own_study.digest(*PHYSICS)
+    assert other.digest("factors") == own_study.digest("factors")
 
 
-def test_a_slab_is_of_the_count_that_it_was_planned_with(own: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_slab_is_of_the_count_that_it_was_planned_with(own_study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})
-    one = partition.with_slabs(named("own"))
+    planned_study = partition.with_slabs(named("own"))
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1})
     monkeypatch.setattr("os.sysconf", {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 2**22}.__getitem__)
     two = partition.with_slabs(named("own"))
-    assert (partition.count(one), partition.count(two)) == (1, 2)
-    assert one.digest("dataset") != two.digest("dataset")
-    assert partition.count(thawed(one.frozen())) == 1  # on a node with more cores than the login node
+    assert (partition.count(planned_study), partition.count(two)) == (1, 2)
+    assert planned_study.digest("dataset") != two.digest("dataset")
+    assert partition.count(thawed(planned_study.frozen())) == 1  # on a node with more cores than the login node
 
 
 def rules() -> Iterator[tuple[str, str, str]]:
@@ -165,17 +167,19 @@ def rerun(before: Study, after: Study) -> set[str]:
     changed = set()
     for rule, _, text in rules():
         if read := re.search(r"^        study=sections\((.*)\)", text, re.MULTILINE):
-            words = [one.strip(' "') for one in read[1].split(",") if one]
-            names = [one for word in words for one in (PHYSICS if word == "*PHYSICS" else (word.replace("BOX", BOX),))]
+            words = [word.strip(' "') for word in read[1].split(",") if word]
+            names = [
+                part for word in words for part in (PHYSICS if word == "*PHYSICS" else (word.replace("BOX", BOX),))
+            ]
             for name in before.design or [""]:
-                own = [one.format(name=name) for one in names]
-                if planned.parameter(before, *own) != planned.parameter(after, *own):
-                    changed.add(f"{rule} {name}" if own != names else rule)
+                sections = [part.format(name=name) for part in names]
+                if planned.parameter(before, *sections) != planned.parameter(after, *sections):
+                    changed.add(f"{rule} {name}" if sections != names else rule)
     return changed
 
 
-SOLVED = {"slab", "batch", "cases", "calibration", "further"}
-LEARNED = {"quantities", "surrogate", "own_surrogate", "validation", "levels", "sensitivity", "design"}
+SOLVED = {"slab", "batch", "cases", "calibration"}
+LEARNED = {"quantities", "surrogate", "validation", "levels", "sensitivity", "design"}
 TARGETS = {"target sensor", "target actuator", "figure_design sensor", "figure_design actuator"}
 PAGE = {"report", "solved"}
 
@@ -215,8 +219,8 @@ PAGE = {"report", "solved"}
 )
 def test_an_edit_reruns_what_hangs_on_it(change: Callable[[Study], dict[str, Any]], wanted: set[str]) -> None:
     study = load(ROOT / "config/quickstart.yaml")
-    found = rerun(study, study.model_copy(update=change(study)))
-    assert {one for one in found if not one.startswith("readout ")} - {"readout"} == wanted - {"readout"}
+    rules = rerun(study, study.model_copy(update=change(study)))
+    assert {rule for rule in rules if not rule.startswith("readout ")} - {"readout"} == wanted - {"readout"}
 
 
 def test_no_page_says_that_an_edit_reruns_exactly_something() -> None:

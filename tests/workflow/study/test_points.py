@@ -90,18 +90,18 @@ def test_figures_of_a_device_are_whole_and_the_force_is_a_factor(study: Study) -
 
 def test_every_case_follows_from_the_group(study: Study) -> None:
     """Two cases of one group, solved alone, differ by the powers of force and thickness that the study says."""
-    one = {"thickness": 50e-6, "radius": 10e-3, "force": 0.1}
-    other = one | {"thickness": 100e-6, "radius": 20e-3, "force": 0.4}
-    first, second = (factorial.exact(study, dict(case)) for case in (one, other))
+    sliding = {"thickness": 50e-6, "radius": 10e-3, "force": 0.1}
+    other = sliding | {"thickness": 100e-6, "radius": 20e-3, "force": 0.4}
+    first, second = (factorial.exact(study, dict(case)) for case in (sliding, other))
     for name in study.quantities:
         powers = similar.scale(study, name)
-        factor = np.prod([(other[key] / one[key]) ** power for key, power in powers.items()])
+        factor = np.prod([(other[key] / sliding[key]) ** power for key, power in powers.items()])
         if abs(float(first[name])) > 0:
             assert float(second[name] / first[name]) == pytest.approx(float(factor), rel=1e-9), name
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "message"),
     [
         (
             "{amplifier:",
@@ -125,8 +125,8 @@ def test_every_case_follows_from_the_group(study: Study) -> None:
         ),
     ],
 )
-def test_what_a_point_has_not_is_refused_in_one_line(old: str, new: str, told: str) -> None:
-    assert told in refusal(edited(BALL, old, new))
+def test_what_a_point_has_not_is_refused_in_one_line(old: str, new: str, message: str) -> None:
+    assert message in refusal(edited(BALL, old, new))
 
 
 def test_largest_stresses_and_friction_are_asked_for_as_along_a_line() -> None:
@@ -138,9 +138,9 @@ def test_largest_stresses_and_friction_are_asked_for_as_along_a_line() -> None:
     )
     study = made(text)
     assert {*POINT_SLIDING, "film_peak_von_mises"} <= set(study.quantities)
-    one = {"thickness": 50e-6, "radius": 10e-3, "force": 0.1}
-    other = one | {"thickness": 100e-6, "radius": 20e-3, "force": 0.4}
-    first, second = (factorial.exact(study, dict(case)) for case in (one, other))
+    larger = {"thickness": 50e-6, "radius": 10e-3, "force": 0.1}
+    other = larger | {"thickness": 100e-6, "radius": 20e-3, "force": 0.4}
+    first, second = (factorial.exact(study, dict(case)) for case in (larger, other))
     for name in ("film_peak_von_mises", "trailing_tension"):
         assert float(second[name]) == pytest.approx(float(first[name]), rel=1e-9)
 
@@ -176,8 +176,8 @@ def test_effects_of_points_have_their_fields_over_the_distance_from_the_middle()
 
 
 def test_effects_of_points_are_drawn_inside_with_no_half_plane_beside() -> None:
-    told = refusal(EFFECTS + "  film: {thickness: 1e-4, base: steel}\n")
-    assert "effects: film: is not drawn of a point; a film stands in the baseline" in told
+    message = refusal(EFFECTS + "  film: {thickness: 1e-4, base: steel}\n")
+    assert "effects: film: is not drawn of a point; a film stands in the baseline" in message
     study = made(EFFECTS + "  interior: {across: 9, down: 5, fields: [von_mises]}\n")
     drawn = field_panels.interior(effects.interior(study, "profile"))
     assert {ax.get_xlabel() for ax in drawn.axes} == {"", "x/a"}
@@ -189,12 +189,12 @@ def test_the_data_set_holds_the_radial_fields(study: Study, tmp_path: Path) -> N
     data = dataset.open_results(tmp_path)
     assert set(POINT_FIELDS) <= set(data.data_vars)
     assert data["position"].attrs["long_name"].startswith("surface position r/a")
-    one = data.isel(force_radius_per_thickness3=2)
+    stored = data.isel(force_radius_per_thickness3=2)
     group = {name: levels[2:3] for name, levels in factorial.axes(study).items()}
-    exact = solver.solve(study.fixed | representatives.factors(study, group), one["position"].values).squeeze()
+    exact = solver.solve(study.fixed | representatives.factors(study, group), stored["position"].values).squeeze()
     for name in POINT_FIELDS:
         size = float(np.abs(exact[name]).max())
-        np.testing.assert_allclose(one[name], exact[name], rtol=1e-10, atol=1e-10 * size, err_msg=name)
+        np.testing.assert_allclose(stored[name], exact[name], rtol=1e-10, atol=1e-10 * size, err_msg=name)
     sliding = study.model_copy(update={"fixed": study.fixed | {"friction": 0.2}})
     assert not sliding.stores_fields
 
@@ -202,8 +202,8 @@ def test_the_data_set_holds_the_radial_fields(study: Study, tmp_path: Path) -> N
 def test_the_surrogate_of_a_probe_is_right_to_1e_5_of_the_range_within_its_box() -> None:
     """A pressure over force / thickness^2 spans eight decades, apart in the box: by its logarithm."""
     whole = load(ROOT / "config/probe.yaml")
-    asked = whole.surrogate.model_copy(update={"outputs": ["peak_pressure", "depth"]})
-    probe = whole.model_copy(update={"surrogate": asked})
+    surrogate = whole.surrogate.model_copy(update={"outputs": ["peak_pressure", "depth"]})
+    probe = whole.model_copy(update={"surrogate": surrogate})
     model = fitted(probe)
     shares, boxes = np.random.default_rng(5).uniform(size=(4, 60)), probe.factors.items()
     points = {

@@ -82,8 +82,8 @@ def removals(content: Mapping[str, Any]) -> list[tuple[tuple[str, ...], ...]]:
 def test_a_shipped_study_without_some_keys_is_a_plan_or_one_line(file: Path) -> None:
     content = read_yaml(file)
     origin = Origin(file, dict(read_material(file.parent / name) for name in content.get("materials", [])))
-    every = removals(content)
-    for removed in [(), *random.Random(file.stem).sample(every, min(len(every), 12))]:
+    all_removals = removals(content)
+    for removed in [(), *random.Random(file.stem).sample(all_removals, min(len(all_removals), 12))]:
         assert plan(without(content, removed), origin), removed
 
 

@@ -33,7 +33,7 @@ def alone() -> Study:
 
 
 @pytest.fixture(scope="module")
-def both() -> Study:
+def mixed() -> Study:
     return made(AIR.replace(", surroundings: air}", "}\ncategories: {surroundings: [insulated, air]}"))
 
 
@@ -45,25 +45,25 @@ def test_cases_have_the_quantities_of_contacts_in_air(alone: Study) -> None:
     assert alone.costly >= {*alone.quantities}
 
 
-def test_what_only_some_surroundings_have_is_lacked(both: Study) -> None:
-    assert both.surroundings == ["insulated", "air"]
-    assert both.absent >= {*GAP_QUANTITIES, "electric_edge_intensity_trailing", "capacitance_per_length"}
-    assert "voltage[air]" in both.output_names
-    assert both.narrowed({"surroundings": "insulated"}).kind.air is False
+def test_what_only_some_surroundings_have_is_lacked(mixed: Study) -> None:
+    assert mixed.surroundings == ["insulated", "air"]
+    assert mixed.absent >= {*GAP_QUANTITIES, "electric_edge_intensity_trailing", "capacitance_per_length"}
+    assert "voltage[air]" in mixed.output_names
+    assert mixed.narrowed({"surroundings": "insulated"}).kind.air is False
 
 
 def test_fields_of_lines_in_air_are_stored_where_positions_are_given() -> None:
-    told = made(AIR + "dataset: {positions: {inside: 4, outside: 2}}\n")
-    assert told.stores_fields
+    study = made(AIR + "dataset: {positions: {inside: 4, outside: 2}}\n")
+    assert study.stores_fields
     ball = BALL + "dataset: {positions: {inside: 4, outside: 2}}\n"
     assert made(ball).stores_fields
     assert not made(BALL).stores_fields
 
 
-def test_no_fields_are_stored_where_any_case_is_in_air(alone: Study, both: Study) -> None:
+def test_no_fields_are_stored_where_any_case_is_in_air(alone: Study, mixed: Study) -> None:
     assert not alone.stores_fields
-    assert not both.stores_fields
-    assert both.narrowed({"surroundings": "insulated"}).stores_fields
+    assert not mixed.stores_fields
+    assert mixed.narrowed({"surroundings": "insulated"}).stores_fields
     film = alone.model_copy(update={"fixed": {**alone.fixed, "base": "steel", "thickness": 1e-4}})
     assert film.kind is FILM_IN_AIR
     assert not film.stores_fields
@@ -83,8 +83,8 @@ effects:
 
 
 def test_effects_of_friction_on_a_point_in_air_are_drawn() -> None:
-    found = effect(made(AIR + SLIDES), "friction")
-    rests, slides = found["electric_displacement"]
+    curves = effect(made(AIR + SLIDES), "friction")
+    rests, slides = curves["electric_displacement"]
     np.testing.assert_allclose(rests, rests[::-1], rtol=1e-12)
     assert abs(float(slides[0] / slides[-1]) - 1) > 1e-3  # of the surface beside the contact, charged by the gap
 
@@ -104,18 +104,18 @@ groups:
 def test_groups_tell_how_wide_the_gap_is() -> None:
     """By size alone cases are similar: that they are as strongly pressed says nothing of the vacuum in the gap."""
     assert re.search(r"is in no group.*make radius / thickness a group", refusal(GROUPS))
-    told = made(GROUPS + "  radius / thickness: {levels: 3}\n")
-    assert told.cases == 9
-    one, two = ({"radius": s * 0.02, "load": s * 1e4, "thickness": s * 2e-4} for s in (1.0, 1.7))
-    found = [told.solved(solve, {**told.fixed, **case}) for case in (one, two)]
+    study = made(GROUPS + "  radius / thickness: {levels: 3}\n")
+    assert study.cases == 9
+    first, two = ({"radius": s * 0.02, "load": s * 1e4, "thickness": s * 2e-4} for s in (1.0, 1.7))
+    answers = [study.solved(solve, {**study.fixed, **case}) for case in (first, two)]
     for name in ("voltage", "capacitance_at_load", "gap_field"):
         by = 1.7 ** QUANTITY_WEIGHTS[name].size
-        assert float(found[1][name]) == pytest.approx(by * float(found[0][name]), rel=1e-6)
+        assert float(answers[1][name]) == pytest.approx(by * float(answers[0][name]), rel=1e-6)
 
 
-def test_a_device_in_air_is_read_by_its_capacitance_at_the_load(alone: Study, both: Study) -> None:
+def test_a_device_in_air_is_read_by_its_capacitance_at_the_load(alone: Study, mixed: Study) -> None:
     assert alone.meeting == "line in air"
-    assert both.meeting == "line"
+    assert mixed.meeting == "line"
     names = grammar.parse("circuit_capacitance", alone.meeting).names()
     assert "capacitance_at_load" in names
     assert "capacitance_per_length" not in names
@@ -141,15 +141,15 @@ def test_a_ball_in_air_has_groups_and_figures_of_its_own() -> None:
     assert {*POINT_GAP_QUANTITIES} <= {*ball.quantities}
     assert ball.meeting == "point in air"
     assert "capacitance_at_force" in grammar.parse("circuit_capacitance", ball.meeting).names()
-    one, two = ({"radius": s * 0.02, "force": s**2 * 1.0, "thickness": s * 2e-4} for s in (1.0, 1.7))
-    found = [ball.solved(solve, {**ball.fixed, **case}) for case in (one, two)]
+    first, two = ({"radius": s * 0.02, "force": s**2 * 1.0, "thickness": s * 2e-4} for s in (1.0, 1.7))
+    answers = [ball.solved(solve, {**ball.fixed, **case}) for case in (first, two)]
     for name in ball.quantities:
         by = 1.7 ** QUANTITY_WEIGHTS[name].size
-        assert float(found[1][name]) == pytest.approx(
-            by * float(found[0][name]), rel=1e-9, abs=0
+        assert float(answers[1][name]) == pytest.approx(
+            by * float(answers[0][name]), rel=1e-9, abs=0
         )  # rounding, next to the edge
-    told = refusal(BALL.replace("  radius / thickness: {levels: 2}\n", ""))
-    assert re.search(r"is in no group.*make radius / thickness a group", told)
+    message = refusal(BALL.replace("  radius / thickness: {levels: 2}\n", ""))
+    assert re.search(r"is in no group.*make radius / thickness a group", message)
 
 
 BOX = {
@@ -164,8 +164,8 @@ def settled(*, fixed: dict[str, object] | None = None, **sections: object) -> Co
     """A roller on a film with an amplifier, as far as it is read: nothing is solved."""
     axes = {"thickness": {"low": 1e-4, "high": 2e-4, "levels": 2}, "load": {"low": 1e4, "high": 2e4, "levels": 2}}
     usual = {"material": "PZT-4", "base": "steel", "interface_electric": "grounded", **(fixed or {})}
-    own = usual if "groups" in sections else {"radius": 0.05, **usual}
-    content = {"title": "A film", "fixed": own, "factors": axes, "device": DEVICE, **sections}
+    held = usual if "groups" in sections else {"radius": 0.05, **usual}
+    content = {"title": "A film", "fixed": held, "factors": axes, "device": DEVICE, **sections}
     study = Contents.model_validate(content, context=Origin(Path(), {}))
     defaults.surround(study)
     return study

@@ -39,20 +39,20 @@ def film() -> Study:
 
 
 def test_families_and_their_priors(film: Study) -> None:
-    found = {one.name: one.std for one in uncertainty.uncertain(film)}
-    assert list(found) == [
+    priors = {constant.name: constant.std for constant in uncertainty.uncertain(film)}
+    assert list(priors) == [
         "BaTiO3 stiffness", "BaTiO3 piezoelectricity", "BaTiO3 permittivity", "BaTiO3 permeability",
         "CoFe2O4 stiffness", "CoFe2O4 piezomagnetism", "CoFe2O4 permittivity", "CoFe2O4 permeability",
         "steel modulus", "steel poisson",
     ]  # fmt: skip
     other = find("BaTiO3 (alternative 1)")
     off = np.mean([np.log(other.eps11 / find("BaTiO3").eps11), np.log(other.eps33 / find("BaTiO3").eps33)])
-    assert found["BaTiO3 permittivity"] == pytest.approx(abs(off))
-    assert {found["steel poisson"], found["steel modulus"], found["CoFe2O4 stiffness"]} == {0.02, 0.05}
+    assert priors["BaTiO3 permittivity"] == pytest.approx(abs(off))
+    assert {priors["steel poisson"], priors["steel modulus"], priors["CoFe2O4 stiffness"]} == {0.02, 0.05}
 
 
 def test_materials_of_layers_and_bases() -> None:
-    names = {one.name for one in uncertainty.uncertain(made(LAYERS))}
+    names = {constant.name for constant in uncertainty.uncertain(made(LAYERS))}
     assert names == {
         "PZT-4 stiffness", "PZT-4 piezoelectricity", "PZT-4 permittivity", "steel modulus", "steel poisson",
         "copper modulus", "copper poisson",
@@ -60,21 +60,21 @@ def test_materials_of_layers_and_bases() -> None:
 
 
 def test_a_moved_study_is_solved_with_moved_constants(film: Study) -> None:
-    asked = uncertainty.uncertain(film, {"steel modulus": 0.1, "steel poisson": None, "BaTiO3 e33": 0.2})
-    moved = uncertainty.moved(film, asked, np.array([1.0, -1.0, 0.5]))
-    at = {"thickness": 3e-4, "load": 5e4}
-    found = factorial.exact(moved, {**at, "base": "steel"})
+    constants = uncertainty.uncertain(film, {"steel modulus": 0.1, "steel poisson": None, "BaTiO3 e33": 0.2})
+    moved = uncertainty.moved(film, constants, np.array([1.0, -1.0, 0.5]))
+    case = {"thickness": 3e-4, "load": 5e4}
+    answer = factorial.exact(moved, {**case, "base": "steel"})
     ceramic = find("BaTiO3").plain() | {"e33": 18.6 * np.exp(0.1), "alternatives": []}
     base = Material.isotropic(200e9 * np.exp(0.1), 0.28, name="steel")
     exact = solve(
-        {**film.fixed, **at, "base": base},
+        {**film.fixed, **case, "base": base},
         phases=(Material.from_mapping(ceramic), "CoFe2O4"),
     )
     for name in ("voltage", "depth", "capacitance_per_length"):
-        assert float(found[name]) == pytest.approx(float(exact[name]), rel=1e-9)
-    assert uncertainty.concerned(film, asked[0]) == {"base": "steel"}
-    assert uncertainty.concerned(film, asked[2]) == {}
-    assert [one.change(1.0) for one in asked] == ["+10.5 %", "+0.02", "+22.1 %"]
+        assert float(answer[name]) == pytest.approx(float(exact[name]), rel=1e-9)
+    assert uncertainty.concerned(film, constants[0]) == {"base": "steel"}
+    assert uncertainty.concerned(film, constants[2]) == {}
+    assert [constant.change(1.0) for constant in constants] == ["+10.5 %", "+0.02", "+22.1 %"]
 
 
 def test_a_name_that_is_no_constant_is_refused(film: Study) -> None:

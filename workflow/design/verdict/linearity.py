@@ -32,18 +32,18 @@ class Bound:
 
     @property
     def units(self) -> str:
-        """Of both."""
+        """Unit of quantity and limit."""
         return ALLOWABLES[self.name].units
 
     @property
     def share(self) -> float:
-        """Of what is allowable."""
+        """Quantity over its limit."""
         return self.size / self.allowable.value
 
     @property
     def at_most(self) -> str:
-        """What is allowable, in words."""
-        return f"{titles.title(self.name)} of {self.allowable.of}, {shown(self.allowable.value, self.units, 3)}"
+        """The limit in words."""
+        return f"{titles.title(self.name)} of {self.allowable.material}, {shown(self.allowable.value, self.units, 3)}"
 
 
 def bound(study: Study, limit: Limit) -> tuple[str, str]:
@@ -51,11 +51,11 @@ def bound(study: Study, limit: Limit) -> tuple[str, str]:
     if not limit.allowable:
         return "", ""
     evidence = study.allowable(limit.allowable)
-    return f"{titles.title(limit.allowable)} of {evidence.of}", evidence.source
+    return f"{titles.title(limit.allowable)} of {evidence.material}", evidence.source
 
 
 def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None) -> list[tuple[str, str]]:
-    """What of a design is beyond what its materials bear: each in words with its figure, and the source of that."""
+    """Exceeded limits of a design's materials: each in words with both numbers, and the source of the limit."""
     bounds = _bounds(study, corner, below)
     lines = [
         (

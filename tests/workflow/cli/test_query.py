@@ -20,7 +20,7 @@ ESCAPE = "\x1b]0;owned\x07\x1b[31m"
 def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A surrogate's file whose output and unit command the terminal."""
     inputs = [Input("radius", 0.01, 0.2, "log", "m"), Input("friction", 0.0, 0.5, units="1")]
-    axes = {one.name: one.levels(5) for one in inputs}
+    axes = {axis.name: axis.levels(5) for axis in inputs}
     values = np.exp(axes["friction"]) * np.log(axes["radius"])[:, None]
     attrs = {"units": f"Pa{ESCAPE}"}
     data = xr.Dataset({f"depth{ESCAPE}": (("radius", "friction"), values, attrs)}, coords=axes)
@@ -30,7 +30,7 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("at", "says"),
+    ("point_text", "says"),
     [
         ("radius=-1,friction=0.1", "--at: radius = -1 (trained within [0.01, 0.2] m): no finite answer so far outside"),
         ("radius=0.1,friction=1e200", "--at: friction = 1e+200 (trained within [0, 0.5] 1): no finite answer so far"),
@@ -38,8 +38,8 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("radius=\u0663,friction=0.1", "is not a finite number"),
     ],
 )
-def test_no_answer_is_no_number(model: Path, capsys: pytest.CaptureFixture[str], at: str, says: str) -> None:
-    assert says in complaint(capsys, "query", model, "--at", at, "--extrapolate")
+def test_no_answer_is_no_number(model: Path, capsys: pytest.CaptureFixture[str], point_text: str, says: str) -> None:
+    assert says in complaint(capsys, "query", model, "--at", point_text, "--extrapolate")
 
 
 @pytest.mark.parametrize(
@@ -82,12 +82,12 @@ def test_names_and_units_cannot_command_the_terminal(
     shown = capsys.readouterr().out
     assert "depth\\x1b]0;owned\\x07\\x1b[31m" in shown
     assert all(line.isprintable() for line in shown.split("\n"))
-    own = tmp_path / "own.yaml"
+    material = tmp_path / "own.yaml"
     text = '"\\e]0;owned\\a\\e[31m \\u202e\\n steel: admissible"'
-    own.write_text(
+    material.write_text(
         f"name: {text}\nnote: {text}\nsource: {text}\nc11: 166e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\n", encoding="utf-8"
     )
-    said = complaint(capsys, "material", own)
+    said = complaint(capsys, "material", material)
     assert said.strip().isprintable()
 
 
@@ -101,11 +101,11 @@ def test_nothing_is_written_over_inputs_or_devices(
     os.mkfifo(pipe)
     (folder := tmp_path / "folder.nc").mkdir()
     link.symlink_to(cases)
-    own = "is an input of this command, so it is not replaced"
+    reason = "is an input of this command, so it is not replaced"
     other = "not a regular file, so it is not replaced"
     refused: list[tuple[list[str | Path], Path, str]] = [
-        (["solve", cases], link, own),
-        (["query", model, points], points, own),
+        (["solve", cases], link, reason),
+        (["query", model, points], points, reason),
         (["solve", cases], pipe, other),
         (["solve", cases], folder, other),
     ]
