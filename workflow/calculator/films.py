@@ -13,7 +13,7 @@ import numpy as np
 
 from approximation.chebyshev import coefficients, mapped_points
 from solver.arrays import Array
-from solver.halfplane.punch import Punch
+from solver.halfplane.sliding import Punch
 from solver.line.powerlaw import constants_of
 from solver.line.windows import Coat, Kind, number_of
 from solver.material.constants import Material
@@ -72,14 +72,16 @@ def tables(names: Iterable[str] = FILMS) -> list[dict[str, Any]]:
 def _with_variants(name: str, punch: str) -> dict[str, Any]:
     (top, base), *others = variants(FILMS[name])
     low, high = np.log(RANGE)
-    own = {"film": name, "punch": punch, "range": [low, high], "samples": SAMPLES[_SHOWN].tolist()}
-    told = [_table(*pair, punch, _BAND, SAMPLES.size - 1) for pair in others]
+    header = {"film": name, "punch": punch, "range": [low, high], "samples": SAMPLES[_SHOWN].tolist()}
+    varied_tables = [_table(*pair, punch, _BAND, SAMPLES.size - 1) for pair in others]
     plain = [{key: number for key, number in top.plain().items() if isinstance(number, float)} for top, _ in others]
-    varied = [{"top": constants, "samples": [1.0], **table} for constants, table in zip(plain, told, strict=True)]
-    return own | _table(top, base, punch, _EXACT, *_SHOWN) | {"variants": varied}
+    varied = [
+        {"top": constants, "samples": [1.0], **table} for constants, table in zip(plain, varied_tables, strict=True)
+    ]
+    return header | _table(top, base, punch, _EXACT, *_SHOWN) | {"variants": varied}
 
 
-def _table(top: Material, base: Material, punch: str, kept: float, *shown: int) -> dict[str, Any]:
+def _table(top: Material, base: Material, punch: str, precision: float, *shown: int) -> dict[str, Any]:
     """Units and series of a film, kept to a share of their largest coefficients; the pressure at the places shown."""
     kind = Kind((Coat(constants_of(top)),), constants_of(base), 0.0, (True, True), (True, True), 1)
     kinds = [PointKind(kind, (True, True), shape, _compliance(punch)) for shape in _SHAPES]
@@ -88,28 +90,28 @@ def _table(top: Material, base: Material, punch: str, kept: float, *shown: int) 
     centre = len(pressures) - len(_CAUSES) - 1  # where the pressure is largest; elsewhere it is drawn
     return {
         "units": kinds[0].scale[1:].tolist(),
-        "loads": [_short(series, kept) for series in loads],
-        "pressures": [_short(series, kept if k >= centre else _DRAWN) for k, series in enumerate(pressures)],
+        "loads": [_short(series, precision) for series in loads],
+        "pressures": [_short(series, precision if k >= centre else _DRAWN) for k, series in enumerate(pressures)],
     }
 
 
 def _entries(kinds: list[PointKind], place: float, shown: tuple[int, ...]) -> tuple[Array, Array]:
-    """What the layers add at log(a/h): loads and edges (16,), and pressures (sample * 4,)."""
+    """The layers' contribution at log(a/h): loads and edges (16,), and pressures (sample * 4,)."""
     number = int(number_of(np.exp(np.array([place])))[0])
     loads, pressures = [], []
-    for of, causes in zip(kinds, (_CAUSES, _CAUSES[-1:]), strict=True):
-        at = window(of, number)
-        loads.append(at.read(np.array([place]))[0, :2][:, _CHANNELS][:, :, causes])
+    for point_kind, causes in zip(kinds, (_CAUSES, _CAUSES[-1:]), strict=True):
+        table_window = window(point_kind, number)
+        loads.append(table_window.read(np.array([place]))[0, :2][:, _CHANNELS][:, :, causes])
         places = np.full(len(causes), place)
-        pressures.append(at.pressures(places, np.eye(4)[causes])[:, list(shown)])
+        pressures.append(table_window.pressures(places, np.eye(4)[causes])[:, list(shown)])
     return np.concatenate(loads, axis=-1).ravel(), np.concatenate(pressures).T.ravel()
 
 
-def _short(series: Array, kept: float) -> list[float]:
+def _short(series: Array, precision: float) -> list[float]:
     """A series without its tail of coefficients below a share of the largest, to as many digits."""
-    large = np.flatnonzero(np.abs(series) > kept * np.max(np.abs(series)))
+    large = np.flatnonzero(np.abs(series) > precision * np.max(np.abs(series)))
     ends = int(large[-1]) + 1 if large.size else 0
-    places = int(np.ceil(-np.log10(kept * np.max(np.abs(series))))) + 1 if ends else 0
+    places = int(np.ceil(-np.log10(precision * np.max(np.abs(series))))) + 1 if ends else 0
     return [round(float(value), places) for value in series[:ends]]
 
 

@@ -43,10 +43,12 @@ def _alloy() -> dict[str, Any]:
     """Al(1-x)Sc(x)N: every constant is a parabola in x, given by its values at 0, 1/4 and 1/2."""
     phases = find("BaTiO3"), find("CoFe2O4")  # which this alloy has not
     alloy: Material = made("AlScN", phases, np.array([0.0, 0.25, 0.5]))
-    own = {name: getattr(alloy, name) for name in UNITS}
+    constants = {name: getattr(alloy, name) for name in UNITS}
     return {
         "values": {
-            name: np.broadcast_to(values, (3,)).tolist() for name, values in own.items() if not np.any(np.isnan(values))
+            name: np.broadcast_to(values, (3,)).tolist()
+            for name, values in constants.items()
+            if not np.any(np.isnan(values))
         },
         "source": alloy.source,
         "limits": _marked(made("AlScN", phases, 0.3).plain())["limits"],

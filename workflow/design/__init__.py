@@ -1,1 +1,1 @@
-"""From a design question to its verdict: scenarios, risk, search, exact assessment, words."""
+"""Design questions, their search on the surrogate, the exact verdict, and the wording of the answer."""

@@ -1,1 +1,1 @@
-"""What limits and goals are written in: units, expressions, statements. Nothing is executed."""
+"""The language of limits and goals: units, expressions, statements. Nothing is executed."""

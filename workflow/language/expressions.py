@@ -91,7 +91,7 @@ class Name(Expression):
         return value, {self.name: np.ones_like(value)}
 
     def unit(self) -> units.Unit | None:
-        """As the interface has it."""
+        """Unit of the interface."""
         return units.parse(units_of(self.name))
 
     def children(self) -> tuple[Expression, ...]:
@@ -108,7 +108,7 @@ class Operation(Expression):
     right: Expression
 
     def partials(self, values: Mapping[str, Array]) -> tuple[Array, Partials]:
-        """By the rules of sum, product and quotient."""
+        """Value and derivatives of a sum, product or quotient."""
         a, da = self.left.partials(values)
         b, db = self.right.partials(values)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a pole is found and named by the search
@@ -144,7 +144,7 @@ class Power(Expression):
     exponent: int
 
     def partials(self, values: Mapping[str, Array]) -> tuple[Array, Partials]:
-        """By the rule of powers."""
+        """Value and derivatives of a power."""
         a, da = self.base.partials(values)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             slope = self.exponent * a ** float(self.exponent - 1) if self.exponent else np.zeros_like(a)
@@ -168,7 +168,7 @@ class Call(Expression):
     arguments: tuple[Expression, ...]
 
     def partials(self, values: Mapping[str, Array]) -> tuple[Array, Partials]:
-        """By the chain rule; at a kink the derivative from one side."""
+        """Value and derivatives by the chain rule; at a kink the derivative from one side."""
         parts = [argument.partials(values) for argument in self.arguments]
         a, da = parts[0]
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):

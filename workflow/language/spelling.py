@@ -6,6 +6,7 @@ from difflib import get_close_matches
 from workflow.language.wordings import RENAMED, TITLES
 
 _MANY = 20  # names, more than a reader looks through
+_BEGUN = 5  # letters of a name that is not written to its end
 
 
 def suggested(name: str, known: Collection[str]) -> str | None:
@@ -13,7 +14,9 @@ def suggested(name: str, known: Collection[str]) -> str | None:
     called = {words.replace(" ", "_"): title for title, words in TITLES.items() if title in known}
     called |= {old: new for old, new in RENAMED.items() if new in known}
     called |= {word: word for word in known}
-    near = get_close_matches(name.strip().replace(" ", "_"), called, 1, 0.5)
+    word = name.strip().replace(" ", "_")
+    begun = [candidate for candidate in called if len(word) >= _BEGUN and candidate.startswith(word)]
+    near = begun[:1] or get_close_matches(word, called, 1, 0.5)
     return called[near[0]] if near else None
 
 

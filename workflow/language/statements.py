@@ -27,7 +27,7 @@ _DEVIATION = re.compile(
 
 @dataclass(frozen=True, kw_only=True)
 class Statement:
-    """What a design question states of an expression."""
+    """Expression of a design question, with its text."""
 
     # As the study has it, and the expression in it
     text: str
@@ -44,7 +44,7 @@ class Statement:
 
 @dataclass(frozen=True, kw_only=True)
 class Objective(Statement):
-    """What is maximised or minimised."""
+    """An expression that is maximised or minimised."""
 
     maximise: bool
 
@@ -155,7 +155,7 @@ def limit(text: str, meeting: Meeting = "line") -> Limit:
 
 
 def _check_allowable(text: str, allowable: str, unit: units.Unit, expected: units.Unit | None) -> None:
-    """Whether a share of what a material bears may bound an expression."""
+    """Refuse a share of a material limit that may not bound the expression."""
     if not unit.fits(units.Unit.none()):
         raise ValueError(f"{text!r}: {str(unit)!r} before {allowable}: must be a pure number or %")
     if expected is None or not expected.fits(units.parse(ALLOWABLES[allowable].units)):

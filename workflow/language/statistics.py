@@ -1,4 +1,4 @@
-"""How uncertain cases count in an objective: a family, each with its form in a study, its words and its needs."""
+"""Statistics of uncertain cases in an objective: each has a form in a study, words and needs."""
 
 import re
 from abc import ABC, abstractmethod
@@ -20,7 +20,7 @@ class Statistic(ABC):
     @property
     @abstractmethod
     def told(self) -> str:
-        """How a goal counts over its cases, as ``on average``."""
+        """Words for the statistic in a goal, as ``on average``."""
 
 
 @dataclass(frozen=True)
@@ -32,12 +32,12 @@ class Worst(Statistic):
 
     @classmethod
     def read(cls, text: str) -> Self | None:
-        """By its name."""
+        """Read the statistic by its name."""
         return cls() if text in cls.forms else None
 
     @property
     def told(self) -> str:
-        """How a goal counts."""
+        """Words for the statistic in a goal."""
         return "at worst"
 
     def __str__(self) -> str:
@@ -53,13 +53,13 @@ class Mean(Statistic):
 
     @classmethod
     def read(cls, text: str) -> Self | None:
-        """By its form; K is a number."""
+        """Read the statistic by its form; K is a number."""
         match = re.fullmatch(r"mean(?:\s*-\s*(?P<count>\d+\.?\d*|\.\d+)\s*std)?", text)
         return cls(float(match["count"] or 0.0)) if match else None
 
     @property
     def told(self) -> str:
-        """How a goal counts."""
+        """Words for the statistic in a goal."""
         return f"(mean less {self.deviations:g} std)" if self.deviations else "on average"
 
     def __str__(self) -> str:

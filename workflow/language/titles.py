@@ -53,14 +53,14 @@ def in_words(text: str) -> str:
 
 
 def stated(statement: statements.Statement) -> str:
-    """What is wanted or bounded, in words, and what a deviation is taken over."""
+    """Wanted or bounded expression in words, with the factors of a deviation."""
     words = spoken(statement.expression, statement.inner)
     over = f" over {listed([title(name) for name in statement.over])}" if statement.over else ""
     return f"deviation of {words}{over}" if statement.deviation else words
 
 
 def wanted(goals: Sequence[statements.Objective]) -> str:
-    """What a design is asked for, as the title of its card."""
+    """Goals of a design in words, as the title of its card."""
     return capital(listed([_superlative(goal) for goal in goals]))
 
 

@@ -1,4 +1,4 @@
-"""What depends on the datum, the arbitrary length of a half-plane's logarithmic potentials: by the exact solver."""
+"""Quantities that depend on the datum, the arbitrary length of a half-plane's logarithmic potentials."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -21,7 +21,7 @@ _STRAIGHT = 1e-9  # relative difference of two slopes up to which they are one
 
 
 def changes(study: Study) -> list[dict[str, Any]]:
-    """What depends on the datum in the middle of the box: its values at a tenth, at one and at ten times the datum.
+    """Quantities that depend on the datum in the middle of the box, at a tenth, one and ten times the datum.
 
     With the change per decade of the datum, NaN where that is not constant. Of half-planes the first name of every
     category is told, of films every name: the base decides what depends on the datum.
@@ -30,9 +30,9 @@ def changes(study: Study) -> list[dict[str, Any]]:
     if study.kind.datum == "absolute":
         return rows
     for combination in study.combinations if study.kind.datum == "by_base" else study.combinations[:1]:
-        own = study.narrowed(combination)
-        hangs = hanging(own)
-        for name, values in _solved(own, inner(study)).items():
+        narrowed = study.narrowed(combination)
+        hangs = hanging(narrowed)
+        for name, values in _solved(narrowed, inner(study)).items():
             if name not in hangs:
                 continue
             steps = np.diff(values)
@@ -48,14 +48,19 @@ def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, An
 
     ``moves`` says whether they differ in what is told; a deviation has no value in one case.
     """
-    own = study.narrowed(answer.combination)
-    hangs, rows = hanging(own), []
-    constants = {name: own.constant(name) for name in target.constants()}
+    narrowed = study.narrowed(answer.combination)
+    hangs, rows = hanging(narrowed), []
+    constants = {name: narrowed.constant(name) for name in target.constants()}
     for term in answer.terms:
         stated = term.statement
         if hangs.isdisjoint(stated.expression.names()):
             continue
-        known: dict[str, Any] = {**own.fixed, **constants, **term.worst, **_solved(own, term.worst, every=True)}
+        known: dict[str, Any] = {
+            **narrowed.fixed,
+            **constants,
+            **term.worst,
+            **_solved(narrowed, term.worst, all_quantities=True),
+        }
         values = np.broadcast_to(stated.expression.evaluate(known), len(_TIMES))
         deviation = isinstance(stated, Limit) and stated.deviation
         moves = not (deviation or np.allclose(values, values[1], rtol=_TOLD, atol=0))
@@ -64,16 +69,16 @@ def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, An
 
 
 def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
-    """How far inside the trailing edge what conduction adds to sigma_xx exceeds the trailing tension [m].
+    """Distance inside the trailing edge within which edge charges add more to sigma_xx than the tension [m].
 
     In the case that decides a limit of ``trailing_tension``; None without such a limit, in air, which has no such
     singularity, and of points. There sigma_xx grows as K / sqrt(1 - X^2): K is its regular part at the edge.
     """
     limits = [limit for limit in answer.limits if "trailing_tension" in limit.statement.expression.names()]
-    own = study.narrowed(answer.combination)
-    if not limits or own.kind.air or own.kind.contact == "point":
+    narrowed = study.narrowed(answer.combination)
+    if not limits or narrowed.kind.air or narrowed.kind.contact == "point":
         return None
-    solved = factorial.exact(own, dict(limits[0].worst), [_EDGE], peaks=(), regular=True)
+    solved = factorial.exact(narrowed, dict(limits[0].worst), [_EDGE], peaks=(), regular=True)
     tension = float(solved["trailing_tension"])
     half = float(solved["contact_trailing"] + solved["contact_leading"]) / 2
     strength = float(solved["stress_xx_regular"][..., 0]) - tension * np.sqrt(1 - _EDGE**2)
@@ -81,9 +86,11 @@ def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
     return {"zone": zone, "half": half, "tension": tension} if zone > 0 else None
 
 
-def _solved(study: Study, case: Mapping[str, float], *, every: bool = False) -> dict[str, np.ndarray[Any, Any]]:
-    """What depends on the datum, or every quantity, of one case at the three lengths."""
+def _solved(
+    study: Study, case: Mapping[str, float], *, all_quantities: bool = False
+) -> dict[str, np.ndarray[Any, Any]]:
+    """Quantities that depend on the datum, or all, of one case at the three lengths."""
     base = case.get("datum") or length(study) or 1.0
     solved = factorial.exact(study, {**case, "datum": base * np.array(_TIMES)}, peaks=())
-    names = [str(name) for name in solved.data_vars if every or name in HANGING]
+    names = [str(name) for name in solved.data_vars if all_quantities or name in HANGING]
     return {name: np.broadcast_to(solved[name].values, len(_TIMES)) for name in names}

@@ -53,7 +53,7 @@ class Device:
 
     @property
     def point(self) -> bool:
-        """Whether it is a section through a point contact."""
+        """Return whether the drawing is a section through a point contact."""
         return PROFILES[self.profile].contact == "point"
 
     @property
@@ -74,7 +74,7 @@ class Device:
         return self.size / 2 if self.profile in _FLAT else self.size
 
     def heights(self, x: Array) -> Array:
-        """Of the punch's face over its lowest point [m]; NaN beside the punch."""
+        """Height of the punch's face over its lowest point [m]; NaN outside the punch."""
         if self.profile in _FLAT:
             return np.where(np.abs(x) <= self.size / 2, 0.0, np.nan)
         if self.profile in _POWERS:
@@ -88,12 +88,12 @@ class Device:
         return np.where(inside, self.size - np.sqrt(np.maximum(self.size**2 - ahead**2, 0.0)), np.nan)
 
     def _ahead(self, x: Array) -> Array:
-        """How far from the sharp edge, towards the other."""
+        """Distance from the sharp edge, towards the other edge."""
         return x + self.leading if self.corner == "leading" else self.trailing - x
 
     @property
     def sunk(self) -> float:
-        """How far the lowest point is below the ends of the contact [m]."""
+        """Depth of the lowest point below the ends of the contact [m]."""
         ends = self.heights(np.array([-self.leading, self.trailing]) * (1 - 1e-9))
         return float(np.nanmax(ends)) if np.any(np.isfinite(ends)) else 0.0
 
@@ -161,7 +161,7 @@ def _part(device: Device, ends: tuple[float, float], scale: float) -> list[str]:
 
 
 def _edges(device: Device) -> Array:
-    """Where a punch has sharp edges [m], just inside."""
+    """Positions of the punch's sharp edges [m], just inside."""
     inside = 1 - 1e-9
     if device.profile in _FLAT:
         return np.array([-0.5, 0.5]) * device.size * inside

@@ -1,4 +1,4 @@
-"""What the page tells of exact cases, solved by a rule of its own: the page itself reads files and solves nothing."""
+"""Exact cases of the page, solved by a rule of their own: the page itself only reads files."""
 
 from collections.abc import Mapping
 from typing import Any

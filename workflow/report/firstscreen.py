@@ -65,13 +65,13 @@ def answered(
     on_datum: Sequence[Mapping[str, Any]] = (),
 ) -> Screen:
     """Return the card of one target."""
-    own, told = study.narrowed(answer.combination), verdict(answer)
+    narrowed, judged = study.narrowed(answer.combination), verdict(answer)
     case: Case = {**study.fixed, **answer.combination, **answer.case}
-    built = in_words(own, case)
+    built = in_words(narrowed, case)
     moving = {str(row["name"]) for row in on_datum if row["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
-    why = (told.beyond, told.advice, told.idle, told.tolerance or cost(answer), told.device, _sure(answer),
-           asides.spread(answer), other_surroundings.told(around), told.sources)  # fmt: skip
+    why = (judged.beyond, judged.advice, judged.idle, judged.tolerance or cost(answer), judged.device, _sure(answer),
+           asides.spread(answer), other_surroundings.told(around), judged.sources)  # fmt: skip
     title = study.titles[name]
     return Screen(
         name=name,
@@ -79,12 +79,12 @@ def answered(
         code=answer.goal,
         build=unbroken(built + asides.within(answer)),
         does=unbroken(_good(target, answer, moving, reference)),
-        doubt=doubted(own),
+        doubt=doubted(narrowed),
         beyond=unbroken(asides.exceeded(answer)),
-        stops=unbroken(capital(told.stops)),
+        stops=unbroken(capital(judged.stops)),
         breaks=unbroken(asides.first_to_break(answer)),
         why=tuple(unbroken(reason) for reason in why if reason),
-        verdict=told,
+        verdict=judged,
         drawing=element(
             device.draw(of_case(study, case, contact), built), f"device-{name}", f"{title}, drawn to scale: {built}"
         ),
@@ -140,8 +140,8 @@ def _grounded(study: Study, case: Case) -> bool:
 def in_words(study: Study, case: Case) -> str:
     """Body and punch, and what is beside the contact where a device reads it or it is air."""
     around = str(case.get("surroundings", study.surroundings[0]))
-    told = f", {_AROUND[around]}" if study.device or around == AIR else ""
-    return f"{body_in_words(study, case)}; {punch_in_words(case)}{told}"
+    surroundings = f", {_AROUND[around]}" if study.device or around == AIR else ""
+    return f"{body_in_words(study, case)}; {punch_in_words(case)}{surroundings}"
 
 
 def body_in_words(study: Study, case: Case) -> str:
@@ -189,8 +189,8 @@ def punch_in_words(case: Case) -> str:
 
 def _round(profile: str, case: Case) -> str:
     """The punch of a point contact, with what it is made of where that deforms."""
-    made = str(case.get("punch", RIGID_PUNCH))
-    made = "" if made == RIGID_PUNCH else f"{made.replace('_', ' ')} "
+    material = str(case.get("punch", RIGID_PUNCH))
+    material = "" if material == RIGID_PUNCH else f"{material.replace('_', ' ')} "
     size, slope = PROFILES[profile].needs[-1], number(float(case.get("slope", 0.0)), 3)
     words = {
         "sphere": "ball, R = {}",
@@ -198,7 +198,7 @@ def _round(profile: str, case: Case) -> str:
         "disc": "flat disc {} wide",
         "power": "punch of profile {} r^" + number(float(case.get("exponent", 1.0)), 3),
     }
-    return made + words[profile].format(titles.value(size, float(case[size]), 3))
+    return material + words[profile].format(titles.value(size, float(case[size]), 3))
 
 
 def _good(target: Target, answer: Answer, moving: Collection[str], reference: float) -> str:

@@ -25,8 +25,8 @@ def compared(study: Study, case: Mapping[str, float]) -> dict[str, Any]:
     """Quantities that read a device in one case, in its own and in the other surroundings."""
     if study.device is None and not study.kind.layered:
         return {}
-    here = study.surroundings[0]
-    other = next(name for name in CHOICES["surroundings"] if name != here)
+    present = study.surroundings[0]
+    other = next(name for name in CHOICES["surroundings"] if name != present)
     fixed = {name: value for name, value in study.fixed.items() if name not in OF_A_GAP} | {"surroundings": other}
     try:
         solved = factorial.exact(
@@ -36,11 +36,11 @@ def compared(study: Study, case: Mapping[str, float]) -> dict[str, Any]:
         )
     except (FactorError, MaterialError):
         return {}
-    own = factorial.exact(study, dict(case), peaks=())
-    known = [name for name in _READ if name in own and name in solved]
+    present_values = factorial.exact(study, dict(case), peaks=())
+    known = [name for name in _READ if name in present_values and name in solved]
     return {
-        "surroundings": here,
-        "quantities": {name: [float(own[name]), float(solved[name])] for name in known},
+        "surroundings": present,
+        "quantities": {name: [float(present_values[name]), float(solved[name])] for name in known},
     }
 
 
@@ -49,7 +49,7 @@ def told(compared: Mapping[str, Any]) -> str:
     if not compared:
         return ""
     changed = [
-        f"{titles.title(name)} {titles.value(name, other, 3)} instead of {titles.value(name, own, 3)}"
-        for name, (own, other) in compared["quantities"].items()
+        f"{titles.title(name)} {titles.value(name, other, 3)} instead of {titles.value(name, value, 3)}"
+        for name, (value, other) in compared["quantities"].items()
     ]
     return f"{_HERE[compared['surroundings']]}, the design would have {titles.listed(changed)}."

@@ -119,22 +119,22 @@ def page(
         "measurements": tables.measurements(folder) if study.measurements else [],
     }
     if study.factors:
-        told = coupling.told(study)
+        names = coupling.told(study)
         content["dataset"] = tables.dataset(folder, card, coupling.quantities(study))
         content["surface"] = tables.surface(folder / "surface_validation.nc") if study.surrogate.fields else None
         content["levels"] = tables.levels(Path(levels[0])) if levels else None
         content["sobol"] = tables.sobol(folder, coupling.outputs(study))
         content["validation"] = tables.validation(folder, study)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
-        content["times"] = [row for row in by_quantity(study, times) if row["name"] in told]
+        content["times"] = [row for row in by_quantity(study, times) if row["name"] in names]
         answers = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
         solved = json.loads((folder / "solved.json").read_text(encoding="utf-8"))
         exact = [solved["designs"][target] for target in study.design]
         content["datum_changes"] = solved["datum"]
-        content["designs"] = [tables.design(answer) | told for answer, told in zip(answers, exact, strict=True)]
+        content["designs"] = [tables.design(answer) | solution for answer, solution in zip(answers, exact, strict=True)]
         content["answers"] = [
-            firstscreen.answered(study, *target, answer, told["contact"], told["around"], told["on_datum"])
-            for target, answer, told in zip(study.design.items(), answers, exact, strict=True)
+            firstscreen.answered(study, *target, answer, solution["contact"], solution["around"], solution["on_datum"])
+            for target, answer, solution in zip(study.design.items(), answers, exact, strict=True)
         ]
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
         quantities = read_whole(folder / "quantities.nc")
@@ -190,9 +190,9 @@ def _problem(study: Study) -> Markup:
         layers = (_layers(study) or ["film"]) if study.kind.layered else []
         return element(problem.point(layers), "film" if layers else "problem", problem.AT_POINT)
     of_films = study.kind.layered or (effects is not None and "thickness" in effects.baseline)
-    beside = effects is not None and bool(effects.film)
+    with_film = effects is not None and bool(effects.film)
     drawings = [] if of_films else [element(problem.draw(), "problem", problem.TITLE)]
-    drawings += [_film(study)] if of_films or beside else []
+    drawings += [_film(study)] if of_films or with_film else []
     return Markup("\n").join(drawings)
 
 
@@ -210,7 +210,7 @@ def _layers(study: Study) -> list[str]:
 
 
 def _composites(study: Study) -> list[str]:
-    """How the phases are arranged in the cases of the study, the default where it does not say."""
+    """Arrangement of the phases in the study's cases, with the default."""
     usual = CHOICES["composite"][0]
     if study.body:
         return list(dict.fromkeys(layer.composite for layer in study.body if layer.composite))
@@ -221,9 +221,9 @@ def _composites(study: Study) -> list[str]:
 
 
 def _figure(path: Path) -> dict[str, Any]:
-    kind, _, rest = path.stem.partition("_")
+    kind, _, target = path.stem.partition("_")
     caption = (CAPTIONS / f"{kind}.rst").read_text(encoding="utf-8").replace("\n", " ").replace("``", "").strip()
-    alt = f"{kind} {rest.replace('_', ' ')}: {caption}".replace(" :", ":")
+    alt = f"{kind} {target.replace('_', ' ')}: {caption}".replace(" :", ":")
     return {"caption": caption, "svg": inlined(path, alt), "name": path.stem, "kind": kind}
 
 

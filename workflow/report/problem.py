@@ -19,12 +19,12 @@ _CONTACT = 62  # half of a point contact
 _TOP, _MIDDLE, _BOTTOM = 150, 222, 294  # of a film: surface, interface inside, base
 
 
-def _line(x0: float, y0: float, x1: float, y1: float, colour: str = INK, more: str = "") -> str:
-    return f'<line x1="{x0}" y1="{y0}" x2="{x1}" y2="{y1}" stroke="{colour}" stroke-width="1.6" {more}/>'
+def _line(x0: float, y0: float, x1: float, y1: float, colour: str = INK, attributes: str = "") -> str:
+    return f'<line x1="{x0}" y1="{y0}" x2="{x1}" y2="{y1}" stroke="{colour}" stroke-width="1.6" {attributes}/>'
 
 
-def _arrow(x0: float, y0: float, x1: float, y1: float, colour: str = INK, both: bool = False) -> str:
-    start = 'marker-start="url(#tip)" ' if both else ""
+def _arrow(x0: float, y0: float, x1: float, y1: float, colour: str = INK, two_headed: bool = False) -> str:
+    start = 'marker-start="url(#tip)" ' if two_headed else ""
     return _line(x0, y0, x1, y1, colour, f'{start}marker-end="url(#tip)"')
 
 
@@ -38,7 +38,7 @@ def _words(x: float, y: float, text: str, anchor: str = "middle") -> str:
 
 def _span(x0: float, x1: float, y: float, text: str) -> list[str]:
     """A dimension line with its letter."""
-    return [_arrow(x0, y, x1, y, both=True), _text((x0 + x1) / 2, y - 6, text)]
+    return [_arrow(x0, y, x1, y, two_headed=True), _text((x0 + x1) / 2, y - 6, text)]
 
 
 def _opened(title: str) -> list[str]:
@@ -139,7 +139,7 @@ def _loads_on_film() -> list[str]:
 
 
 def _electrode() -> list[str]:
-    """Where a film lies on its base, and the ground of the electrode there."""
+    """Interface of a film and its base, with the ground of the electrode."""
     return [
         _thick(20, _WIDTH - 20, _BOTTOM, ACCENT),
         _line(640, _BOTTOM, 640, _BOTTOM + 14, ACCENT),
@@ -167,7 +167,7 @@ def _layered(layers: Sequence[str], base: str) -> list[str]:
         *(_band(*band, (BODY, SECOND)[number % 2]) for number, (band, _) in enumerate(bands)),
         _band(_BOTTOM, _HEIGHT - 12, PUNCH),
         *(_line(20, y, _WIDTH - 20, y) for y in edges[1:-1]),
-        _arrow(600, _TOP, 600, edges[1], both=True),
+        _arrow(600, _TOP, 600, edges[1], two_headed=True),
         _words(610, (_TOP + edges[1]) // 2 + 5, "thickness", "start"),
         *(_words(130, (top + low) // 2 + 6, name, "start") for (top, low), name in bands),
         _words(130, _BOTTOM + 98, f"base: rigid, or a {base}", "start"),
@@ -229,7 +229,7 @@ def film() -> str:
                 (far, _MIDDLE, _BOTTOM, "h\u2082"),
                 (far + 80, _TOP, _BOTTOM, "H"),
             )
-            for part in (_arrow(x, top, x, bottom, both=True), _text(x + 10, bottom - 26, name, anchor="start"))
+            for part in (_arrow(x, top, x, bottom, two_headed=True), _text(x + 10, bottom - 26, name, anchor="start"))
         ),
         # what each body is
         _words(130, _TOP + 54, "top layer: the edges are its own", "start"),

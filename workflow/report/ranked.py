@@ -1,4 +1,4 @@
-"""What moves what, the strongest first: the data of tornado charts and of the sentences above them."""
+"""Data of tornado charts and of the sentences above them, the largest effect first."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -22,28 +22,28 @@ def sensitivities(sensitivity: xr.Dataset, outputs: Sequence[str]) -> list[Chart
     """Total Sobol' indices of some outputs, in percent of the variance, dark what a factor explains alone."""
     charts: list[Chart] = []
     for output in outputs:
-        own, bars = sensitivity.sel(output=output), []
-        for name in map(str, own["input"].values):
-            total, alone = (100 * float(own[key].sel(input=name)) for key in ("total", "first_order"))
-            told = f"{number(total, 2)} %" if total >= _LEAST else f"< {number(_LEAST, 1)} %"
-            bars.append(Bar(name, titles.title(name), 0.0, total, told, min(max(alone, 0.0), total)))
+        output_indices, bars = sensitivity.sel(output=output), []
+        for name in map(str, output_indices["input"].values):
+            total, alone = (100 * float(output_indices[key].sel(input=name)) for key in ("total", "first_order"))
+            words = f"{number(total, 2)} %" if total >= _LEAST else f"< {number(_LEAST, 1)} %"
+            bars.append(Bar(name, titles.title(name), 0.0, total, words, min(max(alone, 0.0), total)))
         charts.append(Chart.of(output, titled(output), bars))
     same: dict[str, list[Chart]] = {}
     for chart in charts:
         same.setdefault(parted(chart.name)[0], []).append(chart)
-    return [chart for quantity, own in same.items() for chart in _once(quantity, own)]
+    return [chart for quantity, output_indices in same.items() for chart in _once(quantity, output_indices)]
 
 
 def _once(quantity: str, charts: list[Chart]) -> list[Chart]:
     """One chart of a quantity in the place of several whose bars say the same."""
-    told = {tuple((bar.name, bar.told) for bar in chart.bars) for chart in charts}
-    if len(told) > 1 or len(charts) == 1:
+    sentences = {tuple((bar.name, bar.words) for bar in chart.bars) for chart in charts}
+    if len(sentences) > 1 or len(charts) == 1:
         return charts
     return [replace(charts[0], title=f"{titles.title(quantity)}, whatever the category")]
 
 
 def elasticities(answer: Answer) -> list[Chart]:
-    """What 1 % more of each variable changes of every goal and limit, in percent, exact."""
+    """Exact change of every goal and limit for 1 % more of each variable, in percent."""
     charts, titled_so = [], Counter(term.title for term in answer.terms)
     for k, term in enumerate(answer.terms):
         known = [
@@ -68,7 +68,7 @@ def _change(percent: float) -> str:
 
 
 def spans(rows: Sequence[Mapping[str, Any]]) -> list[Chart]:
-    """From where to where each factor of a parametric study takes each quantity of its summary."""
+    """Range of each quantity over the values of each factor of a parametric study."""
     charts = []
     for quantity in dict.fromkeys(name for row in rows for name in row["spans"]):
         bars = [
@@ -82,6 +82,6 @@ def spans(rows: Sequence[Mapping[str, Any]]) -> list[Chart]:
 
 
 def _span(quantity: str, low: float, high: float) -> str:
-    """From where to where a quantity goes; that it does not, where both say the same."""
+    """Range of a quantity in words; one word where it does not change."""
     ends = dict.fromkeys(titles.value(quantity, end, 3) for end in (low, high))
     return " to ".join(ends) if len(ends) > 1 else f"{next(iter(ends))}: no change"

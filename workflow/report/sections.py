@@ -4,13 +4,53 @@ What a section shows is its piece of template, named in full: a job depends on t
 Page and rules loop over this registry.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from string import Formatter
 from typing import Any
 
-from workflow.report.drawings import Figure, Wildcards
 from workflow.study.model import Study
 from workflow.study.sections import CONVERGING
+
+#: Of which wildcards a study has a figure: one by each of these.
+Wildcards = Sequence[Mapping[str, str]]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure that is drawn from results."""
+
+    file: str  # Below the study's ``figures/`` and without its ending, with wildcards. See `kind`.
+    reads: str  # Below the study's folder, with the same wildcards, or with ``{slab}`` for all slabs of the data set
+    draw: str  # Module of ``figures/`` and its function: of the data, and of what it ``asks`` by name
+    label: str  # In Snakemake's own report
+    wildcards_of: Callable[[Study], Wildcards]  # The wildcards of a study; none where it lacks the figure
+    asks: tuple[str, ...] = ()  # Parameters of the study that `draw` takes, as ``rules/report.smk`` names them
+
+    @property
+    def kind(self) -> str:
+        """The first word of its file, as its caption is called."""
+        return self.file.partition("_")[0]
+
+    @property
+    def source(self) -> str:
+        """The file of the function that draws it."""
+        return f"workflow/report/figures/{self.draw.partition('.')[0]}.py"
+
+    @property
+    def labels(self) -> dict[str, str]:
+        """Labels in Snakemake's report, with the values of the wildcards."""
+        return {"figure": self.label, **{name: f"{{{name}}}" for name in self.wildcards}}
+
+    @property
+    def wildcards(self) -> list[str]:
+        """Names of the wildcards, in order."""
+        return [name for _, name, _, _ in Formatter().parse(self.file) if name]
+
+    def files(self, study: Study) -> list[str]:
+        """Names of the files without wildcards."""
+        return [self.file.format(**wildcards) for wildcards in self.wildcards_of(study)]
+
 
 Page = Mapping[str, Any]
 
@@ -27,7 +67,7 @@ class Section:
 
     @property
     def name(self) -> str:
-        """Its anchor."""
+        """Anchor of the section."""
         return self.template.partition(".")[0]
 
     def anchors(self, page: Page) -> list[tuple[str, str]]:
@@ -73,7 +113,9 @@ def _figures() -> list[tuple[Section, Figure]]:
 def effects(study: Study) -> list[str]:
     """Files of the fields of one factor at a time, under ``fields/`` and without their ending."""
     return [
-        name.format(**wildcards) for name, of in ((_EFFECT, _varied), (_INTERIOR, _inside)) for wildcards in of(study)
+        name.format(**wildcards)
+        for name, wildcards_of in ((_EFFECT, _varied), (_INTERIOR, _inside))
+        for wildcards in wildcards_of(study)
     ]
 
 
@@ -112,7 +154,7 @@ def _converging(study: Study) -> Wildcards:
 _EFFECT, _INTERIOR = "fields/effect_{name}", "fields/interior_{name}"
 _SENSITIVITY, _VALIDATION = "sensitivity.nc", "validation.nc"
 _ROWS, _CHECKS = "measured/measurements.json", "verification/{group}.json"
-_TOLD, _INTEREST = ("told",), ("told", "of_interest")
+_QUANTITIES, _INTEREST = ("quantities",), ("quantities", "of_interest")
 
 PARTS = (
     Part(
@@ -144,7 +186,12 @@ PARTS = (
                 lambda page: page["dataset"],
                 (
                     Figure(
-                        "sensitivity", _SENSITIVITY, "sobol.indices", "Sobol' indices", _factorial, ("told", "aims")
+                        "sensitivity",
+                        _SENSITIVITY,
+                        "sobol.indices",
+                        "Sobol' indices",
+                        _factorial,
+                        ("quantities", "aims"),
                     ),
                     Figure("main_effects", _SENSITIVITY, "sobol.main_effects", "main effects", _factorial, _INTEREST),
                 ),
@@ -195,10 +242,19 @@ PARTS = (
                 "Surrogate",
                 lambda page: page["dataset"],
                 (
-                    Figure("errors", _VALIDATION, "surrogate_errors.errors", "errors", _factorial, _TOLD),
-                    Figure("decay", _VALIDATION, "coefficients.figure", "decay of the coefficients", _factorial, _TOLD),
-                    Figure("residuals", _VALIDATION, "surrogate_errors.residuals", "residuals", _factorial, _TOLD),
-                    Figure("intervals", _VALIDATION, "coverage.figure", "intervals", _factorial, _TOLD),
+                    Figure("errors", _VALIDATION, "surrogate_errors.errors", "errors", _factorial, _QUANTITIES),
+                    Figure(
+                        "decay",
+                        _VALIDATION,
+                        "coefficients.figure",
+                        "decay of the coefficients",
+                        _factorial,
+                        _QUANTITIES,
+                    ),
+                    Figure(
+                        "residuals", _VALIDATION, "surrogate_errors.residuals", "residuals", _factorial, _QUANTITIES
+                    ),
+                    Figure("intervals", _VALIDATION, "coverage.figure", "intervals", _factorial, _QUANTITIES),
                 ),
             ),
             Section("surface.html.j2", "Fields", lambda page: page["surface"]),

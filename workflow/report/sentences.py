@@ -72,8 +72,14 @@ def sensitivity(charts: Sequence[Chart]) -> str:
     counts = Counter(parted(chart.name)[0] for chart in charts)
     parts = []
     for factor, depending in shares.items():
-        names = [_depending(name, own, whole=len(own) == counts[name]) for name, own in depending.items()]
-        said = [f"{name} ({_size(own.values())})" for name, own in zip(names, depending.values(), strict=True)]
+        names = [
+            _depending(name, by_category, whole=len(by_category) == counts[name])
+            for name, by_category in depending.items()
+        ]
+        said = [
+            f"{name} ({_size(by_category.values())})"
+            for name, by_category in zip(names, depending.values(), strict=True)
+        ]
         parts.append(f"{listed(said)} depend{'s' if len(said) == 1 else ''} most on {titles.title(factor)}")
     return f"{capital('; '.join(parts))} (shares of the variance over the ranges, with interactions)."
 
@@ -81,8 +87,8 @@ def sensitivity(charts: Sequence[Chart]) -> str:
 def _depending(name: str, shares: Iterable[str], *, whole: bool) -> str:
     """A quantity, with its categories unless all are included."""
     names, quantity = list(shares), titles.title(name) if name in ALL_QUANTITIES else name
-    more = [f"{len(names) - _MOST_NAMED} more"] if len(names) > _MOST_NAMED else []
-    return quantity if whole else f"{quantity} of {listed([*names[:_MOST_NAMED], *more])}"
+    others = [f"{len(names) - _MOST_NAMED} more"] if len(names) > _MOST_NAMED else []
+    return quantity if whole else f"{quantity} of {listed([*names[:_MOST_NAMED], *others])}"
 
 
 def _size(shares: Collection[float]) -> str:
@@ -156,20 +162,24 @@ def effects(study: Study) -> str:
 
 def strongest(charts: Sequence[Chart]) -> str:
     """Factor of a parametric study with the largest effect on each quantity."""
-    parts = [f"{chart.title} depends most on {chart.bars[0].title} ({chart.bars[0].told})" for chart in charts]
+    parts = [f"{chart.title} depends most on {chart.bars[0].title} ({chart.bars[0].words})" for chart in charts]
     return f"{capital('; '.join(parts))}."
 
 
-def provenance(given: Row) -> str:
+def provenance(record: Row) -> str:
     """Files, study and sources that the numbers can be traced to."""
     return (
-        f"{len(given['results_sha256'])} result files with digests, from study {given['study_sha256'][:8]} "
-        f"and sources {given['sources_sha256'][:8]}."
+        f"{len(record['results_sha256'])} result files with digests, from study {record['study_sha256'][:8]} "
+        f"and sources {record['sources_sha256'][:8]}."
     )
 
 
 def measurements(rows: Sequence[Row]) -> str:
     """Number of published measurements that agree with the model."""
     count = Counter(row["verdict"] for row in rows)
-    told = (f"{count['agrees']} agree", f"{count['disagrees']} disagree", f"{count['cannot be told']} cannot be told")
-    return f"Of {len(rows)} published values, without any constant fitted: {listed(told)}."
+    counts = (
+        f"{count['agrees']} agree",
+        f"{count['disagrees']} disagree",
+        f"{count['cannot be counts']} cannot be told",
+    )
+    return f"Of {len(rows)} published values, without any constant fitted: {listed(counts)}."

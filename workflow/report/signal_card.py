@@ -33,17 +33,17 @@ class Card:
 
 def card(study: Study, signal: Mapping[str, float], held: Mapping[str, float]) -> Card:
     """Return the card of the contact that the study's section ``signal`` names."""
-    own = signal_case.of(study)
-    case = {**own.fixed, own.kind.loads.force: signal["force"]}
-    built = firstscreen.in_words(own, case)
+    signal_study = signal_case.of(study)
+    case = {**signal_study.fixed, signal_study.kind.loads.force: signal["force"]}
+    built = firstscreen.in_words(signal_study, case)
     numbers = {name: np.array([value]) for name, value in held.items()}
     sizes = [np.array([float(case[name])]) if name in case else None for name in ("radius", "thickness")]
-    beyond = [*linearity.beyond(own, numbers), *linearity.beyond_small_strain(own, numbers, *sizes)]
-    nearest = linearity.nearest(own, numbers)
+    beyond = [*linearity.beyond(signal_study, numbers), *linearity.beyond_small_strain(signal_study, numbers, *sizes)]
+    nearest = linearity.nearest(signal_study, numbers)
     share = f"{nearest.words} is {number(100 * nearest.share, 2)} % of the {nearest.at_most}" if nearest else ""
     stops = [*(words for words, _ in beyond)] or [share] * bool(share)
     stops.append(f"forces below {shown(signal['noise_force'], 'N', 2)} are lost in the noise")
-    title = own.title or f"{capital(firstscreen.punch_in_words(case))}, read by its amplifier"
+    title = signal_study.title or f"{capital(firstscreen.punch_in_words(case))}, read by its amplifier"
     return Card(
         title=title,
         on=firstscreen.unbroken(f"the contact beside the designs ({built})"),
@@ -54,10 +54,10 @@ def card(study: Study, signal: Mapping[str, float], held: Mapping[str, float]) -
             f"{_banded(signal, 'output', 'output_spread', 'V')} at the output{_fading(signal['time_constant'])}"
         ),
         stops=firstscreen.unbroken(f"{capital('; '.join(stops))}."),
-        doubt=firstscreen.doubted(own),
+        doubt=firstscreen.doubted(signal_study),
         good=not beyond,
         drawing=element(
-            device.draw(firstscreen.of_case(own, case, held), built),
+            device.draw(firstscreen.of_case(signal_study, case, held), built),
             "device-beside",
             f"{title}, drawn to scale: {built}",
         ),

@@ -41,15 +41,15 @@ def element(text: str, name: str, alt: str, enlarged: float = 1.0) -> Markup:
     """An SVG of our own making as an element of the page; of several parts these, side by side where there is room."""
     parts = _PART.findall(text)
     if len(parts) > 1:
-        told = (element(f"<svg {part}", f"{name}-{k}", alt, enlarged) for k, part in enumerate(parts))
-        return Markup('<div class="parts">{}</div>').format(Markup("").join(told))
+        elements = (element(f"<svg {part}", f"{name}-{k}", alt, enlarged) for k, part in enumerate(parts))
+        return Markup('<div class="parts">{}</div>').format(Markup("").join(elements))
     text = text[text.index("<svg") :]
     while (bare := _WRAPPED.sub(r"\1", text)) != text:  # groups of one, which say nothing of it
         text = bare
 
     def renamed(match: re.Match[str]) -> str:
-        before, own, after = (part for part in match.groups() if part is not None)
-        return f"{before}{name}-{own}{after}"
+        before, middle, after = (part for part in match.groups() if part is not None)
+        return f"{before}{name}-{middle}{after}"
 
     text = _IDS.sub(renamed, text)
     for colour, variable in _VARIABLES.items():

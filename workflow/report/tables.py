@@ -1,4 +1,4 @@
-"""What the page's tables hold, from the files of a run."""
+"""Tables of the page, from the files of a run."""
 
 import json
 from collections.abc import Collection, Mapping, Sequence
@@ -57,7 +57,7 @@ def verification(folder: Path) -> dict[str, Any]:
 REFUSED = ("drawn", "refused", "refused_inside", "answered_outside")
 
 
-def dataset(folder: Path, card: Mapping[str, Any], told: Collection[str]) -> dict[str, Any]:
+def dataset(folder: Path, card: Mapping[str, Any], quantities: Collection[str]) -> dict[str, Any]:
     """Range of every quantity that is told, and size of the data set."""
     data = read_whole(folder / "quantities.nc")
     rows = [
@@ -69,7 +69,7 @@ def dataset(folder: Path, card: Mapping[str, Any], told: Collection[str]) -> dic
             "high": float(array.max()),
         }
         for name, array in data.data_vars.items()
-        if name in told
+        if name in quantities
     ]
     places = sum(file["levels"] for file in card["files"])  # of a cross approximation
     return {
@@ -140,9 +140,9 @@ def validation(folder: Path, study: Study) -> dict[str, Any]:
         {
             "level": float(level),
             **{
-                f"{prefix}{end}": float(getattr(data[f"{prefix}level_coverage"].sel(level=level), of)())
+                f"{prefix}{end}": float(getattr(data[f"{prefix}level_coverage"].sel(level=level), reduction)())
                 for prefix in ("", "raw_")
-                for end, of in (("low", "min"), ("high", "max"))
+                for end, reduction in (("low", "min"), ("high", "max"))
             },
         }
         for level in data["level"].values
@@ -164,7 +164,7 @@ def validation(folder: Path, study: Study) -> dict[str, Any]:
 
 
 def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
-    """What each factor of a parametric study does to a few quantities: their least and largest over its values."""
+    """Least and largest value of a few quantities over the values of each factor of a parametric study."""
     assert study.effects is not None
     rows = []
     for factor, values in study.effects.vary.items():
@@ -173,29 +173,31 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
         said = [
             value.replace("_", " ") if isinstance(value, str) else titles.value(factor, value, 3) for value in values
         ]
-        told = CHANGED[study.kind.contact]
-        known = [name for name in told if name in data and factor in data[name].dims]  # not every punch has all
-        own = {name: data[name].isel({factor: slice(len(values))}) for name in known}
+        changed = CHANGED[study.kind.contact]
+        known = [name for name in changed if name in data and factor in data[name].dims]  # not every punch has all
+        selected = {name: data[name].isel({factor: slice(len(values))}) for name in known}
         spans = {
-            name: (float(values.min()), float(values.max())) for name, values in own.items() if values.notnull().all()
+            name: (float(values.min()), float(values.max()))
+            for name, values in selected.items()
+            if values.notnull().all()
         }
         over = ", ".join(said) if named else f"{said[0]} to {said[-1]}"
         rows.append({"name": factor, "over": over, "spans": spans})
     return rows
 
 
-def sobol(folder: Path, told: Sequence[str]) -> list[dict[str, Any]]:
+def sobol(folder: Path, quantities: Sequence[str]) -> list[dict[str, Any]]:
     """Total Sobol' indices of every output that is told, by input."""
-    totals = read_whole(folder / "sensitivity.nc")["total"].sel(output=list(told)).transpose("output", "input")
+    totals = read_whole(folder / "sensitivity.nc")["total"].sel(output=list(quantities)).transpose("output", "input")
     inputs = [str(name) for name in totals["input"].values]
     return [
         {"title": titled(name), "totals": dict(zip(inputs, row, strict=True))}
-        for name, row in zip(told, totals.values.tolist(), strict=True)
+        for name, row in zip(quantities, totals.values.tolist(), strict=True)
     ]
 
 
 def readout(name: str, path: Path) -> dict[str, Any]:
-    """How often the intervals of a read-out hold, and how wide they are."""
+    """Coverage and width of the intervals of a read-out."""
     data = read_whole(path)
     rows = _rows(data, "factor", ("coverage", "width", "left"))
     return {"name": name, "rows": rows, "cases": data.sizes["case"]}

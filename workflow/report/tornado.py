@@ -13,7 +13,7 @@ _THICK, _LETTER = 14, 7
 
 @dataclass(frozen=True)
 class Bar:
-    """What one factor does to a quantity."""
+    """Effect of one factor on a quantity."""
 
     # The factor, and the same in words
     name: str
@@ -21,7 +21,7 @@ class Bar:
     # Ends of the bar, in the unit of its chart
     low: float
     high: float
-    told: str  # The same in words
+    words: str  # The same in words
     inner: float | None = None  # Up to where the bar is dark, as the share that a factor explains alone
 
     @property
@@ -48,7 +48,7 @@ class Chart:
 def draw(charts: Sequence[Chart]) -> str:
     """All charts below each other, as SVG; each is a part, which a page sets side by side (`workflow.report.svg`)."""
     heights = [_HEAD + _ROW * len(chart.bars) + 12 for chart in charts]
-    room = max((_LETTER * len(bar.told) + 12 for chart in charts for bar in chart.bars), default=0)
+    room = max((_LETTER * len(bar.words) + 12 for chart in charts for bar in chart.bars), default=0)
     wide = _LEFT + _BARS + max(room, _RIGHT)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {sum(heights)}">',
@@ -82,7 +82,7 @@ def _chart(chart: Chart) -> list[str]:
             wide = place(bar.inner) - start
             parts.append(f'<rect x="{start:.1f}" y="{y}" width="{wide:.1f}" height="{_THICK}" fill="{ACCENT}"/>')
         clear = max(end, place(0)) if crossed else end  # of the line at zero
-        parts.append(f'<text x="{clear + 5:.1f}" y="{y + 12}" fill="{SOFT}" font-size="11">{escape(bar.told)}</text>')
+        parts.append(f'<text x="{clear + 5:.1f}" y="{y + 12}" fill="{SOFT}" font-size="11">{escape(bar.words)}</text>')
     if crossed:
         parts.append(
             f'<path d="M{place(0):.1f} {_HEAD - 4} V{_HEAD + _ROW * len(chart.bars)}" stroke="{INK}" fill="none"/>'

@@ -1,4 +1,4 @@
-"""What the what-if panel (whatif.html.j2) needs: the surrogate as plain data, ranges, and the designs with limits."""
+"""Data of the what-if panel (whatif.html.j2): the surrogate, ranges, and the designs with limits."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,8 @@ import xarray as xr
 from markupsafe import Markup
 
 from approximation.sobol import sobol_points
-from solver.names import ALL_QUANTITIES
+from solver.fields import FIELDS
+from solver.names import ALL_QUANTITIES, PROFILES
 from surrogate import GaussianProcess
 from surrogate.use.export import exported
 from workflow.dataset import factorial
@@ -21,10 +22,11 @@ from workflow.language import grammar, titles
 from workflow.language.constants import FIGURES_BY
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS
-from workflow.report import whatif_drawing
+from workflow.language.titles import title
+from workflow.report import firstscreen
 from workflow.study import coupling
 from workflow.study.categories import Combination, output
-from workflow.study.datum import HANGING, meaning
+from workflow.study.datum import HANGING, inner, meaning
 from workflow.study.model import Study
 from workflow.study.target import Target
 
@@ -66,32 +68,33 @@ def content(
             {"values": case, "kind": kind, **_target(study.narrowed(study.combinations[kind]), name, target, design)}
             for (name, target), design, case, kind in zip(study.design.items(), designs, values, places, strict=True)
         ],
-        "stack": whatif_drawing.drawable(study),
-        **whatif_drawing.fields(study, fields),
+        "stack": drawable(study),
+        **charts(study, fields),
         "kind": places[0] if places else 0,
         "start": [
-            float(np.clip(own.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, own in model.box.items()
+            float(np.clip(axis.to_unit(start[name]), -1, 1)) if name in start else 0.1
+            for name, axis in model.box.items()
         ],
     }
 
 
 def _combines(study: Study, designs: Sequence[Answer]) -> bool:
-    """Whether some goal, limit or figure has several quantities, whose errors the page then counts together."""
-    asked = [term.statement.expression.names() for answer in designs for term in answer.terms]
-    asked += [grammar.parse(figure["name"], study.meeting).names() for figure in figures(study)]
-    return any(len({*names} & {*study.outputs}) > 1 for names in asked)
+    """Return whether some goal, limit or figure has several quantities, whose errors the page combines."""
+    names_of_terms = [term.statement.expression.names() for answer in designs for term in answer.terms]
+    names_of_terms += [grammar.parse(figure["name"], study.meeting).names() for figure in figures(study)]
+    return any(len({*names} & {*study.outputs}) > 1 for names in names_of_terms)
 
 
 def figures(study: Study) -> list[dict[str, Any]]:
     """Figures of the study's device that its quantities, its factors and the device's numbers tell, as formulas."""
     known = study.device.constants if study.device else {}
-    told = {*known, *coupling.told(study), *study.factors, *_held(study)}
+    available = {*known, *coupling.told(study), *study.factors, *_held(study)}
     figures = FIGURES_BY[study.meeting]
     formulas = {name: grammar.parse(name, study.meeting) for name in figures}
     return [
         {"name": name, "title": titles.title(name), **figures[name].attrs, "tree": _tree(formula, known)}
         for name, formula in formulas.items()
-        if set(formula.names()) <= told
+        if set(formula.names()) <= available
     ]
 
 
@@ -115,8 +118,8 @@ def _kind(study: Study, model: GaussianProcess, combination: Combination) -> dic
         "names": combination,
         "allowances": assessment.allowances(study, Predicted(model, combination), study.outputs),
         "columns": [model.outputs_.index(output(name, combination)) for name in coupling.told(study)],
-        "pressure": whatif_drawing.closed_pressure(study, combination),
-        "body": whatif_drawing.body(study, combination) if whatif_drawing.drawable(study) else None,
+        "pressure": closed_pressure(study, combination),
+        "body": drawn_body(study, combination) if drawable(study) else None,
     }
 
 
@@ -204,3 +207,70 @@ def _tree(node: Expression, constants: Mapping[str, float]) -> Any:
     if isinstance(node, Call):
         return [node.function, *(_tree(argument, constants) for argument in node.arguments)]
     raise TypeError(f"unknown node {node!r}")
+
+
+#: Quantities that give the contact pressure of a circular punch in closed form.
+_PRESSURE = {"contact_trailing", "contact_leading", "pressure_exponent", "peak_pressure"}
+#: What the means of a surrogate need; the rest is for intervals.
+_OF_MEANS = ("inputs", "axes", "groups", "outputs", "order", "cores", "factors", "offset", "scale", "correction")
+
+
+def drawable(study: Study) -> bool:
+    """Return whether the panel knows the contact that its drawing shows."""
+    return set(study.outputs) >= set(study.kind.ends)
+
+
+def closed_pressure(study: Study, combination: Combination) -> bool:
+    """Return whether the contact pressure of a combination of categories has a closed form."""
+    profile = {**study.fixed, **combination}.get("profile", "cylinder")
+    return set(study.outputs) >= _PRESSURE and profile == "cylinder" and not study.kind.tabled
+
+
+def drawn_body(study: Study, combination: Combination) -> dict[str, Any]:
+    """The punch and its body in a combination of the categories, as :class:`workflow.report.device.Device` has them.
+
+    ``size`` and ``thickness`` are numbers, or names of the factors that give them.
+    """
+    case = {**study.fixed, **combination, **inner(study)}
+    drawn = firstscreen.of_case(study, case, dict.fromkeys(study.kind.ends, 1.0))
+    size, pressing = PROFILES[drawn.profile].needs[-1], study.kind.loads.force
+    thickness: float | str | None = drawn.thickness
+    if study.body:
+        thickness = study.body[0].numbers["thickness"]
+    elif "thickness" in study.factors:
+        thickness = "thickness"
+    below = {number for layer in study.body[1:] for number in layer.numbers.values()} | {"base_modulus"}
+    return {
+        "profile": drawn.profile,
+        "corner": drawn.corner,
+        "size": size if size in study.factors else drawn.size,
+        "conducts": drawn.conducts,
+        "thickness": thickness,
+        "base": drawn.base if below.isdisjoint(study.factors) else "",  # words of what a slider moves would not follow
+        "grounded": drawn.grounded,
+        "exponent": "exponent" if "exponent" in study.factors else drawn.exponent,
+        "slides": "friction" if "friction" in study.factors else float(drawn.slides),
+        "point": drawn.point,
+        "pressing": pressing,
+        "units": FACTORS[pressing].units,
+        "ends": study.kind.ends,
+    }
+
+
+def charts(study: Study, model: GaussianProcess | None) -> dict[str, Any]:
+    """The charts under the punch, and the surrogate that feeds them where there is one in plain data.
+
+    Without one, circular punches on half-planes have their pressure in closed form.
+    """
+    known = model is not None and not study.categories and "pressure_exponent" in study.outputs
+    stored = exported(model) if known and model is not None else None
+    pressure = any(closed_pressure(study, combination) for combination in study.combinations)
+    names = ["contact_pressure"] if pressure else []
+    if stored:
+        names = [str(output["name"]) for output in stored["outputs"]]
+    fields_of_study = coupling.fields(study)
+    names = [name for name in names if coupling.fields_of(FIELDS[name].units) <= fields_of_study]
+    return {
+        "charts": [{"name": name, "title": title(name), "units": FIELDS[name].units} for name in names],
+        "fields": None if stored is None else {key: stored[key] for key in _OF_MEANS if key in stored},
+    }

@@ -130,8 +130,8 @@ def fields_felt(wildcards):
     return sorted(coupling.fields(study_of(wildcards)))
 
 
-def outputs_told(wildcards):
-    """A parameter: what the surrogate calls the quantities that the page tells."""
+def learned_quantities(wildcards):
+    """A parameter: names of the surrogate's outputs that the page shows."""
     return coupling.outputs(study_of(wildcards))
 
 

@@ -4,7 +4,7 @@
 # what figures ask of a study, by the name that their entries in `sections.py` give it
 ASKED = {
     "felt": fields_felt,
-    "told": outputs_told,
+    "quantities": learned_quantities,
     "aims": lambda wildcards: coupling.aims(study_of(wildcards)),
     "of_interest": lambda wildcards: coupling.of_interest(study_of(wildcards)),
 }

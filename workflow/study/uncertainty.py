@@ -34,6 +34,7 @@ USUAL, POISSON = 0.05, 0.02
 #: Prior standard deviation of the logarithm of one constant beside its family, at least.
 OWN = 0.03
 _STEP = 0.1  # of difference quotients, in prior standard deviations: what they leave out is 1e-5 of a derivative
+_WIDE = 0.3  # prior standard deviation from which a constant is moved by all of it, not to first order
 _MOST_OWN = 0.1  # of a scatter: variants that differ more are other materials
 _ELASTIC = {"modulus": FAMILIES["stiffness"], "poisson": FAMILIES["stiffness"]}
 _VACUUM = {"permittivity": VACUUM_PERMITTIVITY, "permeability": VACUUM_PERMEABILITY}
@@ -124,18 +125,18 @@ def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> St
 def sensitivities(
     study: Study, constants: list[Constant], values: Callable[[Study], NDArray[np.float64]]
 ) -> NDArray[np.float64]:
-    """Relative change of some values, to first order, by one prior standard deviation of each constant.
+    """Relative changes of some values by one prior standard deviation of each constant, (value, constant).
 
-    Each constant is moved by itself, up and down by a tenth of its standard deviation.
-
-    result: (n, k).
+    Each constant is moved by itself, up and down by a tenth of its standard deviation. A constant whose published
+    values differ by more than 30 % is moved by its whole standard deviation.
     """
     nominal = values(study)
     shares = np.empty((len(nominal), len(constants)))
     for column, constant in enumerate(constants):
-        ends = [values(moved(study, [constant], np.array([z]))) for z in (_STEP, -_STEP)]
+        step = _STEP if constant.std <= _WIDE else 1.0
+        ends = [values(moved(study, [constant], np.array([z]))) for z in (step, -step)]
         with np.errstate(divide="ignore", invalid="ignore"):
-            shares[:, column] = (ends[0] - ends[1]) / (2 * _STEP) / nominal
+            shares[:, column] = (ends[0] - ends[1]) / (2 * step) / nominal
     shares[~np.isfinite(shares)] = np.nan
     return shares
 

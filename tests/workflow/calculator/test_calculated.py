@@ -20,7 +20,7 @@ from workflow.calculator.page import script
 pytestmark = pytest.mark.needs("node")
 
 LIBRARY = library()
-EVERY = [one for material in materials().values() for one in (material, *material.variants())]
+EVERY = [variant for material in materials().values() for variant in (material, *material.variants())]
 LINES: list[dict[str, Any]] = [
     {"profile": profile, **size, "load": 1e4, "datum": 0.7, "friction": friction, "charge": 3e-9}
     for profile, size in (("cylinder", {"radius": 0.05}), ("flat", {"width": 1e-3}), ("wedge", {"slope": 0.01}))
@@ -59,9 +59,9 @@ console.log(JSON.stringify(answers));
 """
 
 
-def calculated(asked: list[dict[str, Any]]) -> list[Any]:
+def calculated(questions: list[dict[str, Any]]) -> list[Any]:
     """What the scripts answer."""
-    content = json.dumps({"library": LIBRARY, "asked": asked})
+    content = json.dumps({"library": LIBRARY, "asked": questions})
     command = ["node", "-e", script() + DRIVER]
     done = subprocess.run(command, input=content, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -85,18 +85,18 @@ def given(case: dict[str, Any], material: Material) -> dict[str, Any]:
     }
 
 
-def compared(found: dict[str, Any], solved: xr.Dataset) -> Iterator[tuple[str, float]]:
+def compared(answer: dict[str, Any], solved: xr.Dataset) -> Iterator[tuple[str, float]]:
     """Every quantity of a case, and how far the script is off; absolutely where it is nothing."""
     for name in solved.data_vars:
         value = float(solved[name])
-        yield str(name), abs(found[str(name)] / value - 1) if value else abs(found[str(name)])
+        yield str(name), abs(answer[str(name)] / value - 1) if value else abs(answer[str(name)])
 
 
 @pytest.mark.parametrize("kind", ["line", "point"])
 def test_every_material_and_profile_is_the_solver_s(kind: str) -> None:
     cases = [case for case in CASES if ("load" in case) == (kind == "line")]
-    asked = [{"kind": kind, "given": given(case, material)} for case in cases for material in EVERY]
-    answers = iter(calculated(asked))
+    questions = [{"kind": kind, "given": given(case, material)} for case in cases for material in EVERY]
+    answers = iter(calculated(questions))
     worst: dict[str, float] = {}
     for case in cases:
         names = xr.DataArray(np.array(EVERY, dtype=object), dims="case")
@@ -114,12 +114,12 @@ def test_stress_beside_a_ball_and_pressures_are_the_solver_s() -> None:
     outside, inside = 1.5, [-0.9, -0.2, 0.7]
     for case in (POINTS[0] | {"punch": "steel"}, LINES[1]):
         kind = "point" if "force" in case else "line"
-        (found,) = calculated([{"kind": kind, "given": given(case, materials()["BaTiO3"]), "at": inside}])
+        (answer,) = calculated([{"kind": kind, "given": given(case, materials()["BaTiO3"]), "at": inside}])
         solved = solver.solve({**case, "material": "BaTiO3"}, [*inside, outside])
-        assert found["at"] == pytest.approx(solved["contact_pressure"].values[:3], rel=1e-12, abs=0)
+        assert answer["at"] == pytest.approx(solved["contact_pressure"].values[:3], rel=1e-12, abs=0)
         if kind == "point":
-            beside = float(solved["radial_stress"][3]) * outside**2
-            assert found["edge_tension"] == pytest.approx(beside, rel=1e-12, abs=0)
+            stress = float(solved["radial_stress"][3]) * outside**2
+            assert answer["edge_tension"] == pytest.approx(stress, rel=1e-12, abs=0)
 
 
 def test_a_held_voltage_is_that_of_its_charge() -> None:
@@ -127,15 +127,15 @@ def test_a_held_voltage_is_that_of_its_charge() -> None:
         material = materials()["PZT-4"]
         kind = "point" if "force" in case else "line"
         held = given(case, material) | {"charges": [0.0, 0.0], "voltage": 25.0}
-        (found,) = calculated([{"kind": kind, "given": held}])
+        (answer,) = calculated([{"kind": kind, "given": held}])
         charge = "total_charge" if kind == "point" else "charge"
-        solved = solver.solve({**case, "material": "PZT-4", charge: found["charge"]})
+        solved = solver.solve({**case, "material": "PZT-4", charge: answer["charge"]})
         assert float(solved["voltage"]) == pytest.approx(25.0, rel=1e-10)
-        assert found["depth"] == pytest.approx(float(solved["depth"]), rel=1e-10, abs=0)
+        assert answer["depth"] == pytest.approx(float(solved["depth"]), rel=1e-10, abs=0)
         if kind == "line":  # what a charge adds to the voltage of a contact that keeps its width
-            more = solver.solve({**case, "material": "PZT-4", charge: found["charge"] + 1e-8})
-            risen = float(more["voltage"] - solved["voltage"])
-            assert found["capacitance"] == pytest.approx(1e-8 / risen, rel=1e-8, abs=0)
+            charged = solver.solve({**case, "material": "PZT-4", charge: answer["charge"] + 1e-8})
+            risen = float(charged["voltage"] - solved["voltage"])
+            assert answer["capacitance"] == pytest.approx(1e-8 / risen, rel=1e-8, abs=0)
 
 
 SHAPES: list[dict[str, Any]] = [
@@ -153,12 +153,14 @@ def test_films_are_the_solver_s(name: str, shape: dict[str, Any]) -> None:
     softness = float(top.c33) / 4e11
     forces = [1e-4 * softness, 1e-1 * softness]
     case: dict[str, Any] = {**shape, "total_charge": 1e-15 * softness}
-    asked = [
+    questions = [
         (table, force, given({**case, "force": force, "punch": table["punch"]}, top))
         for table in films.tables([name])
         for force in forces
     ]
-    found = calculated([{"kind": "point", "given": of | {"film": one, "thickness": 2e-6}} for one, _, of in asked])
+    answers = calculated(
+        [{"kind": "point", "given": inputs | {"film": table, "thickness": 2e-6}} for table, _, inputs in questions]
+    )
     solved = solver.solve(
         {
             **case,
@@ -169,18 +171,18 @@ def test_films_are_the_solver_s(name: str, shape: dict[str, Any]) -> None:
             "force": forces,
         }
     )
-    told = [name for name in solved.data_vars if name in found[0]]
-    assert set(solved.data_vars) - set(told) == {name for name in MAGNETIC if name in solved} | {"nominal_field"}
-    for (table, force, _), answer in zip(asked, found, strict=True):
-        own = solved[told].sel(punch=table["punch"], force=force)
-        assert {name: off for name, off in compared(answer, own) if not off < 2e-6} == {}
+    names = [name for name in solved.data_vars if name in answers[0]]
+    assert set(solved.data_vars) - set(names) == {name for name in MAGNETIC if name in solved} | {"nominal_field"}
+    for (table, force, _), answer in zip(questions, answers, strict=True):
+        exact = solved[names].sel(punch=table["punch"], force=force)
+        assert {name: off for name, off in compared(answer, exact) if not off < 2e-6} == {}
 
 
 @pytest.mark.parametrize("shape", SHAPES[:1], ids=str)
 def test_other_constants_of_a_film_are_the_solver_s(shape: dict[str, Any]) -> None:
     """To 2e-4: tables keep 1e-5 of the largest coefficient, and the least band that the page tells is 5e-4."""
     name = "PVDF on glass"
-    (table,) = (one for one in films.tables([name]) if one["punch"] == "steel")
+    (table,) = (candidate for candidate in films.tables([name]) if candidate["punch"] == "steel")
     case: dict[str, Any] = {**shape, "force": 1e-3, "punch": "steel", "thickness": 2e-6,
                             "surroundings": "insulated"}  # fmt: skip
     pairs = list(films.variants(films.FILMS[name]))[1:]
@@ -190,24 +192,27 @@ def test_other_constants_of_a_film_are_the_solver_s(shape: dict[str, Any]) -> No
         "PVDF on glass (alternative 1)",
         "PVDF on glass (alternative 2)",
     ]
-    asked = [
-        {"kind": "point", "given": given(case, top) | {"charges": [0.0, 0.0], "film": table | one, "thickness": 2e-6}}
-        for (top, _), one in zip(pairs, table["variants"], strict=True)
+    questions = [
+        {
+            "kind": "point",
+            "given": given(case, top) | {"charges": [0.0, 0.0], "film": table | candidate, "thickness": 2e-6},
+        }
+        for (top, _), candidate in zip(pairs, table["variants"], strict=True)
     ]
-    for (top, base), found in zip(pairs, calculated(asked), strict=True):
+    for (top, base), answer in zip(pairs, calculated(questions), strict=True):
         solved = solver.solve(case | {"material": top, "base": base})
-        told = [key for key in solved.data_vars if key in found]
-        assert len(told) > 10
-        assert {key: off for key, off in compared(found, solved[told]) if not off < 2e-4} == {}
+        names = [key for key in solved.data_vars if key in answer]
+        assert len(names) > 10
+        assert {key: off for key, off in compared(answer, solved[names]) if not off < 2e-4} == {}
 
 
 def test_the_alloy_is_the_solver_s() -> None:
     fractions = (0.0, 0.13, 0.5)
-    for x, found in zip(fractions, calculated([{"kind": "alloy", "given": x} for x in fractions]), strict=True):
+    for x, answer in zip(fractions, calculated([{"kind": "alloy", "given": x} for x in fractions]), strict=True):
         factors = {"composite": "AlScN", "scandium_fraction": x}
         for name, value in films.top_of(factors).plain().items():
             if isinstance(value, float):
-                assert found[name] == pytest.approx(value, rel=1e-14, abs=0)
+                assert answer[name] == pytest.approx(value, rel=1e-14, abs=0)
 
 
 TOML = """["mine"]
@@ -224,11 +229,11 @@ JSON = '{"name": "soft", "c11": 126e9, "c12": 79.5e9, "c13": "84.1 GPa", "c33": 
 
 @pytest.mark.parametrize(("text", "name"), [(TOML, "mine"), (TOML.replace(" = ", ": ") + MORE, "mine"), (JSON, "soft")])
 def test_own_constants_are_read_as_text(text: str, name: str) -> None:
-    (found,) = calculated([{"kind": "own", "given": text}])
+    (answer,) = calculated([{"kind": "own", "given": text}])
     wanted = {"c11": 126e9, "c12": 79.5e9, "c13": 84.1e9, "c33": 117e9, "c44": 23e9, "e33": 23.3, "e15": 0.0}
-    assert {key: found[key] for key in wanted} == pytest.approx(wanted, rel=1e-14)
-    assert found["name"] == name
-    assert found["mu33"] == LIBRARY["defaults"]["mu"]
+    assert {key: answer[key] for key in wanted} == pytest.approx(wanted, rel=1e-14)
+    assert answer["name"] == name
+    assert answer["mu33"] == LIBRARY["defaults"]["mu"]
 
 
 @pytest.mark.parametrize(
@@ -245,8 +250,8 @@ def test_own_constants_are_read_as_text(text: str, name: str) -> None:
     ],
 )
 def test_wrong_constants_are_refused_by_name(text: str, said: str) -> None:
-    (found,) = calculated([{"kind": "own", "given": text}])
-    assert said in found["refused"]
+    (answer,) = calculated([{"kind": "own", "given": text}])
+    assert said in answer["refused"]
 
 
 def test_numbers_take_units() -> None:
@@ -263,9 +268,9 @@ def test_numbers_take_units() -> None:
         ("−5 V", "V", -5.0),
         ("7.5 g/cm3", "kg m-3", 7500.0),
     ]
-    found = calculated([{"kind": "number", "given": [text, units]} for text, units, _ in wanted])
-    assert found == pytest.approx([value for *_, value in wanted], rel=1e-14)
+    answers = calculated([{"kind": "number", "given": [text, units]} for text, units, _ in wanted])
+    assert answers == pytest.approx([value for *_, value in wanted], rel=1e-14)
     wrong = calculated(
         [{"kind": "number", "given": [text, "m"]} for text in ("20 kg", "x", "", "5 mm mm", "5 constructor")]
     )
-    assert all("refused" in one for one in wrong)
+    assert all("refused" in answer for answer in wrong)

@@ -99,9 +99,9 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
         solver.solve({**default, "force": 0.01, "material": top, "base": base})
         for top, base in variants(FILMS["PVDF on glass"])
     )
-    told = ("contact_radius", "charge_per_force", "peak_pressure")
-    wide = [max(abs(float(other[name] / pressed[name] - 1)) for other in moved) for name in told]
-    assert seen["first"]["bands"] == [f"± {100 * one:.{1 if one < 0.1 else 2}g} %" for one in wide]
+    names = ("contact_radius", "charge_per_force", "peak_pressure")
+    wide = [max(abs(float(other[name] / pressed[name] - 1)) for other in moved) for name in names]
+    assert seen["first"]["bands"] == [f"± {100 * share:.{1 if share < 0.1 else 2}g} %" for share in wide]
     assert seen["first"]["radius"] == f"{1e6 * float(pressed['contact_radius']):.3g} µm"
     line = {"profile": "cylinder", "material": "AlN", "radius": 0.02, "load": 5e4, "friction": 0.3, "punch": "steel"}
     solved = solver.solve(line)
@@ -112,11 +112,11 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
         "charge_per_force": f"{1e12 * float(solved['charge_per_force']):.3g} pC/N",
         "voltage": f"{float(solved['voltage']) / 1e3:.3g} kV".replace("-", "−"),
     }
-    own, *others = (
-        float(solver.solve({**line, "material": one})["voltage"])
-        for one in (solver.find("AlN"), *solver.find("AlN").variants())
+    nominal, *others = (
+        float(solver.solve({**line, "material": material})["voltage"])
+        for material in (solver.find("AlN"), *solver.find("AlN").variants())
     )
-    assert seen["band"] == f"± {100 * max(abs(other - own) for other in others) / abs(own):.2g} %"
+    assert seen["band"] == f"± {100 * max(abs(other - nominal) for other in others) / abs(nominal):.2g} %"
     assert seen["hash"].startswith("#material=AlN&profile=cylinder&radius=2+cm")
     assert seen["drawn"] == 2
     assert "AlN,cylinder,0.02,50000,0.3,1,steel" in seen["commands"]
@@ -155,6 +155,6 @@ def test_the_command_refuses_what_is_no_page(tmp_path: Path, capsys: pytest.Capt
     path = tmp_path / "mine.txt"
     with pytest.raises(SystemExit, match="2"):
         main.main(["calculator", "-o", str(path)])
-    told = f"argument -o/--output: '{path}': must end in .html: the answer is written as HTML\n"
-    assert capsys.readouterr().err == f"meecontact calculator: {told}"
+    refusal = f"argument -o/--output: '{path}': must end in .html: the answer is written as HTML\n"
+    assert capsys.readouterr().err == f"meecontact calculator: {refusal}"
     assert list(tmp_path.iterdir()) == []

@@ -62,12 +62,12 @@ def test_a_file_holds_all_of_an_answer(tmp_path: Path, bare: dict[str, object]) 
     terms = [replace(GOAL, effect=(), spread=0.0), replace(LIMIT, effect=(), spread=0.0)] if bare else [GOAL, LIMIT]
     answer = replace(ANSWER, terms=tuple(terms), **bare)  # type: ignore[arg-type]
     write_whole(netcdf.entire(answer), tmp_path / "mine.nc")
-    found = netcdf.read(tmp_path / "mine.nc")
-    assert found.terms[1] == (replace(LIMIT, effect=(), spread=found.terms[1].spread) if bare else LIMIT)
-    assert found.terms[0].statement == GOAL.statement
-    assert np.isnan(found.terms[0].limit)
-    assert replace(found, terms=()) == replace(answer, terms=())
-    np.testing.assert_array_equal(found.pictures["map_objective"], np.eye(2))
+    stored = netcdf.read(tmp_path / "mine.nc")
+    assert stored.terms[1] == (replace(LIMIT, effect=(), spread=stored.terms[1].spread) if bare else LIMIT)
+    assert stored.terms[0].statement == GOAL.statement
+    assert np.isnan(stored.terms[0].limit)
+    assert replace(stored, terms=()) == replace(answer, terms=())
+    np.testing.assert_array_equal(stored.pictures["map_objective"], np.eye(2))
     data = read_whole(tmp_path / "mine.nc")
     assert data.attrs["goal"] == "minimise abs(voltage) / load"
     assert data["edge"].values.tolist() == ["upper end of the range asked for", ""]
@@ -87,11 +87,11 @@ def test_the_status_says_what_binds_and_what_is_missed() -> None:
 
 
 def test_tables_hold_the_numbers() -> None:
-    told = json.loads(table.as_json(ANSWER))
-    assert told["factors"]["radius"] == {"value": 0.1, "role": "variable", "units": "m", "tolerance": "5 %"}
-    assert told["terms"][LIMIT.name]["margin"] == 0.05
-    assert told["terms"][GOAL.name]["limit"] is None
-    assert told["categories"] == {"material": {"value": "PZT", "role": "variable"},
+    content = json.loads(table.as_json(ANSWER))
+    assert content["factors"]["radius"] == {"value": 0.1, "role": "variable", "units": "m", "tolerance": "5 %"}
+    assert content["terms"][LIMIT.name]["margin"] == 0.05
+    assert content["terms"][GOAL.name]["limit"] is None
+    assert content["categories"] == {"material": {"value": "PZT", "role": "variable"},
                                   "profile": {"value": "flat", "role": "given"}}  # fmt: skip
     rows = {row[2]: row for row in csv.reader(io.StringIO(table.as_csv([ANSWER])))}
     assert rows["radius"] == ["mine", "variable", "radius", "m", "", "", "0.1", "", "", ""]

@@ -27,7 +27,7 @@ Ask = Callable[..., Answer]
 
 def exact_ranges(answer: Answer) -> dict[str, tuple[float, float]]:
     """Least and largest exact value of every quantity of a design."""
-    return {one.quantity: (one.exact_low, one.exact_high) for one in answer.ranges}
+    return {row.quantity: (row.exact_low, row.exact_high) for row in answer.ranges}
 
 
 @pytest.fixture
@@ -61,28 +61,28 @@ def test_a_punch_without_a_voltage_is_judged_and_drawn(ask: Ask, insulating: lis
 
 
 @pytest.mark.parametrize(
-    ("profile", "told"),
+    ("profile", "flagged"),
     [({"radius": 1e-7}, True), ({"radius": 0.05}, False), ({"profile": "flat", "width": 1e-4}, False)],
 )
 def test_a_contact_too_wide_for_its_parabola_is_told_of_a_fixed_radius_too(
-    ask: Ask, profile: dict[str, Any], told: bool
+    ask: Ask, profile: dict[str, Any], flagged: bool
 ) -> None:
     target = {"maximise": "abs(voltage_per_load)", "over": ["volume_fraction", "load"]}
     answer = ask({"volume_fraction": FRACTION, "load": LOAD}, profile, **target)
     flags = answer.flags
-    assert ("no longer a parabola" in flags) == told
-    if told:
+    assert ("no longer a parabola" in flags) == flagged
+    if flagged:
         width = sum(exact_ranges(answer)[f"contact_{side}"][1] for side in ("trailing", "leading"))
         assert f"the contact is {width / profile['radius']:.2g} of the radius wide" in flags
 
 
-@pytest.mark.parametrize(("load", "told"), [(30.0, True), (3e4, False)])
-def test_a_depth_below_what_most_surfaces_are_rough_is_told(ask: Ask, load: float, told: bool) -> None:
+@pytest.mark.parametrize(("load", "flagged"), [(30.0, True), (3e4, False)])
+def test_a_depth_below_what_most_surfaces_are_rough_is_told(ask: Ask, load: float, flagged: bool) -> None:
     target = {"maximise": "abs(voltage_per_load)", "over": ["volume_fraction"]}
     answer = ask({"volume_fraction": FRACTION}, {"radius": 0.1, "load": load}, **target)
     depth = exact_ranges(answer)["depth"][1]
-    assert (depth < 1e-7) == told
-    assert ("both surfaces must be smoother than most are" in answer.flags) == told
+    assert (depth < 1e-7) == flagged
+    assert ("both surfaces must be smoother than most are" in answer.flags) == flagged
 
 
 SQUARE = {"volume_fraction": FRACTION, "radius": RADIUS}
@@ -115,8 +115,8 @@ def test_a_pair_of_limits_that_is_an_equality_is_met_to_rounding(ask: Ask) -> No
 )
 def test_a_kink_is_solved_to_rounding(ask: Ask, over: list[str], target: dict[str, Any]) -> None:
     factors = {"volume_fraction": FRACTION, "radius": RADIUS, "charge": CHARGE}
-    at = {"volume_fraction": 0.6} | ({} if "radius" in over else {"radius": 0.1})
-    answer = ask(factors, {"load": 1e4}, over=over, at=at, **target)
+    given_values = {"volume_fraction": 0.6} | ({} if "radius" in over else {"radius": 0.1})
+    answer = ask(factors, {"load": 1e4}, over=over, at=given_values, **target)
     assert answer.feasible
     low, high = exact_ranges(answer)["voltage"]
     assert max(abs(low), abs(high)) < 1e-9  # volts, of some 1e6 over the charges
@@ -141,8 +141,8 @@ def test_what_the_material_bears_is_a_limit_and_its_linear_range_is_told(ask: As
     assert limit.limit == pytest.approx(1.2 * 35e6, rel=1e-12)
     assert limit.bound == "tensile strength of BaTiO3"
     assert limit.source == find("BaTiO3").limits["tensile_strength"].source
-    told = words.verdict(answer)
-    assert told.kind.startswith("beyond linear theory; otherwise ")
+    judged = words.verdict(answer)
+    assert judged.kind.startswith("beyond linear theory; otherwise ")
     case = {
         "composite": "fibrous",
         "friction": 0.2,
@@ -153,8 +153,8 @@ def test_what_the_material_bears_is_a_limit_and_its_linear_range_is_told(ask: As
     exact = solve(case)
     inside = solve_interior(case, [0.0], np.linspace(-2.0, 0.0, 201))
     field = np.hypot(inside["electric_field_x"], inside["electric_field_y"]).max()
-    assert bool(field > 0.3e6) == ("coercive field of BaTiO3" in told.beyond)
-    assert bool(exact["trailing_tension"] > 35e6) == ("tensile strength of BaTiO3" in told.beyond)
+    assert bool(field > 0.3e6) == ("coercive field of BaTiO3" in judged.beyond)
+    assert bool(exact["trailing_tension"] > 35e6) == ("tensile strength of BaTiO3" in judged.beyond)
 
 
 def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told(ask: Ask) -> None:
@@ -164,10 +164,12 @@ def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told(ask: 
         "feasible; binding: none; volume_fraction at the upper end of the studied range; "
         "radius of no effect on the goal"
     )
-    told = [answer.variable(name).sensitivity for name in ("volume_fraction", "radius")]
-    assert [one.matters for one in told] == [True, False]
-    assert [one.loss for one in told] == pytest.approx([one.cost * answer.terms[0].exact for one in told])
-    assert told[0].cost > 0.01
+    sensitivities = [answer.variable(name).sensitivity for name in ("volume_fraction", "radius")]
+    assert [sensitivity.matters for sensitivity in sensitivities] == [True, False]
+    assert [sensitivity.loss for sensitivity in sensitivities] == pytest.approx(
+        [sensitivity.cost * answer.terms[0].exact for sensitivity in sensitivities]
+    )
+    assert sensitivities[0].cost > 0.01
     # the same box, of which the question asks for a part
     answer = ask(SQUARE, {"load": 1e4}, over={"volume_fraction": {"high": 0.7}, "radius": {}}, **target)
     assert "volume_fraction at the upper end of the range asked for" in answer.status
@@ -175,14 +177,14 @@ def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told(ask: 
     assert says.stops == "limited by volume fraction at the upper end of the range asked for (0.7)."
     assert says.idle.startswith("The goal does not depend on radius; the smallest value is chosen that leaves every")
     # which is the least radius that leaves 1 % to the limit, by the exact solver
-    at = {"composite": "fibrous", "friction": 0.2, "load": 1e4, "volume_fraction": 0.7}
+    case = {"composite": "fibrous", "friction": 0.2, "load": 1e4, "volume_fraction": 0.7}
     radius = answer.variable("radius").value
-    pressure = solve({**at, "radius": [radius, 0.999 * radius]})["peak_pressure"].values / 500e6
+    pressure = solve({**case, "radius": [radius, 0.999 * radius]})["peak_pressure"].values / 500e6
     assert pressure[0] <= 0.99 + 1e-6
     assert pressure[1] > 0.99 or radius == pytest.approx(0.02)
     # what a little more would bring, from the exact solver
-    at = {"composite": "fibrous", "friction": 0.2, "load": 1e4, "radius": 0.1}
-    strokes = np.log(np.abs(solve({**at, "volume_fraction": 0.7 * np.array([0.9999, 1.0001])})["stroke_per_volt"]))
+    case = {"composite": "fibrous", "friction": 0.2, "load": 1e4, "radius": 0.1}
+    strokes = np.log(np.abs(solve({**case, "volume_fraction": 0.7 * np.array([0.9999, 1.0001])})["stroke_per_volt"]))
     weight = multipliers.multipliers(answer, [], answer.at_ends)["volume_fraction"]
     assert weight == pytest.approx(float(strokes[1] - strokes[0]) / 2e-4, rel=1e-4)
     assert says.advice.startswith("To first order, volume fraction 0.77 would gain ")
@@ -193,14 +195,14 @@ def test_next_to_zero_an_error_costs_units_and_no_share(ask: Ask) -> None:
     fixed = {"load": 1e4, "radius": 0.1}
     answer = ask(factors, fixed, minimise="abs(voltage)", over=["charge"], at={"volume_fraction": 0.6})
     charge = answer.variable("charge")
-    one = charge.sensitivity
-    assert np.isnan(one.cost)
-    assert np.isnan(one.elasticity).all()
-    assert one.matters
+    sensitivity = charge.sensitivity
+    assert np.isnan(sensitivity.cost)
+    assert np.isnan(sensitivity.elasticity).all()
+    assert sensitivity.matters
     exact = solve(
         {"composite": "fibrous", "friction": 0.2, **fixed, "volume_fraction": 0.6, "charge": 1.01 * charge.value}
     )
-    assert one.loss == pytest.approx(abs(float(exact["voltage"])), rel=1e-6)
+    assert sensitivity.loss == pytest.approx(abs(float(exact["voltage"])), rel=1e-6)
 
 
 def test_a_front_that_no_design_reaches_is_answered_and_drawn(ask: Ask) -> None:

@@ -32,18 +32,18 @@ design:
 def test_a_thickness_is_found_with_few_exact_cases(monkeypatch: pytest.MonkeyPatch) -> None:
     study = made(FILM)
     model = fitted(study, calibrated=True)
-    asked: list[int] = []
+    counts: list[int] = []
     exact = sources.Exact.values
 
     def counted(self: sources.Exact, factors: sources.Factors, names: list[str]) -> dict[str, Array]:
-        asked.append(int(np.prod(sources.shape(factors))))
+        counts.append(int(np.prod(sources.shape(factors))))
         return exact(self, factors, names)
 
     monkeypatch.setattr(sources.Exact, "values", counted)
     answer = targets.solve_target(study, "thick", model)
     # the verdict of a half-plane would solve 201 scenarios at once, and every step of the polish some more
-    assert max(asked) <= 14  # loads up to the first limit, of one table
-    assert sum(asked) <= budget.AFFORDABLE_FILMS
+    assert max(counts) <= 14  # loads up to the first limit, of one table
+    assert sum(counts) <= budget.AFFORDABLE_FILMS
     assert "led by the surrogate" in answer.polish
     assert answer.feasible
     design = {name: answer.variable(name).value for name in study.factors}
@@ -51,7 +51,7 @@ def test_a_thickness_is_found_with_few_exact_cases(monkeypatch: pytest.MonkeyPat
     goal, field = answer.terms
     for term, limit in ((goal, False), (field, True)):
         case = design | {"friction": term.worst["friction"], "base": base} | study.fixed
-        found = solver.solve(case)
-        value = found["nominal_field"] if limit else abs(found["voltage_per_load"])
+        solved = solver.solve(case)
+        value = solved["nominal_field"] if limit else abs(solved["voltage_per_load"])
         assert term.exact == pytest.approx(float(value), rel=1e-6)
     assert field.exact <= 8e5 * (1 + 1e-9)

@@ -6,7 +6,7 @@ import pytest
 from solver import find
 from tests.studies import shipped
 from tests.workflow.design import standin
-from workflow.design.verdict import assessment, linearity, merit, perturbation, spread
+from workflow.design.verdict import assessment, linearity, merit, sensitivity
 from workflow.design.verdict.answer import Constant
 
 HERTZ = {"friction": 0.0}  # then the largest pressure goes as the root of load over radius
@@ -17,33 +17,32 @@ def test_elasticities_and_costs_are_those_of_hertz() -> None:
     study = standin.study(fixed=standin.FIXED | HERTZ)
     design = standin.design(study, AT, minimise="peak_pressure", over=["radius", "load"], subject_to=["load >= 9 kN/m"])
     exact, _ = assessment.exactly(design, design.terms)
-    found = perturbation.sensitivities(design, exact)
-    assert found["radius"].elasticity == pytest.approx((-0.5, 0.0), abs=1e-6)
-    assert found["load"].elasticity == pytest.approx((0.5, 1.0), rel=1e-6)
-    assert found["radius"].cost == pytest.approx(0.99**-0.5 - 1, rel=1e-9)
-    assert found["load"].cost == pytest.approx(1.01**0.5 - 1, rel=1e-9)
-    assert found["load"].loss == pytest.approx(found["load"].cost * exact[0])
-    assert found["radius"].matters
-    assert found["load"].margin_left == pytest.approx(0.99e4 / 9e3 - 1)  # of the bound
+    sensitivities = sensitivity.sensitivities(design, exact)
+    assert sensitivities["radius"].elasticity == pytest.approx((-0.5, 0.0), abs=1e-6)
+    assert sensitivities["load"].elasticity == pytest.approx((0.5, 1.0), rel=1e-6)
+    assert sensitivities["radius"].cost == pytest.approx(0.99**-0.5 - 1, rel=1e-9)
+    assert sensitivities["load"].cost == pytest.approx(1.01**0.5 - 1, rel=1e-9)
+    assert sensitivities["load"].loss == pytest.approx(sensitivities["load"].cost * exact[0])
+    assert sensitivities["radius"].matters
+    assert sensitivities["load"].margin_left == pytest.approx(0.99e4 / 9e3 - 1)  # of the bound
 
 
 @pytest.mark.parametrize("room", [1.2, 3.0])
 def test_the_load_at_the_first_limit_is_that_of_hertz(room: float) -> None:
     study = standin.study(fixed=standin.FIXED | HERTZ)
     open_ = standin.design(study, AT, maximise="load", over=["radius", "load"])
-    pressure = float(open_.exact.values({name: np.full((1, 1), one) for name, one in AT.items()}, ["peak_pressure"])[
-        "peak_pressure"
-    ][0, 0])  # fmt: skip
+    factors = {name: np.full((1, 1), value) for name, value in AT.items()}
+    pressure = float(open_.exact.values(factors, ["peak_pressure"])["peak_pressure"][0, 0])
     limit = f"peak_pressure <= {room * pressure:.12g} Pa"
     design = standin.design(study, AT, maximise="load", over=["radius", "load"], subject_to=[limit])
-    found = merit.first_limit(design, [AT, AT])
-    assert found is not None
-    assert found.overload == pytest.approx(room**2, rel=1e-3)
-    assert found.overload_term == limit
+    overload = merit.first_limit(design, [AT, AT])
+    assert overload is not None
+    assert overload.overload == pytest.approx(room**2, rel=1e-3)
+    assert overload.overload_term == limit
     free = standin.design(study, AT, maximise="load", over=["radius", "load"], subject_to=["peak_pressure <= 1e6 MPa"])
-    found = merit.first_limit(free, [AT, AT])
-    assert found is not None
-    assert (found.overload, found.overload_term) == (merit.MOST_LOAD, "")
+    overload = merit.first_limit(free, [AT, AT])
+    assert overload is not None
+    assert (overload.overload, overload.overload_term) == (merit.MOST_LOAD, "")
 
 
 def test_a_device_has_the_figures_of_its_charge() -> None:
@@ -52,9 +51,9 @@ def test_a_device_has_the_figures_of_its_charge() -> None:
     design = standin.design(study, AT, maximise="load", over=["radius", "load"])
     corner = {"charge_per_force": np.array([[2e-11, 3e-11]])}
     corner |= {f"contact_{side}": np.full((1, 2), 1e-4) for side in ("trailing", "leading")}
-    found = {one.figure: (one.figure_low, one.figure_high) for one in merit.over(design, corner)}
-    assert found["force"] == pytest.approx((100.0, 100.0))  # N, of 10 kN/m along 10 mm
-    assert found["signal_charge"] == pytest.approx((2e-9, 3e-9))
+    figures = {figure.figure: (figure.figure_low, figure.figure_high) for figure in merit.over(design, corner)}
+    assert figures["force"] == pytest.approx((100.0, 100.0))  # N, of 10 kN/m along 10 mm
+    assert figures["signal_charge"] == pytest.approx((2e-9, 3e-9))
 
 
 def test_what_exceeds_the_library_is_told_with_its_source() -> None:
@@ -70,9 +69,9 @@ def test_what_exceeds_the_library_is_told_with_its_source() -> None:
 
 
 def test_effects_of_constants_add_as_squares() -> None:
-    found = spread.Spread((Constant("a", "5 %"), Constant("b", "5 %")), np.array([[0.03, -0.04], [0.0, np.nan]]))
-    assert found.whole == pytest.approx([0.05, np.nan], nan_ok=True)
-    assert np.isnan(spread.Spread((), np.empty((2, 0))).whole).all()
+    spreads = sensitivity.Spread((Constant("a", "5 %"), Constant("b", "5 %")), np.array([[0.03, -0.04], [0.0, np.nan]]))
+    assert spreads.whole == pytest.approx([0.05, np.nan], nan_ok=True)
+    assert np.isnan(sensitivity.Spread((), np.empty((2, 0))).whole).all()
 
 
 def test_a_design_is_judged_with_a_surrogate_that_errs() -> None:

@@ -55,8 +55,8 @@ class Closed:
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         radius, friction = (factors[name] + np.zeros(shape(factors)) for name in ("radius", "friction"))
-        found = {"voltage_per_load": radius, "trailing_tension": self.tension(radius, friction)}
-        return {name: found[name] for name in names}
+        quantities = {"voltage_per_load": radius, "trailing_tension": self.tension(radius, friction)}
+        return {name: quantities[name] for name in names}
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
         raise NotImplementedError
@@ -65,8 +65,8 @@ class Closed:
 def found(exact: Closed | None = None, choice: str = "PZT-4") -> Candidate:
     """The best design by a source in closed form, to be polished on another."""
     predicted, other = cast(Any, Closed()), cast(Any, exact or Closed())
-    made = Candidate({"material": choice}, ask(STUDY, "test", TARGET, predicted, other))
-    return made.sought(predicted)
+    candidate = Candidate({"material": choice}, ask(STUDY, "test", TARGET, predicted, other))
+    return candidate.sought(predicted)
 
 
 def radius(design: Candidate) -> float:
@@ -119,6 +119,6 @@ def test_a_choice_that_is_truly_infeasible_is_passed_over_and_told() -> None:
     worse = found(choice="BaTiO3")
     taken = polish.first_feasible([nowhere, worse])
     assert taken.choice == {"material": "BaTiO3"}
-    assert [one.choice for one in taken.passed] == [{"material": "PZT-5H"}]
+    assert [passed.choice for passed in taken.passed] == [{"material": "PZT-5H"}]
     assert "is better and not taken: it misses trailing_tension <= 50 MPa by 0.38 of it" in taken.polish
     assert not polish.first_feasible([nowhere]).best.feasible

@@ -124,13 +124,13 @@ def test_corners_hold_the_ends_and_the_supports() -> None:
     ],
 )
 def test_questions_without_sense_are_named(study: Study, model: GridGP, change: dict[str, str], reason: str) -> None:
-    asked = TARGETS["worst"].model_dump() | {"worst_case": {"load": [5e3, 2e4]}, "at": {"friction": 0.2}}
+    content = TARGETS["worst"].model_dump() | {"worst_case": {"load": [5e3, 2e4]}, "at": {"friction": 0.2}}
     over = ["volume_fraction", "radius", "charge"] if "voltage / charge" in change["maximise"] else None
-    asked |= change | (
+    content |= change | (
         {"over": over, "subject_to": []} if over else {"subject_to": [], "at": {"friction": 0.2, "charge": 0.0}}
     )
     with pytest.raises(ValueError, match=reason):
-        ask(study, "mine", Target.model_validate(asked), Predicted(model), Exact(study))
+        ask(study, "mine", Target.model_validate(content), Predicted(model), Exact(study))
 
 
 @pytest.mark.parametrize(
@@ -182,8 +182,8 @@ def test_a_chance_constraint_binds_at_its_probability(study: Study, model: GridG
     shares = (np.arange(4000) + 0.5) / 4000
     friction = stats.triang.ppf(shares, 0.25, 0.1, 0.4)
     exact = factorial.exact(study, {**held, "friction": xr.DataArray(friction, dims="draw")})
-    kept = exact["trailing_tension"].values <= 50e6
-    assert kept.mean() == pytest.approx(0.9, abs=2e-3)  # binding: certainty would cost
+    feasible = exact["trailing_tension"].values <= 50e6
+    assert feasible.mean() == pytest.approx(0.9, abs=2e-3)  # binding: certainty would cost
     mean = float(abs(exact["voltage"] / held["load"]).mean())
     assert answer.terms[0].exact == pytest.approx(mean, rel=1e-4)
 
@@ -215,7 +215,7 @@ def test_an_exact_value_outside_its_interval_fails_unless_allowed(
         """A surrogate that is off by 5 %."""
 
         def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-            return {name: 1.05 * one for name, one in super().values(factors, names).items()}
+            return {name: 1.05 * value for name, value in super().values(factors, names).items()}
 
     monkeypatch.setattr(targets, "Predicted", Wrong)
     target = Target(

@@ -22,8 +22,8 @@ STUDIES = ("actuator", "catalogue", "quickstart", "sensor")
 TARGETS = [
     (name, target)
     for name in STUDIES
-    for target, asked in studies.shipped(name).design.items()
-    if len(asked.objectives) == 1 and not studies.shipped(name).open
+    for target, shipped_target in studies.shipped(name).design.items()
+    if len(shipped_target.objectives) == 1 and not studies.shipped(name).open
 ]
 _CASES = 1 << 22  # of a dense search
 _KEPT = 1e-12  # relative excess that is rounding
@@ -44,11 +44,11 @@ def dense(candidate: Candidate) -> float:
     best = -np.inf
     for part in np.array_split(X, max(1, len(X) // 4096)):
         counts = question.at(part).count(question.exact, question.searched)
-        kept = np.ones(len(part), dtype=bool)
+        feasible = np.ones(len(part), dtype=bool)
         for place, term in enumerate(question.terms):
-            kept &= term.oriented(counts[:, place]) <= _KEPT if term.limited else True
+            feasible &= term.oriented(counts[:, place]) <= _KEPT if term.limited else True
         goal = question.terms[0]
-        best = max(best, float((goal.sign * counts[kept, 0]).max(initial=-np.inf)))
+        best = max(best, float((goal.sign * counts[feasible, 0]).max(initial=-np.inf)))
     return best
 
 
@@ -56,12 +56,16 @@ def dense(candidate: Candidate) -> float:
 @pytest.mark.parametrize(("name", "target"), TARGETS)
 def test_no_design_of_a_dense_search_is_better(name: str, target: str) -> None:
     study, model = trained(name)
-    asked = study.design[target]
-    made = [targets._asked(study, target, asked, model, choice) for choice in targets.combinations(study, asked)]
-    assert not any(budget.asked(one.question) for one in made)  # a case that takes milliseconds: test_budget.py
-    best = max(map(dense, made))
+    chosen_target = study.design[target]
+    choices = [
+        targets._asked(study, target, chosen_target, model, choice)
+        for choice in targets.combinations(study, chosen_target)
+    ]
+    # cases that take milliseconds: test_budget.py
+    assert not any(budget.asked(choice.question) for choice in choices)
+    best = max(map(dense, choices))
     answer = targets.solve_target(study, target, model)
-    goal = made[0].question.terms[0]
+    goal = choices[0].question.terms[0]
     reached = goal.sign * answer.terms[0].exact
     assert answer.feasible == np.isfinite(best)
     # the dense search counts over the few scenarios, the verdict over many: a worst case is worse by what lies between

@@ -27,25 +27,27 @@ def test_curves_are_asked_for_the_quantities_of_a_term_even_if_it_has_none() -> 
 
 
 def test_errors_of_one_quantity_are_its_own_and_those_of_several_go_together() -> None:
-    random, own = np.random.default_rng(0), Input("x", 0.0, 1.0)
+    random, axis = np.random.default_rng(0), Input("x", 0.0, 1.0)
 
     def outputs(x: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
         return {"one": 1 / (x + 0.1), "same": 2 + 3 / (x + 0.1)}
 
-    grid = xr.Dataset({name: ("x", values) for name, values in outputs(own.levels(9)).items()}, {"x": own.levels(9)})
+    grid = xr.Dataset({name: ("x", values) for name, values in outputs(axis.levels(9)).items()}, {"x": axis.levels(9)})
     held = random.uniform(0, 1, 400)
     cases = xr.Dataset({name: ("case", values) for name, values in {"x": held, **outputs(held)}.items()})
-    model = GridGP(inputs=[own]).fit(grid).calibrate(cases)
-    source, at, X = Predicted(model), {"x": np.array([[0.3]])}, np.array([[0.3]])
+    model = GridGP(inputs=[axis]).fit(grid).calibrate(cases)
+    source, factors, X = Predicted(model), {"x": np.array([[0.3]])}, np.array([[0.3]])
     mean, std = model.predict_array(X, return_std=True)
     reach = np.abs(np.stack(model.interval_array(X))[:, 0] - mean).max(axis=0)
     for k, name in enumerate(model.outputs_):
-        assert source.errors(at, {name: np.array([-2.0])}) == pytest.approx((2 * std[0, k], 2 * reach[k]), rel=1e-9)
-    cancelled = source.errors(at, {"one": np.array([3.0]), "same": np.array([-1.0])})
-    added = source.errors(at, {"one": np.array([3.0]), "same": np.array([1.0])})
+        assert source.errors(factors, {name: np.array([-2.0])}) == pytest.approx(
+            (2 * std[0, k], 2 * reach[k]), rel=1e-9
+        )
+    cancelled = source.errors(factors, {"one": np.array([3.0]), "same": np.array([-1.0])})
+    added = source.errors(factors, {"one": np.array([3.0]), "same": np.array([1.0])})
     assert cancelled[1] < 0.02 * reach[1]
     assert added[1] == pytest.approx(2 * reach[1], rel=0.05)  # a quantile of 400 rows
-    assert source.errors(at, {"one": np.array([0.0])}) == (0.0, 0.0)
+    assert source.errors(factors, {"one": np.array([0.0])}) == (0.0, 0.0)
 
 
 def test_the_field_below_a_contact_is_what_charges_make_and_does_not_depend_on_the_datum() -> None:
@@ -58,9 +60,9 @@ def test_the_field_below_a_contact_is_what_charges_make_and_does_not_depend_on_t
         text | {"factors": {"load": {"low": 500, "high": 2000, "levels": 3}}},
         context=Origin(Path(), {"plain": mine}),
     )
-    found = [
+    rows = [
         Exact(remade(study, fixed={**study.fixed, "datum": datum})).field_below({"load": np.array([[load]])})
         for datum in (0.1, 10.0)
     ]
-    assert found[0] == pytest.approx(charge / (np.pi * width / 2) / eps33, rel=1e-9)
-    assert found[1] == pytest.approx(found[0], rel=1e-12)
+    assert rows[0] == pytest.approx(charge / (np.pi * width / 2) / eps33, rel=1e-9)
+    assert rows[1] == pytest.approx(rows[0], rel=1e-12)

@@ -20,15 +20,15 @@ def design(
     edge: tuple[End | None, End | None] = (None, None),
     *,
     maximise: bool = True,
-    **more: Any,
+    **changes: Any,
 ) -> Answer:
     """A design of radius and load with stroke_per_volt for its goal, trailing_tension and peak_pressure limited."""
-    tension = more.get("tension", "trailing_tension <= 50 MPa")
+    tension = changes.get("tension", "trailing_tension <= 50 MPa")
     stated = [
         statements.objective("stroke_per_volt", maximise=maximise),
         *map(statements.limit, (tension, "peak_pressure <= 500 MPa")),
     ]
-    bounds = more.get("bound", ["", "", ""])
+    bounds = changes.get("bound", ["", "", ""])
     terms = [
         Term(
             statement, predicted=value, predicted_std=0.0, half=0.0, exact=value, inside=True, limit=limit,
@@ -38,14 +38,14 @@ def design(
             stated, exact, [np.nan, *limits], ["m V-1", "Pa", "Pa"], bounds, ["", "a table", "another"], strict=False
         )
     ]  # fmt: skip
-    matters = more.get("matters", [True, True])
+    matters = changes.get("matters", [True, True])
     variables = [
         Variable(name, value, Role.VARIABLE, Sensitivity(tuple(slopes), matters=matter), edge=end)
         for name, value, slopes, matter, end in zip(
             ("radius", "load"), (0.2, 1e4), elasticity, matters, edge, strict=True
         )
     ]
-    return Answer(tuple(terms), tuple(variables), beyond=more.get("beyond", ""))
+    return Answer(tuple(terms), tuple(variables), beyond=changes.get("beyond", ""))
 
 
 def test_a_limit_or_nothing_stops_a_recommended_design() -> None:
@@ -64,23 +64,23 @@ def test_an_end_is_worth_its_multiplier(farther: float, goal: float) -> None:
     """R^n P under R P <= constant, R at its upper end: P follows R, so that the goal grows as R^(n-1)."""
     answer = design([goal, 50e6], [50e6], [[farther, 1.0], [1.0, 1.0]], (End.UPPER, None),
                     maximise=goal > 0)  # fmt: skip
-    told = words.verdict(answer)
-    assert told.kind == words.AT_EDGE
-    found = multipliers.multipliers(answer, answer.limits, answer.at_ends)
-    assert found == pytest.approx({"radius": farther - 1})
-    assert told.stops == (
+    judged = words.verdict(answer)
+    assert judged.kind == words.AT_EDGE
+    weights = multipliers.multipliers(answer, answer.limits, answer.at_ends)
+    assert weights == pytest.approx({"radius": farther - 1})
+    assert judged.stops == (
         "limited by radius at the upper end of its range (200 mm) and tension behind the contact of 50 MPa."
     )
-    assert told.advice == f"To first order, radius 220 mm would gain {10 * (farther - 1):g} %."
+    assert judged.advice == f"To first order, radius 220 mm would gain {10 * (farther - 1):g} %."
 
 
 def test_an_end_beyond_which_nothing_is_gained_does_not_stop_a_design() -> None:
     upper = End.UPPER
-    told = words.verdict(design([1e-9, 5e6], [50e6], [[1e-5, 1.0], [1.0, 1.0]], (upper, upper)))
-    assert told.kind == words.AT_EDGE
-    assert told.stops == "limited by load at the upper end of its range (10 kN/m)."
-    assert told.advice == "To first order, load 11 kN/m would gain 10 %."
-    assert told.idle == (
+    judged = words.verdict(design([1e-9, 5e6], [50e6], [[1e-5, 1.0], [1.0, 1.0]], (upper, upper)))
+    assert judged.kind == words.AT_EDGE
+    assert judged.stops == "limited by load at the upper end of its range (10 kN/m)."
+    assert judged.advice == "To first order, load 11 kN/m would gain 10 %."
+    assert judged.idle == (
         "A wider range of radius (200 mm, the upper end of its range) would change the goal by less than 0.1 %."
     )
     alone = words.verdict(design([1e-9, 50e6], [50e6], [[1e-5, 0.0], [1.0, 1.0]], (upper, None)))
@@ -98,13 +98,13 @@ def test_a_gradient_that_nothing_explains_promises_nothing() -> None:
 def test_a_miss_says_by_how_much_and_what_would_help(matters: bool) -> None:
     answer = design([1e-9, 91.751e6], [50e6], [[1.0, -0.5], [1.0, 1.0]], (End.UPPER, None),
                     matters=[matters, True])  # fmt: skip
-    told = words.verdict(answer)
-    assert told.kind == words.UNREACHABLE
-    assert told.stops == (
+    judged = words.verdict(answer)
+    assert judged.kind == words.UNREACHABLE
+    assert judged.stops == (
         "in the least violated design, tension behind the contact is 91.8 MPa and must be at most 50 MPa: "
         "83.5 % beyond the limit."
     )
-    assert told.advice == (
+    assert judged.advice == (
         "Relaxing the limit on tension behind the contact to 91.8 MPa makes the target reachable. "
         "To first order, radius 220 mm would bring it 5 % closer to the limit."
     )
@@ -115,9 +115,9 @@ def test_a_limit_of_the_material_is_named_with_its_source_and_linear_theory_come
                     tension="trailing_tension <= 0.5 tensile_strength",
                     bound=["", "tensile strength of PZT", ""],
                     beyond="nominal field of 2 kV/mm exceeds it (a book)")  # fmt: skip
-    told = words.verdict(answer)
-    assert told.kind == "beyond linear theory; otherwise recommended"
-    assert told.stops == "limited by tension behind the contact of 25 MPa (50 % of the tensile strength of PZT)."
-    assert told.beyond == "Nominal field of 2 kV/mm exceeds it (a book)."
-    assert told.sources == "Tensile strength of PZT: a table (unverified: no dated source)."
-    assert str(told).startswith("Beyond linear theory; otherwise recommended: limited by")
+    judged = words.verdict(answer)
+    assert judged.kind == "beyond linear theory; otherwise recommended"
+    assert judged.stops == "limited by tension behind the contact of 25 MPa (50 % of the tensile strength of PZT)."
+    assert judged.beyond == "Nominal field of 2 kV/mm exceeds it (a book)."
+    assert judged.sources == "Tensile strength of PZT: a table (unverified: no dated source)."
+    assert str(judged).startswith("Beyond linear theory; otherwise recommended: limited by")

@@ -30,37 +30,39 @@ design:
 
 def test_the_spread_of_a_design_is_that_of_materials_moved_by_hand() -> None:
     study = made(STUDY)
-    found = targets.solve_target(study, "sensor", fitted(study))
+    answer = targets.solve_target(study, "sensor", fitted(study))
     constants = uncertain(study)
-    assert [one.constant for one in found.constants] == [one.name for one in constants]
-    own, squares = find("BaTiO3"), np.zeros(2)
-    for place, one in enumerate(constants):
+    assert [constant.constant for constant in answer.constants] == [constant.name for constant in constants]
+    material, squares = find("BaTiO3"), np.zeros(2)
+    for place, constant in enumerate(constants):
         values = []
         for share in (1.001, 0.999):
-            moved = replace(own, **{name: getattr(own, name) * share for name in FAMILIES[one.family]}, name="moved")
+            moved = replace(
+                material, **{name: getattr(material, name) * share for name in FAMILIES[constant.family]}, name="moved"
+            )
             for term in range(2):
                 solved = solve(
-                    {**found.terms[term].worst, "load": 1e4, "material": "moved"}, materials={"moved": moved}
+                    {**answer.terms[term].worst, "load": 1e4, "material": "moved"}, materials={"moved": moved}
                 )
                 values.append(float(abs(solved["voltage_per_load"]) if term == 0 else solved["trailing_tension"]))
-        slopes = np.log(np.array(values[:2]) / values[2:]) / np.log(1.001 / 0.999) * one.std
-        effects = [term.effect[place] for term in found.terms[:2]]
+        slopes = np.log(np.array(values[:2]) / values[2:]) / np.log(1.001 / 0.999) * constant.std
+        effects = [term.effect[place] for term in answer.terms[:2]]
         np.testing.assert_allclose(effects, slopes, rtol=1e-4, atol=1e-7)
         squares += slopes**2
-    np.testing.assert_allclose([term.spread for term in found.terms[:2]], np.sqrt(squares), rtol=1e-4)
-    assert np.isnan(found.terms[2].spread)  # it counts over draws: no one case says what constants make of it
+    np.testing.assert_allclose([term.spread for term in answer.terms[:2]], np.sqrt(squares), rtol=1e-4)
+    assert np.isnan(answer.terms[2].spread)  # it counts over draws: no one case says what constants make of it
     goal = f"± {100 * np.sqrt(squares[0]):.2g} %"
-    told = asides.spread(found)
-    largest = max(abs(effect) for effect in found.terms[0].effect)
-    assert f"changes the goal by {goal} (± {100 * largest:.2g} % by BaTiO3 " in told
-    assert told.count("tension behind the contact by") == 1
-    assert ("which may exceed its limit" in told) == (abs(found.terms[1].margin) < 1e-3)
+    sentence = asides.spread(answer)
+    largest = max(abs(effect) for effect in answer.terms[0].effect)
+    assert f"changes the goal by {goal} (± {100 * largest:.2g} % by BaTiO3 " in sentence
+    assert sentence.count("tension behind the contact by") == 1
+    assert ("which may exceed its limit" in sentence) == (abs(answer.terms[1].margin) < 1e-3)
 
 
 def test_what_has_no_uncertain_constant_has_no_spread() -> None:
     alloy = STUDY.replace("material: BaTiO3", "composite: AlScN, scandium_fraction: 0.3").replace("30 MPa", "300 MPa")
     study = made(alloy)
-    found = targets.solve_target(study, "sensor", fitted(study))
-    assert found.constants == ()
-    assert np.isnan(found.terms[0].spread)
-    assert asides.spread(found) == ""
+    answer = targets.solve_target(study, "sensor", fitted(study))
+    assert answer.constants == ()
+    assert np.isnan(answer.terms[0].spread)
+    assert asides.spread(answer) == ""

@@ -33,18 +33,18 @@ def test_the_optimum_in_thickness_comes_out_by_itself(fraction: float, interior:
     study = made(STUDY.format(fraction=fraction))
     model = fitted(study)
     exact = solve({**study.fixed, "thickness": DENSE})
-    found = targets.solve_target(study, "charge", model)
+    answer = targets.solve_target(study, "charge", model)
     best = float(abs(exact["charge_per_force"]).max())
-    assert found.terms[0].exact >= best * (1 - 1e-3)
-    thickness = found.variable("thickness").value
+    assert answer.terms[0].exact >= best * (1 - 1e-3)
+    thickness = answer.variable("thickness").value
     assert (2.1e-5 < thickness < 0.95e-3) == interior
-    assert (words.AT_EDGE in words.verdict(found).kind) != interior
+    assert (words.AT_EDGE in words.verdict(answer).kind) != interior
 
     voltage = targets.solve_target(study, "voltage", model)
     circuit = exact["capacitance_per_length"] * 0.01 + 110e-12
     signal = abs(exact["charge_per_force"] * 1e4 * 0.01 / circuit).where(circuit * 1e12 >= 100)
     assert voltage.terms[0].exact >= float(signal.max()) * (1 - 1e-3)
-    figures = {one.figure: one.figure_low for one in voltage.figures}
+    figures = {figure.figure: figure.figure_low for figure in voltage.figures}
     assert figures["force"] == pytest.approx(100.0)
     assert abs(figures["signal_voltage"]) == pytest.approx(voltage.terms[0].exact, rel=1e-9)
     noise = figures["smallest_force"] * abs(figures["signal_charge"]) / figures["force"]

@@ -40,11 +40,11 @@ def fitted() -> tuple[Study, GaussianProcess]:
 
 
 def answer(fitted: tuple[Study, GaussianProcess], **changed: Any) -> Answer:
-    asked = {
+    content = {
         "maximise": "abs(voltage_per_load)", "over": OVER, "worst_case": {"friction": [0.1, 0.4]},
         "subject_to": ["trailing_tension <= 50 MPa"],
     }  # fmt: skip
-    target = Target.model_validate(asked | changed)
+    target = Target.model_validate(content | changed)
     check_target(fitted[0], "mine", target)
     return targets.answer(fitted[0], "mine", target, fitted[1])
 
@@ -52,7 +52,7 @@ def answer(fitted: tuple[Study, GaussianProcess], **changed: Any) -> Answer:
 def test_the_worst_of_the_tolerances_keeps_the_limit_and_costs_what_a_dense_search_says(
     fitted: tuple[Study, GaussianProcess],
 ) -> None:
-    found = answer(fitted, tolerance={"radius": "5 %", "volume_fraction": 0.02})
+    design = answer(fitted, tolerance={"radius": "5 %", "volume_fraction": 0.02})
     fractions, radii = np.linspace(0.64, 0.7, 31), np.geomspace(0.135, 0.16, 61)
     off, share = np.array([-0.02, 0.0, 0.02]), np.array([0.95, 1.0, 1.05])
     cases = {
@@ -67,27 +67,27 @@ def test_the_worst_of_the_tolerances_keeps_the_limit_and_costs_what_a_dense_sear
         return float(goal.where(part["trailing_tension"].max(["dv", "dr", "f"]) <= LIMIT).max())
 
     whole = best(exact)
-    assert found.terms[0].exact >= whole * (1 - 1e-3)
+    assert design.terms[0].exact >= whole * (1 - 1e-3)
     nominal, radius, fraction = (best(exact.isel(only)) for only in (
         {"dv": [1], "dr": [1]}, {"dv": slice(None), "dr": [1]}, {"dv": [1], "dr": slice(None)},
     ))  # fmt: skip
-    assert found.tolerated is not None
-    assert found.tolerated.exact == pytest.approx(nominal, rel=1e-3)
-    costs = found.tolerated.cost
+    assert design.tolerated is not None
+    assert design.tolerated.exact == pytest.approx(nominal, rel=1e-3)
+    costs = design.tolerated.cost
     assert costs["radius"] == pytest.approx(radius / whole - 1, abs=5e-4)
     assert costs["volume_fraction"] == pytest.approx(fraction / whole - 1, abs=5e-4)
     assert costs["radius"] > costs["volume_fraction"] > 0
-    assert found.tolerated.gain["radius"] == pytest.approx(costs["radius"] / 2, rel=0.1)
+    assert design.tolerated.gain["radius"] == pytest.approx(costs["radius"] / 2, rel=0.1)
     # and nothing within the tolerances of this design is beyond the limit
-    at = {variable.name: variable.value for variable in found.variables}
+    values = {variable.name: variable.value for variable in design.variables}
     box = {
-        "volume_fraction": at["volume_fraction"] + np.linspace(-0.02, 0.02, 9),
-        "radius": at["radius"] * np.linspace(0.95, 1.05, 9), "friction": np.linspace(0.1, 0.4, 9),
+        "volume_fraction": values["volume_fraction"] + np.linspace(-0.02, 0.02, 9),
+        "radius": values["radius"] * np.linspace(0.95, 1.05, 9), "friction": np.linspace(0.1, 0.4, 9),
     }  # fmt: skip
     assert float(solve({**box, "composite": "fibrous", "load": 1e4})["trailing_tension"].max()) <= LIMIT * (1 + 1e-9)
-    told = words.verdict(found).tolerance
-    assert told.startswith("Every limit holds within volume fraction ± 0.02 and radius ± 5 %. ")
-    assert "the tolerance ± 5 % of radius costs 0.54 % of the goal (half the tolerance would gain 0.27 %)" in told
+    sentence = words.verdict(design).tolerance
+    assert sentence.startswith("Every limit holds within volume fraction ± 0.02 and radius ± 5 %. ")
+    assert "the tolerance ± 5 % of radius costs 0.54 % of the goal (half the tolerance would gain 0.27 %)" in sentence
 
 
 @pytest.mark.soak
@@ -96,12 +96,12 @@ def test_a_promised_share_of_the_tolerances_is_kept_in_a_dense_exact_sample(
 ) -> None:
     changed = {"over": ["radius"], "at": {"volume_fraction": 0.66}, "worst_case": {}, "tolerance": {"radius": "5 %"}}
     friction = {"friction": Distribution(triangular=[0.1, 0.2, 0.4])}
-    found = answer(
+    design = answer(
         fitted, **changed, uncertain=friction, subject_to=["trailing_tension <= 50 MPa with probability 0.95"]
     )
     shares = (np.arange(300) + 0.5) / 300
     even = solve(  # every pair of two even samples, a radius and a friction
-        {"radius": found.variable("radius").value * (0.95 + 0.1 * shares),
+        {"radius": design.variable("radius").value * (0.95 + 0.1 * shares),
          "friction": stats.triang.ppf(shares, 1 / 3, 0.1, 0.3), "volume_fraction": 0.66, "composite": "fibrous",
          "load": 1e4}
     )  # fmt: skip
@@ -113,13 +113,13 @@ def test_a_deviation_is_from_the_mean_of_its_distribution(fitted: tuple[Study, G
         minimise="deviation(charge_per_force over friction)", over=["radius"], at={"volume_fraction": 0.6},
         worst_case={"friction": [0.0, 0.5]}, subject_to=["deviation(trailing_tension) <= 500 %"],
     )  # fmt: skip
-    found = targets.answer(fitted[0], "mine", target, fitted[1])
-    at = {"radius": found.variable("radius").value, "volume_fraction": 0.6, "composite": "fibrous"}
-    dense = solve({**at, "load": 1e4, "friction": np.linspace(0, 0.5, 2001)})
+    design = targets.answer(fitted[0], "mine", target, fitted[1])
+    case = {"radius": design.variable("radius").value, "volume_fraction": 0.6, "composite": "fibrous"}
+    dense = solve({**case, "load": 1e4, "friction": np.linspace(0, 0.5, 2001)})
     for k, name in enumerate(("charge_per_force", "trailing_tension")):
         values = dense[name].values
         mean = (values.sum() - (values[0] + values[-1]) / 2) / 2000  # of a uniform friction
-        assert found.terms[k].exact == pytest.approx(np.abs(values / mean - 1).max(), rel=1e-6)
+        assert design.terms[k].exact == pytest.approx(np.abs(values / mean - 1).max(), rel=1e-6)
 
 
 @pytest.mark.parametrize("count", [5, 31])
@@ -142,13 +142,13 @@ def test_means_over_distributions_are_those_of_polynomials(count: int) -> None:
     expected = {"friction": 4 / 3, "load": triangular.moment(2), "speed": normal.moment(2), "radius": 1 / 3}
     for name, second in expected.items():
         assert float(weights @ known[name] ** 2) == pytest.approx(second, rel=2e-6)
-    apart = scenarios.along(target, ("load",), nodes)
-    assert (apart.groups, apart.draws) == (count**2 * tolerated, count)
-    assert np.all(apart.values["friction"].reshape(-1, count) == apart.values["friction"].reshape(-1, count)[:, :1])
+    grouped = scenarios.along(target, ("load",), nodes)
+    assert (grouped.groups, grouped.draws) == (count**2 * tolerated, count)
+    assert np.all(grouped.values["friction"].reshape(-1, count) == grouped.values["friction"].reshape(-1, count)[:, :1])
 
 
 @pytest.mark.parametrize(
-    ("changed", "told"),
+    ("changed", "refusal"),
     [
         ({"tolerance": {"radius": "95 %"}}, "radius: 95 % is larger than the range 0.02 to 0.3 leaves room for"),
         ({"tolerance": {"radius": "0.2 m"}}, "radius: 0.2 m is larger than the range 0.02 to 0.3 leaves room for"),
@@ -164,7 +164,7 @@ def test_means_over_distributions_are_those_of_polynomials(count: int) -> None:
     ],
 )
 def test_tolerances_without_sense_are_named(
-    fitted: tuple[Study, GaussianProcess], changed: dict[str, Any], told: str
+    fitted: tuple[Study, GaussianProcess], changed: dict[str, Any], refusal: str
 ) -> None:
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(ValueError, match=refusal):
         answer(fitted, **changed)

@@ -19,6 +19,6 @@ def test_what_was_read_is_not_marked() -> None:
 
 
 def test_what_the_library_says_that_materials_bear_has_a_year_or_is_marked() -> None:
-    for one in materials().values():
-        for limit in one.limits.values():
+    for material in materials().values():
+        for limit in material.limits.values():
             assert re.search(r"\b(19|20)\d\d\b", limit.source) or "recalled" in limit.source, limit.source

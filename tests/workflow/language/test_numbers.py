@@ -50,6 +50,6 @@ def test_the_page_writes_numbers_as_python_does(tmp_path: Path) -> None:
     cases = [[value, units[k % len(units)], 1 + k % 6] for k, value in enumerate(values)]
     expected = [[number(v, d), shown(v, u, d), *prefixed(v, u)] for v, u, d in cases]
     script = (TEMPLATES / "numbers.js").read_text(encoding="utf-8")
-    told = "cases.map(([v, u, d]) => [digits(v, d), said(v, u, d), engineering(v, u).size, engineering(v, u).units])"
+    written = "cases.map(([v, u, d]) => [digits(v, d), said(v, u, d), engineering(v, u).size, engineering(v, u).units])"
     script += f"const cases = {json.dumps(cases)};"
-    assert evaluated(script, told, tmp_path) == expected
+    assert evaluated(script, written, tmp_path) == expected

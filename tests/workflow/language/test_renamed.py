@@ -5,7 +5,9 @@ import pytest
 from solver.body import KINDS
 from solver.names import ALL_QUANTITIES
 from workflow.language import renamed as module
+from workflow.language.constants import DEVICE
 from workflow.language.renamed import renamed, renamed_study
+from workflow.language.spelling import nearest
 from workflow.language.wordings import RENAMED
 
 LINE = {"design": {"d": {"maximise": "abs(voltage_sensitivity) / capacitance"}}, "title": "voltage_sensitivity"}
@@ -52,3 +54,10 @@ def test_every_old_name_has_a_new_one_and_every_unit_one_name() -> None:
     for name in ALL_QUANTITIES:
         units = {kind.every_quantity[name].units for kind in KINDS.values() if name in kind.every_quantity}
         assert len(units) <= 1
+
+
+def test_a_name_that_is_half_written_or_old_leads_to_the_present_one() -> None:
+    known = [*ALL_QUANTITIES, *DEVICE]
+    for name, present in (("voltage_sens", "voltage_per_load"), ("contact_capacitance", "capacitance"),
+                          ("feedback_resistence", "feedback_resistance")):  # fmt: skip
+        assert f"did you mean {present!r}?" in nearest(name, known)

@@ -50,7 +50,7 @@ def test_values_are_those_of_python_and_derivatives_those_of_differences(text: s
     except ValueError as error:
         assert "names no quantity" in str(error)  # noqa: PT017  # a text of numbers only
         return
-    value, partials = tree.partials({name: np.array(one) for name, one in values.items()})
+    value, partials = tree.partials({name: np.array(value) for name, value in values.items()})
     expected = python(text, values)
     assert float(value) == pytest.approx(expected, rel=1e-12)
     assert set(partials) == set(tree.names())
@@ -169,10 +169,10 @@ def test_figures_of_a_device_are_read_as_their_formulas() -> None:
     assert str(tree.unit()) == "F"
     names = {"charge_per_force": 3e-10, "load": 2e4, "electrode_length": 0.01, "capacitance_per_length": 2e-8}
     known = {**names, "input_capacitance": 1e-11, "cable_capacitance": 1e-10, "input_resistance": 1e12}
-    value = tree.evaluate({name: np.array(one) for name, one in known.items()})
+    value = tree.evaluate({name: np.array(value) for name, value in known.items()})
     assert float(value) == pytest.approx(2e-10 + 1.1e-10, rel=1e-14)
-    for name, one in FIGURES.items():
-        assert str(grammar.parse(name).unit()) == str(units.parse(one.units))
+    for name, figure in FIGURES.items():
+        assert str(grammar.parse(name).unit()) == str(units.parse(figure.units))
 
 
 @pytest.mark.parametrize(
@@ -233,12 +233,12 @@ def test_units_beyond_numbers_are_refused(text: str, reason: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("one", "other", "ratio"),
+    ("unit", "other", "ratio"),
     [("kV/mm", "V m-1", 1e6), ("N m-2", "Pa", 1.0), ("V A", "J s-1", 1.0), ("Wb", "V s", 1.0), ("F V", "C", 1.0),
      ("T m2", "Wb", 1.0), ("g", "kg", 1e-3), ("µm", "nm", 1e3), ("%", "1", 0.01), ("C^2", "A2 s2", 1.0)],
 )  # fmt: skip
-def test_units_agree_with_the_si_brochure(one: str, other: str, ratio: float) -> None:
-    a, b = units.parse(one), units.parse(other)
+def test_units_agree_with_the_si_brochure(unit: str, other: str, ratio: float) -> None:
+    a, b = units.parse(unit), units.parse(other)
     assert a.fits(b)
     assert a.scale / b.scale == pytest.approx(ratio, rel=1e-14)
 

@@ -72,6 +72,6 @@ def _probed(page: str, folder: Path, *flags: str) -> Any:
         timeout=PATIENCE,
         check=True,
     )
-    found = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.DOTALL)
-    assert found, done.stdout[:2000]
-    return json.loads(html.unescape(found[1]))
+    probe = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.DOTALL)
+    assert probe, done.stdout[:2000]
+    return json.loads(html.unescape(probe[1]))

@@ -15,24 +15,24 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 def outlines(text: str) -> list[list[complex]]:
     """Corners of every path, whether its lines go to places or by differences."""
-    found = []
+    numbers_of_path = []
     for path in re.findall(r'\sd="([^"]*)"', text):
         corners: list[complex] = []
-        for letter, rest in re.findall(r"([A-Za-z])([^A-Za-z]*)", path):
-            numbers = [float(one) for one in re.findall(r"-?\d*\.?\d+", rest)]
+        for letter, text in re.findall(r"([A-Za-z])([^A-Za-z]*)", path):
+            numbers = [float(number) for number in re.findall(r"-?\d*\.?\d+", text)]
             if letter in "hv":
                 corners.append(corners[-1] + numbers[0] * (1 if letter == "h" else 1j))
                 continue
             for x, y in zip(numbers[::2], numbers[1::2], strict=True):
                 corners.append(complex(x, y) + (corners[-1] if letter.islower() else 0))
-        found.append(corners)
-    return found
+        numbers_of_path.append(corners)
+    return numbers_of_path
 
 
 def styles(text: str) -> list[str]:
     """The style of every element that has one, wherever it is written."""
     rules = dict(re.findall(r"\.(\w+)\{([^}]*)\}", text))
-    return [own or rules[name] for own, name in re.findall(r' style="([^"]*)"| class="([^"]*)"', text)]
+    return [style or rules[name] for style, name in re.findall(r' style="([^"]*)"| class="([^"]*)"', text)]
 
 
 @styled
@@ -56,9 +56,9 @@ def test_a_compact_figure_shows_the_same() -> None:
         np.testing.assert_allclose(new, old, atol=0.008)  # half a hundredth of a point each way
     assert styles(after) == styles(before)
     texts = [[*ElementTree.fromstring(text).iter(f"{SVG}text")] for text in (before, after)]
-    words = [["".join("".join(one.itertext()).split()) for one in some] for some in texts]
+    words = [["".join("".join(element.itertext()).split()) for element in group] for group in texts]
     assert words[0] == words[1]
     assert "manysteps" in words[1]
     clips = [re.findall(r"url\(#([^)]+)\)", text) for text in (before, after)]
-    assert [clips[0].index(one) for one in clips[0]] == [clips[1].index(one) for one in clips[1]]
+    assert [clips[0].index(element) for element in clips[0]] == [clips[1].index(element) for element in clips[1]]
     assert {*clips[1], *re.findall(r'href="#([^"]+)"', after)} == set(re.findall(r'id="([^"]+)"', after))

@@ -71,11 +71,11 @@ def test_page_card_and_files_name_the_datum(ran: Project) -> None:
     assert re.search(r"<code>datum</code></td><td>[^<]*</td><td class=\"n\">1 m</td>", page)
     rows = set(re.findall(r'<tr><td><code>(\w+)</code><a class="mark-l"', page))
     assert rows == HERE  # in the tables of ranges; every such number is marked, and no other
-    assert "depends on the datum, and the design is the best for this one" in page
+    assert "depends on the datum, and the design is the best for the study" in page
     card = json.loads((folder / "datacard.json").read_text(encoding="utf-8"))
     assert card["datum"] == 1.0
-    told = (folder / "datacard.md").read_text(encoding="utf-8")
-    assert "Datum: 1 m; on this arbitrary length of the potentials depend depth, voltage, " in told
+    words = (folder / "datacard.md").read_text(encoding="utf-8")
+    assert "Datum: 1 m; on this arbitrary length of the potentials depend depth, voltage, " in words
     comment = read_whole(folder / "quantities.nc")["voltage"].attrs["comment"]
     assert comment.startswith("depends on the datum")
     assert comment.endswith("datum: 1 m, the default")

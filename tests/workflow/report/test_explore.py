@@ -32,11 +32,11 @@ LINES = {
 @needs_node
 @pytest.mark.parametrize("others", [(), ("flat",), ("steep",)], ids=str)
 def test_a_name_crosses_no_line_and_covers_no_other(others: tuple[str, ...], tmp_path: Path) -> None:
-    every = [segment for name in others for segment in LINES[name]]
+    segments = [segment for name in others for segment in LINES[name]]
     star = {"left": 250.0, "right": 286.0, "top": 147.0, "bottom": 181.0}
-    asked = [(line, line + every) for name, line in LINES.items() if name not in others]
-    asks = ",".join(f"namePlace({line}, {WIDE}, {HIGH}, {all_lines}, [{star}])" for line, all_lines in asked)
-    for (line, all_lines), place in zip(asked, in_node(SCRIPT, f"[{asks}]", tmp_path), strict=True):
+    lines = [(line, line + segments) for name, line in LINES.items() if name not in others]
+    asks = ",".join(f"namePlace({line}, {WIDE}, {HIGH}, {all_lines}, [{star}])" for line, all_lines in lines)
+    for (line, all_lines), place in zip(lines, in_node(SCRIPT, f"[{asks}]", tmp_path), strict=True):
         dense = np.concatenate([np.linspace(ends[0], ends[1], 9) for ends in all_lines])
         left, right, top, bottom = (place[key] for key in ("left", "right", "top", "bottom"))
         assert (right - left, bottom - top) == pytest.approx((WIDE, HIGH))
@@ -44,14 +44,14 @@ def test_a_name_crosses_no_line_and_covers_no_other(others: tuple[str, ...], tmp
         assert left >= star["right"] or right <= star["left"] or top >= star["bottom"] or bottom <= star["top"]
         assert 64 <= left < right <= 470
         assert 12 <= top < bottom <= 318
-        beside = np.array([ends[0] for ends in line])
-        aside = np.maximum(np.maximum(left - beside[:, 0], beside[:, 0] - right), 0)
-        below = np.maximum(np.maximum(top - beside[:, 1], beside[:, 1] - bottom), 0)
+        starts = np.array([ends[0] for ends in line])
+        aside = np.maximum(np.maximum(left - starts[:, 0], starts[:, 0] - right), 0)
+        below = np.maximum(np.maximum(top - starts[:, 1], starts[:, 1] - bottom), 0)
         assert np.hypot(aside, below).min() < HIGH  # it is its line's
 
 
 @needs_node
 def test_a_long_name_has_two_lines(tmp_path: Path) -> None:
     words = ["voltage over thickness at most 500 kV/m", "depth at most 1 um", "a" * 40]
-    told = in_node(SCRIPT, f"{words}.map(inLines)", tmp_path)
-    assert told == [["voltage over thickness", "at most 500 kV/m"], ["depth at most 1 um"], ["a" * 40]]
+    inside = in_node(SCRIPT, f"{words}.map(inLines)", tmp_path)
+    assert inside == [["voltage over thickness", "at most 500 kV/m"], ["depth at most 1 um"], ["a" * 40]]

@@ -65,10 +65,10 @@ def test_no_text_is_cut_and_no_power_of_ten_stands_apart_from_its_ticks(ran: Pro
     seen = ""
     for figure in drawn:
         figure.canvas.draw()
-        legends = [text for one in (*figure.legends, *(ax.get_legend() for ax in figure.axes)) if one
-                   for text in one.get_texts()]  # fmt: skip
-        own = [text for ax in figure.axes for text in (ax.title, ax.xaxis.label, ax.yaxis.label)]
-        texts: list[Text] = [text for text in (*legends, *own) if text.get_text()]
+        legends = [text for legend in (*figure.legends, *(ax.get_legend() for ax in figure.axes)) if legend
+                   for text in legend.get_texts()]  # fmt: skip
+        labels = [text for ax in figure.axes for text in (ax.title, ax.xaxis.label, ax.yaxis.label)]
+        texts: list[Text] = [text for text in (*legends, *labels) if text.get_text()]
         for text in texts:
             box = text.get_window_extent()
             assert min(box.x0, box.y0) > -1, text

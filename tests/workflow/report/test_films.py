@@ -36,23 +36,23 @@ def test_times_of_films_hold_their_tables_and_the_panel_knows_no_closed_form(
 ) -> None:
     quantities = factorial.exact(study, factorial.axes(study))
     model = fitted(study, calibrated=True)
-    cases, solved, asked = factorial.cases(study, "validation"), factorial.exact, []
+    cases, solved, calls = factorial.cases(study, "validation"), factorial.exact, []
 
-    def counted(study: Study, axes: dict[str, Any], **told: Any) -> xr.Dataset:
-        asked.append(np.unique(axes["volume_fraction"]))
-        return solved(study, axes, **told)
+    def counted(study: Study, axes: dict[str, Any], **options: Any) -> xr.Dataset:
+        calls.append(np.unique(axes["volume_fraction"]))
+        return solved(study, axes, **options)
 
     monkeypatch.setattr(factorial, "exact", counted)
     times = timing.timing(study, quantities, cases, model)
     assert all(value > 0 for value in times.values())
     # one composition for the thicknesses of the factorial, one for every scattered case, none that has tables already
-    assert [one.size for one in asked] == [1, 8, 1]
-    assert np.unique(np.concatenate([*asked, cases["volume_fraction"].values])).size == 10 + 4
+    assert [quantity.size for quantity in calls] == [1, 8, 1]
+    assert np.unique(np.concatenate([*calls, cases["volume_fraction"].values])).size == 10 + 4
     hangs = hanging(study)
-    found = whatif.content(study, model, quantities, [], hangs)
-    assert found is not None
-    assert not any(kind["pressure"] for kind in found["kinds"])
-    words = {one["name"]: one["long_name"] for one in found["quantities"]}
+    content = whatif.content(study, model, quantities, [], hangs)
+    assert content is not None
+    assert not any(kind["pressure"] for kind in content["kinds"])
+    words = {quantity["name"]: quantity["long_name"] for quantity in content["quantities"]}
     assert (words["voltage"], words["depth"]) == (
         "electric potential of the punch", "indentation depth relative to the datum"
     )  # fmt: skip
@@ -77,6 +77,6 @@ def test_a_study_shows_the_bodies_that_it_has(study: Study) -> None:
     drawn = page._problem(study)
     assert "film on its base" in drawn
     assert "half-plane</title>" not in drawn
-    both = page._problem(shipped("parametric"))
-    assert "film on its base" in both
-    assert "half-plane</title>" in both
+    drawn = page._problem(shipped("parametric"))
+    assert "film on its base" in drawn
+    assert "half-plane</title>" in drawn

@@ -50,19 +50,19 @@ def test_both_parts_of_a_drawing_are_to_scale() -> None:
 
 
 @pytest.mark.parametrize(
-    ("radius", "length", "told"), [(0.0126, 0.01, "10 mm"), (0.14, 0.01, "10 mm"), (1e-3, 1e-3, "1 mm")]
+    ("radius", "length", "label"), [(0.0126, 0.01, "10 mm"), (0.14, 0.01, "10 mm"), (1e-3, 1e-3, "1 mm")]
 )
-def test_a_bar_says_how_large_a_punch_is(radius: float, length: float, told: str) -> None:
+def test_a_bar_says_how_large_a_punch_is(radius: float, length: float, label: str) -> None:
     drawn = device.draw(Device("sphere", "leading", radius, 1e-5, 1e-5, 0.1), "a ball")
     (bar,) = re.findall(r'<line x1="([\d.]+)" y1="236.00" x2="([\d.]+)"', drawn)
     outline = [float(place.partition(",")[0]) for place in re.findall(r'points="([^"]+)"', drawn)[0].split()]
     whole = max(outline) - min(outline)
     assert (float(bar[1]) - float(bar[0])) / whole == pytest.approx(length / (2 * radius), rel=0.05)
-    assert f">{told}</text>" in drawn
+    assert f">{label}</text>" in drawn
 
 
 @pytest.mark.parametrize(
-    ("one", "words"),
+    ("punch", "words"),
     [
         (Device("flat", "leading", 4e-3, 2e-3, 2e-3, 1e4), "w = 4 mm"),
         (Device("wedge", "leading", 0.02, 3e-3, 0.0, 1e4), "slope 0.02"),
@@ -74,67 +74,71 @@ def test_a_bar_says_how_large_a_punch_is(radius: float, length: float, told: str
         (Device("power", "leading", 1e9, 2e-4, 2e-4, 0.1, exponent=4.0), "half-space"),
     ],
 )
-def test_every_punch_touches_its_contact(one: Device, words: str) -> None:
-    x = np.linspace(-one.leading, one.trailing, 9)[1:-1]
-    assert np.all(one.heights(x) <= one.sunk * (1 + 1e-6))
-    drawing = device.draw(one, "a punch")
+def test_every_punch_touches_its_contact(punch: Device, words: str) -> None:
+    x = np.linspace(-punch.leading, punch.trailing, 9)[1:-1]
+    assert np.all(punch.heights(x) <= punch.sunk * (1 + 1e-6))
+    drawing = device.draw(punch, "a punch")
     assert words in drawing
-    below = f"film {shown(one.thickness, 'm', 3)}" if one.thickness else "half-space" if one.point else "half-plane"
+    below = (
+        f"film {shown(punch.thickness, 'm', 3)}" if punch.thickness else "half-space" if punch.point else "half-plane"
+    )
     assert below in drawing
     assert "slides" not in drawing
-    assert ("polyline" in drawing) == one.conducts
+    assert ("polyline" in drawing) == punch.conducts
 
 
 @pytest.mark.parametrize(("corner", "side"), [("leading", -1), ("trailing", 1)])
 def test_words_beside_a_half_cylinder_or_a_narrow_punch_cross_no_edge(corner: str, side: int) -> None:
     drawn = device.draw(Device("half_cylinder", corner, 0.03, 1e-3, 1e-3, 1e4), "a half cylinder")
     place, anchor = re.findall(r'<text x="([\d.]+)" y="[\d.]+" fill="[^"]+" text-anchor="(\w+)">R = ', drawn)[0]
-    edge = [float(one.partition(",")[0]) for one in re.findall(r'<polygon points="([^"]+)"', drawn)[0].split()]
+    edge = [float(point.partition(",")[0]) for point in re.findall(r'<polygon points="([^"]+)"', drawn)[0].split()]
     assert anchor == ("end" if side < 0 else "start")
     assert float(place) == pytest.approx((min(edge) if side < 0 else max(edge)) + 8 * side, abs=0.1)
     narrow = device.draw(Device("sphere", "leading", 2e-8, 2e-9, 2e-9, 1e-7, thickness=2e-7, base="silicon"), "a tip")
-    outline = [float(one.partition(",")[0]) for one in re.findall(r'<polygon points="([^"]+)"', narrow)[1].split()]
+    outline = [float(point.partition(",")[0]) for point in re.findall(r'<polygon points="([^"]+)"', narrow)[1].split()]
     assert float(re.findall(r'<text x="([\d.]+)" [^>]*"start">a = ', narrow)[0]) > max(outline)
 
 
 def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     study = load(ran.folder / "config/small.yaml")
     folder, target = ran.folder / "results/small/design", study.design["sensor"]
-    found = netcdf.read(folder / "sensor.nc")
-    moved = datum_effect.of_design(study, target, found)
-    one = firstscreen.answered(study, "sensor", target, found, exact.contact(study, found), {}, moved)
-    assert one.reachable
-    assert one.title == "Largest voltage per load"
-    assert said(one.stops) == "Limited by tension behind the contact of 50 MPa."
-    assert re.fullmatch(r"With .* 1 % off, tension behind the contact is [\d.]+ % beyond its limit\.", said(one.breaks))
-    assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane; R = .*", said(one.build))
+    answer = netcdf.read(folder / "sensor.nc")
+    moved = datum_effect.of_design(study, target, answer)
+    screen = firstscreen.answered(study, "sensor", target, answer, exact.contact(study, answer), {}, moved)
+    assert screen.reachable
+    assert screen.title == "Largest voltage per load"
+    assert said(screen.stops) == "Limited by tension behind the contact of 50 MPa."
+    assert re.fullmatch(
+        r"With .* 1 % off, tension behind the contact is [\d.]+ % beyond its limit\.", said(screen.breaks)
+    )
+    assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane; R = .*", said(screen.build))
     band = re.fullmatch(
         r"Voltage per load \(ground 1 m away\) ([\d.]+) mV·m/N ± ([\d.]+) %, at worst over friction 0\.1 to 0\.4",
-        said(one.does),
+        said(screen.does),
     )
     assert band
-    assert float(band[1]) == pytest.approx(1e3 * found.terms[0].exact, rel=5e-3)
-    assert float(band[2]) == pytest.approx(100 * found.terms[0].spread, rel=0.05)
-    assert one.doubt == ""
-    goal = replace(found.terms[0], exact=2 * found.terms[0].exact)
+    assert float(band[1]) == pytest.approx(1e3 * answer.terms[0].exact, rel=5e-3)
+    assert float(band[2]) == pytest.approx(100 * answer.terms[0].spread, rel=0.05)
+    assert screen.doubt == ""
+    goal = replace(answer.terms[0], exact=2 * answer.terms[0].exact)
     variables = [
         replace(
             variable,
             value=0.05 if variable.name == "radius" else variable.value,
             sensitivity=replace(variable.sensitivity, cost=2 * variable.sensitivity.cost),
         )
-        for variable in found.variables
+        for variable in answer.variables
     ]
-    other = replace(found, terms=(goal, *found.terms[1:]), variables=tuple(variables))
+    other = replace(answer, terms=(goal, *answer.terms[1:]), variables=tuple(variables))
     changed = firstscreen.answered(study, "sensor", target, other, exact.contact(study, other), {}, moved)
     assert said(changed.build).endswith("; R = 50 mm")
-    number = [float(re.findall(r"[\d.]+", text.does)[1]) for text in (one, changed)]
+    number = [float(re.findall(r"[\d.]+", text.does)[1]) for text in (screen, changed)]
     assert number[1] == pytest.approx(2 * number[0], rel=0.01)
-    assert changed.why != one.why
-    assert changed.drawing != one.drawing
+    assert changed.why != screen.why
+    assert changed.drawing != screen.drawing
     missed = verdict(netcdf.read(folder / "impossible.nc"))
-    assert sentences.reached({"sensor": one.verdict, "a b": missed}) == "A b is not reachable (1 of 2 targets)."
-    assert sentences.reached({"sensor": one.verdict}) == "The target is reachable."
+    assert sentences.reached({"sensor": screen.verdict, "a b": missed}) == "A b is not reachable (1 of 2 targets)."
+    assert sentences.reached({"sensor": screen.verdict}) == "The target is reachable."
 
 
 def said(text: str) -> str:
@@ -145,38 +149,47 @@ def said(text: str) -> str:
 def test_a_doubt_of_the_library_stands_in_the_headline() -> None:
     study = load("config/quickstart.yaml")
     assert firstscreen.doubted(study) == ""
-    own = study.model_copy(update={"fixed": {"material": "P(VDF-TrFE) 75:25"}})
-    assert firstscreen.doubted(own) == "uncertain constants: c44 of P(VDF-TrFE) 75:25"
+    doubtful = study.model_copy(update={"fixed": {"material": "P(VDF-TrFE) 75:25"}})
+    assert firstscreen.doubted(doubtful) == "uncertain constants: c44 of P(VDF-TrFE) 75:25"
 
 
 def test_a_target_has_a_title_in_words_and_its_name_where_two_ask_the_same() -> None:
     study = load("config/quickstart.yaml")
     sensor, actuator = study.design.values()
     assert study.titles == {"sensor": "Largest voltage per load", "actuator": "Largest stroke per volt"}
-    own = actuator.model_copy(update={"title": "Which composite moves most?"})
-    more = study.model_copy(update={"design": {"sensor": sensor, "own_one": own, "other_one": sensor}})
-    told = ["Largest voltage per load (sensor)", "Which composite moves most?", "Largest voltage per load (other one)"]
-    assert list(more.titles.values()) == told
+    titled = actuator.model_copy(update={"title": "Which composite moves most?"})
+    extended = study.model_copy(update={"design": {"sensor": sensor, "own_one": titled, "other_one": sensor}})
+    expected = [
+        "Largest voltage per load (sensor)",
+        "Which composite moves most?",
+        "Largest voltage per load (other one)",
+    ]
+    assert list(extended.titles.values()) == expected
 
 
 def test_the_first_limit_to_break_is_that_of_the_least_margin(ran: Project) -> None:
-    found = netcdf.read(ran.folder / "results/small/design/sensor.nc")
-    goal, first, other = found.terms
+    answer = netcdf.read(ran.folder / "results/small/design/sensor.nc")
+    goal, first, other = answer.terms
     tight = replace(other, margin=0.02)
-    variables = tuple(replace(one, tolerance="5 %") if one.chosen else one for one in found.variables)
-    within = replace(found, variables=variables, terms=(goal, replace(first, margin=0.3), tight))
-    told = f"Within the tolerances, {tight.title} has the least room to its limit: 2 %."
-    assert asides.first_to_break(within) == told
+    variables = tuple(
+        replace(variable, tolerance="5 %") if variable.chosen else variable for variable in answer.variables
+    )
+    within = replace(answer, variables=variables, terms=(goal, replace(first, margin=0.3), tight))
+    expected = f"Within the tolerances, {tight.title} has the least room to its limit: 2 %."
+    assert asides.first_to_break(within) == expected
     assert asides.within(within).startswith(" (volume fraction ± 5 %")
-    assert asides.first_to_break(replace(found, terms=(goal,))) == ""
+    assert asides.first_to_break(replace(answer, terms=(goal,))) == ""
 
 
 def test_a_source_that_was_not_read_is_unverified(ran: Project) -> None:
-    found = netcdf.read(ran.folder / "results/small/design/sensor.nc")
-    goal, first, other = found.terms
+    answer = netcdf.read(ran.folder / "results/small/design/sensor.nc")
+    goal, first, other = answer.terms
     for source, mark in (("a table, recalled", " (unverified: not read at its source)"), ("a table, read in 2026", "")):
-        own = replace(first, bound="tensile strength of PZT", source=source)
-        assert verdict(replace(found, terms=(goal, own, other))).sources == f"Tensile strength of PZT: {source}{mark}."
+        bounded = replace(first, bound="tensile strength of PZT", source=source)
+        assert (
+            verdict(replace(answer, terms=(goal, bounded, other))).sources
+            == f"Tensile strength of PZT: {source}{mark}."
+        )
 
 
 def test_the_body_is_said_by_what_it_is() -> None:
@@ -197,10 +210,10 @@ def test_the_body_is_said_by_what_it_is() -> None:
     assert firstscreen.body_in_words(half, scandium) == "Al(0.7)Sc(0.3)N, a half-plane"
     body = [{"composite": "fibrous", "volume_fraction": 0.2 * k, "thickness": 1e-4} for k in (1, 2, 3)]
     layers = study.model_copy(
-        update={"surroundings": "insulated", "body": [BodyLayer.model_validate(one) for one in body]}
+        update={"surroundings": "insulated", "body": [BodyLayer.model_validate(layer) for layer in body]}
     )
-    told = "Fibrous, 20 % BaTiO3, 100 µm on fibrous, 40 % BaTiO3, 100 µm on fibrous, 60 % BaTiO3, 100 µm on steel"
-    assert firstscreen.body_in_words(layers, case) == told
+    expected = "Fibrous, 20 % BaTiO3, 100 µm on fibrous, 40 % BaTiO3, 100 µm on fibrous, 60 % BaTiO3, 100 µm on steel"
+    assert firstscreen.body_in_words(layers, case) == expected
     contact = {"contact_trailing": 1e-4, "contact_leading": 1e-4}
     assert firstscreen.of_case(layers, {**case, "load": 1e4}, contact).base == "2 more layers on steel"
     assert firstscreen.punch_in_words({"profile": "flat", "width": 2e-3}) == "flat punch 2 mm wide"
@@ -224,11 +237,13 @@ def test_the_sentence_about_a_goal_is_that_of_the_chart_under_it(ran: Project) -
     said = sentences.sensitivity(ranked.sensitivities(indices, aims))
     assert f'class="says">{said}'.replace("'", "&#39;") in (folder / "report.html").read_text(encoding="utf-8")
     for k, aim in enumerate(aims):
-        own = bars[k * count : (k + 1) * count]
+        bars_of_aim = bars[k * count : (k + 1) * count]
         totals = indices["total"].sel(output=aim)
-        assert np.all(np.diff([float(totals.sel(input=name)) for name, _ in own]) <= 0)
-        assert [float(wide) for _, wide in own] == sorted((float(wide) for _, wide in own), reverse=True)
-        assert re.search(rf"{title(aim)} \(\d+ %\)[^;]* most on {title(own[0][0])}", said, re.IGNORECASE)
+        assert np.all(np.diff([float(totals.sel(input=name)) for name, _ in bars_of_aim]) <= 0)
+        assert [float(wide) for _, wide in bars_of_aim] == sorted(
+            (float(wide) for _, wide in bars_of_aim), reverse=True
+        )
+        assert re.search(rf"{title(aim)} \(\d+ %\)[^;]* most on {title(bars_of_aim[0][0])}", said, re.IGNORECASE)
 
 
 def test_every_section_says_what_its_numbers_say() -> None:
@@ -262,7 +277,9 @@ def test_what_a_goal_depends_on_is_told_of_every_goal_and_category() -> None:
         "voltage of steel (80 %) depends most on radius (shares of the variance over the ranges, with interactions)."
     )
     sensor = shipped("film_sensor")
-    goals = {name for one in sensor.design.values() for goal in one.objectives for name in goal.expression.names()}
+    goals = {
+        name for target in sensor.design.values() for goal in target.objectives for name in goal.expression.names()
+    }
     assert {name.partition("[")[0] for name in coupling.aims(sensor)} == goals & set(sensor.outputs)
     assert len(coupling.aims(sensor)) == 2 * len(goals & set(sensor.outputs))
 
@@ -273,18 +290,18 @@ def test_the_strongest_factor_is_that_of_the_widest_span_of_the_table() -> None:
         {"name": "friction", "spans": {"trailing_tension": (20e6, 150e6), "voltage": (-1.0, 2.0)}},
     ]
     charts = ranked.spans(rows)
-    assert [[bar.name for bar in one.bars] for one in charts] == [["friction", "base"], ["friction"]]
+    assert [[bar.name for bar in width.bars] for width in charts] == [["friction", "base"], ["friction"]]
     drawn = tornado.draw(charts)
     parts = svg.element(drawn, "spans", "what matters")
-    assert [parts.count(one) for one in ('<div class="parts">', "<svg ", 'class="figure"')] == [1, 2, 2]
+    assert [parts.count(width) for width in ('<div class="parts">', "<svg ", 'class="figure"')] == [1, 2, 2]
     assert svg.element(tornado.draw(charts[:1]), "spans", "what matters").startswith("<svg ")
     assert re.findall(r'data-factor="(\w+)"', drawn) == ["friction", "base", "friction"]
-    widths = [float(one) for one in re.findall(r'class="bar".*? width="([\d.]+)"', drawn)]
+    widths = [float(width) for width in re.findall(r'class="bar".*? width="([\d.]+)"', drawn)]
     assert widths[1] / widths[0] == pytest.approx(0.999 / 130, abs=0.01)
     (room,) = {*re.findall(r'viewBox="0 0 (\d+) ', drawn)}
     words = re.findall(r'<text x="([\d.]+)" y="\d+" fill="[^"]+" font-size="11">([^<]+)<', drawn)
-    assert max(float(x) + TextPath((0, 0), one, size=11).get_extents().x1 for x, one in words) < float(room)
+    assert max(float(x) + TextPath((0, 0), width, size=11).get_extents().x1 for x, width in words) < float(room)
     (zero,) = re.findall(r'<path d="M([\d.]+) ', drawn)
     assert all(float(x) > float(zero) for x, _ in words[2:])
-    told = sentences.strongest(charts)
-    assert told.startswith("Tension behind the contact depends most on friction (20 MPa to 150 MPa)")
+    sentence = sentences.strongest(charts)
+    assert sentence.startswith("Tension behind the contact depends most on friction (20 MPa to 150 MPa)")

@@ -40,8 +40,10 @@ device:
 
 def model() -> GridGP:
     """Two smooth outputs over a box."""
-    levels = [one.levels(9) for one in INPUTS]
-    radius, load = (xr.DataArray(own, {one.name: own}, one.name) for one, own in zip(INPUTS, levels, strict=True))
+    levels = [axis.levels(9) for axis in INPUTS]
+    radius, load = (
+        xr.DataArray(level, {axis.name: level}, axis.name) for axis, level in zip(INPUTS, levels, strict=True)
+    )
     charge = 4e-11 * np.sqrt(radius / 0.05) * (1 + load / 1e5)
     return GridGP(inputs=INPUTS).fit(
         xr.Dataset({"charge_per_force": charge, "capacitance_per_length": 2e-8 * load / 1e3 + 0 * radius})
@@ -50,7 +52,7 @@ def model() -> GridGP:
 
 def panel(fitted: GridGP, **changes: Any) -> str:
     """A panel of one kind of case, and one target whose limit the surrogate exceeds by half of the allowance."""
-    middle = np.array([[one.from_unit(0.0) for one in INPUTS]])
+    middle = np.array([[axis.from_unit(0.0) for axis in INPUTS]])
     value = float(fitted.predict_array(middle)[0, 0]) * 1e12 - ALLOWANCE / 2
     limit = {"tree": ["*", "charge_per_force", 1e12], "value": value, "upper": True, "judged": True} | changes
     goal = {"tree": "charge_per_force", "worst": False, "maximise": True}
@@ -64,9 +66,9 @@ const judge = judging({{ data, model, chosen: 0, kind: {json.dumps(kind)} }}), [
 @needs_browser
 def test_the_map_allows_a_limit_what_the_list_below_it_allows(tmp_path: Path) -> None:
     fitted = model()
-    told = "({{ excess: {0}.excess, room: {0}.room, broken: judge.cell({1}).broken }})"
-    at = f"judge.worst(limit, judge.scenarios(data.cases[0], {CENTRE}))"
-    seen = evaluated(SCRIPTS + panel(fitted), told.format(at, CENTRE), tmp_path)
+    cell = "({{ excess: {0}.excess, room: {0}.room, broken: judge.cell({1}).broken }})"
+    worst = f"judge.worst(limit, judge.scenarios(data.cases[0], {CENTRE}))"
+    seen = evaluated(SCRIPTS + panel(fitted), cell.format(worst, CENTRE), tmp_path)
     assert seen["excess"] == pytest.approx(ALLOWANCE / 2, rel=1e-6)
     assert seen["room"] >= ALLOWANCE
     assert not seen["broken"]
@@ -75,7 +77,7 @@ def test_the_map_allows_a_limit_what_the_list_below_it_allows(tmp_path: Path) ->
 
 
 def test_a_study_with_a_device_tells_its_figures_and_no_other() -> None:
-    names = [one["name"] for one in whatif.figures(made(STUDY))]
+    names = [figure["name"] for figure in whatif.figures(made(STUDY))]
     assert names == [
         "force",
         "signal_charge",
@@ -90,13 +92,13 @@ def test_a_study_with_a_device_tells_its_figures_and_no_other() -> None:
 def test_figures_at_the_sliders_are_those_of_python(tmp_path: Path) -> None:
     study = made(STUDY)
     values = {"charge_per_force": -4e-11, "capacitance_per_length": 2e-8, "load": 5e3}
-    trees = {one["name"]: one["tree"] for one in whatif.figures(study)}
+    trees = {figure["name"]: figure["tree"] for figure in whatif.figures(study)}
     script = f"{SCRIPTS}const trees = {json.dumps(trees)}, values = {json.dumps(values)};"
-    told = "Object.fromEntries(Object.entries(trees).map(([name, tree]) => [name, evaluate(tree, values)]))"
-    constants = {name: np.array(one) for name, one in study.device.constants.items()} if study.device else {}
-    known = {name: np.array(one) for name, one in values.items()} | constants
+    values_of = "Object.fromEntries(Object.entries(trees).map(([name, tree]) => [name, evaluate(tree, values)]))"
+    constants = {name: np.array(value) for name, value in study.device.constants.items()} if study.device else {}
+    known = {name: np.array(value) for name, value in values.items()} | constants
     expected = {name: float(grammar.parse(FIGURES[name].formula).evaluate(known)) for name in trees}
-    assert evaluated(script, told, tmp_path) == pytest.approx(expected, rel=1e-12)
+    assert evaluated(script, values_of, tmp_path) == pytest.approx(expected, rel=1e-12)
     moved = evaluated(script, "carried(trees.signal_charge, values, { charge_per_force: 1e-13 })", tmp_path)
     assert moved == pytest.approx(1e-13 * 5e3 * 0.01, rel=1e-9)  # linear in it: load times length times the change
 
@@ -104,30 +106,30 @@ def test_figures_at_the_sliders_are_those_of_python(tmp_path: Path) -> None:
 @needs_browser
 def test_errors_go_together_in_the_browser_as_in_python(tmp_path: Path) -> None:
     random, axes = np.random.default_rng(0), dict(zip(("radius", "load"), INPUTS, strict=True))
-    held = {name: ("case", own.from_unit(random.uniform(-1, 1, 200))) for name, own in axes.items()}
+    held = {name: ("case", axis.from_unit(random.uniform(-1, 1, 200))) for name, axis in axes.items()}
 
-    def outputs(at: xr.Dataset) -> xr.Dataset:
-        pole = 1 / (at["radius"] - 0.008) ** 0.5
-        return at.assign(
-            charge_per_force=pole + at["load"] / 1e4, capacitance=2 + 0.5 * pole + np.sin(at["load"] / 500)
+    def outputs(grid: xr.Dataset) -> xr.Dataset:
+        pole = 1 / (grid["radius"] - 0.008) ** 0.5
+        return grid.assign(
+            charge_per_force=pole + grid["load"] / 1e4, capacitance=2 + 0.5 * pole + np.sin(grid["load"] / 500)
         )
 
-    grid = xr.Dataset(coords={name: own.levels(7) for name, own in axes.items()})
+    grid = xr.Dataset(coords={name: axis.levels(7) for name, axis in axes.items()})
     fitted = GridGP(inputs=INPUTS).fit(outputs(grid)).calibrate(outputs(xr.Dataset(held)))
-    X = np.array([[own.from_unit(0.3) for own in INPUTS]])
+    X = np.array([[axis.from_unit(0.3) for axis in INPUTS]])
     charge, capacitance = fitted.predict_array(X)[0].tolist()
     weights = {"/": [1 / capacitance, -charge / capacitance**2], "+": [1.0, 1.0]}
     known = f"{{ charge_per_force: {charge!r}, capacitance: {capacitance!r} }}"
     for symbol, slopes in weights.items():
-        asked = f"offBy(model, ['{symbol}', 'charge_per_force', 'capacitance'], {known}, judge.errors(answer))"
-        found = evaluated(f"{SCRIPTS}{panel(fitted)} const answer = predict(model, [0.3, 0.3]);", asked, tmp_path)
+        script = f"offBy(model, ['{symbol}', 'charge_per_force', 'capacitance'], {known}, judge.errors(answer))"
+        sizes = evaluated(f"{SCRIPTS}{panel(fitted)} const answer = predict(model, [0.3, 0.3]);", script, tmp_path)
         expected = float(np.abs(fitted.ends_of_sum(X, np.array([slopes]))).max())
         added = float(
             np.abs(np.stack(fitted.interval_array(X))[:, 0] - [charge, capacitance]).max(axis=0) @ np.abs(slopes)
         )
         # the derivatives here are difference quotients over one deviation, small beside the values
-        assert found == pytest.approx(expected, rel=1e-3)
-        assert found < added
+        assert sizes == pytest.approx(expected, rel=1e-3)
+        assert sizes < added
     lone = evaluated(
         f"{SCRIPTS}{panel(fitted)} const answer = predict(model, [0.3, 0.3]);",
         f"offBy(model, ['*', 'capacitance', 3], {known}, judge.errors(answer))", tmp_path,

@@ -22,30 +22,30 @@ def study(bare: Study) -> Study:
 
 
 def test_air_is_compared_with_what_is_insulated_and_the_other_way_round(study: Study) -> None:
-    found = other_surroundings.compared(study, CASE)
-    assert found["surroundings"] == "insulated"
-    own, other = found["quantities"]["charge_per_force"]
-    assert other == pytest.approx(own, rel=1e-9)
-    own, other = found["quantities"]["voltage"]
-    assert 0.1 < other / own < 0.99
+    compared = other_surroundings.compared(study, CASE)
+    assert compared["surroundings"] == "insulated"
+    present, other = compared["quantities"]["charge_per_force"]
+    assert other == pytest.approx(present, rel=1e-9)
+    present, other = compared["quantities"]["voltage"]
+    assert 0.1 < other / present < 0.99
     back = other_surroundings.compared(study.narrowed({"surroundings": "air"}), CASE)
     assert back == {
         "surroundings": "air",
-        "quantities": {name: values[::-1] for name, values in found["quantities"].items()},
+        "quantities": {name: values[::-1] for name, values in compared["quantities"].items()},
     }
     oil = study.model_copy(update={"fixed": {**study.fixed, "surroundings": "air", "gap_permittivity": 2.2}})
-    assert other_surroundings.compared(oil, CASE)["quantities"]["voltage"][1] == own
+    assert other_surroundings.compared(oil, CASE)["quantities"]["voltage"][1] == present
 
 
 def test_a_ball_on_a_film_is_compared_too() -> None:
     """Its capacitance is whole: 2.3 pF under a large ball on a thin film, and ten times as much in air."""
     ball = shipped("point_sensor").narrowed({"base": "steel"})
-    found = other_surroundings.compared(ball, {"thickness": 5e-5, "radius": 0.05, "force": 0.1})
-    assert list(found["quantities"]) == ["voltage", "capacitance", "charge_per_force"]
-    air, bare = found["quantities"]["capacitance"]
+    compared = other_surroundings.compared(ball, {"thickness": 5e-5, "radius": 0.05, "force": 0.1})
+    assert list(compared["quantities"]) == ["voltage", "capacitance", "charge_per_force"]
+    air, bare = compared["quantities"]["capacitance"]
     assert air > 10 * bare
-    told = "capacitance 2.34 pF instead of 38.2 pF and charge per force 204 pC/N instead of 166 pC/N"
-    assert told in other_surroundings.told(found)
+    expected = "capacitance 2.34 pF instead of 38.2 pF and charge per force 204 pC/N instead of 166 pC/N"
+    assert expected in other_surroundings.told(compared)
 
 
 def test_nothing_is_compared_without_a_device_or_where_air_means_nothing(bare: Study, study: Study) -> None:
@@ -56,8 +56,10 @@ def test_nothing_is_compared_without_a_device_or_where_air_means_nothing(bare: S
 
 def test_both_are_told_with_their_units() -> None:
     quantities = {"voltage": [25.1, 8.03], "capacitance_per_length": [2e-8, 7.4e-8]}
-    told = other_surroundings.told({"surroundings": "insulated", "quantities": quantities})
-    assert told.startswith("The surface beside the contact is insulated (surroundings: insulated). In air, the design ")
-    assert told.endswith("instead of 25.1 V and capacitance 74 nF/m instead of 20 nF/m.")
-    told = other_surroundings.told({"surroundings": "air", "quantities": quantities})
-    assert told.startswith("The surface beside the contact faces air (surroundings: air). With an insulated")
+    sentence = other_surroundings.told({"surroundings": "insulated", "quantities": quantities})
+    assert sentence.startswith(
+        "The surface beside the contact is insulated (surroundings: insulated). In air, the design "
+    )
+    assert sentence.endswith("instead of 25.1 V and capacitance 74 nF/m instead of 20 nF/m.")
+    sentence = other_surroundings.told({"surroundings": "air", "quantities": quantities})
+    assert sentence.startswith("The surface beside the contact faces air (surroundings: air). With an insulated")

@@ -174,7 +174,7 @@ def test_every_figure_is_drawn(looked: Callable[[int], dict[str, Any]], width: i
         assert figure["high"] > 50
         assert figure["paths"] > (2 if figure["name"] in small else 10)
         assert len(figure["alt"]) > 20
-    ids = [one for figure in seen["figures"] for one in figure["ids"]]
+    ids = [identifier for figure in seen["figures"] for identifier in figure["ids"]]
     assert len(ids) == len(set(ids))
     tips = {figure["name"]: figure["tips"] for figure in seen["figures"]}
     assert "worst-case voltage per load: " in tips["figure-slices_sensor"][0]
@@ -218,7 +218,7 @@ def test_who_decides_reads_the_first_screen_only(
     ran: Project, looked: Callable[[int], dict[str, Any]], width: int
 ) -> None:
     seen = looked(width)
-    first = {name: one["words"].replace("\N{NO-BREAK SPACE}", " ") for name, one in seen["first"].items()}
+    first = {name: part["words"].replace("\N{NO-BREAK SPACE}", " ") for name, part in seen["first"].items()}
     assert first["page first"] == "Largest stroke per volt is not reachable (1 of 2 targets)."
     assert first["sensor verdict"] == "beyond linear theory; otherwise recommended"
     assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane; R = .*", first["sensor build"])
@@ -275,74 +275,78 @@ def test_the_page_tells_nothing_of_earlier_states_of_the_study(ran: Project, tmp
 
 @needs_browser
 def test_sliders_move_numbers_that_are_those_of_python(ran: Project, moved: dict[str, Any]) -> None:
-    model, found = surrogate.load(ran.folder / "results/small/surrogate.nc"), moved
-    assert found["complaints"] == []
-    assert len(found["seen"]) == len(PLACES) + 1
-    assert len(found["presets"]) == 2
+    model, seen = surrogate.load(ran.folder / "results/small/surrogate.nc"), moved
+    assert seen["complaints"] == []
+    assert len(seen["seen"]) == len(PLACES) + 1
+    assert len(seen["presets"]) == 2
     spread = read_whole(ran.folder / "results/small/quantities.nc")
-    for one in [*found["seen"], *found["presets"]]:
-        point = {name: float(value) for name, value in one["inputs"].items()}
+    for place in [*seen["seen"], *seen["presets"]]:
+        point = {name: float(value) for name, value in place["inputs"].items()}
         mean, ends = model.predict(point), model.interval(point)
         for name in model.outputs_:
             room = 1e-9 * np.ptp(spread[name].values)
-            assert float(one["mean"][name]) == pytest.approx(float(mean[name]), abs=room)
+            assert float(place["mean"][name]) == pytest.approx(float(mean[name]), abs=room)
             half = float(ends[f"{name}_upper"] - ends[f"{name}_lower"]) / 2
             for end in ("lower", "upper"):
-                assert float(one[end][name]) == pytest.approx(float(ends[f"{name}_{end}"]), abs=room + 1e-6 * half)
-            value, unit, interval = one["interval"][name]
+                assert float(place[end][name]) == pytest.approx(float(ends[f"{name}_{end}"]), abs=room + 1e-6 * half)
+            value, unit, interval = place["interval"][name]
             units = ALL_QUANTITIES[name].units
-            assert f"{value} {unit}".strip() == numbers.shown(float(one["mean"][name]), units, 3)
-            half = (float(one["upper"][name]) - float(one["lower"][name])) / 2
-            share = half / abs(float(one["mean"][name]))
+            assert f"{value} {unit}".strip() == numbers.shown(float(place["mean"][name]), units, 3)
+            half = (float(place["upper"][name]) - float(place["lower"][name])) / 2
+            share = half / abs(float(place["mean"][name]))
             wide = f"{numbers.number(100 * share, 2)} %" if share < 1 else numbers.shown(half, units, 2)
             assert interval == ("± < 0.001 %" if share < 1e-5 else f"± {wide}")
-        assert one["curve"] == ""  # the small study does not learn the contact's extents
+        assert place["curve"] == ""  # the small study does not learn the contact's extents
     worst = {
         "friction": scenarios.corners(load(ran.folder / "config/small.yaml").design["sensor"], {1: 9}).values[
             "friction"
         ]
     }
-    for place, one in zip(PLACES, found["seen"][1:], strict=True):
-        spread = model.predict({name: float(value) for name, value in one["inputs"].items()} | worst)
-        for said, name, limit in zip(one["limits"], ("trailing_tension", "peak_pressure"), (50e6, 500e6), strict=True):
+    for position, place in zip(PLACES, seen["seen"][1:], strict=True):
+        spread = model.predict({name: float(value) for name, value in place["inputs"].items()} | worst)
+        for said, name, limit in zip(
+            place["limits"], ("trailing_tension", "peak_pressure"), (50e6, 500e6), strict=True
+        ):
             assert said["value"] == pytest.approx(float(spread[name].max()), rel=1e-9)
             excess = said["value"] - limit
             words = "broken" if excess > said["room"] else "held" if excess < -said["room"] else "on the limit"
             assert said["verdict"].startswith(words)
-        for (name, value), t in zip(one["inputs"].items(), place, strict=True):
+        for (name, value), t in zip(place["inputs"].items(), position, strict=True):
             assert float(value) == pytest.approx(float(model.box[name].from_unit(t)), rel=1e-12)
-    texts = {tuple(one["shown"]) for one in found["seen"]}
-    assert len(texts) == len(found["seen"])
+    texts = {tuple(place["shown"]) for place in seen["seen"]}
+    assert len(texts) == len(seen["seen"])
     design = netcdf.read(ran.folder / "results/small/design/sensor.nc")
-    for name, value in found["presets"][0]["inputs"].items():
+    for name, value in seen["presets"][0]["inputs"].items():
         assert float(value) == pytest.approx(design.terms[0].worst[name], rel=1e-9)
 
 
-def designs_are_never_called_broken(found: dict[str, Any], folder: Path, targets: list[str]) -> None:
+def designs_are_never_called_broken(seen: dict[str, Any], folder: Path, targets: list[str]) -> None:
     """The panel on every design says what the design's own verdict says, of the design's own limits."""
-    for shown, moved, name in zip(found["presets"], found["moved"], targets, strict=True):
+    for shown, moved, name in zip(seen["presets"], seen["moved"], targets, strict=True):
         answer = netcdf.read(folder / "design" / f"{name}.nc")
         limits, held = answer.limits, [not limit.broken for limit in answer.limits]
-        assert [one["limit"] for one in shown["limits"]] == [limit.name for limit in limits]
-        assert [one["verdict"] for one in shown["limits"]] == ["held" if one else "broken" for one in held]
-        assert [one["value"] for one in shown["limits"]] == pytest.approx([limit.exact for limit in limits])
+        assert [entry["limit"] for entry in shown["limits"]] == [limit.name for limit in limits]
+        assert [entry["verdict"] for entry in shown["limits"]] == [
+            "held" if kept_limit else "broken" for kept_limit in held
+        ]
+        assert [entry["value"] for entry in shown["limits"]] == pytest.approx([limit.exact for limit in limits])
         # the surrogate, asked for the same design: by the same tolerance as the verdict's
-        assert [one["verdict"] != "broken" for one in moved["limits"]] == held
-        assert [one["value"] for one in moved["limits"]] == pytest.approx(
+        assert [entry["verdict"] != "broken" for entry in moved["limits"]] == held
+        assert [entry["value"] for entry in moved["limits"]] == pytest.approx(
             [limit.predicted for limit in limits], rel=1e-9
         )
-        assert [one["room"] for one in moved["limits"]] == pytest.approx([limit.half for limit in limits], rel=1e-6)
+        assert [entry["room"] for entry in moved["limits"]] == pytest.approx([limit.half for limit in limits], rel=1e-6)
         assert answer.feasible == all(held)
 
 
 @needs_browser
 def test_the_panel_agrees_with_every_design(ran: Project, moved: dict[str, Any]) -> None:
-    found = moved
-    assert found["complaints"] == []
-    assert found["seen"][0]["limits"] == found["presets"][0]["limits"]
-    assert len(found["presets"][0]["limits"]) == 2
-    designs_are_never_called_broken(found, ran.folder / "results/small", ["sensor", "impossible"])
-    assert found["moved"][0]["limits"][0]["verdict"].startswith("on the limit")  # it binds
+    seen = moved
+    assert seen["complaints"] == []
+    assert seen["seen"][0]["limits"] == seen["presets"][0]["limits"]
+    assert len(seen["presets"][0]["limits"]) == 2
+    designs_are_never_called_broken(seen, ran.folder / "results/small", ["sensor", "impossible"])
+    assert seen["moved"][0]["limits"][0]["verdict"].startswith("on the limit")  # it binds
 
 
 @needs_node
@@ -350,32 +354,32 @@ def test_map_tile_and_verdict_agree_at_every_design(ran: Project, tmp_path: Path
     names, text = ("numbers.js", "surrogate.js", "largest.js", "judging.js"), page(ran)
     scripts = "".join((TEMPLATES / name).read_text(encoding="utf-8") for name in names)
     (data,) = re.findall(r'id="whatif-data">(.*?)</script>', text, re.DOTALL)
-    told = """
+    script = """
 const model = loadSurrogate(data.surrogate), panel = { data, model, chosen: 0, kind: null }, judge = judging(panel);
 const told = data.cases.map((target, k) => {
   [panel.chosen, panel.kind] = [k, data.kinds[target.kind]];
   const t = model.inputs.map((input) => toUnit(input, target.values[input.name]));
   return { tile: judge.cell(t), map: judge.cell(t, true), exact: judge.goal().exact };
 });"""
-    seen = in_node(f"{scripts}const data = {data};{told}", "told", tmp_path)
-    for one, name in zip(seen, ("sensor", "impossible"), strict=True):
+    seen = in_node(f"{scripts}const data = {data};{script}", "told", tmp_path)
+    for card, name in zip(seen, ("sensor", "impossible"), strict=True):
         answer = netcdf.read(ran.folder / "results/small/design" / f"{name}.nc")
         goal, *limits = answer.terms
-        assert one["exact"] == pytest.approx(goal.exact, rel=1e-12)
-        for told in (one["tile"], one["map"]):
-            assert abs(told["goal"] - goal.exact) <= goal.half
-            assert told["broken"] == (not answer.feasible)
-            assert [beyond > 0 for beyond in told["limits"]] == [limit.broken for limit in limits]
+        assert card["exact"] == pytest.approx(goal.exact, rel=1e-12)
+        for cell in (card["tile"], card["map"]):
+            assert abs(cell["goal"] - goal.exact) <= goal.half
+            assert cell["broken"] == (not answer.feasible)
+            assert [beyond > 0 for beyond in cell["limits"]] == [limit.broken for limit in limits]
 
 
 @needs_browser
 def test_a_probability_is_not_judged_at_one_point(ran: Project, tmp_path: Path) -> None:
     text = page(ran).replace('"judged":true', '"judged":false')
-    found = opened(text, tmp_path, 1000, SLIDE.replace("PLACES", "[]"))
-    assert [one["verdict"] for one in found["presets"][0]["limits"]] == ["held", "held"]
-    for one in [limit for place in found["moved"] for limit in place["limits"]]:
-        assert one["verdict"] == "not judged at one point"
-        assert one["text"].endswith(" MPa: not judged at one point")
+    seen = opened(text, tmp_path, 1000, SLIDE.replace("PLACES", "[]"))
+    assert [limit["verdict"] for limit in seen["presets"][0]["limits"]] == ["held", "held"]
+    for limit in [limit for place in seen["moved"] for limit in place["limits"]]:
+        assert limit["verdict"] == "not judged at one point"
+        assert limit["text"].endswith(" MPa: not judged at one point")
 
 
 @pytest.mark.parametrize(
@@ -393,16 +397,16 @@ def test_the_page_knows_which_limits_a_point_decides(ran: Project, limit: str, j
     answer = replace(answer, terms=(goal, replace(first, statement=statements.limit(limit))))
     folder, model = ran.folder / "results/small", surrogate.load(ran.folder / "results/small/surrogate.nc")
     quantities = read_whole(folder / "quantities.nc")
-    found = whatif.content(config.model_copy(update={"design": {"one": target}}), model, quantities, [answer])
-    assert found is not None
-    (case,) = found["cases"]
+    content = whatif.content(config.model_copy(update={"design": {"one": target}}), model, quantities, [answer])
+    assert content is not None
+    (case,) = content["cases"]
     assert case["over"] == "friction 0.11 to 0.29 and the tolerances of radius"
     assert case["tolerances"] == {"radius": [0.0, 0.05]}
     built = list(zip(case["scenarios"]["friction"], case["offsets"]["radius"], strict=True))
     assert len(set(built)) == case["count"] == 21
     few = sorted(built[k] for k in case["few"])
     np.testing.assert_allclose(few, [(0.11, -1), (0.11, 1), (0.29, -1), (0.29, 1)])
-    assert [one["judged"] for one in case["limits"]] == [judged]
+    assert [limit["judged"] for limit in case["limits"]] == [judged]
 
 
 #: A study whose punch and composite are chosen from lists.
@@ -470,10 +474,10 @@ def chosen(copy: Copy) -> Project:
 def test_the_data_set_has_an_axis_a_category(chosen: Project) -> None:
     with open_results(chosen.folder / "results/chosen") as data:
         assert data["contact_pressure"].dims == ("volume_fraction", "radius", "composite", "profile", "position")
-        one = {"volume_fraction": data["volume_fraction"][4], "radius": data["radius"][1]}
+        case = {"volume_fraction": data["volume_fraction"][4], "radius": data["radius"][1]}
         for composite, profile in product(("fibrous", "laminate"), ("cylinder", "half_cylinder")):
             kinds = {"composite": composite, "profile": profile}
-            exact = solve({**one, **kinds, "friction": 0.2, "load": 1e4}, data["position"].values)
+            exact = solve({**case, **kinds, "friction": 0.2, "load": 1e4}, data["position"].values)
             stored = data.isel(volume_fraction=4, radius=1).sel(kinds)
             for name in ("contact_pressure", "stress_xx", "depth"):
                 np.testing.assert_allclose(stored[name].values, exact[name].values, rtol=1e-12)
@@ -488,27 +492,27 @@ def test_lists_choose_what_the_panel_shows(chosen: Project, tmp_path: Path, monk
     model = surrogate.load(folder / "surrogate.nc")
     monkeypatch.setattr(reporting, "StrictUndefined", ChainableUndefined)  # as the figures are
     page = reporting.page(load(chosen.folder / "config/chosen.yaml"), "chosen", folder, [], folder / "provenance.json")
-    found = opened(page, tmp_path, 1000, CHOOSE)
-    assert found["complaints"] == []
-    assert len(found["seen"]) == 6
-    assert len({tuple(one["names"]) for one in found["seen"][:4]}) == 4
-    for one in found["seen"]:
-        answer = model.predict({name: float(value) for name, value in one["inputs"].items()})
-        for name, value in one["mean"].items():
-            expected = float(answer[f"{name}[{', '.join(one['names'])}]"])
+    seen = opened(page, tmp_path, 1000, CHOOSE)
+    assert seen["complaints"] == []
+    assert len(seen["seen"]) == 6
+    assert len({tuple(shown["names"]) for shown in seen["seen"][:4]}) == 4
+    for shown in seen["seen"]:
+        answer = model.predict({name: float(value) for name, value in shown["inputs"].items()})
+        for name, value in shown["mean"].items():
+            expected = float(answer[f"{name}[{', '.join(shown['names'])}]"])
             assert float(value) == pytest.approx(expected, rel=1e-9)
-    assert found["seen"][-1]["names"] == ["laminate", "half_cylinder"]
-    assert [one["verdict"] for one in found["seen"][-2]["limits"]] == ["held"]
-    assert found["seen"][-1]["limits"] == []
-    assert "Best of every choice, on the surrogate: fibrous, cylinder" in found["text"]
+    assert seen["seen"][-1]["names"] == ["laminate", "half_cylinder"]
+    assert [shown["verdict"] for shown in seen["seen"][-2]["limits"]] == ["held"]
+    assert seen["seen"][-1]["limits"] == []
+    assert "Best of every choice, on the surrogate: fibrous, cylinder" in seen["text"]
     words = ["--maximise", "abs(voltage_per_load)", "--over", "radius,composite", "--at", "volume_fraction=0.6"]
-    told = chosen.run("meecontact", "design", "results/chosen", *words).stdout
-    assert "  composite                                    fibrous                   variable\n" in told
-    assert "  profile                                      cylinder                  given\n" in told
-    both = chosen.run("meecontact", "query", "results/chosen/surrogate.nc", "--at", "volume_fraction=0.6,radius=0.1",
+    printed = chosen.run("meecontact", "design", "results/chosen", *words).stdout
+    assert "  composite                                    fibrous                   variable\n" in printed
+    assert "  profile                                      cylinder                  given\n" in printed
+    queried = chosen.run("meecontact", "query", "results/chosen/surrogate.nc", "--at", "volume_fraction=0.6,radius=0.1",
                       "--exact", "chosen").stdout.splitlines()  # fmt: skip
-    assert len(both) == 8
-    for line in both:
+    assert len(queried) == 8
+    for line in queried:
         assert float(line.split(" exact ")[1].split()[0]) == pytest.approx(
             float(line.split("]")[1].split()[0]), rel=1e-3
         )

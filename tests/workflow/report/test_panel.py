@@ -20,7 +20,7 @@ from workflow.design.search import targets
 from workflow.design.verdict import assessment, netcdf
 from workflow.language.numbers import shown
 from workflow.learning import surface
-from workflow.report import device, whatif, whatif_drawing
+from workflow.report import device, whatif
 from workflow.report.device import Device
 from workflow.study.model import Study, load
 from workflow.study.target import Target
@@ -98,30 +98,33 @@ addEventListener("load", async () => {
 
 def judged_in_browser(page: str, target: str, points: list[dict[str, Any]], folder: Path) -> dict[str, Any]:
     """What the panel of a page says of a target's limits at some points."""
-    links = ["#whatif?" + "&".join(f"{name}={one}" for name, one in ({"target": target} | at).items()) for at in points]
+    links = [
+        "#whatif?" + "&".join(f"{name}={value}" for name, value in ({"target": target} | point).items())
+        for point in points
+    ]
     seen = opened(page, folder, 1280, JUDGING.replace("POINTS", json.dumps(links)))
-    seen["judged"] = [(at, seen["judged"][link]) for at, link in zip(points, links, strict=True)]
+    seen["judged"] = [(point, seen["judged"][link]) for point, link in zip(points, links, strict=True)]
     return seen
 
 
 def agree(study: Study, name: str, model: surrogate.GaussianProcess, judged: list[Any]) -> None:
     """Compare what the panel judged, as ``(point, limits)``, with what Python counts, and how far off that may be."""
-    for at, limits in judged:
-        kinds = {key: at[key] for key in study.categories}
+    for point, limits in judged:
+        kinds = {key: point[key] for key in study.categories}
         predicted, exact = Predicted(model, kinds), Exact(study)
         question = ask(study.narrowed(kinds), name, study.design[name], predicted, exact)
-        x = np.array([[float(axis.to_unit(at[key])) for key, axis in question.inputs.items()]])
+        x = np.array([[float(axis.to_unit(point[key])) for key, axis in question.inputs.items()]])
         design = question.at(x)
         guessed = assessment.predict(design, question.searched)
         terms = zip(question.terms, guessed.values, guessed.reaches + assessment.tolerances(design), strict=True)
-        found = {term.label: (value, room) for term, value, room in terms if term.limited}
+        judged_limits = {term.label: (value, room) for term, value, room in terms if term.limited}
         bounds = {term.label: term.bound for term in question.terms}
-        assert [one["limit"] for one in limits] == list(found)
-        for one in limits:
-            value, room = found[one["limit"]]
-            if one["verdict"] != "not judged at one point":
-                assert float(one["value"]) == pytest.approx(value, rel=1e-8)  # 5e-12 of a range 200 times larger
-                assert float(one["room"]) == pytest.approx(room, rel=1e-6, abs=2e-12 * abs(bounds[one["limit"]]))
+        assert [entry["limit"] for entry in limits] == list(judged_limits)
+        for entry in limits:
+            value, room = judged_limits[entry["limit"]]
+            if entry["verdict"] != "not judged at one point":
+                assert float(entry["value"]) == pytest.approx(value, rel=1e-8)  # 5e-12 of a range 200 times larger
+                assert float(entry["room"]) == pytest.approx(room, rel=1e-6, abs=2e-12 * abs(bounds[entry["limit"]]))
 
 
 @pytest.fixture(scope="module")
@@ -156,25 +159,25 @@ def test_the_map_is_the_goal_over_the_scenarios_and_a_click_moves_the_sliders(
     t = np.linspace(-1, 1, NODES)
     fraction, radius = (model.box[name].from_unit(t) for name in ("volume_fraction", "radius"))
     point = {"volume_fraction": fraction, "radius": radius[::-1], "friction": friction, "load": 5e3, "charge": 0.0}
-    found = model.predict(point, return_std=False).transpose(
+    predicted = model.predict(point, return_std=False).transpose(
         "radius", "volume_fraction", "friction"
     )  # rows from the top
-    goal, tension = (found[name].values for name in ("voltage_per_load", "trailing_tension"))
+    goal, tension = (predicted[name].values for name in ("voltage_per_load", "trailing_tension"))
     worst = np.abs(goal).min(axis=-1)
-    told, answer = seen["map"], netcdf.read(quickstart_run.folder / "results/quickstart/design/sensor.nc")
+    drawn, answer = seen["map"], netcdf.read(quickstart_run.folder / "results/quickstart/design/sensor.nc")
     exact = answer.terms[0].exact
     ends = [min(worst.min(), exact), max(worst.max(), exact)]
-    assert [float(told[end]) for end in ("low", "high")] == pytest.approx(ends, rel=1e-8, abs=0)
+    assert [float(drawn[end]) for end in ("low", "high")] == pytest.approx(ends, rel=1e-8, abs=0)
     broken = tension.max(axis=-1) > 35e6  # what BaTiO3 bears
     assert 0 < broken.sum() < broken.size
-    assert int(told["broken"]) == broken.sum()
+    assert int(drawn["broken"]) == broken.sum()
     for words in (
         "tension behind the contact at most 35 MPa",
         "radius [mm]",
         "volume fraction",
         "voltage per load [mV·m/N]",
     ):
-        assert words in told["words"]
+        assert words in drawn["words"]
     # the star, the large number and the card say the same
     value = shown(exact, "V m N-1", 3)
     assert seen["star"].startswith(f"the design, exact\nvoltage per load at worst over friction 0.1 to 0.4: {value}\n")
@@ -198,16 +201,16 @@ def test_the_map_is_the_goal_over_the_scenarios_and_a_click_moves_the_sliders(
 def test_the_stack_is_drawn_as_python_draws_it(seen: dict[str, Any], model: surrogate.GaussianProcess) -> None:
     study, point = load("config/quickstart.yaml"), seen["start"]
     contact = model.predict(point, return_std=False)
-    body = whatif_drawing.body(study, study.combinations[0])
+    body = whatif.drawn_body(study, study.combinations[0])
     assert (body["size"], body["thickness"], body["base"]) == ("radius", None, "")
-    one = Device(body["profile"], body["corner"], point["radius"], float(contact["contact_trailing"]),
+    drawn_punch = Device(body["profile"], body["corner"], point["radius"], float(contact["contact_trailing"]),
                  float(contact["contact_leading"]), point["load"], body["conducts"],
                  slides=point["friction"] > 0)  # fmt: skip
     assert body["slides"] == "friction"
 
     def drawn(text: str) -> tuple[list[str], list[float]]:
-        found = re.findall(r"<text[^>]*>([^<]*)", text)
-        return found, [
+        labels = re.findall(r"<text[^>]*>([^<]*)", text)
+        return labels, [
             float(x)
             for x in re.findall(
                 r"-?\d+\.?\d*", " ".join(re.findall(r'(?:points|[xy][12]?|width|height)="([^"]*)"', text))
@@ -215,7 +218,7 @@ def test_the_stack_is_drawn_as_python_draws_it(seen: dict[str, Any], model: surr
         ]
 
     words, numbers = drawn(seen["stack"])
-    expected_words, expected = drawn(device.draw(one, "").partition("</title>")[2])
+    expected_words, expected = drawn(device.draw(drawn_punch, "").partition("</title>")[2])
     assert words == expected_words
     np.testing.assert_allclose(numbers, expected, atol=0.011)
 
@@ -241,14 +244,14 @@ def test_a_link_and_a_file_hold_the_point(seen: dict[str, Any], model: surrogate
         [*(f"{name}={json.dumps(value)}" for name, value in point.items()), "target=sensor"]
     )
     header, row = (line.split(",") for line in seen["csv"].splitlines())
-    told = dict(zip(header, map(float, row), strict=True))
+    columns = dict(zip(header, map(float, row), strict=True))
     expected = model.predict(point).assign(model.interval(point).data_vars)
-    assert list(told)[:5] == list(point)
+    assert list(columns)[:5] == list(point)
     for name in model.outputs_:
         room = 1e-9 * abs(float(expected[name]))
-        assert told[name] == pytest.approx(float(expected[name]), abs=room)
-        assert told[f"{name}_std"] == pytest.approx(float(expected[f"{name}_std"]), rel=1e-6)
-        assert told[f"{name}_upper"] == pytest.approx(float(expected[f"{name}_upper"]), abs=2 * room)
+        assert columns[name] == pytest.approx(float(expected[name]), abs=room)
+        assert columns[f"{name}_std"] == pytest.approx(float(expected[f"{name}_std"]), rel=1e-6)
+        assert columns[f"{name}_upper"] == pytest.approx(float(expected[f"{name}_upper"]), abs=2 * room)
     restored = seen["restored"]
     assert restored["volume_fraction"] == pytest.approx(0.3, rel=1e-12)
     assert restored["radius"] == pytest.approx(0.01, rel=1e-12)
@@ -261,23 +264,23 @@ def test_limits_within_tolerances_are_judged_as_python_judges_them(
     quickstart_run: Project, model: surrogate.GaussianProcess, tmp_path: Path
 ) -> None:
     folder, study = quickstart_run.folder / "results/quickstart", load("config/quickstart.yaml")
-    asked = study.design["sensor"].model_dump() | {"tolerance": {"radius": "5 %", "volume_fraction": 0.02}}
-    asked["subject_to"] = [*asked["subject_to"], "abs(voltage) / contact_trailing <= 4 MV/m"]
-    mine = study.model_copy(update={"design": {"sensor": Target.model_validate(asked)}})
+    target = study.design["sensor"].model_dump() | {"tolerance": {"radius": "5 %", "volume_fraction": 0.02}}
+    target["subject_to"] = [*target["subject_to"], "abs(voltage) / contact_trailing <= 4 MV/m"]
+    mine = study.model_copy(update={"design": {"sensor": Target.model_validate(target)}})
     design = targets.answer(mine, "sensor", mine.design["sensor"], model)
     content = whatif.content(mine, model, read_whole(folder / "quantities.nc"), [design])
     page = re.sub(
         r'(<script type="application/json" id="whatif-data">).*?(</script>)',
-        lambda found: found[1] + str(whatif.as_json(content)) + found[2],
+        lambda match: match[1] + str(whatif.as_json(content)) + match[2],
         (folder / "report.html").read_text(encoding="utf-8"),
         count=1,
     )
     points = [(0.5, 0.12), (0.6722, 0.1456), (0.8, 0.03)]
     seen = judged_in_browser(page, "sensor", [{"volume_fraction": v, "radius": r} for v, r in points], tmp_path)
     assert seen["complaints"] == []
-    told = (
+    expected = (
         "over friction 0.1 to 0.4 and the tolerances of radius and volume fraction, whatever the sliders say of that:"
     )
-    assert seen["over"] == f"Limits of \u201cLargest voltage per load\u201d, on the surrogate {told}"
+    assert seen["over"] == f"Limits of \u201cLargest voltage per load\u201d, on the surrogate {expected}"
     agree(mine, "sensor", model, seen["judged"])
-    assert {one["verdict"] for _, said in seen["judged"] for one in said} >= {"held", "broken"}
+    assert {limit["verdict"] for _, said in seen["judged"] for limit in said} >= {"held", "broken"}

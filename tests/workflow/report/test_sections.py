@@ -1,5 +1,6 @@
 """The registry of the page's sections: each has its template, and figures of what a study has."""
 
+import inspect
 from importlib import import_module
 
 from tests.studies import shipped
@@ -8,6 +9,14 @@ from workflow.report.page import CAPTIONS, TEMPLATES
 
 #: Templates that are no section.
 SHARED = {"report", "firstscreen"}
+
+
+def test_every_figure_is_drawn_by_a_function_of_what_it_asks_for() -> None:
+    for figures in sections.drawn():
+        for _, figure in figures:
+            module, _, function = figure.draw.partition(".")
+            drawing = getattr(import_module(f"workflow.report.figures.{module}"), function)
+            assert tuple(inspect.signature(drawing).parameters)[1:] == figure.asks, figure.draw
 
 
 def test_every_section_has_its_template_and_every_template_its_section() -> None:
@@ -43,6 +52,6 @@ def test_a_part_without_a_section_is_none_and_an_anchor_is_a_name_or_a_group_of_
     )
     groups = {"groups": {"films": {"title": "Films"}}}
     (part,) = sections.standing(page | {"study": shipped("verification"), "verification": groups})
-    assert [one for section in part.sections for one in section.anchors(page | {"verification": groups})] == [
+    assert [anchor for section in part.sections for anchor in section.anchors(page | {"verification": groups})] == [
         ("films", "Films"), ("speed", "Time"), ("provenance", "Provenance"),
     ]  # fmt: skip

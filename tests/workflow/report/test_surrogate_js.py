@@ -45,19 +45,19 @@ def held_out(model: CurveGP) -> GaussianProcess:
     """The model calibrated on cases that are off by some 1e-3: what they are is no matter here."""
     t = np.random.default_rng(3).uniform(-1, 1, (2, 60))
     points = {
-        one.name: xr.DataArray(one.from_unit(row), dims="case") for one, row in zip(curved.INPUTS, t, strict=True)
+        axis.name: xr.DataArray(axis.from_unit(row), dims="case") for axis, row in zip(curved.INPUTS, t, strict=True)
     }
     off = model.predict(points, return_std=False) * (1 + 1e-3 * np.sin(40 * points["a"]))
     return model.calibrate(off.assign(points))
 
 
 @needs_browser
-@pytest.mark.parametrize("made", [of_groups, of_curves, of_curves_over_groups])
-def test_the_browser_says_the_same(made: Callable[[], GaussianProcess], tmp_path: Path) -> None:
-    model = made()
+@pytest.mark.parametrize("fitted_model", [of_groups, of_curves, of_curves_over_groups])
+def test_the_browser_says_the_same(fitted_model: Callable[[], GaussianProcess], tmp_path: Path) -> None:
+    model = fitted_model()
     t = np.random.default_rng(2).uniform(-1, 1, (40, len(model.inputs_)))
     t[0], t[1] = 1.0, -1.0
-    X = np.stack([one.from_unit(row) for one, row in zip(model.inputs_, t.T, strict=True)], axis=1)
+    X = np.stack([axis.from_unit(row) for axis, row in zip(model.inputs_, t.T, strict=True)], axis=1)
     mean, std = model.predict_array(X, return_std=True)
     plain = json.dumps({"name": "share", "low": 0.02, "high": 0.9, "scale": "logit"})
     probe = PROBE % (SCRIPTS, json.dumps(exported(model)), json.dumps(t.tolist()), plain)

@@ -33,8 +33,8 @@ def shortened(project: Project) -> None:
     sections = project.folder / "workflow/study/sections.py"
     text = sections.read_text(encoding="utf-8")
     for name, few in (("CHECK_GROUPS", FEW), ("CONVERGING", DRAWN)):
-        text, found = re.subn(rf"^{name} = \([^)]*\)", f"{name} = {few}", text, flags=re.MULTILINE)
-        assert found == 1
+        text, replaced = re.subn(rf"^{name} = \([^)]*\)", f"{name} = {few}", text, flags=re.MULTILINE)
+        assert replaced == 1
     sections.write_text(text, encoding="utf-8")
     (project.folder / "verification/__init__.py").write_text(f"NAMES = {FEW}\n{QUICK}", encoding="utf-8")
 
@@ -56,9 +56,9 @@ def test_a_red_check_fails_the_run_and_the_page_shows_it(copy: Copy) -> None:
     assert planned == {"check", "figure_convergence", "provenance", "report", "verdict"}
 
     for file in (results / "verification").glob("*.json"):
-        found = json.loads(file.read_text(encoding="utf-8"))
-        found["checks"][0] |= {"error": 2e-2, "passed": False}
-        file.write_text(json.dumps(found), encoding="utf-8")
+        checks = json.loads(file.read_text(encoding="utf-8"))
+        checks["checks"][0] |= {"error": 2e-2, "passed": False}
+        file.write_text(json.dumps(checks), encoding="utf-8")
     done = project.run("meecontact", "run", "verification", "--cores", "2", check=False)
     assert done.returncode != 0
     assert f"RedError: {GROUPS} of {GROUPS} checks are red: A check (0.02 > 0.001)" in done.stdout + done.stderr

@@ -41,7 +41,7 @@ def most(question: Question) -> int:
 
 
 def asked(question: Question) -> bool:
-    """Whether some term of a question asks for them."""
+    """Return whether some term of a question has a costly quantity."""
     return any(names(question, term) for term in question.terms)
 
 
@@ -63,7 +63,7 @@ class _Hybrid(Source):
 
 
 def affordable(question: Question) -> Source:
-    """What stands for the exact solver where a question asks for many cases, as in difference quotients."""
+    """Source in place of the exact solver where a question has many cases, as in difference quotients."""
     if not asked(question):
         return question.exact
     return _Hybrid(question.exact, question.predicted, question.study.costly)
@@ -75,7 +75,7 @@ def safety(question: Question, usual: float) -> float:
 
 
 def words(question: Question, cases: int, moved: bool) -> str:
-    """How a design was polished: on the exact solver alone, led by the surrogate, or not at all."""
+    """Description of the polish: on the exact solver alone, led by the surrogate, or none."""
     searched = ", ".join(dict.fromkeys(name for term in question.terms for name in names(question, term)))
     kind = "exact" if question.study.kind.tabled else "searched"
     if not searched:
@@ -88,14 +88,14 @@ def words(question: Question, cases: int, moved: bool) -> str:
 
 @dataclass(frozen=True)
 class Counted:
-    """What a term counts as at a design, exactly where it matters, and how many searched cases that took."""
+    """Value of a term at a design, exact where it matters, and the number of searched cases."""
 
     value: float
     cases: int
 
 
 def count_exactly(design: Question, term: Term) -> Counted:
-    """What a term counts as at one design over the many scenarios of the verdict, those that decide solved exactly.
+    """Value of a term at one design over the scenarios of the verdict, with the deciding ones solved exactly.
 
     The surrogate says which scenarios decide. They are solved; then those are solved that decide now, or may decide by
     the errors that the surrogate has shown, until none is left. Scenarios that weigh a thousandth of a mean together
@@ -112,33 +112,33 @@ def count_exactly(design: Question, term: Term) -> Counted:
 
 
 def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: Array) -> Counted:
-    """From predicted values (1, groups, draws): batch by batch they are solved, until all that may decide are."""
+    """Solve scenarios of predicted values (1, groups, draws) in batches until all that may decide are solved."""
     values = predicted.copy()
     flat, solved, error = values.ravel(), np.zeros(chosen.count, dtype=bool), 0.0
     while True:
         value = float(term.counted(values)[0])
-        away = np.abs(flat - value)
+        distances = np.abs(flat - value)
         missing = term.deciding(values[0])
         if solved.sum() < _MOST:
             # what the surrogate may have put on the wrong side of those that decide, by twice its largest error so far
-            missing |= away <= 2 * error
+            missing |= distances <= 2 * error
         missing &= ~solved
         if not missing.any():
             return Counted(value, int(solved.sum()))
-        batch = _batch(missing, solved, away, _BATCH_FILMS if design.study.kind.tabled else _BATCH)
+        batch = _batch(missing, solved, distances, _BATCH_FILMS if design.study.kind.tabled else _BATCH)
         exact = _solve(design, chosen, batch, [term])[0][0]
         error = max(error, float(np.abs(exact - flat[batch]).max()))
         flat[batch], solved[batch] = exact, True
 
 
-def _batch(missing: Bools, solved: Bools, away: Array, least: int) -> Indices:
+def _batch(missing: Bools, solved: Bools, distances: Array, least: int) -> Indices:
     """Scenarios to solve next: what is missing, and up to ``least`` those nearest to what decides."""
-    order = np.argsort(np.where(solved, np.inf, np.where(missing, -1.0, away)), kind="stable")
+    order = np.argsort(np.where(solved, np.inf, np.where(missing, -1.0, distances)), kind="stable")
     return order[: min(max(least, int(missing.sum())), int((~solved).sum()))]
 
 
 def thinned(designs: Question, share: float) -> tuple[Question, dict[Key, Indices]]:
-    """Of designs in a row, evenly, as many as a share of all cases suffices for.
+    """Evenly chosen designs of a row, as many as a share of all costly cases allows.
 
     With the scenarios of the search in which they are solved: those that decide some term at some design by the
     surrogate.
@@ -147,7 +147,7 @@ def thinned(designs: Question, share: float) -> tuple[Question, dict[Key, Indice
     for drawn, chosen in designs.searched.items():
         terms = [term for term in chosen.terms.values() if names(designs, term)]
         guessed = designs.values(designs.predicted, chosen, terms) if terms else []
-        marks = [term.deciding(values) for term, every in zip(terms, guessed, strict=True) for values in every]
+        marks = [term.deciding(values) for term, rows in zip(terms, guessed, strict=True) for values in rows]
         if marks:
             columns[drawn] = np.flatnonzero(np.any(marks, 0))
     if not columns:
@@ -158,7 +158,7 @@ def thinned(designs: Question, share: float) -> tuple[Question, dict[Key, Indice
 
 
 def corrected(designs: Question, counts: Array, columns: Mapping[Key, Indices]) -> Array:
-    """What all terms count as at designs, (n, terms), with some scenarios solved exactly.
+    """Values of all terms at designs, (n, terms), with some scenarios solved exactly.
 
     counts: (n, terms), without costly cases.
     """

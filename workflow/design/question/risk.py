@@ -51,11 +51,11 @@ class MeanDeviation(RiskMeasure):
         return np.asarray(values.mean(-1) + self.deviations * values.std(-1))
 
     def jacobian(self, values: Array) -> Array:
-        """By the rule of the square root; where nothing spreads, that of the mean."""
+        """Jacobian of mean and standard deviation; that of the mean where values do not vary."""
         draws = values.shape[-1]
         std = values.std(-1, keepdims=True)
-        away = np.divide(values - values.mean(-1, keepdims=True), std, out=np.zeros_like(values), where=std > 0)
-        return _by_group((1 + self.deviations * away) / draws)
+        deviations = np.divide(values - values.mean(-1, keepdims=True), std, out=np.zeros_like(values), where=std > 0)
+        return _by_group((1 + self.deviations * deviations) / draws)
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class RelativeDeviation(RiskMeasure):
         return np.concatenate([relative, -relative], -1).reshape(len(values), -1)
 
     def jacobian(self, values: Array) -> Array:
-        """By the rule of the quotient."""
+        """Jacobian by the quotient rule."""
         (groups, draws), share = values.shape, self._share(values.shape[-1])
         mean = (values @ share)[:, None, None]
         upwards = np.eye(draws) / mean - values[:, :, None] * share / mean**2
@@ -105,7 +105,7 @@ class RelativeDeviation(RiskMeasure):
 
 @singledispatch
 def measure(statistic: statistics.Statistic, sign: float) -> RiskMeasure:
-    """How a statistic of an objective counts its scenarios."""
+    """Return the risk measure of an objective's statistic."""
     raise NotImplementedError(f"no risk measure for {statistic}")
 
 

@@ -59,24 +59,24 @@ def corners(target: Target, nodes: Mapping[int, int]) -> Scenarios:
 def along(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Scenarios:
     """The same in groups: within a group only some names change, over their nodes, which are its draws."""
     levels = _levels(target, nodes)
-    rest = _tensor({name: values for name, values in levels.items() if name not in names})
-    own = _tensor({name: levels[name] for name in names})
-    size = len(own[names[0]])
-    groups = len(next(iter(rest.values()))) if rest else 1
-    whole = {name: np.repeat(values, size) for name, values in rest.items()}
-    return _parted(target, whole | {name: np.tile(values, groups) for name, values in own.items()}, size)
+    group_levels = _tensor({name: values for name, values in levels.items() if name not in names})
+    inner_levels = _tensor({name: levels[name] for name in names})
+    size = len(inner_levels[names[0]])
+    groups = len(next(iter(group_levels.values()))) if group_levels else 1
+    whole = {name: np.repeat(values, size) for name, values in group_levels.items()}
+    return _parted(target, whole | {name: np.tile(values, groups) for name, values in inner_levels.items()}, size)
 
 
 def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Array:
-    """What every draw of `along` weighs in a mean over the distributions of its names; (draws,).
+    """Weight of every draw of `along` in a mean over the distributions of its names; (draws,).
 
     An uncertain factor has its own distribution, one of ``worst_case`` and a tolerance the uniform one. The weights
     are those by which a polynomial through the nodes is integrated: for the uniform one C. W. Clenshaw and A. R.
     Curtis, Numer. Math. 2 (1960) 197.
     """
-    every, parts = _levels(target, nodes), list[Array]()
+    all_levels, parts = _levels(target, nodes), list[Array]()
     for name in names:
-        levels = every[name]
+        levels = all_levels[name]
         low, high = levels[0], levels[-1]
         if len(levels) == 1:
             parts.append(np.ones(1))

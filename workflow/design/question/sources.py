@@ -38,7 +38,7 @@ class Edge:
         self._scale = float(np.abs(region.coefficients[1:]).sum()) or 1.0
 
     def excess(self, factors: dict[str, Array]) -> Array:
-        """How far cases lie beyond the margin, in units of the region's steepest rise; (points, scenarios)."""
+        """Distance of cases beyond the margin, in units of the region's steepest rise; (points, scenarios)."""
         X, whole = self._points(factors)
         above = self._region.above(unit_coordinates(self._inputs, X))
         return np.asarray(-above.reshape(whole) / self._scale)
@@ -147,16 +147,16 @@ class Predicted(Source):
         return {name: mean[:, self._column(name, model)].reshape(whole) for name in names}
 
     def errors(self, factors: Factors, weights: Mapping[str, Array]) -> tuple[float, float]:
-        """How far a weighted sum of quantities over scenarios may be off, by how their errors go together."""
+        """Standard deviation and reach of a weighted sum of quantities over scenarios, with correlated errors."""
         X, _ = self._points(factors)
         model = self._of(list(weights))
-        own = np.zeros((len(X), len(model.outputs_)))
+        columns = np.zeros((len(X), len(model.outputs_)))
         for name, part in weights.items():
-            own[:, self._column(name, model)] = part
-        told = own.any(axis=1)
-        if not told.any():
+            columns[:, self._column(name, model)] = part
+        counting = columns.any(axis=1)
+        if not counting.any():
             return 0.0, 0.0
-        deviation, ends = (model.ends_of_sum(X[told], own[told], level) for level in (ONE_STD, None))
+        deviation, ends = (model.ends_of_sum(X[counting], columns[counting], level) for level in (ONE_STD, None))
         return float(np.ptp(deviation)) / 2, float(np.abs(ends).max())
 
     @override
@@ -171,10 +171,10 @@ class Predicted(Source):
         """The model of these quantities, of one if there are none: what follows from curves costs a search each."""
         if not isinstance(self._model, CurveGP):
             return self._model
-        asked = tuple(dict.fromkeys(output(name, self._combination) for name in names)) or self._model.outputs_[-1:]
-        if asked not in self._parts:
-            self._parts[asked] = self._model.only(asked)
-        return self._parts[asked]
+        outputs = tuple(dict.fromkeys(output(name, self._combination) for name in names)) or self._model.outputs_[-1:]
+        if outputs not in self._parts:
+            self._parts[outputs] = self._model.only(outputs)
+        return self._parts[outputs]
 
     def _column(self, name: str, model: GaussianProcess) -> int:
         return model.outputs_.index(output(name, self._combination))

@@ -22,7 +22,7 @@ Key = bool | tuple[str, ...]
 
 @dataclass(frozen=True)
 class Deviation:
-    """What a deviation is taken over."""
+    """Factors and risk measure of a deviation."""
 
     along: tuple[str, ...]  # The factors
     measure: risk.RelativeDeviation  # With the weights of their means
@@ -44,12 +44,12 @@ class Term:
 
     @property
     def key(self) -> Key:
-        """Which of the question's sets of scenarios it counts over."""
+        """Key of the question's set of scenarios over which the term counts."""
         return self.along or self.drawn
 
     @property
     def limited(self) -> bool:
-        """Whether it is a limit."""
+        """Return whether the term is a limit."""
         return not np.isnan(self.bound)
 
     @property
@@ -60,7 +60,7 @@ class Term:
         return self.expression.lone() or str(self.expression.unit() or "1")
 
     def meets(self, other: "Term") -> bool:
-        """Whether this limit and another one of the same expression leave one value only: an equality."""
+        """Return whether this limit and another one of the same expression leave one value only: an equality."""
         same = self.expression == other.expression and all(
             isinstance(term.measure, risk.WorstCase) for term in (self, other)
         )
@@ -71,11 +71,11 @@ class Term:
         return np.asarray(rows.min(-1) if (self.sign > 0) != self.limited else rows.max(-1))
 
     def counted(self, values: Array) -> Array:
-        """What values over scenarios count as: (n, groups, draws) -> (n,)."""
+        """Value of the term from values over scenarios: (n, groups, draws) -> (n,)."""
         return self.worst(self.measure.rows(values))
 
     def weights(self, values: Array) -> Array:
-        """How much every scenario weighs in the row that decides: (groups, draws) -> (scenarios,)."""
+        """Weight of every scenario in the row that decides: (groups, draws) -> (scenarios,)."""
         return np.abs(self.slopes(values))
 
     def slopes(self, values: Array) -> Array:
@@ -88,9 +88,9 @@ class Term:
         """The fewest scenarios that make the row that decides: (groups, draws) -> (scenarios,)."""
         weights = self.weights(values)
         order = np.argsort(weights)
-        kept = np.ones(weights.size, dtype=bool)
-        kept[order[np.cumsum(weights[order]) <= _REST * weights.sum()]] = False
-        return kept
+        decides = np.ones(weights.size, dtype=bool)
+        decides[order[np.cumsum(weights[order]) <= _REST * weights.sum()]] = False
+        return decides
 
     def oriented(self, rows: Array | float, safety: float = 0.0) -> Array:
         """Rows that are maximised, or those of a limit as relative excess."""

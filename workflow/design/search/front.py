@@ -64,14 +64,14 @@ def verified(traced: Question, share: float = 1.0) -> xr.Dataset:
     excess = np.stack(
         [term.oriented(exact[:, k]) for k, term in enumerate(designs.terms) if term.limited] or [np.zeros(len(exact))]
     )
-    kept = np.flatnonzero(excess.max(0) <= _KEPT)
-    variables = designs.at(designs.x[kept]).variables | {
-        name: np.full(kept.size, value) for name, value in designs.held.items() if name in designs.target.variables
+    feasible = np.flatnonzero(excess.max(0) <= _KEPT)
+    variables = designs.at(designs.x[feasible]).variables | {
+        name: np.full(feasible.size, value) for name, value in designs.held.items() if name in designs.target.variables
     }
     return xr.Dataset(
         {
-            "front_exact": (("front", "objective"), exact[kept, :wanted]),
-            "front_predicted": (("front", "objective"), guessed[kept, :wanted]),
+            "front_exact": (("front", "objective"), exact[feasible, :wanted]),
+            "front_predicted": (("front", "objective"), guessed[feasible, :wanted]),
             "front_value": (("front", "factor"), np.stack(list(variables.values()), -1)),
         },
         coords={"objective": [term.label for term in designs.terms[:wanted]], "factor": list(variables)},
@@ -84,5 +84,5 @@ def merged(parts: Mapping[str, xr.Dataset], signs: Array) -> xr.Dataset:
         [part.assign(front_choice=("front", [name] * part.sizes["front"])) for name, part in parts.items()], "front"
     )
     values = whole["front_exact"].transpose("front", "objective").values
-    kept = np.flatnonzero(non_dominated(values * signs))
-    return whole.isel(front=kept[np.argsort(values[kept, 0])])
+    undominated = np.flatnonzero(non_dominated(values * signs))
+    return whole.isel(front=undominated[np.argsort(values[undominated, 0])])

@@ -59,16 +59,16 @@ class _Excess:
 
     @property
     def kept(self) -> NDArray[np.bool_]:
-        """Which limits hold in the verdict."""
+        """Limits that hold in the verdict, (limit,)."""
         return self.judged <= ROUNDING
 
     @property
     def beyond(self) -> bool:
-        """Whether some limit is missed, and none by more than a step back takes."""
+        """Return whether some limit is missed, and none by more than a step back can mend."""
         return not np.all(self.kept) and bool(np.all(self.judged <= _NEAR))
 
     def agrees(self, safety: Array) -> bool:
-        """Whether all limits hold, and those bind in the verdict that bound the search with its safety margins."""
+        """Return whether all limits hold, and the same ones bind in the verdict and in the search."""
         bound = self.searched + safety > -_NEAR
         return bool(np.all(self.kept & ((self.judged > -_NEAR) | ~bound)))
 
@@ -104,46 +104,46 @@ def _shifted(candidate: Candidate) -> Candidate:
     usual = budget.safety(question, _SAFETY) * question.inequality
     rounds = _ROUNDS if question.inputs else 0
     first = candidate.counted(source)
-    now, last, safety, spent = first, None, np.zeros(len(question.inequality)), 0
+    current, last, safety, spent = first, None, np.zeros(len(question.inequality)), 0
     for k in range(rounds + 1):
-        excess = _excess(now.design, source)
+        excess = _excess(current.design, source)
         spent += excess.cases
-        if last is not None and _lost(last, now):
+        if last is not None and _lost(last, current):
             break
-        last = now if np.all(excess.kept) else last
-        done = not now.best.feasible or excess.agrees(safety)
+        last = current if np.all(excess.kept) else last
+        done = not current.best.feasible or excess.agrees(safety)
         if (k > 0 and done) or k == rounds or spent + excess.cases > budget.most(question):
             break
         # what a few scenarios make of a limit differs from what many do: shift it by that
         safety = excess.judged - excess.searched + usual
-        now = now.improved(source, safety)
-    if excess.beyond and not (last is not None and _lost(last, now)):
-        last, cases = _retreated(last, now, excess, source, usual)
+        current = current.improved(source, safety)
+    if excess.beyond and not (last is not None and _lost(last, current)):
+        last, cases = _retreated(last, current, excess, source, usual)
         spent += cases
-    best = replace(now.best, feasible=False) if last is None else last.best
+    best = replace(current.best, feasible=False) if last is None else last.best
     return replace(
         candidate, best=best, cases=spent, polish=budget.words(question, spent, rounds > 0 and last is not first)
     )
 
 
 def _retreated(
-    last: Candidate | None, now: Candidate, excess: _Excess, source: Source, usual: Array
+    last: Candidate | None, current: Candidate, excess: _Excess, source: Source, usual: Array
 ) -> tuple[Candidate | None, int]:
     """The nearest design to one next to the limits that keeps them, or the last one, and the searched cases it took."""
     cases = 0
     for _ in range(_RETREATS):
-        now = now.retreated(source, excess.judged - excess.searched + usual)
-        excess = _excess(now.design, source)
+        current = current.retreated(source, excess.judged - excess.searched + usual)
+        excess = _excess(current.design, source)
         cases += excess.cases
         if np.all(excess.kept):
-            kept = replace(now, best=replace(now.best, feasible=True))
-            return (kept if last is None or not _lost(last, kept) else last), cases
+            feasible = replace(current, best=replace(current.best, feasible=True))
+            return (feasible if last is None or not _lost(last, feasible) else last), cases
     return last, cases
 
 
-def _lost(last: Candidate, now: Candidate) -> bool:
-    """Whether the objective fell by more than a polish costs: a search that went astray."""
-    return now.best.objective < last.best.objective - _LOST * last.size(last.best.objective)
+def _lost(last: Candidate, current: Candidate) -> bool:
+    """Return whether the objective fell by more than a polish costs: a search that went astray."""
+    return current.best.objective < last.best.objective - _LOST * last.size(last.best.objective)
 
 
 def _cheapest(candidate: Candidate) -> Candidate:

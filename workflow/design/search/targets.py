@@ -107,7 +107,7 @@ def _candidates(
 def _costs(
     study: Study, name: str, target: Target, model: GaussianProcess, best: Candidate, tell: Callable[[str], None]
 ) -> Tolerated:
-    """What the tolerances of the best design cost."""
+    """Cost of the tolerances of the best design."""
     tell("what the tolerances cost")
     nominal = tolerances.nominal(target)
     if budget.asked(best.question):  # near the design: a search of its own would cost as much as the design did
@@ -139,8 +139,8 @@ def _asked(
     categories = {key: str(choice[key]) for key in study.categories}
     held = {key: float(value) for key, value in choice.items() if key not in categories}
     wanted = [output(quantity, categories) for quantity in target.names() if quantity in ALL_QUANTITIES]
-    own, predicted = study.narrowed(categories), Predicted(model.only(wanted) if wanted else model, categories)
-    return Candidate(choice, ask(own, name, target, predicted, Exact(own, predicted), held))
+    narrowed, predicted = study.narrowed(categories), Predicted(model.only(wanted) if wanted else model, categories)
+    return Candidate(choice, ask(narrowed, name, target, predicted, Exact(narrowed, predicted), held))
 
 
 def _rank(best: Optimum) -> tuple[bool, float]:
@@ -148,18 +148,22 @@ def _rank(best: Optimum) -> tuple[bool, float]:
     return best.feasible, best.objective if best.feasible else -float(best.excess.max(initial=-np.inf))
 
 
-def _search(asked: list[Candidate], tell: Callable[[str], None]) -> list[Candidate]:
+def _search(candidates_of_choices: list[Candidate], tell: Callable[[str], None]) -> list[Candidate]:
     """Optimum of every choice on the surrogate, with the safety margin that its uncertainty asks for."""
-    traced: list[Front | None] = [None] * len(asked)
-    if asked[0].question.objectives > 1:
+    traced: list[Front | None] = [None] * len(candidates_of_choices)
+    if candidates_of_choices[0].question.objectives > 1:
         tell("tracing the front")
-        traced = [front.trace(candidate.question) for candidate in asked]
-    fronts = [own for own in traced if own is not None]
+        traced = [front.trace(candidate.question) for candidate in candidates_of_choices]
+    fronts = [traced_front for traced_front in traced if traced_front is not None]
     scales = front.normalisation(fronts) if fronts else None
     candidates = []
-    for number, (question, own) in enumerate(zip(asked, traced, strict=True), 1):
-        tell(f"searching, choice {number} of {len(asked)}" if len(asked) > 1 else "searching")
-        candidates.append(_climbed(replace(question, front=own, normalisation=scales)))
+    for number, (question, traced_front) in enumerate(zip(candidates_of_choices, traced, strict=True), 1):
+        tell(
+            f"searching, choice {number} of {len(candidates_of_choices)}"
+            if len(candidates_of_choices) > 1
+            else "searching"
+        )
+        candidates.append(_climbed(replace(question, front=traced_front, normalisation=scales)))
     return candidates
 
 
@@ -171,10 +175,10 @@ def _climbed(candidate: Candidate) -> Candidate:
         first = replace(candidate, best=front.best_of(candidate.front, candidate.problem(predicted)))
     else:
         first = candidate.sought(predicted)
-    kept = first.improved(predicted, assessment.doubts(first.design) * question.inequality)
+    safer = first.improved(predicted, assessment.doubts(first.design) * question.inequality)
     # where no design is as far from the limits as the surrogate is in doubt, the exact solver decides if it can
-    decided = first.best.feasible and not kept.best.feasible and not budget.asked(question)
-    return first if decided else kept
+    decided = first.best.feasible and not safer.best.feasible and not budget.asked(question)
+    return first if decided else safer
 
 
 def _front(candidates: list[Candidate]) -> xr.Dataset:

@@ -1,4 +1,4 @@
-"""What the tolerances of a design cost: against the nominal optimum, each alone, and what tightening one would gain."""
+"""Cost of a design's tolerances: against the nominal optimum, one by one, and the gain by halving one."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -24,16 +24,16 @@ def nominal(target: Target) -> Target:
     return target.model_copy(update={"tolerance": {}})
 
 
-def costs(best: Candidate, without: Candidate, asked: Asked) -> Tolerated:
-    """What tolerances cost."""
+def costs(best: Candidate, without: Candidate, question_for: Asked) -> Tolerated:
+    """Cost of the tolerances of the best design against the one without tolerances."""
     target, design = best.question.target, without.design
-    whole = _reached(best, asked(target))
+    whole = _reached(best, question_for(target))
     cost, gain = dict[str, float](), dict[str, float]()
     for name in target.tolerance:
-        rest = {key: reach for key, reach in target.tolerance.items() if key != name}
-        cost[name] = _share(_reached(best, asked(target.model_copy(update={"tolerance": rest}))), whole)
+        others = {key: reach for key, reach in target.tolerance.items() if key != name}
+        cost[name] = _share(_reached(best, question_for(target.model_copy(update={"tolerance": others}))), whole)
         tighter = {**target.tolerance, name: _tightened(target, name)}
-        gain[name] = _share(_reached(best, asked(target.model_copy(update={"tolerance": tighter}))), whole)
+        gain[name] = _share(_reached(best, question_for(target.model_copy(update={"tolerance": tighter}))), whole)
     values = {name: float(column[0]) for name, column in design.variables.items()} | without.question.held
     exact, _ = assessment.exactly(design, design.terms[:1])
     named = ", ".join(kind for kind in without.choice.values() if isinstance(kind, str))

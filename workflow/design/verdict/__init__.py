@@ -1,1 +1,1 @@
-"""What a design comes to: its exact terms, margins and sensitivities, as one typed answer."""
+"""The verdict on a design: exact terms, margins and sensitivities, as one typed answer."""

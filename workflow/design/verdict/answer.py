@@ -17,7 +17,7 @@ _PLAIN = 10.0  # times a limit, from which an excess is written without digits b
 
 @dataclass(frozen=True)
 class Category:
-    """What was chosen of a category, or given."""
+    """Chosen or given name of a category."""
 
     category: str
     kind: str
@@ -69,7 +69,7 @@ class Overload:
 
 @dataclass(frozen=True)
 class Tolerated:
-    """What the tolerances cost."""
+    """Cost of the tolerances."""
 
     # By variable: the share of the goal that is gained without this one tolerance, and by half of it
     cost: Mapping[str, float]
@@ -82,7 +82,7 @@ class Tolerated:
 
 @dataclass(frozen=True)
 class Answer:
-    """What is known of the design that answers one target."""
+    """Design that answers one target, with its terms, factors and figures."""
 
     terms: tuple[Term, ...]  # The objectives first, then the limits in the study's order
     variables: tuple[Variable, ...]  # Every factor of the factorial
@@ -111,12 +111,12 @@ class Answer:
 
     @cached_property
     def objectives(self) -> tuple[Term, ...]:
-        """What is wanted."""
+        """Objectives of the target."""
         return tuple(term for term in self.terms if isinstance(term.statement, Objective))
 
     @cached_property
     def limits(self) -> tuple[Term, ...]:
-        """What is limited."""
+        """Limits of the target."""
         return tuple(term for term in self.terms if isinstance(term.statement, Limit))
 
     def term(self, name: str) -> Term:
@@ -129,12 +129,12 @@ class Answer:
 
     @property
     def goal(self) -> str:
-        """What is asked for, as the study writes it."""
+        """Goal and limits as the study writes them."""
         return " and ".join(f"{goal.statement.key} {goal.name}" for goal in self.objectives)
 
     @property
     def combination(self) -> dict[str, str]:
-        """What stands for every category."""
+        """Name of every category."""
         return {category.category: category.kind for category in self.categories}
 
     @property
@@ -147,7 +147,7 @@ class Answer:
 
     @property
     def feasible(self) -> bool:
-        """Whether the design keeps every limit."""
+        """Return whether the design satisfies every limit."""
         return not self.broken
 
     @cached_property
@@ -179,7 +179,7 @@ class Answer:
 
     @property
     def status(self) -> str:
-        """What binds or is violated, in one line."""
+        """Binding or violated limits and range ends, in one line."""
         if not self.feasible:
             return f"infeasible: {self.miss}"
         parts = [f"feasible; binding: {', '.join(limit.name for limit in self.binding) or 'none'}"]
@@ -189,7 +189,7 @@ class Answer:
 
     @property
     def outside(self) -> str:
-        """Which exact values left their intervals, in words; empty where none did."""
+        """Exact values outside their intervals, in words; empty without any."""
         left = [term for term in self.terms if not term.inside]
         return "; ".join(
             f"{term.name}: exact {term.exact:.7g} is outside {term.predicted:.7g} +- {term.half:.2g}" for term in left

@@ -14,7 +14,7 @@ from workflow.design.question.question import Question
 from workflow.design.question.scenarios import Scenarios
 from workflow.design.question.sources import Predicted, Source, shape
 from workflow.design.question.terms import Key, Term
-from workflow.design.verdict import linearity, merit, perturbation, spread
+from workflow.design.verdict import linearity, merit, sensitivity
 from workflow.design.verdict.answer import Answer, Range
 from workflow.design.verdict.term import Scenario
 from workflow.design.verdict.term import Term as JudgedTerm
@@ -32,7 +32,7 @@ _PILOT = 512
 
 @dataclass(frozen=True)
 class Prediction:
-    """What the terms count as on the surrogate: values, the deciding scenario of each, and how far off they may be.
+    """Values of the terms on the surrogate, the deciding scenario of each, and their possible errors.
 
     The standard deviation, and the reach of the 95 % interval.
     """
@@ -44,7 +44,7 @@ class Prediction:
 
 
 def exactly(design: Question, terms: Sequence[Term]) -> tuple[Array, int]:
-    """What some terms exactly count as at one design in the verdict, and the costly cases that they took."""
+    """Exact values of some terms at one design in the verdict, and the number of costly cases."""
     values, cases = [], 0
     for term in terms:
         if budget.names(design, term):
@@ -107,7 +107,7 @@ def judge(design: Question) -> Answer:
     thickness = _thickness(design, corner)
     beyond += linearity.beyond_small_strain(design.study, corner, _radius(design, corner), thickness)
     notes = [*(words for words, _ in beyond), *_flags(design, corner), *design.notes]
-    spreads = spread.over(design, worst)
+    spreads = sensitivity.spread(design, worst)
     out = Answer(
         terms=_terms(design, guessed, exact, worst, spreads),
         variables=_variables(design, exact, worst[0]),
@@ -123,9 +123,9 @@ def judge(design: Question) -> Answer:
 
 
 def _terms(
-    design: Question, guessed: Prediction, exact: Array, worst: Sequence[Scenario], spreads: spread.Spread
+    design: Question, guessed: Prediction, exact: Array, worst: Sequence[Scenario], spreads: sensitivity.Spread
 ) -> tuple[JudgedTerm, ...]:
-    """What every term comes to."""
+    """Return the judged terms of one design."""
     terms = design.terms
     stated: list[Objective | Limit] = [*design.target.objectives, *design.target.limits]
     half = guessed.reaches + tolerances(design)
@@ -159,7 +159,7 @@ def _variables(design: Question, exact: Array, worst: Scenario) -> tuple[Variabl
     """Every factor in the case that decides the first objective, the variables without their tolerances."""
     nominal = {**worst, **{name: float(values[0]) for name, values in design.variables.items()}}
     nominal |= {name: value for name, value in design.held.items() if name in design.target.variables}
-    unknown, known = Sensitivity((np.nan,) * len(exact)), perturbation.sensitivities(design, exact)
+    unknown, known = Sensitivity((np.nan,) * len(exact)), sensitivity.sensitivities(design, exact)
     edges = _edges(design)
     return tuple(
         Variable(
@@ -203,7 +203,7 @@ def allowances(study: Study, source: Predicted, names: Sequence[str]) -> dict[st
 
 
 def tolerances(design: Question) -> Array:
-    """What the study's tolerance may make of each term; (terms,)."""
+    """Change of each term by the study's tolerance of the quantities; (terms,)."""
     terms = design.terms
     names = list(dict.fromkeys(name for term in terms for name in _quantities(term)))
     sizes = allowances(design.study, design.predicted, names)
@@ -233,8 +233,8 @@ def _role(question: Question, name: str) -> Role:
 
 def _tolerance(question: Question, name: str) -> str:
     """A tolerance as the study writes it; empty where there is none."""
-    given = question.target.tolerance.get(name, "")
-    return given if isinstance(given, str) else f"{given:g} {written(FACTORS[name].units)}".strip()
+    tolerance = question.target.tolerance.get(name, "")
+    return tolerance if isinstance(tolerance, str) else f"{tolerance:g} {written(FACTORS[name].units)}".strip()
 
 
 def _edges(design: Question) -> dict[str, End]:
@@ -268,11 +268,11 @@ def _thickness(design: Question, corner: Mapping[str, Array]) -> Array | None:
 
 
 def _flags(design: Question, corner: Mapping[str, Array]) -> list[str]:
-    """Where a design leaves what the theory of the contact holds for."""
+    """Remarks on a contact that is too wide for a parabola or too shallow for real surfaces."""
     trailing, leading = design.study.kind.ends
     width, radius = corner[trailing] + corner[leading], _radius(design, corner)
     share = float((width / radius).max()) if radius is not None else 0.0
-    told = [f"the contact is {share:.2g} of the radius wide: no longer a parabola"] if share > _SLENDER else []
+    flags = [f"the contact is {share:.2g} of the radius wide: no longer a parabola"] if share > _SLENDER else []
     if "depth" in corner and width.max() > _WIDE and (depth := float(corner["depth"].max())) < _SMOOTH:
-        told.append(f"depth of {shown(depth, 'm', 3)}: both surfaces must be smoother than most are")
-    return told
+        flags.append(f"depth of {shown(depth, 'm', 3)}: both surfaces must be smoother than most are")
+    return flags

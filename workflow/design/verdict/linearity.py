@@ -32,17 +32,17 @@ class Bound:
 
     @property
     def units(self) -> str:
-        """Of both."""
+        """Unit of quantity and limit."""
         return ALLOWABLES[self.name].units
 
     @property
     def share(self) -> float:
-        """Of what is allowable."""
+        """Quantity over its limit."""
         return self.size / self.allowable.value
 
     @property
     def at_most(self) -> str:
-        """What is allowable, in words."""
+        """The limit in words."""
         return f"{titles.title(self.name)} of {self.allowable.material}, {shown(self.allowable.value, self.units, 3)}"
 
 
@@ -55,7 +55,7 @@ def bound(study: Study, limit: Limit) -> tuple[str, str]:
 
 
 def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None) -> list[tuple[str, str]]:
-    """What of a design is beyond what its materials bear: each in words with its figure, and the source of that."""
+    """Exceeded limits of a design's materials: each in words with both numbers, and the source of the limit."""
     bounds = _bounds(study, corner, below)
     lines = [
         (

@@ -53,7 +53,7 @@ def _figure(design: Question, corner: Mapping[str, Array], expression: Expressio
 
 
 def first_limit(design: Question, worst: Sequence[Scenario]) -> Overload | None:
-    """How far the load may rise before a limit stops it, all else as in the case that decides that limit."""
+    """Factor by which the load may rise until a limit is reached, all else as in the deciding case."""
     limits = [
         (term, case)
         for term, case in zip(design.terms, worst, strict=True)

@@ -1,4 +1,4 @@
-"""What the ends of the ranges are worth: the multipliers of an optimum, from its elasticities."""
+"""Multipliers of an optimum at the ends of ranges, from its elasticities."""
 
 from collections.abc import Sequence
 
@@ -36,7 +36,7 @@ def multipliers(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable
 
 
 def gains(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable]) -> dict[str, float]:
-    """What ends of the ranges, `moved`, would likely bring, relative; of those of which it is known."""
+    """Relative gain by wider ranges, for the ends at which it is known."""
     if len(answer.objectives) > 1:  # a compromise of several goals has no one gradient
         return {}
     changes = {end.name: abs(moved(end)) for end in ends}

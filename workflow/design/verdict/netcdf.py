@@ -200,18 +200,18 @@ def answer_of(data: xr.Dataset) -> Answer:
             names, errors, _rows(data, (*_VARIABLE, "edge")), strict=True
         )
     ]
-    rest: dict[str, Any] = {key: tuple(_members(data, row)) for key, row in _ROWS.items()}
-    rest |= {key: str(data[key].item()) for key in ("beyond", "flags", "target")}
+    fields: dict[str, Any] = {key: tuple(_members(data, row)) for key, row in _ROWS.items()}
+    fields |= {key: str(data[key].item()) for key in ("beyond", "flags", "target")}
     # a file says it within both others
-    rest["exceeded"] = tuple(part for part in rest["flags"].split("; ") if f"{part} (" in rest["beyond"])
-    rest |= {key: str(data.attrs[key]) for key in ("statistic", "polish", "source")}
+    fields["exceeded"] = tuple(part for part in fields["flags"].split("; ") if f"{part} (" in fields["beyond"])
+    fields |= {key: str(data.attrs[key]) for key in ("statistic", "polish", "source")}
     return Answer(
         tuple(terms),
         tuple(variables),
         overload=Overload(*(data[key].item() for key in _SCALARS)) if set(_SCALARS) <= set(data) else None,
         tolerated=_tolerated(data),
         pictures=data.drop_vars([name for name in data.data_vars if name in _OWN]).drop_attrs(deep=False),
-        **rest,
+        **fields,
     )
 
 
@@ -266,11 +266,11 @@ def read(path: Path) -> Answer:
 
 def together(answers: list[xr.Dataset]) -> xr.Dataset:
     """All designs over ``target``; what a target has not is missing there."""
-    kept = [
+    parts_kept = [
         answer.drop_dims(_LOCAL, errors="ignore").assign(goal=str(answer.attrs["goal"])).drop_attrs()
         for answer in answers
     ]
-    whole = xr.concat(kept, dim="target", join="outer", data_vars="all", fill_value=_missing(kept))
+    whole = xr.concat(parts_kept, dim="target", join="outer", data_vars="all", fill_value=_missing(parts_kept))
     return described(whole, "designs", str(answers[0].attrs["source"]), _MEANINGS)
 
 
@@ -286,6 +286,6 @@ def entire(answer: Answer) -> xr.Dataset:
 
 
 def _missing(answers: list[xr.Dataset]) -> dict[str, object]:
-    """What stands where a target has no such term or factor."""
+    """Value in the place of a term or factor that a target does not have."""
     types = {str(name): array.dtype.kind for answer in answers for name, array in answer.data_vars.items()}
     return {name: "" if code in "UOT" else False if code == "b" else np.nan for name, code in types.items()}

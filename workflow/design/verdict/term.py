@@ -1,4 +1,4 @@
-"""What an objective or a limit of a design comes to."""
+"""A judged objective or limit of a design."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class Term:
-    """What an objective or a limit comes to, all numbers over its unit."""
+    """A judged objective or limit; all numbers are in its unit."""
 
     statement: Objective | Limit  # The objective or the limit, as the study states it
     # On the surrogate: value, standard deviation, reach of the 95 % interval (tolerance of the study included)
@@ -41,17 +41,17 @@ class Term:
 
     @property
     def name(self) -> str:
-        """As the study has it."""
+        """Text of the objective or limit as the study writes it."""
         return str(self.statement)
 
     @property
     def broken(self) -> bool:
-        """Whether it is a limit that is not kept."""
+        """Return whether it is a violated limit."""
         return self.margin < -ROUNDING
 
     @property
     def binds(self) -> bool:
-        """Whether it is a limit with next to no margin."""
+        """Return whether it is a limit with next to no margin."""
         return self.margin < BINDS
 
     @property
@@ -61,7 +61,7 @@ class Term:
 
     @property
     def title(self) -> str:
-        """What is wanted or bounded, in words."""
+        """Wanted or bounded expression in words."""
         return titles.stated(self.statement)
 
     @property

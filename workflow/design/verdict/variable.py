@@ -9,7 +9,7 @@ from workflow.language import titles
 
 
 class Role(StrEnum):
-    """What a factor or a category is in a design."""
+    """Role of a factor or a category in a design."""
 
     VARIABLE = "variable"
     WORST_CASE = "worst case"
@@ -40,13 +40,13 @@ class End(StrEnum):
     @property
     def words(self) -> str:
         """The end in a sentence about its variable."""
-        asked = " of the range asked for" if self in (End.UPPER_ASKED, End.LOWER_ASKED) else " of its range"
-        return f"the {'upper' if self.outward > 0 else 'lower'} end{asked}"
+        range_words = " of the range asked for" if self in (End.UPPER_ASKED, End.LOWER_ASKED) else " of its range"
+        return f"the {'upper' if self.outward > 0 else 'lower'} end{range_words}"
 
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """What small errors in building one variable make of a design."""
+    """Effects of small errors in building one variable."""
 
     # Relative change of every term for a relative change of the variable; NaN where that is not known
     elasticity: tuple[float, ...]
@@ -71,7 +71,7 @@ class Variable:
 
     @property
     def chosen(self) -> bool:
-        """Whether the design chooses it."""
+        """Return whether the design chooses the factor."""
         return self.role == Role.VARIABLE
 
     @property
@@ -81,5 +81,5 @@ class Variable:
 
     @property
     def words(self) -> str:
-        """Its value with the unit."""
+        """Value with its unit."""
         return titles.value(self.name, self.value)

@@ -38,7 +38,7 @@ def tolerances(answer: Answer) -> list[str]:
     parts = []
     for variable in answer.variables if answer.tolerated else ():
         assert answer.tolerated is not None
-        cost, gain = (each.get(variable.name, np.nan) for each in (answer.tolerated.cost, answer.tolerated.gain))
+        cost, gain = (shares.get(variable.name, np.nan) for shares in (answer.tolerated.cost, answer.tolerated.gain))
         if not variable.tolerance or not np.isfinite(cost):
             continue
         words = f"the tolerance ± {sizes.told(variable.name, variable.tolerance)} of {variable.title}"
@@ -61,7 +61,7 @@ def spread(answer: Answer) -> str:
             parts.append(f"{limit.title} by {_percent(limit.spread)}{binds}")
     return (
         f"Published material constants differ, which changes {listed(parts)}: "
-        "one standard deviation, at least 5 % of a constant, to first order."
+        "one standard deviation of each constant, at least 5 %."
     )
 
 

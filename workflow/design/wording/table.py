@@ -38,8 +38,8 @@ def as_text(answer: Answer, *, si: bool = False) -> str:
     lines.append(f"  {'':44s} {'exact':25s} {'predicted':25s} margin")
     for term in answer.terms:
         margin = "" if np.isnan(term.margin) else f"{100 * term.margin if abs(term.margin) > _EXACT else 0:.3g} %"
-        both = (f"{_value(value, term.units, si):25s}" for value in (term.exact, term.predicted))
-        lines.append(f"  {term.name:44s} {' '.join(both)} {margin}".rstrip())
+        cells = (f"{_value(value, term.units, si):25s}" for value in (term.exact, term.predicted))
+        lines.append(f"  {term.name:44s} {' '.join(cells)} {margin}".rstrip())
     lines += ["best of every choice, on the surrogate"] if answer.choices else []
     for choice in answer.choices:
         flag = "" if choice.choice_feasible else "infeasible"
@@ -98,7 +98,7 @@ def as_json(answer: Answer) -> str:
 
 
 def _numbers(term: Term) -> dict[str, float]:
-    """What a term comes to, in the order of the JSON."""
+    """Numbers of a term in the order of the JSON."""
     return {key: getattr(term, key) for key in ("exact", "predicted", "predicted_std", "limit", "margin")}
 
 
@@ -145,7 +145,7 @@ def _rows(answer: Answer) -> list[tuple[Any, ...]]:
 
 
 def outcome(folder: Path, targets: Sequence[str]) -> list[str]:
-    """What a run's targets came to: lines of a table, every design with its verdict; none without targets."""
+    """Lines of a table with the design and verdict of each target of a run; none without targets."""
     if not targets:
         return []
     answers = {name: netcdf.read(folder / "design" / f"{name}.nc") for name in targets}

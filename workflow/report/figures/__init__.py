@@ -1,1 +1,1 @@
-"""What matplotlib draws, a file a chapter of the page; `style.py`, `contours.py` and `hover.py` serve them all."""
+"""Figures that matplotlib draws, one file a chapter of the page."""

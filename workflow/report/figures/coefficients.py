@@ -15,12 +15,12 @@ _FLOOR = 1e-17
 
 
 @styled
-def figure(validation: xr.Dataset, told: Sequence[str]) -> Figure:
+def figure(validation: xr.Dataset, quantities: Sequence[str]) -> Figure:
     """Largest coefficient of every output over its range, along every input of the factorial."""
-    validation = validation.sel(output=list(told))
+    validation = validation.sel(output=list(quantities))
     along = "axis" if "axis" in validation.dims else "input"  # groups take the place of the inputs
     names = [str(name) for name in validation[along].values]
-    made, axes = panels(len(names), _COLUMNS, 11, 2.7, sharey=True)
+    drawing, axes = panels(len(names), _COLUMNS, 11, 2.7, sharey=True)
     for ax, name in zip(axes, names, strict=True):
         slab = validation.sel({along: name})
         sizes = slab["coefficient"].transpose("mode", "output").values
@@ -36,6 +36,6 @@ def figure(validation: xr.Dataset, told: Sequence[str]) -> Figure:
         ax.axhline(validation.attrs["tolerance"], color=GREY, ls="--", lw=1)
         ax.set_title(f"{titles.title(name)}: {len(sizes)} levels")
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    made.supxlabel("degree along the factor", fontsize=9)
-    made.supylabel("largest coefficient over range", fontsize=9)
-    return made
+    drawing.supxlabel("degree along the factor", fontsize=9)
+    drawing.supylabel("largest coefficient over range", fontsize=9)
+    return drawing

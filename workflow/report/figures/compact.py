@@ -70,16 +70,16 @@ def _number(value: float) -> str:
 def _outline(path: str) -> str:
     """A path whose lines go by differences; no error adds up, as they are differences of rounded places."""
     parts: list[str] = []
-    here = (0, 0)
-    for letter, rest in _STEP.findall(path):
-        places = [round(100 * float(place)) for place in rest.split()]
+    point = (0, 0)
+    for letter, numbers in _STEP.findall(path):
+        places = [round(100 * float(place)) for place in numbers.split()]
         if letter == "L" and parts:
-            across, down = places[0] - here[0], places[1] - here[1]
+            across, down = places[0] - point[0], places[1] - point[1]
             letter, numbers = ("h", [across]) if not down else ("v", [down]) if not across else ("l", [across, down])
         else:
             numbers = places
         parts.append(letter + _joined(numbers))
-        here = (places[-2], places[-1]) if places else here
+        point = (places[-2], places[-1]) if places else point
     return "".join(parts)
 
 

@@ -28,7 +28,7 @@ def figure(findings: Mapping[str, Any]) -> Figure:
     """Errors of an independent method over its effort, a panel for each problem: ``curves`` of a group of checks."""
     curves: list[dict[str, Any]] = findings["curves"]
     names = list(dict.fromkeys(curve["figure"] for curve in curves))
-    made, axes = plt.subplots(1, len(names), figsize=(5.2 * len(names), 4.2), squeeze=False)
+    drawing, axes = plt.subplots(1, len(names), figsize=(5.2 * len(names), 4.2), squeeze=False)
     for ax, name in zip(axes.flat, names, strict=True):
         title, logarithmic = _CONVERGENCE[name]
         shown = [curve for curve in curves if curve["figure"] == name]
@@ -44,4 +44,4 @@ def figure(findings: Mapping[str, Any]) -> Figure:
         ax.set_title(title)
         ax.legend()
     axes[0, 0].set_ylabel("relative error")
-    return made
+    return drawing

@@ -17,17 +17,17 @@ _TRANSFORMS = {"raw_pit": "PIT, not calibrated", "pit": "PIT, calibrated"}
 
 
 @styled
-def figure(validation: xr.Dataset, told: Sequence[str]) -> Figure:
+def figure(validation: xr.Dataset, quantities: Sequence[str]) -> Figure:
     """Coverage in the deciles of every input, and the probability integral transform."""
-    validation = validation.sel(output=list(told))
+    validation = validation.sel(output=list(quantities))
     names = [str(name) for name in validation["input"].values]
-    made, axes = panels(len(names) + len(_TRANSFORMS), _COLUMNS, 11, 2.6)
+    drawing, axes = panels(len(names) + len(_TRANSFORMS), _COLUMNS, 11, 2.6)
     for ax, name in zip(axes, names, strict=False):
         _deciles(ax, validation.sel(input=name), name)
     for ax, (key, title) in zip(axes[len(names) :], _TRANSFORMS.items(), strict=True):
         _transform(ax, validation[key])
         ax.set_title(title)
-    return made
+    return drawing
 
 
 def _deciles(ax: Axes, output: xr.Dataset, name: str) -> None:
@@ -44,9 +44,9 @@ def _deciles(ax: Axes, output: xr.Dataset, name: str) -> None:
 
 def _transform(ax: Axes, pit: xr.DataArray) -> None:
     share = (np.arange(pit.sizes["case"]) + 0.5) / pit.sizes["case"]
-    some = slice(None, None, max(1, pit.sizes["case"] // 60))
-    rows = np.sort(pit.transpose("output", "case").values, axis=1)[:, some]
-    ax.fill_between(share[some], rows.min(axis=0), rows.max(axis=0), color=BLUE, alpha=0.25, lw=0)
-    ax.plot(share[some], np.median(rows, axis=0), color=BLUE, lw=1.2, label="median of all quantities")
+    thinned = slice(None, None, max(1, pit.sizes["case"] // 60))
+    rows = np.sort(pit.transpose("output", "case").values, axis=1)[:, thinned]
+    ax.fill_between(share[thinned], rows.min(axis=0), rows.max(axis=0), color=BLUE, alpha=0.25, lw=0)
+    ax.plot(share[thinned], np.median(rows, axis=0), color=BLUE, lw=1.2, label="median of all quantities")
     ax.plot([0, 1], [0, 1], color=GREY, ls="--", lw=1)
     ax.set_xlabel("share of cases")

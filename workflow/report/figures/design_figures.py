@@ -1,4 +1,4 @@
-"""Which figures a design has: for the job that draws them, and for the page that shows them without drawing."""
+"""Figures of a design, for the job that draws them and for the page that shows them."""
 
 from workflow.study.target import Target
 

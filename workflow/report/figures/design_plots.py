@@ -34,7 +34,7 @@ from workflow.study.target import Target
 
 
 def figures_of(answer: Answer, target: Target) -> dict[str, Figure]:
-    """Those that matplotlib draws, by kind; the contact where the answer has its fields."""
+    """Figures of a design by kind; the contact where the answer has its fields."""
     contact = ["contact"] if "position" in answer.pictures.dims else []
     return {kind: draw(kind, answer) for kind in (*design_figures.names(target), *contact) if kind in _DRAWN}
 
@@ -106,9 +106,9 @@ def _slices(answer: Answer) -> Figure:
 def _contact(answer: Answer) -> Figure:
     """Exact fields of the contact on the surface, and stresses below it."""
     fields = answer.pictures
-    every = [name for name in SURFACE if f"field_{name}" in fields]
+    shown_fields = [name for name in SURFACE if f"field_{name}" in fields]
     # no charge enters an insulating punch: D_y is zero all along
-    surface = [name for name in every if name == every[0] or np.any(fields[f"field_{name}"].values)]
+    surface = [name for name in shown_fields if name == shown_fields[0] or np.any(fields[f"field_{name}"].values)]
     inside = [name for name in ("von_mises", "stress_xx") if f"inside_{name}" in fields]
     rows = [1, 1.15][: 2 if inside else 1]
     figure = plt.figure(figsize=(10.4, 2.42 * sum(rows)))
@@ -119,11 +119,11 @@ def _contact(answer: Answer) -> Figure:
     along, down = ("r/a", "y/a") if point else ("(x - c)/h", "y/h")
     for name, ax in zip(surface, above.subplots(1, len(surface), squeeze=False).flat, strict=True):
         values = fields[f"field_{name}"].values
-        away = (np.abs(np.abs(X) - 1) > NEAR_EDGE) & (np.abs(X) < 3)
-        size, words = field_label(fields[f"field_{name}"].rename(name), float(np.abs(values[away]).max()))
+        inside = (np.abs(np.abs(X) - 1) > NEAR_EDGE) & (np.abs(X) < 3)
+        size, words = field_label(fields[f"field_{name}"].rename(name), float(np.abs(values[inside]).max()))
         for part in (X < -1, np.abs(X) < 1, X > 1):
             ax.plot(X[part], values[part] / size, color=BLUE, lw=1.5)
-        ends = np.array([min(values[away].min(), 0.0), max(values[away].max(), 0.0)]) / size
+        ends = np.array([min(values[inside].min(), 0.0), max(values[inside].max(), 0.0)]) / size
         ax.set_ylim(*(ends + np.array([-0.06, 0.06]) * (np.ptp(ends) or 1.0)))
         ax.set_xlim(-3, 3)
         ax.set_title(words)
@@ -157,12 +157,12 @@ def _front(answer: Answer) -> Figure:
             labels.append(label(goal.title, units, 44))
             best.append([goal.exact / size])
         for k, choice in enumerate(dict.fromkeys(choices)):
-            own = choices == choice
+            of_choice = choices == choice
             # a line would join what another choice lies between
-            style = "o-" if len(names) == 2 and own.all() else "o"
+            style = "o-" if len(names) == 2 and of_choice.all() else "o"
             words = f"front, exact: {choice}" if choice else "front, exact"
             ax.plot(
-                *(column[own] for column in columns),
+                *(column[of_choice] for column in columns),
                 style,
                 ms=2.5,
                 lw=1,
@@ -185,12 +185,12 @@ _DRAWN: dict[str, Callable[[Answer], Figure]] = {
 
 
 def _star(answer: Answer, kind: str = "design") -> str:
-    """What the star of a figure is."""
+    """Legend of the star in a figure."""
     return f"recommended {kind}" if answer.feasible else "least violated design: not reachable"
 
 
 def _objective(answer: Answer) -> tuple[float, str]:
-    """What to divide the first objective by, and its label."""
+    """Divisor and label of the first objective."""
     size, units = prefixed(abs(answer.terms[0].exact), answer.terms[0].units)
     return size, label(f"{answer.statistic} {answer.terms[0].title}", units, 34)
 

@@ -67,7 +67,7 @@ def _of_three(data: xr.Dataset, varied: str) -> xr.Dataset:
 
 
 def _names(values: xr.DataArray) -> list[str] | None:
-    """What to call three values of a factor, whose levels are no round numbers."""
+    """Words for three values of a factor whose levels are no round numbers."""
     if values.dtype.kind not in "iuf" or values.size < len(_THREE):
         return None
     return [f"{word}: {_said(values[k], 2)}" for word, k in zip(_THREE, (0, (values.size - 1) // 2, -1), strict=True)]
@@ -126,8 +126,8 @@ def _field_panels(data: xr.Dataset, varied: str, names_of_values: list[str] | No
         curves = data[name].transpose(varied, "position").values
         inside_only = name in _INSIDE
         shown = np.abs(X) < 1 if inside_only else np.abs(X) < np.inf
-        away = shown & (np.abs(np.abs(X) - 1) > NEAR_EDGE)
-        size, label = field_label(data[name], float(np.abs(curves[:, away]).max()))
+        regular = shown & (np.abs(np.abs(X) - 1) > NEAR_EDGE)
+        size, label = field_label(data[name], float(np.abs(curves[:, regular]).max()))
         curves = curves / size
         for curve, text, colour, style in zip(curves, texts, colours, styles, strict=True):
             for part in (X < -1, np.abs(X) < 1, X > 1):  # no line across an edge
@@ -143,7 +143,7 @@ def _field_panels(data: xr.Dataset, varied: str, names_of_values: list[str] | No
                         label=text if part[X.size // 2] else None,
                     )
         ax.set_ylabel(label)
-        _bounded(ax, curves[:, away])
+        _bounded(ax, curves[:, regular])
         for edge in (-1, 1):
             ax.axvline(edge, color=GREY, lw=0.7, ls=":")
         if not inside_only:

@@ -1,4 +1,4 @@
-"""What a pointer over a figure can say: the data behind its axes, carried inside the SVG for the page's script."""
+"""Data behind a figure's axes, stored inside the SVG for the pointer of the page."""
 
 import json
 from typing import Any
@@ -44,8 +44,8 @@ def _axes(ax: Axes) -> dict[str, Any] | None:
         x, y = _data(line.get_xdata(), line.get_ydata())
         if line.get_transform() == ax.transData and x.size:
             label = str(line.get_gid() or line.get_label())
-            some = _some(x.size, _KEPT)
-            x, y = x[some], y[some]
+            thinned = _some(x.size, _KEPT)
+            x, y = x[thinned], y[thinned]
             curves.append({"label": "" if label.startswith("_") else label, "x": _rounded(x), "y": _rounded(y)})
     if not curves and ax not in _maps:
         return None
@@ -61,7 +61,7 @@ def _axes(ax: Axes) -> dict[str, Any] | None:
 
 
 def _named(ax: Axes) -> bool:
-    """Whether the vertical axis counts names instead of measuring."""
+    """Return whether the vertical axis shows names instead of numbers."""
     return isinstance(ax.yaxis.get_major_formatter(), FixedFormatter)
 
 

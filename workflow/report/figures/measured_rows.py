@@ -19,7 +19,7 @@ _ROW = 0.36  # height of a row in inches
 @styled
 def figure(rows: Sequence[dict[str, Any]]) -> Figure:
     """Measured values, the model's and those of rivals, each over the measured value of its row."""
-    made, ax = plt.subplots(figsize=(9.5, 1.1 + _ROW * len(rows)))
+    drawing, ax = plt.subplots(figsize=(9.5, 1.1 + _ROW * len(rows)))
     for place, row in enumerate(rows):
         _row(ax, place, row)
     ax.axvline(1, color=GREY, lw=0.6, zorder=0)
@@ -30,7 +30,7 @@ def figure(rows: Sequence[dict[str, Any]]) -> Figure:
     ax.set_yticks(range(len(rows)), [row["short"] for row in rows])
     ax.set_ylim(len(rows) - 0.4, -0.6)
     ax.set_xlabel("value over the measured one")
-    return made
+    return drawing
 
 
 def _row(ax: Axes, place: int, row: dict[str, Any]) -> None:

@@ -19,15 +19,15 @@ _EVERY = 2  # positions of a curve, of which one is drawn
 _BAND = 2  # root-mean-square errors on either side of a main effect
 
 
-def indices(sensitivity: xr.Dataset, told: Sequence[str], aims: Sequence[str]) -> str:
+def indices(sensitivity: xr.Dataset, quantities: Sequence[str], aims: Sequence[str]) -> str:
     """Sobol' indices as tornado charts, of those outputs that a study aims at; see :func:`ranked.sensitivities`."""
-    return tornado.draw(ranked.sensitivities(sensitivity.sel(output=list(told)), aims))
+    return tornado.draw(ranked.sensitivities(sensitivity.sel(output=list(quantities)), aims))
 
 
 @styled
-def main_effects(sensitivity: xr.Dataset, told: Sequence[str], of_interest: Sequence[str]) -> Figure:
+def main_effects(sensitivity: xr.Dataset, quantities: Sequence[str], of_interest: Sequence[str]) -> Figure:
     """Mean of some outputs given one input, minus the mean over the box, and twice its root-mean-square error."""
-    sensitivity = sensitivity.sel(output=list(told))
+    sensitivity = sensitivity.sel(output=list(quantities))
     inputs = [str(name) for name in sensitivity["input"].values]
     shown = of_interest[:_SHOWN]
     figure, axes = plt.subplots(
@@ -40,10 +40,10 @@ def main_effects(sensitivity: xr.Dataset, told: Sequence[str], of_interest: Sequ
     )
     for row, output in zip(axes, shown, strict=True):
         quantity, categories = parted(output)
-        own = sensitivity.sel(output=output)
-        size, units = prefixed(float(np.abs(own["main_effect"]).max()), own["units"].item())
+        output_indices = sensitivity.sel(output=output)
+        size, units = prefixed(float(np.abs(output_indices["main_effect"]).max()), output_indices["units"].item())
         for ax, name in zip(row, inputs, strict=True):
-            _curve(ax, own.sel(input=name).isel(position=slice(None, None, _EVERY)), name, size)
+            _curve(ax, output_indices.sel(input=name).isel(position=slice(None, None, _EVERY)), name, size)
         lines = [titles.title(quantity), categories, f"[{units}]" if units else ""]
         row[0].set_ylabel("\n".join(filter(None, lines)), fontsize=6.5 if categories else 7.5)
     for ax, name in zip(axes[-1], inputs, strict=True):

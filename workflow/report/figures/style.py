@@ -70,10 +70,10 @@ _FIELDS = {
 
 
 def field_label(field: xr.DataArray, size: float, where: str = "") -> tuple[float, str]:
-    """What to divide a field by where values of some size are shown, and its label with the unit then."""
+    """Divisor of a field for values of some size, and its label with the unit."""
     scale, units = numbers.prefixed(size, str(field.attrs["units"]), digits=2)
-    own = str(field.name)
-    name = titles.title(own) if own in TITLES and "position" in field.dims else _FIELDS.get(own, titles.title(own))
+    name = str(field.name)
+    name = titles.title(name) if name in TITLES and "position" in field.dims else _FIELDS.get(name, titles.title(name))
     return scale, numbers.label(f"{name} {where}", units, 60)
 
 
@@ -83,23 +83,23 @@ def ticked(value: float, _place: int) -> str:
 
 
 def panels(
-    count: int, columns: int, width: float, height: float, more: float = 0.0, **options: Any
+    count: int, columns: int, width: float, height: float, extra_height: float = 0.0, **options: Any
 ) -> tuple[Figure, list[Axes]]:
     """A figure with some panels in rows; places of the last row that are left over stay empty."""
     rows = -(-count // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(width, height * rows + more), squeeze=False, **options)
+    figure, axes = plt.subplots(rows, columns, figsize=(width, height * rows + extra_height), squeeze=False, **options)
     for ax in axes.flat[count:]:
         ax.set_visible(False)
     return figure, list(axes.flat[:count])
 
 
 def by_ratio(values: Array) -> bool:
-    """Whether values of a factor are spread by ratio, as those of a logarithmic one are."""
+    """Return whether values of a factor are spaced by ratio, as on a logarithmic axis."""
     return bool(values[0] > 0 and not np.allclose(np.diff(values), np.diff(values)[0]))
 
 
 def factor_scale(name: str, values: Array) -> tuple[float, str]:
-    """What to divide a factor by on its axis, and its unit there."""
+    """Divisor of a factor on its axis, and the unit."""
     return numbers.prefixed(float(np.abs(values).max()), FACTORS[name].units)
 
 

@@ -16,21 +16,21 @@ _PANELS, _POINTS = 3, 150
 
 
 @styled
-def residuals(validation: xr.Dataset, told: Sequence[str]) -> Figure:
+def residuals(validation: xr.Dataset, quantities: Sequence[str]) -> Figure:
     """Errors over range of some outputs along the exact values, on cases never trained on: the largest first."""
-    validation = validation.sel(output=list(told))
+    validation = validation.sel(output=list(quantities))
     names = [str(name) for name in validation.sortby("max_error", ascending=False)["output"].values[:_PANELS]]
     figure, axes = panels(len(names), len(names), 11, 2.1, 0.3)
     for ax, name in zip(axes, names, strict=True):
         output = validation.sel(output=name)
         exact, predicted = output["exact"].values, output["predicted"].values
-        some = slice(None, None, max(1, exact.size // _POINTS))
+        thinned = slice(None, None, max(1, exact.size // _POINTS))
         quantity, _ = parted(name)
         size, units = numbers.prefixed(float(np.abs(exact).max()), ALL_QUANTITIES[quantity].units)
-        off = (predicted - exact)[some] / float(np.ptp(exact) or 1.0)
+        off = (predicted - exact)[thinned] / float(np.ptp(exact) or 1.0)
         power = 10.0 ** np.floor(np.log10(np.abs(off).max() or 1.0))
         ax.axhline(0, color=GREY, lw=0.8)
-        ax.plot(exact[some] / size, off / power, ".", ms=2.5, color=BLUE)
+        ax.plot(exact[thinned] / size, off / power, ".", ms=2.5, color=BLUE)
         ax.set_title(numbers.label(titled(name), units, 44), fontsize=8)
         ax.set_ylabel(f"in {numbers.number(power, 1)} of range", fontsize=7)
         ax.tick_params(labelsize=6.5)
@@ -39,9 +39,9 @@ def residuals(validation: xr.Dataset, told: Sequence[str]) -> Figure:
 
 
 @styled
-def errors(validation: xr.Dataset, told: Sequence[str]) -> Figure:
+def errors(validation: xr.Dataset, quantities: Sequence[str]) -> Figure:
     """Largest error over range of some outputs, the baseline beside it, against the tolerance."""
-    validation = validation.sel(output=list(told))
+    validation = validation.sel(output=list(quantities))
     names = [str(name) for name in validation["output"].values]
     y = np.arange(len(names))
     figure, ax = plt.subplots(figsize=(9, 0.27 * len(names) + 1.1))
