@@ -26,7 +26,7 @@ _LONGEST = 60  # characters of a value that a message quotes
 
 
 def is_finite(value: object) -> bool:
-    """Whether a plain value is a real number, no truth value, that floating point holds."""
+    """Return whether a plain value is a finite real number and no truth value."""
     try:
         return not isinstance(value, bool | np.bool_) and isinstance(value, Real) and bool(np.isfinite(float(value)))
     except OverflowError:
@@ -39,12 +39,9 @@ def shown(value: object) -> str:
     return repr(text if len(text) <= _LONGEST else f"{text[:_LONGEST]}...")
 
 
-def dot(one: Array, two: Array) -> Array:
-    """Sum of products over the last axis.
-
-    one, two: (..., n).
-    """
-    return np.asarray(np.einsum("...i,...i", one, two))
+def dot(first: Array, second: Array) -> Array:
+    """Sum of products of arrays (..., n) over the last axis."""
+    return np.asarray(np.einsum("...i,...i", first, second))
 
 
 def distinct_rows(rows: Array) -> tuple[Array, NDArray[np.intp]]:
@@ -63,9 +60,9 @@ def joined(parts: Sequence[tuple[Indices, Mapping[str, Array]]], count: int) -> 
     """Outputs of all cases from those of some, as far as all parts have them; (case, ...) each."""
     (_, first), *others = parts
     whole = {}
-    for name, own in first.items():
+    for name, values in first.items():
         if all(name in outputs for _, outputs in others):
-            whole[name] = np.empty((count, *own.shape[1:]))
+            whole[name] = np.empty((count, *values.shape[1:]))
             for places, outputs in parts:
                 whole[name][places] = outputs[name]
     return whole
@@ -73,8 +70,8 @@ def joined(parts: Sequence[tuple[Indices, Mapping[str, Array]]], count: int) -> 
 
 def selected(record: Record, places: slice | Indices, *names: str) -> Record:
     """A dataclass of arrays over cases with some of the cases; an array that is None stays so."""
-    given = {name: getattr(record, name) for name in names}
-    return replace(record, **{name: values[places] for name, values in given.items() if values is not None})
+    arrays = {name: getattr(record, name) for name in names}
+    return replace(record, **{name: values[places] for name, values in arrays.items() if values is not None})
 
 
 def column(values: Array) -> Array:

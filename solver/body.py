@@ -77,12 +77,12 @@ class Kind:
 
     @property
     def slides(self) -> bool:
-        """Whether its punch slides whatever its factors say; one on a point slides where it has friction."""
+        """True of line contacts, whose punch always slides; a point contact slides where it has friction."""
         return self.contact == "line"
 
     @property
     def unbounded(self) -> str:
-        """What it is where it is not layered, in words."""
+        """Word for a body without layers."""
         return "half-space" if self.contact == "point" else "half-plane"
 
     @property
@@ -190,8 +190,8 @@ def airless(case: Mapping[str, object]) -> str:
     if ({*OF_AN_ELECTRODE} - {"electrode"}) & case.keys():
         return "what an electrode of its film collects is not solved with air"
     profile = of("profile")
-    own = not isinstance(profile, str) and all(getattr(profile, "smooth", (False,)))  # a profile of one's own
-    if not own and profile not in _ENDED and not (profile in _ENDLESS and _END in case):
+    of_user = not isinstance(profile, str) and all(getattr(profile, "smooth", (False,)))  # a profile of one's own
+    if not of_user and profile not in _ENDED and not (profile in _ENDLESS and _END in case):
         return f"no narrow gap with an end lies beside its punch ({profile})"
     body = case.get(BODY)
     stack = body if isinstance(body, Stack) else None
@@ -204,7 +204,7 @@ def airless(case: Mapping[str, object]) -> str:
 
 
 def _metallic(case: Mapping[str, object]) -> bool:
-    """Whether a film is a metal, whose potential is not the punch's."""
+    """Return whether a film is a metal, which does not share the punch's potential."""
     body, material = case.get(BODY), case.get("material")
     if isinstance(body, Stack):
         return body.conductors[0]
@@ -213,7 +213,7 @@ def _metallic(case: Mapping[str, object]) -> bool:
 
 
 def around(case: Mapping[str, object]) -> str:
-    """What is beside the contact of a case that does not say: air beside a film, where it can be.
+    """Surroundings of a case that names none: air around the contact on a film where possible.
 
     Beside a half-plane or a half-space, as in the seed's problem, there is no charge.
     """

@@ -40,14 +40,14 @@ class Region:
 
     @property
     def stresses(self) -> tuple[str, ...]:
-        """Those of its fields that are stresses."""
+        """Names of the fields that are stresses."""
         return tuple(name for name in self.fields if name.startswith("stress_"))
 
     @property
     def sizes(self) -> tuple[str, ...]:
-        """What every field scales by from case to case; empty where by nothing."""
-        own = {"position": "", "depth": "half_length"}
-        return tuple(own.get(field, self.size) for field in self.fields)
+        """Scale factor of every field from case to case; empty if there is none."""
+        special = {"position": "", "depth": "half_length"}
+        return tuple(special.get(field, self.size) for field in self.fields)
 
     def lines(self) -> tuple[Array, Array]:
         """Coordinates of all points across and down; (across,) and (down,)."""
@@ -56,7 +56,7 @@ class Region:
 
 @dataclass(frozen=True)
 class Peak:
-    """How a quantity follows from curves."""
+    """Rule that gives a quantity from the curves of a region."""
 
     region: str  # Name in ``REGIONS``
     measure: Measure  # Of the first fields of the region; what is largest

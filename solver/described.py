@@ -1,4 +1,4 @@
-"""What names stand for: a factor with its bounds, an output with its unit, a profile with its factors."""
+"""Meaning of names: a factor with its bounds, an output with its unit, a profile with its factors."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -30,7 +30,7 @@ class Factor:
 
     @property
     def allowed(self) -> str:
-        """What is allowed, in words."""
+        """Allowed values in words."""
         text = "a finite number"
         if self.low > float("-inf"):
             text += f" {'>=' if self.low_allowed else '>'} {self.low:g}"
@@ -39,7 +39,7 @@ class Factor:
         return f"{text} [{self.units}]"
 
     def allows(self, value: float) -> bool:
-        """Whether a finite number is within the bounds."""
+        """Return whether a finite number is within the bounds."""
         above = value >= self.low if self.low_allowed else value > self.low
         return above and (value <= self.high if self.high_allowed else value < self.high)
 
@@ -78,7 +78,7 @@ class Loads:
 
 @dataclass(frozen=True)
 class Outline:
-    """What a profile of the punch must be given, what it may be given, and the kind of contact that it makes."""
+    """Required and optional factors of a punch's profile, and the kind of contact it makes."""
 
     needs: tuple[str, ...]
     may: tuple[str, ...] = ()
@@ -95,9 +95,9 @@ def positive(units: str, long_name: str, default: float | None = None, *, option
     return Factor(units, long_name, default, 0.0, low_allowed=False, optional=optional)
 
 
-def poisson(of: str) -> Factor:
+def poisson(body: str) -> Factor:
     """Poisson's ratio of a body that a case may be without."""
-    long_name = f"Poisson's ratio of {of}"
+    long_name = f"Poisson's ratio of {body}"
     return Factor("1", long_name, None, -1.0, low_allowed=False, high=0.5, high_allowed=False, optional=True)
 
 

@@ -78,7 +78,7 @@ QUANTITY_WEIGHTS: dict[str, Weight] = {
 
 
 def weight_of(factor: str) -> Weight:
-    """What multiplies a factor under similarity; fractions, friction, speed, moduli and names stay.
+    """Scale of a factor under similarity; fractions, friction, speed, moduli and names stay.
 
     An own name of a study, as ``copper_thickness``, is a number of a layer by its ending.
     """

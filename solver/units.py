@@ -87,11 +87,11 @@ class Unit:
         return Unit(self.scale ** float(exponent), tuple(exponent * power for power in self.exponents), symbols)
 
     def fits(self, other: "Unit") -> bool:
-        """Whether both measure the same kind of quantity."""
+        """Return whether both units measure the same kind of quantity."""
         return self.exponents == other.exponents
 
     def __str__(self) -> str:
-        """In SI without prefixes: as few symbols as tell it, or what it was made of, as ``V m N-1``."""
+        """The unit in SI without prefixes, in as few symbols as possible or as written, like ``V m N-1``."""
         symbols = _alone(self.exponents) or self.symbols
         if len(symbols) > _FEW:
             symbols = _per_length(self.exponents) or symbols
@@ -101,8 +101,8 @@ class Unit:
 
 def _alone(exponents: tuple[Fraction, ...]) -> tuple[tuple[str, Fraction], ...] | None:
     """The one symbol, or the power of a base unit, that has these exponents; nothing for a pure number."""
-    for symbol, (_, own) in _SYMBOLS.items():
-        if symbol != "g" and exponents == tuple(map(Fraction, own)):
+    for symbol, (_, dimensions) in _SYMBOLS.items():
+        if symbol != "g" and exponents == tuple(map(Fraction, dimensions)):
             return ((symbol, Fraction(1)),)
     powers = tuple((name, power) for name, power in zip(("m", "kg", "s", "A", "K"), exponents, strict=True) if power)
     return powers if len(powers) < 2 else None
@@ -110,9 +110,9 @@ def _alone(exponents: tuple[Fraction, ...]) -> tuple[tuple[str, Fraction], ...] 
 
 def _per_length(exponents: tuple[Fraction, ...]) -> tuple[tuple[str, Fraction], ...] | None:
     """The symbol that, times a power of the metre, has these exponents, as ``V m-1``."""
-    for symbol, (_, own) in _SYMBOLS.items():
-        length, *rest = (a - b for a, b in zip(exponents, own, strict=True))
-        if symbol not in ("g", "m") and not any(rest):
+    for symbol, (_, dimensions) in _SYMBOLS.items():
+        length, *others = (a - b for a, b in zip(exponents, dimensions, strict=True))
+        if symbol not in ("g", "m") and not any(others):
             return (symbol, Fraction(1)), ("m", length)
     return None
 

@@ -20,11 +20,11 @@ class FilmInAir(OnFilm):
     """Contact of cases of one kind of punch on films, with air beside it."""
 
     def quantities(self) -> dict[str, Array]:
-        """Those of ``solver.body.FILM_IN_AIR`` that every case has; (...)."""
+        """Quantities of ``solver.body.FILM_IN_AIR`` that every case has; (...)."""
         return self._of_groups(lambda films, places: quantities(films, self._medium(places)))
 
-    def _peaks(self, films: Films, places: Indices, asked: Set[str]) -> dict[str, Array]:
-        return peaks(films, self._medium(places), asked)
+    def _peaks(self, films: Films, places: Indices, names: Set[str]) -> dict[str, Array]:
+        return peaks(films, self._medium(places), names)
 
     def _curves(self, films: Films, places: Indices, regions: Sequence[str]) -> dict[str, Array]:
         return curves(films, self._medium(places), regions)
@@ -52,15 +52,15 @@ class HalfPlaneInAir(FilmInAir):
             return half_planes(self.cases, contact.halfplane.material, contact.half_width)
 
     def quantities(self) -> dict[str, Array]:
-        """Those of a half-plane in air that every case has; (...)."""
+        """Quantities of a half-plane in air that every case has; (...)."""
         return {name: value for name, value in super().quantities().items() if name in HALF_PLANE_IN_AIR.quantities}
 
-    def peaks(self, asked: Set[str]) -> dict[str, Array]:
-        """Those of ``solver.names.PEAKS`` that are asked for; (...)."""
-        names = [name for name in PEAKS if name in asked]
+    def peaks(self, requested: Set[str]) -> dict[str, Array]:
+        """Requested quantities of ``solver.names.PEAKS``; (...)."""
+        names = [name for name in PEAKS if name in requested]
         if names:
             self._require_c12(f"{names[0]} needs")
-        return self._of_groups(lambda films, places: body_peaks(films, self._medium(places), asked))
+        return self._of_groups(lambda films, places: body_peaks(films, self._medium(places), requested))
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
         """Sizes and curves of the region ``body``; (...) and (..., point)."""

@@ -1,4 +1,4 @@
-"""Which class solves the cases of a kind of body: what comes before and after is the same for all."""
+"""Class that solves the cases of each kind of body."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""What all bodies do alike: names of their fields, what needs c12, and how answers of some cases are put together."""
+"""Base class of all bodies: names of fields, fields that need c12, and joining the answers of groups of cases."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence, Set
@@ -37,8 +37,8 @@ class Body(ABC):
         """Quantities that come together and that every case has; (...)."""
 
     @abstractmethod
-    def peaks(self, asked: Set[str]) -> dict[str, Array]:
-        """Those that are searched for, asked for and that every case has; (...)."""
+    def peaks(self, requested: Set[str]) -> dict[str, Array]:
+        """Requested quantities that need a search and that every case has; (...)."""
 
     @abstractmethod
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
@@ -52,9 +52,9 @@ class Body(ABC):
         return {name: values[name] for name in ordered if name in values}
 
     @np.errstate(all="ignore")
-    def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
+    def interior(self, x: Array, y: Array, requested: Sequence[str] | None) -> dict[str, Array]:
         """Fields inside on the grid of two axes, of a point contact in the plane of symmetry; (..., y, x)."""
-        names = asked or [name for name in INTERIOR if name not in self._need_c12 or self._lacks_c12 is None]
+        names = requested or [name for name in INTERIOR if name not in self._need_c12 or self._lacks_c12 is None]
         for name in names:
             if name in self._need_c12:
                 self._require_c12(f"{name} needs")
@@ -62,11 +62,11 @@ class Body(ABC):
 
     @abstractmethod
     def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
-        """As :meth:`surface`, in any order."""
+        """Surface fields like :meth:`surface`, in any order."""
 
     @abstractmethod
     def _interior(self, x: Array, y: Array, names: tuple[str, ...]) -> dict[str, Array]:
-        """As :meth:`interior`, of fields that are linear in the tractions, and of potentials."""
+        """Fields inside that are linear in the tractions, and potentials; shaped like :meth:`interior`."""
 
     @property
     @abstractmethod
@@ -86,9 +86,9 @@ class Body(ABC):
         if np.any(electroded(self.cases)):
             raise FactorError(f"electrode: 'top': {what} under it are not given; ask for quantities alone")
 
-    def _flat(self, values: NDArray[Scalar], *own: int) -> NDArray[Scalar]:
+    def _flat(self, values: NDArray[Scalar], *axes: int) -> NDArray[Scalar]:
         """Values of all cases in a row; (case, own axes)."""
-        return np.broadcast_to(values, (*self.shape, *own)).reshape(-1, *own)
+        return np.broadcast_to(values, (*self.shape, *axes)).reshape(-1, *axes)
 
     @np.errstate(all="ignore")
     def _put_together(self, parts: Iterable[tuple[Indices, Mapping[str, Array]]]) -> dict[str, Array]:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, stack
 from solver.body import Kind
+from solver.cache import trim_after_call
 from solver.described import Described, Outline
 from solver.face.attributes import attributes, of_output
 from solver.face.filmfactors import kinds_of, present
@@ -58,7 +59,7 @@ class Cases:
 
     @property
     def force(self) -> Array:
-        """What presses the punch: per metre along a line; (...)."""
+        """Force on the punch, per metre along a line; (...)."""
         return self.number(self.kind.loads.force)
 
     @property
@@ -68,7 +69,7 @@ class Cases:
 
     @property
     def conducts(self) -> BoolArray:
-        """Whether the punch conducts (electric, magnetic); (..., 2)."""
+        """True where the punch conducts (electric, magnetic); (..., 2)."""
         fields = (self.values.get(name, np.array(CHOICES[name][0])) for name in ("electric", "magnetic"))
         return stack(*(field == "conducting" for field in fields))
 
@@ -79,15 +80,15 @@ class Cases:
         if isinstance(kind, Profile):
             return kind
         outline = PROFILES[kind]
-        given = {name: self.number(name) for name in outline.needs}
-        given |= {name: self.number(name) for name in outline.may if name in self.values and name in FACTORS}
+        parameters = {name: self.number(name) for name in outline.needs}
+        parameters |= {name: self.number(name) for name in outline.may if name in self.values and name in FACTORS}
         named = {"corner": corner} if "corner" in outline.may else {}
-        made: Profile = getattr(Profile, kind)(**given, **named)
-        return made
+        profile: Profile = getattr(Profile, kind)(**parameters, **named)
+        return profile
 
     @property
     def outline(self) -> Outline:
-        """What the one profile of cases of a kind takes; nothing of one's own."""
+        """Factors that the profile of the cases takes; none if the user made the profile."""
         kind = self._one("profile")
         return Outline(()) if isinstance(kind, Profile) else PROFILES[kind]
 
@@ -120,7 +121,7 @@ class Cases:
         self,
         values: Mapping[str, Array],
         described: Mapping[str, Described],
-        of: str,
+        origin: str,
         axes: Mapping[str, xr.Variable] | None = None,
         *,
         hollow: bool = False,
@@ -130,28 +131,31 @@ class Cases:
         values: mapping of str to ndarray, shape (..., own axes), SI.
         """
         kinds = present(self.arrays)
-        own = {name: axis.size for name, axis in (axes or {}).items()}
+        extra = {name: axis.size for name, axis in (axes or {}).items()}
         outputs = {}
         for name, value in values.items():
             if not np.all(np.isfinite(value) | (np.isnan(value) & (described[name].sparse | hollow))):
-                raise CaseError(f"{name}: not finite for these {of}")
-            whole = np.broadcast_to(value, (*self.sizes.values(), *own.values()))
-            outputs[name] = xr.Variable((*self.sizes, *own), whole, of_output(described[name], self.arrays, kinds))
+                raise CaseError(f"{name}: not finite for these {origin}")
+            whole = np.broadcast_to(value, (*self.sizes.values(), *extra.values()))
+            outputs[name] = xr.Variable((*self.sizes, *extra), whole, of_output(described[name], self.arrays, kinds))
         return outputs
 
     def solved(self, title: str, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
         """The part of each kind of case, put together, with global attributes."""
-        with one_thread():
-            return self._by_kind(part).assign_attrs(attributes(title, self.arrays, self.phases))
+        try:
+            with one_thread():
+                return self._by_kind(part).assign_attrs(attributes(title, self.arrays, self.phases))
+        finally:
+            trim_after_call()
 
     def _by_kind(self, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
         """The part of each profile, corner, surroundings and body, put together along what they vary on."""
         for name in (*_OF_A_KIND, "surroundings", "thickness"):
-            given = kinds_of(self.arrays) if name == "thickness" else self.arrays.get(name, xr.DataArray())
-            kinds = given.values
+            labels = kinds_of(self.arrays) if name == "thickness" else self.arrays.get(name, xr.DataArray())
+            kinds = labels.values
             if kinds.size < 2 or len(dict.fromkeys(kinds.flat)) < 2:
                 continue
-            dim, places = _split(given)
+            dim, places = _split(labels)
             solved = [self._selected(dim, place)._by_kind(part) for place in places]
             shared = [key for key in solved[0].data_vars if all(key in part for part in solved)]
             whole = xr.concat(

@@ -30,10 +30,10 @@ _CHARGES = {
 
 def checked(factors: Factors) -> dict[str, xr.DataArray]:
     """Factors as arrays with dimensions, every name known and every value allowed."""
-    given = by_name(factors)
+    values_of = by_name(factors)
     known = (*MATERIALS, *CHOICES, *FACTORS, BODY)
     arrays: dict[str, xr.DataArray] = {}
-    for name, value in given.items():
+    for name, value in values_of.items():
         if name not in known:
             if isinstance(factors, xr.Dataset) and name in factors.dims:
                 continue  # an index of cases, not a factor
@@ -123,7 +123,7 @@ def _check_profile(arrays: Mapping[str, xr.DataArray]) -> None:
 
 
 def _check_contacts(arrays: Mapping[str, xr.DataArray], contacts: set[Contact], profiles: str) -> None:
-    """What presses lines and points has their factors, and none of the other kind alone."""
+    """Check that line and point contacts have their own force and charges, and no others."""
     for contact, loads in CONTACTS.items():
         if contact in contacts and loads.force not in arrays:
             raise FactorError(f"{loads.force}: missing; must be {FACTORS[loads.force].allowed}")
@@ -176,14 +176,14 @@ def _in_si(name: str, array: xr.DataArray) -> xr.DataArray:
     if array.dtype.kind in "iuf" or not any(isinstance(text, str) for text in array.values.flat):
         return array
     factor, values = FACTORS[name], np.empty(array.shape, dtype=object)
-    for place, given in np.ndenumerate(array.values):
+    for place, entry in np.ndenumerate(array.values):
         try:
-            values[place] = in_si(str(given), factor.units) if isinstance(given, str) else given
+            values[place] = in_si(str(entry), factor.units) if isinstance(entry, str) else entry
         except ValueError as error:
             wrong = (
                 str(error)
                 if "mismatch" in str(error)
-                else f"{shown(given)} is not {factor.allowed}, bare or with its unit"
+                else f"{shown(entry)} is not {factor.allowed}, bare or with its unit"
             )
             raise FactorError(f"{name}: {wrong}") from None
     numbers = all(is_finite(value) for value in values.flat)

@@ -40,7 +40,7 @@ class OnFilm(Body):
         self._groups = list(self._grouped())
 
     def quantities(self) -> dict[str, Array]:
-        """Those of ``QUANTITIES``, ``FILM_QUANTITIES`` and ``ELECTRODE_QUANTITIES`` that every case has; (...)."""
+        """Quantities of a film, and of its electrodes if one is read, that every case has; (...)."""
         reading = reading_of(self.cases)
         if reading is None:
             return self._of_groups(lambda films, _: quantities(films))
@@ -50,12 +50,12 @@ class OnFilm(Body):
             )
         )
 
-    def peaks(self, asked: Set[str]) -> dict[str, Array]:
-        """Those of ``solver.names.FILM_PEAKS`` that are asked for and every case has; (...)."""
+    def peaks(self, requested: Set[str]) -> dict[str, Array]:
+        """Requested quantities of ``solver.names.FILM_PEAKS`` that every case has; (...)."""
         self._refuse_electroded("peaks")
-        if asked & FILM_PEAKS.keys():
+        if requested & FILM_PEAKS.keys():
             self._require_c12("film_peak_von_mises needs")
-        return self._of_groups(lambda films, places: self._peaks(films, places, asked))
+        return self._of_groups(lambda films, places: self._peaks(films, places, requested))
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
         """Sizes and curves of regions, see ``solver.curves``, that every case has; (...) and (..., point)."""
@@ -81,8 +81,8 @@ class OnFilm(Body):
         return self._bodies.lacks_c12
 
     # -- what is beside the contact has its part in ------------------------------------------------------------------
-    def _peaks(self, films: Films, _: Indices, asked: Set[str]) -> dict[str, Array]:
-        return peaks(films, asked)
+    def _peaks(self, films: Films, _: Indices, requested: Set[str]) -> dict[str, Array]:
+        return peaks(films, requested)
 
     def _curves(self, films: Films, _: Indices, regions: Sequence[str]) -> dict[str, Array]:
         return curves(films, regions)
@@ -98,16 +98,16 @@ class OnFilm(Body):
         return self._put_together((group.places, output(self._films(group), group.places)) for group in self._groups)
 
     def _made(self) -> Bodies:
-        """What the cases lie on."""
+        """Films and bases of the cases."""
         return films_of(self.cases)
 
     # -- groups --------------------------------------------------------------------------------------------------------
     def _grouped(self) -> Iterator[_Group]:
         """Cases by film, friction, conduction and punch, told apart at the smallest shape that these have."""
         conducts, punch = self.cases.conducts, punch_of(self.cases)
-        own = [self.cases.number("friction"), conducts[..., 0], conducts[..., 1], self.cases.number("speed")]
-        own += [punch.compliance, punch.coupling, electroded(self.cases)]
-        columns = [*self._bodies.columns, *own]
+        sliding = [self.cases.number("friction"), conducts[..., 0], conducts[..., 1], self.cases.number("speed")]
+        sliding += [punch.compliance, punch.coupling, electroded(self.cases)]
+        columns = [*self._bodies.columns, *sliding]
         table = np.stack(np.broadcast_arrays(*(np.asarray(c, dtype=np.float64) for c in columns)), -1)
         kinds, which = distinct_rows(table.reshape(-1, table.shape[-1]))
         shape = (1,) * (len(self.shape) - table.ndim + 1) + table.shape[:-1]
@@ -139,7 +139,7 @@ class OnFilm(Body):
         return replace(kind, speed=speed)
 
     def _films(self, group: _Group) -> Films:
-        places, number, own = group.places, self.cases.number, punch_datum(self.cases)
+        places, number, datum_of_punch = group.places, self.cases.number, punch_datum(self.cases)
         return Films(
             group.kind,
             self.cases.profile.part(places, self.shape),
@@ -147,5 +147,5 @@ class OnFilm(Body):
             self._flat(self.cases.charges, 2)[places],
             self._flat(number("datum"))[places],
             self._flat(self._bodies.thickness)[places],
-            None if own is None else self._flat(own)[places],
+            None if datum_of_punch is None else self._flat(datum_of_punch)[places],
         )

@@ -1,4 +1,4 @@
-"""Which film every case lies on, by factors or as a stack: told apart by numbers, made of layers."""
+"""Film below every case, from factors or a stack; rows of numbers identify equal films."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ def _by_factors(cases: Cases) -> Bodies:
     values = cases.values
     material, (base, rigid) = material_of(cases), base_of(cases)
     graded = values.get("base_volume_fraction", np.array(np.nan))
-    there = ~np.isnan(graded)
+    is_graded = ~np.isnan(graded)
     kind = values.get("composite", np.array(CHOICES["composite"][0]))
     mixture = np.select([kind == name for name in MIXTURES], range(len(MIXTURES)), len(MIXTURES))
     exponent = np.nan_to_num(values.get("grading_exponent", np.array(np.nan)), nan=1.0)
@@ -53,10 +53,10 @@ def _by_factors(cases: Cases) -> Bodies:
         *(np.where(rigid, 0.0, constant) for constant in _known(cases, base)),
         rigid,
         *(_interface(cases, name) for name in _INTERFACES),
-        np.where(there, graded, _UNGRADED),
-        np.where(there, values.get("volume_fraction", np.array(0.0)), _UNGRADED),
-        np.where(there, mixture, _UNGRADED),
-        np.where(there, exponent, _UNGRADED),
+        np.where(is_graded, graded, _UNGRADED),
+        np.where(is_graded, values.get("volume_fraction", np.array(0.0)), _UNGRADED),
+        np.where(is_graded, mixture, _UNGRADED),
+        np.where(is_graded, exponent, _UNGRADED),
     ]
     lacks = _lacking([(material, np.array(True)), (base, ~rigid)])
     return Bodies(values["thickness"], columns, lambda row: _film(cases, row), lacks)
@@ -66,21 +66,21 @@ def _film(cases: Cases, row: Sequence[float]) -> Film:
     """One of the films by factors."""
     count = len(UNITS) + 1  # and whether it is a conductor
     rigid, electric, magnetic, lowest, surface, kind, exponent = row[2 * count :]
-    of: Constants | PowerLaw = _constants(row[:count])
+    material: Constants | PowerLaw = _constants(row[:count])
     if lowest != _UNGRADED:
-        one, two = (constants_of(phase) for phase in phases_of(cases))
+        first, two = (constants_of(phase) for phase in phases_of(cases))
         if kind >= len(MIXTURES):
             raise FactorError(f"base_volume_fraction: {lowest:g} of a composite that has no volume_fraction")
-        of = PowerLaw(MIXTURES[int(kind)], (one, two), surface, lowest, exponent)
+        material = PowerLaw(MIXTURES[int(kind)], (first, two), surface, lowest, exponent)
     interfaces = (
         None if code < 0 else CHOICES[name][int(code)]
         for name, code in zip(_INTERFACES, (electric, magnetic), strict=True)
     )
-    return (Coat(of, 1.0, *interfaces),), None if rigid else _constants(row[count : 2 * count])
+    return (Coat(material, 1.0, *interfaces),), None if rigid else _constants(row[count : 2 * count])
 
 
 def _interface(cases: Cases, name: str) -> Array:
-    """What the interface is to a field: the place among the choices, -1 for the default of its base."""
+    """Index of an interface's condition for a field among the choices; -1 for the default of its base."""
     values = cases.values.get(name, np.array(None, dtype=object))
     codes = [-1.0 if absent(value) else CHOICES[name].index(str(value)) for value in values.flat]
     return np.array(codes).reshape(values.shape)
@@ -117,8 +117,8 @@ def half_planes(cases: Cases, material: Material, half_length: Array) -> Bodies:
     """
 
     def film(row: Sequence[float]) -> Film:
-        of = (*_constants(row)[:-1], 0.0)  # the closed form knows no conductors
-        return (Coat(of, 1.0, "bonded", "bonded"),), of
+        constants = (*_constants(row)[:-1], 0.0)  # the closed form knows no conductors
+        return (Coat(constants, 1.0, "bonded", "bonded"),), constants
 
     lacks = _lacking([(material, np.array(True))])
     return Bodies(half_length / _HALF_LENGTH, _known(cases, material), film, lacks)
@@ -147,4 +147,4 @@ def _constants(row: Sequence[float]) -> Constants:
 
 
 def _lacking(bodies: Sequence[tuple[Material, BoolArray]]) -> str | None:
-    return next((m.name for m, there in bodies if np.any(np.isnan(m.c12) & there)), None)
+    return next((m.name for m, used in bodies if np.any(np.isnan(m.c12) & used)), None)

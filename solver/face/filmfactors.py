@@ -19,21 +19,21 @@ _BASE = f"{RIGID!r} or a material's name, or else base_modulus and base_poisson"
 
 
 def absent(value: object) -> bool:
-    """Whether the value of a factor of films says that a case does not have it."""
+    """Return whether a value means that the case does not have this factor of films."""
     return (
         value is None or (isinstance(value, str) and not value) or (isinstance(value, float) and bool(np.isnan(value)))
     )
 
 
 def _has(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
-    """Which cases have a factor of films."""
+    """True for cases that have a factor of films."""
     if name not in arrays:
         return xr.DataArray(False)
     array = arrays[name]
     if array.dtype.kind in "fU":
         return xr.DataArray(~np.isnan(array.values) if array.dtype.kind == "f" else array.values != "", dims=array.dims)
-    there = [not absent(value) for value in array.values.flat]
-    return xr.DataArray(np.array(there, dtype=bool).reshape(array.shape), dims=array.dims)
+    present = [not absent(value) for value in array.values.flat]
+    return xr.DataArray(np.array(present, dtype=bool).reshape(array.shape), dims=array.dims)
 
 
 def kinds_of(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
@@ -87,11 +87,11 @@ def check_elasticity(arrays: Mapping[str, xr.DataArray], body: str) -> None:
     modulus, poisson = f"{body}_modulus", f"{body}_poisson"
     if not arrays.keys() & {modulus, poisson}:
         return
-    there = {name: _has(arrays, name) for name in (body, modulus, poisson)}
+    present = {name: _has(arrays, name) for name in (body, modulus, poisson)}
     for name in (modulus, poisson):
-        refuse(arrays, name, there[name] & there[body], f"beside a {body}; give either")
+        refuse(arrays, name, present[name] & present[body], f"beside a {body}; give either")
     for name, other in ((poisson, modulus), (modulus, poisson)):
-        if np.any(there[other] & ~there[name]):
+        if np.any(present[other] & ~present[name]):
             raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed}")
 
 
@@ -103,8 +103,8 @@ def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
     for name in OF_A_GAP:
         if name in arrays:
             usual = FACTORS[name].default
-            told = _has(arrays, name) if usual is None else bare(arrays, name) != usual
-            refuse(arrays, name, told & ~air, f"without surroundings: {AIR}; only its gap has one")
+            set_by_user = _has(arrays, name) if usual is None else bare(arrays, name) != usual
+            refuse(arrays, name, set_by_user & ~air, f"without surroundings: {AIR}; only its gap has one")
     pointed = among(arrays, "profile", _POINTED)
     ended = _has(arrays, "gap_radius")
     if "gap_radius" in arrays:
@@ -121,11 +121,11 @@ def bare(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
     return arrays[name].drop_vars(arrays[name].coords)
 
 
-def among(arrays: Mapping[str, xr.DataArray], name: str, some: Sequence[str]) -> xr.DataArray:
-    """Which cases have one of some names; none where the factor is not given."""
+def among(arrays: Mapping[str, xr.DataArray], name: str, choices: Sequence[str]) -> xr.DataArray:
+    """True for cases whose factor is one of the choices; False if the factor is missing."""
     if name not in arrays:
         return xr.DataArray(False)
-    matches = [arrays[name].values == choice for choice in some]
+    matches = [arrays[name].values == choice for choice in choices]
     return xr.DataArray(np.any(matches, axis=0), dims=arrays[name].dims)
 
 

@@ -48,21 +48,21 @@ class OnHalfPlane(Body):
 
     @np.errstate(all="ignore")  # here and below: what is not finite is named in the outputs
     def quantities(self) -> dict[str, Array]:
-        """Those of ``solver.names.QUANTITIES`` that every case has; (...)."""
+        """Quantities of ``solver.names.QUANTITIES`` that every case has; (...)."""
         return quantities(self.contact, self._datum, punch_datum(self.cases))
 
-    def peaks(self, asked: Set[str]) -> dict[str, Array]:
-        """Those of ``solver.names.PEAKS`` that are asked for; (...)."""
-        names = [name for name in PEAKS if name in asked]
+    def peaks(self, requested: Set[str]) -> dict[str, Array]:
+        """Requested quantities of ``solver.names.PEAKS``; (...)."""
+        names = [name for name in PEAKS if name in requested]
         if names:
             self._require_c12(f"{names[0]} needs")
-        every: dict[str, Array] = {}
-        if {"peak_von_mises", "peak_von_mises_depth"} & asked:
+        found_peaks: dict[str, Array] = {}
+        if {"peak_von_mises", "peak_von_mises_depth"} & requested:
             largest = peak_von_mises(self.contact)
-            every |= {"peak_von_mises": largest.value, "peak_von_mises_depth": largest.depth}
-        if "peak_principal_tension" in asked:
-            every["peak_principal_tension"] = peak_principal_tension(self.contact).value
-        return {name: every[name] for name in names}
+            found_peaks |= {"peak_von_mises": largest.value, "peak_von_mises_depth": largest.depth}
+        if "peak_principal_tension" in requested:
+            found_peaks["peak_principal_tension"] = peak_principal_tension(self.contact).value
+        return {name: found_peaks[name] for name in names}
 
     @np.errstate(all="ignore")
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
@@ -84,8 +84,8 @@ class OnHalfPlane(Body):
         whole = interior_parts(self.contact, points_x, points_y, linear).whole(self.contact)
         values = {name: whole[..., k, :] for k, name in enumerate(linear)}
         if set(POTENTIALS) & set(names):
-            both = potentials(self.contact, points_x, points_y, self._datum)
-            values |= {name: both[..., k, :] for k, name in enumerate(POTENTIALS)}
+            electric_and_magnetic = potentials(self.contact, points_x, points_y, self._datum)
+            values |= {name: electric_and_magnetic[..., k, :] for k, name in enumerate(POTENTIALS)}
         return {name: values[name].reshape(*values[name].shape[:-1], y.size, x.size) for name in values}
 
     @property

@@ -32,15 +32,18 @@ class OnHalfSpace(OnPoints):
 
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
         warn_of_rounding(self._half)
-        return [(own, self._of(own, shape, coefficient)) for own, shape, coefficient in self._by_exponent(self._every)]
+        return [
+            (places, self._of(places, shape, coefficient))
+            for places, shape, coefficient in self._by_exponent(self._every)
+        ]
 
     def _apart(self) -> list[tuple[Indices, Pressed]]:
         _, which = distinct_rows(np.stack(self._constants, -1))
         return [
-            (own[some], self._of(own[some], shape, coefficient[some]))
-            for own, shape, coefficient in self._by_exponent(self._every)
-            for number in np.unique(which[own])
-            if (some := np.flatnonzero(which[own] == number)).size
+            (places[same_body], self._of(places[same_body], shape, coefficient[same_body]))
+            for places, shape, coefficient in self._by_exponent(self._every)
+            for number in np.unique(which[places])
+            if (same_body := np.flatnonzero(which[places] == number)).size
         ]
 
     @property
@@ -53,7 +56,7 @@ class OnHalfSpace(OnPoints):
 
     @cached_property
     def _constants(self) -> list[Array]:
-        """Those of the materials, infinite where unknown; (case,) each."""
+        """Constants of the materials, infinite where unknown; (case,) each."""
         return [self._flat(np.nan_to_num(getattr(self._half.material, key), nan=np.inf)) for key in UNITS]
 
     @cached_property
@@ -68,13 +71,18 @@ class OnHalfSpace(OnPoints):
         )
         return self._flat(N, 3, 3), self._flat(k, 3), self._flat(half.scale, 4)
 
-    def _of(self, own: Indices, shape: Shape, coefficient: Array) -> Pressed:
+    def _of(self, places: Indices, shape: Shape, coefficient: Array) -> Pressed:
         """Some cases of one exponent."""
         N, k, units = self._compliances
         conducts = self._flat(self.cases.conducts, 2)
-        friction = Friction(self._friction[own], k[own]) if "friction" in self.cases.values else None
+        friction = Friction(self._friction[places], k[places]) if "friction" in self.cases.values else None
         return Pressed(
-            HalfSpace(N[own], shape), units[own], coefficient, *self._loads(own), conducts[own], friction=friction
+            HalfSpace(N[places], shape),
+            units[places],
+            coefficient,
+            *self._loads(places),
+            conducts[places],
+            friction=friction,
         )
 
     @property
@@ -94,6 +102,8 @@ class OnHalfSpace(OnPoints):
         return self._rims.part(places)
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
-        own = [float(values[places[0]]) for values in self._constants]
+        constants = [float(values[places[0]]) for values in self._constants]
         dielectric = 0.0  # the last of the constants: a half-space of metal, too, is one
-        return whole(material_from((*(None if np.isinf(value) else value for value in own), dielectric), "half-space"))
+        return whole(
+            material_from((*(None if np.isinf(value) else value for value in constants), dielectric), "half-space")
+        )

@@ -36,8 +36,8 @@ def phases_of(cases: Cases) -> tuple[Material, Material]:
     """Phase one and phase two of a composite."""
     if len(cases.phases) != 2:
         raise FactorError(f"phases: {len(cases.phases)} given; a composite has two")
-    one, two = (_found(phase, cases.materials) for phase in _named("phases", cases.phases))
-    return one, two
+    first, two = (_found(phase, cases.materials) for phase in _named("phases", cases.phases))
+    return first, two
 
 
 def base_of(cases: Cases) -> tuple[Material, BoolArray]:
@@ -53,8 +53,8 @@ def base_of(cases: Cases) -> tuple[Material, BoolArray]:
     try:
         base = _chosen(filled, cases.materials)
     except MaterialError as error:
-        _, _, rest = str(error).partition("material: ")
-        raise FactorError(f"base: {rest} and {RIGID}" if rest else f"base: {error}") from None
+        _, _, reason = str(error).partition("material: ")
+        raise FactorError(f"base: {reason} and {RIGID}" if reason else f"base: {error}") from None
     if "base_modulus" not in cases.values:
         return base, rigid
     return combined(lambda *values: np.where(named | rigid, *values), (base, _isotropic(cases)), "base"), rigid
@@ -69,14 +69,14 @@ def _isotropic(cases: Cases) -> Material:
 
 def _chosen(which: NDArray[Any], materials: Mapping[str, Material]) -> Material:
     """Materials by case; each is found and checked once, however many cases it has."""
-    asked = _named("material", which.flat)
-    place = {m: k for k, m in enumerate(dict.fromkeys(asked))}
+    named = _named("material", which.flat)
+    place = {m: k for k, m in enumerate(dict.fromkeys(named))}
     chosen = [_found(m, materials) for m in place]
     for material in chosen:
         if material.shape:
             raise FactorError(f"material: {material.name!r} holds arrays; a factor takes one material a value")
         material.check()
-    of_case = np.array([place[m] for m in asked], dtype=np.intp).reshape(which.shape)
+    of_case = np.array([place[m] for m in named], dtype=np.intp).reshape(which.shape)
     name = chosen[0].name if len(chosen) == 1 else "material"
     return combined(lambda *values: np.array(values)[of_case], chosen, name)
 

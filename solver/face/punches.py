@@ -9,7 +9,7 @@ from solver.arrays import Array, shown
 from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.refusal import FactorError
-from solver.halfplane.punch import RIGID_PUNCH, Punch
+from solver.halfplane.sliding import RIGID_PUNCH, Punch
 from solver.material.constants import Material, MaterialError
 from solver.material.library import find
 from solver.material.punches import RIGID_PUNCH as RIGID
@@ -28,14 +28,14 @@ def punch_of(cases: Cases) -> Punch:
     which = cases.values.get("punch", np.array(None, dtype=object))
     modulus, poisson = _elasticity(cases, which.flat).reshape(2, *which.shape)
     if "punch_modulus" in cases.values:
-        own = cases.values["punch_modulus"], cases.values["punch_poisson"]
-        there = ~np.isnan(own[0])
-        modulus, poisson = np.where(there, own[0], modulus), np.where(there, own[1], poisson)
+        by_modulus = cases.values["punch_modulus"], cases.values["punch_poisson"]
+        has_modulus = ~np.isnan(by_modulus[0])
+        modulus, poisson = np.where(has_modulus, by_modulus[0], modulus), np.where(has_modulus, by_modulus[1], poisson)
     return Punch.isotropic(modulus, poisson)
 
 
 def punch_datum(cases: Cases) -> Array | None:
-    """Where the displacement of an elastic punch is zero: at its radius, or width, or else at the datum [m]; (...).
+    """Distance [m] where an elastic punch does not move: its radius or width, else the datum; (...).
 
     None of cases that say nothing of their punch.
     """

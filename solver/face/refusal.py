@@ -1,4 +1,4 @@
-"""What the face refuses."""
+"""Errors that name a factor, its value and the allowed values."""
 
 
 class FactorError(ValueError):

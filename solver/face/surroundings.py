@@ -1,4 +1,4 @@
-"""What is beside the contacts of cases that do not say."""
+"""Surroundings of the contacts whose cases name none."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -17,25 +17,25 @@ _THERE = ("thickness", "gap_radius", "base_volume_fraction", "grading_exponent",
 
 def settled(arrays: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:
     """Factors with the surroundings of every case, where a film or a table leaves them open."""
-    given = arrays.get("surroundings")
-    opened = arrays.keys() & {BODY, "thickness"} if given is None else any(map(absent, given.values.flat))
+    surroundings = arrays.get("surroundings")
+    opened = arrays.keys() & {BODY, "thickness"} if surroundings is None else any(map(absent, surroundings.values.flat))
     if not opened:
         return dict(arrays)
     read = {name: _labels(arrays[name], name in _THERE) for name in (*_READ, *_THERE) if name in arrays}
     cases = xr.broadcast(*read.values())
     around_of: dict[tuple[Any, ...], str] = {}
-    for values in (every := list(zip(*(labels.values.flat for labels in cases), strict=True))):
+    for values in (rows := list(zip(*(labels.values.flat for labels in cases), strict=True))):
         if values not in around_of:
             case = {name: value for name, value in zip(read, values, strict=True) if not absent(value)}
             around_of[values] = str(case.get("surroundings") or around(case))
-    chosen = xr.DataArray(np.reshape([around_of[values] for values in every], cases[0].shape), dims=cases[0].dims)
+    chosen = xr.DataArray(np.reshape([around_of[values] for values in rows], cases[0].shape), dims=cases[0].dims)
     return {**arrays, "surroundings": chosen if len({*around_of.values()}) > 1 else chosen[(0,) * chosen.ndim]}
 
 
-def _labels(array: xr.DataArray, there: bool) -> xr.DataArray:
+def _labels(array: xr.DataArray, only_presence: bool) -> xr.DataArray:
     """A factor's values, or 1 where a case has it and it is not 0; without dimension where all are one."""
     values = array.values
-    if there:
+    if only_presence:
         values = np.where([not absent(value) and value != 0 for value in values.flat], 1.0, np.nan)
         values = values.reshape(array.shape)
     labels = xr.DataArray(values.astype(object), dims=array.dims)

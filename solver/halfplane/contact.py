@@ -10,11 +10,10 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
-from solver.halfplane.angle import FrictionAngle
 from solver.halfplane.pressing import Pressing, press
 from solver.halfplane.profile import Profile
 from solver.halfplane.shape import Shape
-from solver.halfplane.sliding import Sliding
+from solver.halfplane.sliding import FrictionAngle, Sliding
 from solver.halfplane.surface import HalfPlane
 
 _NEWTON_STEPS = 40
@@ -139,7 +138,7 @@ class Contact:
 
 
 def _derivative(coefficients: Array) -> Array:
-    """Of a polynomial in ascending powers; (..., max(k - 1, 1))."""
+    """Derivative of a polynomial in ascending powers; (..., max(k - 1, 1))."""
     count = coefficients.shape[-1]
     return coefficients[..., 1:] * np.arange(1, count) if count > 1 else 0 * coefficients
 

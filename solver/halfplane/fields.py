@@ -77,11 +77,11 @@ def surface_fields(contact: Contact, positions: Array) -> SurfaceFields:
     follow_xx = stretch * root + direct[1] * follow[0] + direct[2] * follow[1]
 
     # lam d(phi, psi)/dx = s {eta [k_J S + (N_Jq.d) H[D]] + (N_J0 - N_Jq.r) H[S]} + N_Jq.e0 H[1/sqrt]
-    own, coupled = components(sliding.normal_compliance), components(sliding.friction_coupling)
+    normal, coupled = components(sliding.normal_compliance), components(sliding.friction_coupling)
     gradient, carried = [], []
     for j in (1, 2):
         M = components(half.compliance[..., j, 1:])
-        gradient.append(eta * (coupled[j] * S_root + (k[j] - coupled[j]) * (HD_root + S_root)) + own[j] * HS * root)
+        gradient.append(eta * (coupled[j] * S_root + (k[j] - coupled[j]) * (HD_root + S_root)) + normal[j] * HS * root)
         carried.append(M[0] * e[0] + M[1] * e[1])
     permittivity = [components(half.transverse_permittivity[..., j, :]) for j in (0, 1)]
     shear_share = components(half.transverse_shear_share)
@@ -108,7 +108,7 @@ def surface_fields(contact: Contact, positions: Array) -> SurfaceFields:
 
 
 def _shapes(contact: Contact, X: Array) -> tuple[BoolArray, Array, list[Array]]:
-    """Where the contact is, sqrt|1 - X^2|, and [S, S root, H[S], D root, H[D] root] on both sides of the edges."""
+    """Mask of the contact, sqrt|1 - X^2|, and [S, S root, H[S], D root, H[D] root] on both sides of the edges."""
     shape, slope = contact.shape, contact.pressing.slope
     inside = np.abs(X) < 1
     root: Array = np.sqrt(np.abs((1 - X) * (1 + X)))

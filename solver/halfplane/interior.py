@@ -61,12 +61,14 @@ def transforms(contact: Contact, z: ComplexArray) -> tuple[ComplexArray, Complex
 
 
 def parts_of(contact: Contact, x: Array, y: Array, fields: tuple[str, ...], functions: Functions) -> InteriorParts:
-    """As :func:`interior_parts`, with other functions of z in place of :func:`transforms`."""
+    """Parts like :func:`interior_parts`, from other functions of z than :func:`transforms`."""
     half, sliding = contact.halfplane, contact.sliding
     nodes, weights = spectrum(half)
     rows = field_rows(half)[..., [LINEAR.index(name) for name in fields], :]
-    both = np.concatenate([half.surface_impedance, np.broadcast_to(np.eye(4), half.surface_impedance.shape)], -2)
-    answers = 1j * (rows @ both)[..., None, :, :] @ (weights * half.scale[..., None, None, :])  # (..., node, field, 4)
+    blocks = np.concatenate([half.surface_impedance, np.broadcast_to(np.eye(4), half.surface_impedance.shape)], -2)
+    answers = (
+        1j * (rows @ blocks)[..., None, :, :] @ (weights * half.scale[..., None, None, :])
+    )  # (..., node, field, 4)
 
     zero, unit, eta, r = np.zeros(()), np.ones(()), contact.friction, sliding.screening
     d = eta[..., None] * sliding.friction_screening
@@ -80,7 +82,7 @@ def parts_of(contact: Contact, x: Array, y: Array, fields: tuple[str, ...], func
         z = _conjugate_points(x, y, nodes[..., j])
         of_S, of_D, of_charge = functions(z)
         load = load + _real(pressed[..., j, :], of_S) + _real(followed[..., j, :], of_D)
-        charges = [sum_ - _real(of[..., j, :], of_charge) for sum_, of in zip(charges, charged, strict=True)]
+        charges = [sum_ - _real(density[..., j, :], of_charge) for sum_, density in zip(charges, charged, strict=True)]
     return InteriorParts(load, (charges[0], charges[1]))
 
 
@@ -106,13 +108,13 @@ def _real(coefficients: ComplexArray, values: ComplexArray) -> Array:
 def with_derived(names: Sequence[str], linear: Callable[[tuple[str, ...]], Mapping[str, Array]]) -> dict[str, Array]:
     """Fields by name, of which some follow from the four stresses: ``von_mises`` and ``principal_tension``."""
     needed = [*(name for name in names if name not in _DERIVED), *(STRESSES if _DERIVED.keys() & set(names) else ())]
-    given = linear(tuple(dict.fromkeys(needed)))
-    stresses = [given.get(name) for name in STRESSES]
-    return {name: _DERIVED[name](*stresses) if name in _DERIVED else given[name] for name in names}
+    fields = linear(tuple(dict.fromkeys(needed)))
+    stresses = [fields.get(name) for name in STRESSES]
+    return {name: _DERIVED[name](*stresses) if name in _DERIVED else fields[name] for name in names}
 
 
 def field_rows(half: HalfPlane) -> Array:
-    """What each field of ``LINEAR`` takes of the scaled [u,x; phi,x], in SI units; (..., field, 8)."""
+    """Rows that give the fields of ``LINEAR`` from the scaled [u,x; phi,x], in SI units; (..., field, 8)."""
     m, N = half.material, half.stroh_matrix
     units = np.concatenate([half.scale, 1 / half.scale], -1)
     along = units[..., None] * np.eye(8)  # [u,x; phi,x]

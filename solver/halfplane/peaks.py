@@ -66,14 +66,18 @@ def _peak(contact: Contact, measure: Measure, x: Array, y: Array) -> tuple[Array
     """Largest measure over the pressure scale, and its depth over h, from starting points (..., start)."""
     reach, moved = np.full_like(x, 0.2), np.full_like(x, np.inf)
     highest = _Place(x, y, np.full_like(x, -np.inf))  # of every start, so far
+    ended: BoolArray = np.zeros_like(
+        x, dtype=bool
+    )  # an ended climb stays: no answer depends on the cases solved with it
     for _ in range(_STEPS):
         stencil = _Stencil(x, y, np.clip(reach / 8, 1e-4, 0.02))
         around = stencil.measured(contact, measure)
-        here = _Place(x, y, around[..., 4])
-        up = here.value >= highest.value
-        highest = _Place(*(np.where(up, new, old) for new, old in zip(here, highest, strict=True)))
-        to_zero = (here.value < _NOTHING) & (np.hypot(x, y) > _AWAY[0])  # at infinity
-        if np.all((moved < _CLOSE) | to_zero):
+        current = _Place(x, y, around[..., 4])
+        up = (current.value >= highest.value) & ~ended
+        highest = _Place(*(np.where(up, new, old) for new, old in zip(current, highest, strict=True)))
+        to_zero = (current.value < _NOTHING) & (np.hypot(x, y) > _AWAY[0])  # at infinity
+        ended |= (moved < _CLOSE) | to_zero
+        if np.all(ended):
             break
         dx, dy = _newton_step(around, (-DEPTH - y) / stencil.down, reach / stencil.step)
         length = np.hypot(dx, dy) * stencil.step
@@ -156,11 +160,11 @@ def _maxima(contact: Contact, measure: Measure, across: Array, down: Array) -> t
     shape = np.broadcast_shapes(parts.of_load.shape[:-2], parts.of_charges[0].shape[:-2], e.shape[:-1])
     best, highest, largest = (np.empty((*shape, count)) for count in (_MAXIMA, _MAXIMA, 1))
     for chunk in _chunks(shape, 4 * x.size):
-        some = InteriorParts(
+        block = InteriorParts(
             _part(parts.of_load, chunk, 2),
             (_part(parts.of_charges[0], chunk, 2), _part(parts.of_charges[1], chunk, 2)),
         )
-        stresses = _combined(some, _part(e, chunk, 1))
+        stresses = _combined(block, _part(e, chunk, 1))
         values = measure(*(stresses[..., k, :] for k in range(4)))
         grid = values.reshape(*values.shape[:-1], down.size, across.size)
         ranked = np.where(_is_top(grid), grid, -np.inf).reshape(values.shape)
@@ -172,7 +176,7 @@ def _maxima(contact: Contact, measure: Measure, across: Array, down: Array) -> t
 
 
 def _is_top(grid: Array) -> BoolArray:
-    """Whether a value is no less than its neighbours along both axes, and not the first or last across."""
+    """True where a value is no less than its neighbours along both axes and not at an end across."""
     padded = np.pad(grid, [(0, 0)] * (grid.ndim - 2) + [(1, 1), (1, 1)], constant_values=-np.inf)
     centre = padded[..., 1:-1, 1:-1]
     across = np.maximum(padded[..., 1:-1, 2:], padded[..., 1:-1, :-2])
@@ -227,20 +231,20 @@ def _least_curvature(curvature: tuple[Array, Array, Array]) -> Array:
     return 1e-3 * (np.abs(mean) + half) + _TINY
 
 
-def _chunks(shape: tuple[int, ...], each: int) -> Iterator[tuple[slice, ...]]:
+def _chunks(shape: tuple[int, ...], per_case: int) -> Iterator[tuple[slice, ...]]:
     """Slices over the longest axis that keep the arrays of a scan small."""
     if not shape:
         yield ()
         return
     axis = int(np.argmax(shape))
-    rest = int(np.prod(shape)) // max(shape[axis], 1)
-    count = max(1, _CHUNK // max(each * rest, 1))
+    other_axes = int(np.prod(shape)) // max(shape[axis], 1)
+    count = max(1, _CHUNK // max(per_case * other_axes, 1))
     for start in range(0, shape[axis], count):
         yield tuple(slice(start, start + count) if k == axis else slice(None) for k in range(len(shape)))
 
 
-def _part(values: Array, chunk: tuple[slice, ...], own: int) -> Array:
+def _part(values: Array, chunk: tuple[slice, ...], point_axes: int) -> Array:
     """The chunk of an array whose case axes may be of length one or missing; its last ``own`` axes stay."""
-    axes = values.ndim - own
-    kept = chunk[len(chunk) - axes :] if axes else ()
-    return values[tuple(slice(None) if size == 1 else part for size, part in zip(values.shape, kept, strict=False))]
+    axes = values.ndim - point_axes
+    block = chunk[len(chunk) - axes :] if axes else ()
+    return values[tuple(slice(None) if size == 1 else part for size, part in zip(values.shape, block, strict=False))]

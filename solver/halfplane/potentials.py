@@ -9,7 +9,7 @@ points z,
 The charges' own F is closed. That of the pressure is integrated: far from the edges along the ray from infinity, where
 Gauss's rule converges at once, and near them from a point on that ray by the double exponential rule, which no edge
 troubles. On the contact of a conducting punch the potentials are those of
-:mod:`solver.halfplane.response`, found otherwise.
+:mod:`solver.halfplane.quantities`, found otherwise.
 """
 
 import numpy as np
@@ -64,7 +64,9 @@ def _from_infinity(contact: Contact, z: ComplexArray) -> tuple[ComplexArray, Com
     ray = (z[..., None] / _RAY).reshape(*z.shape[:-1], -1)
     HS, HD, _ = transforms(contact, ray)
     total = contact.shape.total[..., None] / np.pi
-    rest = HS + total / ray
+    remainder = HS + total / ray
     steps = -z[..., None] / _RAY**2 * _RAY_WEIGHTS
-    of_S, of_D = (np.sum(steps * values.reshape(*values.shape[:-1], *steps.shape[-2:]), -1) for values in (rest, HD))
+    of_S, of_D = (
+        np.sum(steps * values.reshape(*values.shape[:-1], *steps.shape[-2:]), -1) for values in (remainder, HD)
+    )
     return of_S - total * np.log(z / 1j), of_D

@@ -12,9 +12,9 @@ from typing import Self
 import numpy as np
 
 from solver.arrays import Array, stack
-from solver.halfplane.angle import FrictionAngle
 from solver.halfplane.profile import Profile
 from solver.halfplane.shape import Shape, imbalance
+from solver.halfplane.sliding import FrictionAngle
 
 _NEWTON_STEPS = 100
 _TOLERANCE = 4e-16
@@ -89,8 +89,8 @@ def _between_corners(profile: Profile, width: Array, angle: FrictionAngle, lam: 
         slope[..., 0] = (-profile.moment / (half * load) - others) / tilted
         rate = (-flat.first_moment * carried / tilted)[..., None]
 
-    def shape(of: Array) -> Shape:
-        factor = Shape.of_slope(angle, smooth, of).factor
+    def shape(coefficients: Array) -> Shape:
+        factor = Shape.of_slope(angle, smooth, coefficients).factor
         factor = np.array(factor + np.zeros((*np.shape(carried), 1)))
         factor[..., 0] += carried
         return Shape(angle, smooth, factor)
@@ -173,19 +173,19 @@ class _Equations:
     @classmethod
     def at(cls, profile: Profile, angle: FrictionAngle, loaded: Array, half: Array, centre: Array) -> Self:
         """The equations at h and c / h, of ``loaded = lam P``."""
-        every = slopes(profile.slope, half, centre)
-        total, by_width, by_centre = (Shape.of_slope(angle, profile.smooth, g).total for g in every)
+        moments = slopes(profile.slope, half, centre)
+        total, by_width, by_centre = (Shape.of_slope(angle, profile.smooth, g).total for g in moments)
         if not np.all(total < 0):
             raise ContactError("slope: no contact of this punch carries the load without tension")
         miss = np.log(-half * total / loaded)
         off, off_by_width, off_by_centre = 0 * miss, 0 * miss, 1 + 0 * miss  # a corner stays in its place
         if all(profile.smooth):
-            off, off_by_width, off_by_centre = (imbalance(angle, g) for g in every)
+            off, off_by_width, off_by_centre = (imbalance(angle, g) for g in moments)
         return cls((miss, 1 + by_width / total, by_centre / total), (off, off_by_width, off_by_centre))
 
     @property
     def determinant(self) -> Array:
-        """Of the derivatives."""
+        """Series of the derivatives."""
         return self.load[1] * self.balance[2] - self.load[2] * self.balance[1]
 
     @property

@@ -109,7 +109,7 @@ class Profile:
 
     @property
     def homogeneous(self) -> bool:
-        """Whether the slope is one power of x, so that contacts under all loads are similar."""
+        """True if the slope is one power of x, so that contacts under all loads are similar."""
         return self.width is None and not any(np.any(c) for c in self.slope[:-1])
 
     def part(self, places: slice | Indices, size: tuple[int, ...]) -> Self:
@@ -142,8 +142,8 @@ class Profile:
     def _changed(self, change: Callable[[Array, int], Array]) -> Self:
         """With parameters that are made of these and of the powers of a length that undo their unit's."""
         width, moment = (
-            None if own is None else np.asarray(change(own, power))
-            for own, power in ((self.width, -1), (self.moment, -2))
+            None if size is None else np.asarray(change(size, power))
+            for size, power in ((self.width, -1), (self.moment, -2))
         )
-        slope = tuple(np.asarray(change(own, power)) for power, own in enumerate(self.slope))
+        slope = tuple(np.asarray(change(size, power)) for power, size in enumerate(self.slope))
         return type(self)(slope, self.smooth, width, moment)

@@ -23,7 +23,7 @@ import numpy as np
 from scipy.special import exprel, polygamma
 
 from solver.arrays import Array, Points, dot, power_series, stack
-from solver.halfplane.angle import FrictionAngle
+from solver.halfplane.sliding import FrictionAngle
 
 _FAR = 0.3  # |u| below which the series is summed; above it the closed form cancels less than (1/u)^(degree + 2)
 _TERMS = 32  # 0.3^32 is below rounding
@@ -85,10 +85,10 @@ class Shape:
         c, delta = self._chebyshev, self.angle.delta
         degree = c.shape[-1] - 1
         phi = [2 * term for term in _phi_series(2 * delta, _TERMS + degree + 1)]  # of Phi in powers of u
-        both = {j: (0.5 if j else 1.0) * c[..., abs(j)] for j in range(-degree, degree + 1)}
+        two_sided = {j: (0.5 if j else 1.0) * c[..., abs(j)] for j in range(-degree, degree + 1)}
 
         def terms(numbers: range) -> Array:
-            sums = [sum((both[j] * phi[k - j] for j in both if k > j), np.zeros_like(delta)) for k in numbers]
+            sums = [sum((two_sided[j] * phi[k - j] for j in two_sided if k > j), np.zeros_like(delta)) for k in numbers]
             return stack(*sums)
 
         return terms(range(0, -max(degree, 1), -1)), terms(range(1, _TERMS + 1))
@@ -182,18 +182,20 @@ class Shape:
         pressure = power_series(slope, z) - self._sign * (1 + delta * phi) * factor
         negative = factor * root * phi - power_series(head, z + root)
         far = np.abs(u) < _FAR
-        if np.any(some := far.any(axis=tuple(range(far.ndim - 1)))):
-            small = np.where(far, u, 0)[..., some]
+        if np.any(any_far := far.any(axis=tuple(range(far.ndim - 1)))):
+            small = np.where(far, u, 0)[..., any_far]
             series = small * power_series(tail, small)
             even = power_series(self._chebyshev, small) + delta * (series + power_series(head, small))
-            pressure[..., some] = np.where(far[..., some], -self._sign * even / root[..., some], pressure[..., some])
-            negative[..., some] = np.where(far[..., some], series, negative[..., some])
+            pressure[..., any_far] = np.where(
+                far[..., any_far], -self._sign * even / root[..., any_far], pressure[..., any_far]
+            )
+            negative[..., any_far] = np.where(far[..., any_far], series, negative[..., any_far])
         mirrored = power_series(head, u) - head[..., :1]
         return pressure, -self._sign * rho * (negative - mirrored)
 
 
 def imbalance(angle: FrictionAngle, slope: Array) -> Array:
-    """What must vanish for a contact with two smooth edges: the 1/z term of G/X(z); (...).
+    """The 1/z term of G/X(z), which vanishes for a contact with two smooth edges; (...).
 
     slope: (..., degree + 1), coefficients of G.
     """

@@ -1,14 +1,60 @@
-"""What material, friction and conduction make of the integral equations (2.2), before any profile or load."""
+"""Coefficients of the integral equations (2.2) for a material, friction and conduction, before any profile or load."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import exprel
 
 from solver.arrays import Array, BoolArray, column, dot, stack
-from solver.halfplane.angle import FrictionAngle
-from solver.halfplane.punch import RIGID_PUNCH, Punch
 from solver.halfplane.surface import HalfPlane
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionAngle:
+    """The angle and its companions, one number per case."""
+
+    tan: Array
+
+    @cached_property
+    def cos(self) -> Array:
+        """cos(theta) = sin(pi alpha)."""
+        return 1 / np.hypot(1.0, self.tan)
+
+    @cached_property
+    def delta(self) -> Array:
+        """theta / pi = alpha - 1/2."""
+        return np.arctan(self.tan) / np.pi
+
+    @cached_property
+    def delta_over_tan(self) -> Array:
+        """delta / tan(theta), 1/pi without friction."""
+        return self.cos / (np.pi * np.sinc(self.delta))
+
+    @cached_property
+    def log_cos_over_tan(self) -> Array:
+        """log(cos theta) / tan(theta), 0 without friction."""
+        return -self.tan / (2 * exprel(np.log1p(self.tan**2)))
+
+
+@dataclass(frozen=True, eq=False)
+class Punch:
+    """An elastic punch over the case axes (...); by default a rigid one."""
+
+    compliance: Array = field(default_factory=lambda: np.zeros(()))
+    coupling: Array = field(default_factory=lambda: np.zeros(()))
+
+    @classmethod
+    def isotropic(cls, young: ArrayLike, poisson: ArrayLike) -> Self:
+        """The punch of an isotropic material."""
+        E, nu = np.asarray(young, dtype=np.float64), np.asarray(poisson, dtype=np.float64)
+        return cls(2 * (1 - nu**2) / E, -(1 + nu) * (1 - 2 * nu) / E)
+
+
+#: A punch that does not deform.
+RIGID_PUNCH = Punch()
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +90,8 @@ class Sliding:
         """M^-1 right over the conducted fields, rows and columns brought to order one first (theory section 2)."""
         M = self.halfplane.compliance[..., 1:, 1:]
         scale = 1 / np.sqrt(np.abs(np.diagonal(M, axis1=-2, axis2=-1)))
-        both = self.conducts[..., :, None] & self.conducts[..., None, :]
-        scaled = np.where(both, M * scale[..., :, None] * scale[..., None, :], np.eye(2))
+        conducted = self.conducts[..., :, None] & self.conducts[..., None, :]
+        scaled = np.where(conducted, M * scale[..., :, None] * scale[..., None, :], np.eye(2))
         masked = np.where(self.conducts, scale * right, 0.0)
         return np.asarray(np.linalg.solve(scaled, masked[..., None])[..., 0] * scale)
 
@@ -59,9 +105,9 @@ class Sliding:
         """k_J - N_Jq.d of J = (u_y, phi, psi): kap, and 0 for a conducted field; (..., 3)."""
         return self._follow(self.coupling, self.friction_screening)
 
-    def _follow(self, own: Array, follower: Array) -> Array:
+    def _follow(self, per_pressure: Array, follower: Array) -> Array:
         N = self.halfplane.compliance
-        values = stack(*(own[..., J] - dot(N[..., J, 1:], follower) for J in range(3)))
+        values = stack(*(per_pressure[..., J] - dot(N[..., J, 1:], follower) for J in range(3)))
         return np.concatenate([values[..., :1], np.where(self.conducts, 0.0, values[..., 1:])], -1)
 
     @property

@@ -28,23 +28,23 @@ def spectrum(halfplane: HalfPlane) -> tuple[ComplexArray, ComplexArray]:
     mirrored, left = np.linalg.eig(np.swapaxes(Pi, -1, -2))
     order = np.argmin(np.abs(roots[..., :, None] - mirrored[..., None, :]), -1)
     left = np.take_along_axis(left, order[..., None, :], -1)
-    apart = _apart(roots)
+    isolated = _apart(roots)
 
     size = np.einsum("...ik,...ik->...k", left, right)
-    outer = right[..., :, None, :] * left[..., None, :, :] / np.where(apart, size, 1.0)[..., None, None, :]
-    own = np.where(apart[..., None, None], np.moveaxis(outer, -1, -3), 0.0)
-    if np.all(apart):
-        return roots, own
-    close = ~np.all(apart, -1)
-    rest = np.where(column(close), np.eye(4) - own.sum(-3), 0.0)
-    nodes, factors = _contour(roots, ~apart)
+    outer = right[..., :, None, :] * left[..., None, :, :] / np.where(isolated, size, 1.0)[..., None, None, :]
+    projectors = np.where(isolated[..., None, None], np.moveaxis(outer, -1, -3), 0.0)
+    if np.all(isolated):
+        return roots, projectors
+    close = ~np.all(isolated, -1)
+    remainder = np.where(column(close), np.eye(4) - projectors.sum(-3), 0.0)
+    nodes, factors = _contour(roots, ~isolated)
     resolvent = np.linalg.inv(nodes[..., None, None] * np.eye(4) - Pi[..., None, :, :])
-    shared = factors[..., None, None] * (resolvent @ rest[..., None, :, :])
-    return np.concatenate([roots, nodes], -1), np.concatenate([own, shared], -3)
+    shared = factors[..., None, None] * (resolvent @ remainder[..., None, :, :])
+    return np.concatenate([roots, nodes], -1), np.concatenate([projectors, shared], -3)
 
 
 def _apart(roots: ComplexArray) -> BoolArray:
-    """Which roots no other one is close to; (..., 4)."""
+    """True for roots that are far from all others; (..., 4)."""
     p, q = roots[..., :, None], roots[..., None, :]
     distance = np.abs((p - q) / (p - np.conj(q))) + np.eye(4)
     return np.asarray(np.min(distance, -1) >= _APART)

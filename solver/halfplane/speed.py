@@ -69,8 +69,8 @@ def transonic_speed(material: Material) -> Array:
 
     cases = _flat(material, material.shape)
     scale = HalfPlane(cases).scale
-    both = scale[..., :, None] * scale[..., None, :]
-    Q, R, T = (block * both for block in cases.generalised_stiffness())
+    scales = scale[..., :, None] * scale[..., None, :]
+    Q, R, T = (block * scales for block in cases.generalised_stiffness())
     unit = scale[..., 0] ** 2
 
     def slowest(p: Array, case: NDArray[Any]) -> Array:

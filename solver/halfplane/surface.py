@@ -15,7 +15,7 @@ _STALLED = 1e-8  # steps that no longer shrink below this are rounding, which gr
 
 @dataclass(frozen=True, eq=False)
 class HalfPlane:
-    """What the surface of a material answers to tractions; every array carries the material's case axes first.
+    """Response of a material's surface to tractions; every array carries the material's case axes first.
 
     Notes
     -----
@@ -40,9 +40,9 @@ class HalfPlane:
     @cached_property
     def stroh_matrix(self) -> Array:
         """Scaled N = [[N1, N2], [N3, N1^T]] of the eigenproblem N [a; b] = p [a; b]; (..., 8, 8), dimensionless."""
-        both = self._scales
+        scales = self._scales
         Q, R, T = self.material.generalised_stiffness()
-        Q, R, T = (Q - column(self.inertia) * np.diag([1.0, 1.0, 0.0, 0.0])) * both, R * both, T * both
+        Q, R, T = (Q - column(self.inertia) * np.diag([1.0, 1.0, 0.0, 0.0])) * scales, R * scales, T * scales
         T_inv = np.linalg.inv(T)
         N1 = -T_inv @ np.swapaxes(R, -1, -2)
         N3 = -R @ N1 - Q

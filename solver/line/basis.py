@@ -9,12 +9,13 @@ w = (1 - X)^A (1 + X)^B, k0 = A + B. With tan(theta) = eta kap / lam and A = 1/2
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from scipy.special import beta, roots_jacobi
 
 from solver.arrays import Array, Points
+from solver.cache import cached_small
 
 #: The closed transforms cancel exp(c), c = 2 M log of the ellipse through z: below this c, three digits, they are used.
 CANCELS = 6.9
@@ -63,7 +64,7 @@ class Basis:
 
     @cached_property
     def projection(self) -> Array:
-        """From values at the nodes to coefficients in P^(-A,-B), by the Gauss rule itself; (M, M)."""
+        """Matrix from values at the nodes to coefficients in P^(-A,-B), by the Gauss rule itself; (M, M)."""
         X, weights = self._dual_rule
         return np.asarray(self.dual(X, self.terms) * weights / self.dual_norms[:, None])
 
@@ -75,7 +76,7 @@ class Basis:
 
     @cached_property
     def charge_projection(self) -> Array:
-        """From values at the nodes to coefficients in U of the interpolating polynomial; (M, M)."""
+        """Matrix from values at the nodes to coefficients in U of the interpolating polynomial; (M, M)."""
         angle = np.pi * np.arange(1, self.terms + 1) / (self.terms + 1)
         orders = np.arange(1, self.terms + 1)
         to_series = 2 / (self.terms + 1) * np.sin(orders[:, None] * angle) * np.sin(angle)
@@ -144,8 +145,8 @@ class Basis:
         """
 
         def near(z: Points) -> Points:
-            own = self._outside(z)[..., None] * (self.pressure_factor(z) @ terms)
-            return own - self.local(z) @ terms
+            outside = self._outside(z)[..., None] * (self.pressure_factor(z) @ terms)
+            return outside - self.local(z) @ terms
 
         return off_contact(z, self.terms, self.exponents, terms, near)
 
@@ -182,7 +183,7 @@ class Basis:
         return np.asarray((weight * mean) @ self.pressure_factor(S))
 
 
-@lru_cache(256)
+@cached_small
 def gauss_jacobi(count: int, A: float, B: float) -> tuple[Array, Array]:
     """Gauss's rule of weight (1 - X)^A (1 + X)^B: nodes and weights, which cannot be written to."""
     with np.errstate(
@@ -201,12 +202,12 @@ def off_contact(
 
     z: (...), points, real with |z| > 1, or complex with Im z >= 0; terms: (j, c).
     """
-    apart = 2 * count * np.log(np.abs(ellipse(z)[0]))
+    cancellation = 2 * count * np.log(np.abs(ellipse(z)[0]))
     out = np.empty((*z.shape, terms.shape[-1]), z.dtype)
-    close = apart < CANCELS
+    close = cancellation < CANCELS
     out[close] = near(z[close])
     for share, least, most in RULES:
-        far = (apart >= least) & (apart < most)
+        far = (cancellation >= least) & (cancellation < most)
         out[far] = by_gauss(z[far], int(np.ceil(share * count)), exponents, terms)
     return out
 

@@ -48,8 +48,8 @@ class FilmContact:
         tilted[:, 0] = 0.0
         causes = Loading(tilted, loading.loads, loading.smooth).at(half, np.zeros_like(half)).values
         moments = np.tensordot(self.table.polynomials(np.log(half)), self.table.series[:, outputs.MOMENT], 1)
-        asked = np.asarray(self.profile.moment) * self.scale[1] / half**2
-        tilted[:, 0] = (asked - dot(moments, causes)) / moments[:, 0]
+        required = np.asarray(self.profile.moment) * self.scale[1] / half**2
+        tilted[:, 0] = (required - dot(moments, causes)) / moments[:, 0]
         return Loading(tilted, loading.loads, loading.smooth)
 
     @property
@@ -125,8 +125,10 @@ class FilmContact:
     def far(self) -> Array:
         """(Y_low)_oo log(L/b) / pi: displacements per total of the tractions that the datum adds; (case or 1, 3, 3)."""
         system = self.table.system
-        own = self.datum if self.punch_datum is None else self.punch_datum
-        body, punch = (np.log(np.asarray(L, dtype=np.float64) / system.kernel.width) for L in (self.datum, own))
+        punch_length = self.datum if self.punch_datum is None else self.punch_datum
+        body, punch = (
+            np.log(np.asarray(L, dtype=np.float64) / system.kernel.width) for L in (self.datum, punch_length)
+        )
         far = lowest(system.kernel.stack)[1:, 1:] / np.pi * body[..., None, None]
         return np.asarray(far + system.coefficients.punch[0] / np.pi * punch[..., None, None] * _NORMAL)
 
@@ -144,8 +146,8 @@ class FilmContact:
     @cached_property
     def response(self) -> Array:
         """Depth [m], voltage [V] and magnetic potential [A] of the punch; (case, 3)."""
-        own = self.half_width[:, None] * self.output(outputs.DISPLACEMENT)
-        whole = own - dot(self.far, self.loading.loads[:, None, :])
+        displacement = self.half_width[:, None] * self.output(outputs.DISPLACEMENT)
+        whole = displacement - dot(self.far, self.loading.loads[:, None, :])
         whole[:, 0] = self._rise() - whole[:, 0]
         return np.asarray(whole * self.scale[1:])
 
@@ -193,7 +195,7 @@ class FilmContact:
 
     @cached_property
     def _edges(self) -> tuple[Array, Array, Array]:
-        """How smooth edges move, with log h and c/h as unknowns.
+        """Derivatives that move smooth edges, with log h and c/h as unknowns.
 
         Derivatives of load and balance by them, (case, 2, 2), the changes by (P, T, J) that these undo, (case, 2, 3),
         and the derivatives of (displacement, potentials) by them, (case, 3, 2); units of the stack.
@@ -201,19 +203,19 @@ class FilmContact:
         h, causes, first = self.half_width, self.causes, self._first_charge
         read, rate = self._read(outputs.DISPLACEMENT), self._read(outputs.DISPLACEMENT, rate=True)
         rows = slice(outputs.LOAD, outputs.BALANCE + 1)
-        kept, kept_rate = (r[:, :: outputs.BALANCE] for r in (self._read(rows), self._read(rows, rate=True)))
-        carried = h[:, None] * _sum(kept[:, :1], causes.values)
+        values, kept_rate = (r[:, :: outputs.BALANCE] for r in (self._read(rows), self._read(rows, rate=True)))
+        carried = h[:, None] * _sum(values[:, :1], causes.values)
         jacobian = np.zeros((h.size, 2, 2))
-        jacobian[:, 0, 0] = (carried + h[:, None] * _moved(kept[:, :1], kept_rate[:, :1], causes))[:, 0]
+        jacobian[:, 0, 0] = (carried + h[:, None] * _moved(values[:, :1], kept_rate[:, :1], causes))[:, 0]
         jacobian[:, 1, 1] = 1.0
         right = np.zeros((h.size, 2, 3))
         right[:, 0, 0] = 1.0
-        right[:, 0, 1:] = -kept[:, 0, first : first + 2]
+        right[:, 0, 1:] = -values[:, 0, first : first + 2]
         if self.loading.order == 1:
-            jacobian[:, 0, 1] = h * _sum(kept[:, :1], causes.by_centre)[:, 0]
-            jacobian[:, 1, 0] = causes.constant_by_width - _moved(kept[:, 1:], kept_rate[:, 1:], causes)[:, 0]
-            jacobian[:, 1, 1] = causes.constant_by_centre - _sum(kept[:, 1:], causes.by_centre)[:, 0]
-            right[:, 1, 1:] = kept[:, 1, first : first + 2] / h[:, None]
+            jacobian[:, 0, 1] = h * _sum(values[:, :1], causes.by_centre)[:, 0]
+            jacobian[:, 1, 0] = causes.constant_by_width - _moved(values[:, 1:], kept_rate[:, 1:], causes)[:, 0]
+            jacobian[:, 1, 1] = causes.constant_by_centre - _sum(values[:, 1:], causes.by_centre)[:, 0]
+            right[:, 1, 1:] = values[:, 1, first : first + 2] / h[:, None]
         by_edges = np.empty((h.size, 3, 2))
         by_edges[..., 0] = h[:, None] * (_sum(read, causes.values) + _moved(read, rate, causes))
         by_edges[..., 1] = h[:, None] * _sum(read, causes.by_centre)
@@ -229,14 +231,14 @@ class FilmContact:
 
     def part(self, case: int) -> "FilmContact":
         """One of the cases."""
-        size, some = self.load.shape, slice(case, case + 1)
+        size, place = self.load.shape, slice(case, case + 1)
 
         def chosen(values: Array) -> Array:
-            return np.asarray(np.broadcast_to(values, size)[some])
+            return np.asarray(np.broadcast_to(values, size)[place])
 
-        own = None if self.punch_datum is None else chosen(self.punch_datum)
-        profile, charges = self.profile.part(some, size), self.charges[some]
-        return FilmContact(self.table, profile, self.load[some], charges, chosen(self.datum), own)
+        punch_datum = None if self.punch_datum is None else chosen(self.punch_datum)
+        profile, charges = self.profile.part(place, size), self.charges[place]
+        return FilmContact(self.table, profile, self.load[place], charges, chosen(self.datum), punch_datum)
 
     def potential(self, field: int) -> Array:
         """Electric [V] (field 0) or magnetic [A] (field 1) potential of the punch."""

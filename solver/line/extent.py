@@ -27,14 +27,14 @@ def extent(table: Table, loading: Loading, half_width: Array | None) -> tuple[Ar
     count = len(loading.loads)
     half, centre = np.empty(count), np.empty(count)
     for start in range(0, count, _CHUNK):
-        some = slice(start, start + _CHUNK)
-        part = loading.part(some)
+        block = slice(start, start + _CHUNK)
+        part = loading.part(block)
         if half_width is None:
-            half[some], centre[some] = _searched(table, part)
+            half[block], centre[block] = _searched(table, part)
         else:
-            _require_within(table, half_width[some])
-            half[some], centre[some] = half_width[some], 0.0
-        _refuse_tension(table, part, half[some], centre[some])
+            _require_within(table, half_width[block])
+            half[block], centre[block] = half_width[block], 0.0
+        _refuse_tension(table, part, half[block], centre[block])
     return half, centre
 
 
@@ -45,14 +45,14 @@ def _searched(table: Table, loading: Loading) -> tuple[Array, Array]:
     for _ in range(_STEPS):
         causes = loading.at(np.exp(log_half), centre)
         polynomials = table.polynomials(log_half)
-        now, moved = (np.tensordot(polynomials, c, 1) for c in (value, rate))
-        carried, balance = (dot(now[:, i], causes.values) for i in (0, 1))
-        widened, balance_width = (dot(moved[:, i], causes.values) + dot(now[:, i], causes.by_width) for i in (0, 1))
+        outputs, moved = (np.tensordot(polynomials, c, 1) for c in (value, rate))
+        carried, balance = (dot(outputs[:, i], causes.values) for i in (0, 1))
+        widened, balance_width = (dot(moved[:, i], causes.values) + dot(outputs[:, i], causes.by_width) for i in (0, 1))
         carried = np.where(carried > 0, carried, 1e-3 * load / np.exp(log_half))  # the bracket's upper end carries it
         miss = np.log(np.exp(log_half) * carried / load)
         by_width = 1 + widened / carried
         if smooth:
-            shifted, balance_centre = (dot(now[:, i], causes.by_centre) for i in (0, 1))
+            shifted, balance_centre = (dot(outputs[:, i], causes.by_centre) for i in (0, 1))
             by_centre = shifted / carried
             off = causes.constant - balance
             off_width = causes.constant_by_width - balance_width
@@ -75,8 +75,8 @@ def _searched(table: Table, loading: Loading) -> tuple[Array, Array]:
 def _start(table: Table, loading: Loading) -> tuple[Array, Array, Array, Array]:
     """log h and c/h by interpolation between the half-lengths of the table, and the bracket of log h of every case."""
     carried = load_at_nodes(table, loading)
-    asked, logs = loading.loads[:, :1], np.log(table.half_lengths)
-    enough = carried >= asked
+    load, logs = loading.loads[:, :1], np.log(table.half_lengths)
+    enough = carried >= load
     changes = np.sum(enough[:, 1:] != enough[:, :-1], -1)
     if np.any(changes > 1):
         raise LengthsError("contact: contacts of more than one length carry the load (charges too large for it)")
@@ -86,7 +86,7 @@ def _start(table: Table, loading: Loading) -> tuple[Array, Array, Array, Array]:
         raise RangeError(_beyond(table, "wider"))
     upper = np.argmax(enough, -1)[:, None]
     low, high = (np.take_along_axis(carried, i, -1) for i in (upper - 1, upper))
-    share = np.log(asked / np.maximum(low, 1e-3 * asked)) / np.log(high / np.maximum(low, 1e-3 * asked))
+    share = np.log(load / np.maximum(low, 1e-3 * load)) / np.log(high / np.maximum(low, 1e-3 * load))
     bracket = logs[upper[:, 0] - 1], logs[upper[:, 0]]
     log_half = bracket[0] + share[:, 0] * (bracket[1] - bracket[0])
     half = np.exp(log_half)

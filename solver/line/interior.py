@@ -98,18 +98,20 @@ class Interior:
         return np.searchsorted(ends, depth)
 
     def _rows(self, depth: Array, body: NDArray[np.intp], which: list[int]) -> Array:
-        """What the fields take of the state; (member, y, field, 8)."""
+        """Rows that give the fields from the state; (member, y, field, 8)."""
         rows = np.full((*depth.shape, len(which), 8), np.nan)
-        layer, own = self._stack.top, np.ones_like(depth, dtype=bool)
+        layer, homogeneous = self._stack.top, np.ones_like(depth, dtype=bool)
         if isinstance(layer, Graded):  # strain and traction meet at sublayers, the material is that of the depth
-            own = body >= self.sublayers
-            if not np.all(own):
-                share = np.minimum(depth[~own] / layer.thickness, 1.0)
-                rows[~own] = self._rows_of(Medium(layer.profile(share), self.body.scale, self._stack.speed), which)
+            homogeneous = body >= self.sublayers
+            if not np.all(homogeneous):
+                share = np.minimum(depth[~homogeneous] / layer.thickness, 1.0)
+                rows[~homogeneous] = self._rows_of(
+                    Medium(layer.profile(share), self.body.scale, self._stack.speed), which
+                )
         media = self._media
-        for number in np.unique(body[own]).tolist():
+        for number in np.unique(body[homogeneous]).tolist():
             if number < len(media):
-                rows[own & (body == number)] = self._rows_of(media[number], which)
+                rows[homogeneous & (body == number)] = self._rows_of(media[number], which)
         return rows
 
     def _rows_of(self, medium: Medium, which: list[int]) -> Array:
@@ -138,19 +140,19 @@ class Interior:
         shares = weights / np.pi / (1j * k if integrated else 1)
         share = max(_MOST // (min(k.size, _STEP) * depth.shape[1] * count * columns), 1)
         for first in range(0, k.size, _STEP):
-            here = slice(first, first + _STEP)
-            layers = waves(stack, k[here])
+            block = slice(first, first + _STEP)
+            layers = waves(stack, k[block])
             for start in range(0, h.size, share):
-                some = slice(start, start + share)
-                top = self.tractions.part(some).in_fourier_space(k[here])
-                own_waves = self._waves(layers, k[here], top, depth[some], body[some], rows)
-                own_waves *= shares[here, None, None, None]
-                x = X[some] if len(X) > 1 else X
-                _add(out[some], x * h[some, None], k[here], own_waves)
+                members = slice(start, start + share)
+                top = self.tractions.part(members).in_fourier_space(k[block])
+                own_waves = self._waves(layers, k[block], top, depth[members], body[members], rows)
+                own_waves *= shares[block, None, None, None]
+                x = X[members] if len(X) > 1 else X
+                _add(out[members], x * h[members, None], k[block], own_waves)
         if np.any(inside := np.any(body == 0, 0)):
             upper = (body[:, inside] == 0)[:, :, None, None, None]
-            own = self._halfplane(X, Y[:, inside], rows[0], integrated=integrated)
-            out[:, inside] += np.where(upper, own * h[:, None, None, None, None] if integrated else own, 0)
+            closed = self._halfplane(X, Y[:, inside], rows[0], integrated=integrated)
+            out[:, inside] += np.where(upper, closed * h[:, None, None, None, None] if integrated else closed, 0)
         if stack.rigid:
             out[body == len(stack.layers)] = np.nan
         return out
@@ -164,27 +166,27 @@ class Interior:
         ``top``: (i sigma_xy, sigma_yy, D_y, B_y) at the surface; (member, k, 4, column).
         """
         out: ComplexArray = np.zeros((*top.shape[:2], depth.shape[1], len(rows[0]), top.shape[-1]), np.complex128)
-        start, every = 0.0, np.arange(k.size)
+        start, all_waves = 0.0, np.arange(k.size)
         for number, layer in enumerate(layers):
             amplitude = layer.amplitude @ top
             for members, places, those in _blocks(body == number):
                 zeta = np.clip(depth[np.ix_(members, places)] - start, 0.0, layer.thickness)
-                own = layer_waves(layer, k, zeta, amplitude[members], rows[number], reflected=number == 0)
-                out[np.ix_(members, every, places)] += np.where(those[:, None, :, None, None], own, 0)
+                fields = layer_waves(layer, k, zeta, amplitude[members], rows[number], reflected=number == 0)
+                out[np.ix_(members, all_waves, places)] += np.where(those[:, None, :, None, None], fields, 0)
             start += layer.thickness
             top = below(layer, k, amplitude, self.body.grounded[number])
         base = self.body.base_medium
         if base is not None:
             for members, places, those in _blocks(body == len(layers)):
                 zeta = np.maximum(depth[np.ix_(members, places)] - start, 0.0)
-                own = modal(base, k, zeta, top[members], rows[-1])
-                out[np.ix_(members, every, places)] += np.where(those[:, None, :, None, None], own, 0)
+                fields = modal(base, k, zeta, top[members], rows[-1])
+                out[np.ix_(members, all_waves, places)] += np.where(those[:, None, :, None, None], fields, 0)
         return out
 
     def _halfplane(self, X: Array, Y: Array, rows: Array, *, integrated: bool) -> Array:
         """Rows of [u,x; t] of the half-plane of the top material; (member, y, row, x, column)."""
         medium, shape = self.body.media[0], (max(len(X), len(Y)), Y.shape[1], X.shape[1])
-        own = rows @ (TURN[:, None] * np.concatenate([medium.compliance, np.eye(4)]))
+        response = rows @ (TURN[:, None] * np.concatenate([medium.compliance, np.eye(4)]))
         out = np.zeros(())
         for rate, part in zip(*medium.modes, strict=True):
             z = np.empty(shape, np.complex128)  # x - c and the rate times the depth, over h
@@ -192,22 +194,22 @@ class Interior:
             z.imag = np.abs(rate.real * Y)[..., None]
             H = self.tractions.on_plane(z.reshape(shape[0], -1), integrated=integrated)
             H[0] *= 1j
-            out = out + ((-1j * own @ part) @ H.reshape(4, -1)).real
+            out = out + ((-1j * response @ part) @ H.reshape(4, -1)).real
         whole = out.reshape(len(rows), -1, *shape[1:], self.tractions.pressures.shape[-1])
         return np.moveaxis(whole, 0, 2)
 
 
 def _far(stack: Stack, totals: Array) -> list[Array]:
-    """What k (phi, psi) tends to in every body as k -> 0, of totals of the tractions; (member, 2, column) each."""
+    """Limit of k (phi, psi) as k -> 0 in every body, under totals of the tractions; (member, 2, column) each."""
     response = [np.zeros((4, 4)) if stack.base_medium is None else stack.base_medium.compliance]
     for held_below in reversed(stack.grounded):
         response.append(held(response[-1], held_below))
     *under, Y = response
     parts, t = [(Y @ totals)[:, 2:]], totals
     for Y, components in zip(under[::-1], stack.grounded, strict=True):
-        free, there = [i for i in range(4) if i not in components], list(components)
+        free, fixed = [i for i in range(4) if i not in components], list(components)
         t = np.array(t)
-        t[:, there] = -np.linalg.pinv(Y[np.ix_(there, there)]) @ Y[np.ix_(there, free)] @ t[:, free]
+        t[:, fixed] = -np.linalg.pinv(Y[np.ix_(fixed, fixed)]) @ Y[np.ix_(fixed, free)] @ t[:, free]
         parts.append((Y @ t)[:, 2:])
     return parts
 
@@ -249,5 +251,5 @@ def fields_of(tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...], 
     whole = parts(SUBLAYERS)
     if tractions.system.kernel.graded is not None:  # of second order in the thickness of the sublayers
         whole = whole + (whole - parts(SUBLAYERS // 2)) / 3
-    given = (*linear, *POTENTIALS)
-    return whole[:, [given.index(name) for name in names]]
+    available = (*linear, *POTENTIALS)
+    return whole[:, [available.index(name) for name in names]]

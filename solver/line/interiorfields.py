@@ -26,10 +26,10 @@ def interior_fields(films: Films, x: Array, y: Array, names: tuple[str, ...]) ->
         tractions = traction_window(films.kind, number).read(contact)
         datum = np.broadcast_to(contact.datum, places.shape)
         for start in range(0, places.size, together):
-            some = slice(start, start + together)
+            block = slice(start, start + together)
             for rows, columns in blocks:
-                values = fields_of(tractions.part(some), x[columns], y[rows], names, datum[some])
-                out[places[some], :, rows, columns] = values
+                values = fields_of(tractions.part(block), x[columns], y[rows], names, datum[block])
+                out[places[block], :, rows, columns] = values
     for number, name in enumerate(names):
         if name in POTENTIALS:
             out[:, number] *= films.thickness[:, None, None]

@@ -1,4 +1,4 @@
-"""What the outputs of a contact are linear in: powers of X in the punch's slope, and charges (films, section 4)."""
+"""Causes in which a contact's outputs are linear: powers of X in the punch's slope, and charges (films, section 4)."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -35,7 +35,7 @@ class Loading:
 
     @classmethod
     def of(cls, table: Table, profile: Profile, load: Array, charges: Array) -> Self:
-        """From SI values of cases.
+        """Return the loading of cases in SI units.
 
         load: (case,), P [N/m]; charges: (case, 2), T and J [C/m, Wb/m].
         """

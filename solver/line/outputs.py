@@ -1,4 +1,4 @@
-"""What a contact is asked for, as linear functionals of the unknowns of its system (films, sections 4 and 5).
+"""Outputs of a contact as linear functionals of the unknowns of its system (films, sections 4 and 5).
 
 Powers of the half-length are taken out: ``P = h load``, displacements ``u = h displacement``, edge intensities
 ``K = sqrt(h) intensity``. The displacements are means over the contact with weight (1 - X^2)^(3/2), and have the datum
@@ -59,8 +59,8 @@ def _displacements(assembly: Assembly) -> Array:
     compliance[0, 0] += c.punch[0]
     coupling[0] += c.punch[1]
     for columns, nodes, rule, carried in assembly.sources():
-        own = log_mean(nodes) @ rule + logarithm * rule.sum(0)
-        rows[..., columns] -= (compliance @ carried)[:, None] * own / np.pi
+        logarithms = log_mean(nodes) @ rule + logarithm * rule.sum(0)
+        rows[..., columns] -= (compliance @ carried)[:, None] * logarithms / np.pi
     rows[..., : basis.pressures] += c.friction * coupling[:, None] * basis.sign_moments
     return rows
 

@@ -25,11 +25,11 @@ def peak_pressure(contact: FilmContact) -> Array:
     count = int(np.flatnonzero(size > _NEGLIGIBLE * np.max(size))[-1]) + 1
     peaks = np.empty(contact.load.size)
     for start in range(0, peaks.size, _CHUNK):
-        some = slice(start, start + _CHUNK)
-        polynomials = contact.table.polynomials(np.log(contact.half_width[some]))
+        block = slice(start, start + _CHUNK)
+        polynomials = contact.table.polynomials(np.log(contact.half_width[block]))
         read = np.tensordot(polynomials, series[:, :count], 1)
-        own = np.einsum("cjq,cq->cj", read, contact.causes.values[some])
-        peaks[some] = largest(own, contact.exponent)
+        pressures = np.einsum("cjq,cq->cj", read, contact.causes.values[block])
+        peaks[block] = largest(pressures, contact.exponent)
     return np.asarray(peaks / contact.scale[1])
 
 
@@ -42,8 +42,8 @@ def largest(series: Array, exponent: float) -> Array:
     count = series.shape[1]
     grid = np.cos(np.pi * (np.arange(_SCAN * count) + 0.5) / (_SCAN * count))
     values = (1 - grid) ** A * (1 + grid) ** B * (series @ chebvander(grid, count - 1).T)
-    beside = np.pad(values, ((0, 0), (1, 1)), constant_values=-np.inf)
-    hill = (values >= beside[:, :-2]) & (values >= beside[:, 2:]) & (values >= _RIVAL * values.max(1, keepdims=True))
+    padded = np.pad(values, ((0, 0), (1, 1)), constant_values=-np.inf)
+    hill = (values >= padded[:, :-2]) & (values >= padded[:, 2:]) & (values >= _RIVAL * values.max(1, keepdims=True))
     cases, places = np.nonzero(hill)
     highest = np.full(len(series), -np.inf)
     np.maximum.at(highest, cases, _tops(series[cases], A, np.arccos(grid[places])))

@@ -21,10 +21,10 @@ SMOOTH = 4.0
 def material_from(constants: Constants, name: str) -> Material:
     """The material of constants."""
     *values, conductor = constants
-    given: dict[str, Any] = {
+    values_of: dict[str, Any] = {
         key: np.array(np.nan if value is None else value) for key, value in zip(UNITS, values, strict=True)
     }
-    return Material(**given, conductor=np.array(bool(conductor)), name=name, any_size=ANY_SIZE)
+    return Material(**values_of, conductor=np.array(bool(conductor)), name=name, any_size=ANY_SIZE)
 
 
 def constants_of(material: Material) -> Constants:
@@ -55,5 +55,5 @@ class PowerLaw:
     def __call__(self, depth: Array) -> Material:
         """The composite at depths over thickness, 0 to 1."""
         fraction = self.surface + (self.base - self.surface) * depth**self.exponent
-        one, two = (material_from(constants, "phase") for constants in self.phases)
-        return made(self.composite, (one, two), fraction)
+        first, two = (material_from(constants, "phase") for constants in self.phases)
+        return made(self.composite, (first, two), fraction)

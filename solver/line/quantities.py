@@ -86,19 +86,19 @@ def _short_circuit(uncharged: Films, field: int) -> Array:
     return np.asarray(state.charges[:, field] / state.load)
 
 
-def peaks(films: Films, asked: Set[str], tables: PeakTables | None = None) -> dict[str, Array]:
+def peaks(films: Films, requested: Set[str], tables: PeakTables | None = None) -> dict[str, Array]:
     """Quantities of ``solver.names.FILM_PEAKS`` that are asked for and the cases have; (case,) each.
 
     A film of several layers has those of its lowest interface and of its base.
     """
-    regions = [region for region in _regions(films.kind) if asked & set(PEAKS_OF[region])]
+    regions = [region for region in _regions(films.kind) if requested & set(PEAKS_OF[region])]
     if not regions:
         return {}
     parts = [
         (places, {name: peak for region in regions for name, peak in table.peaks(contacts, region).items()})
         for places, table, contacts in tables or _peak_tables(films)
     ]
-    return {name: values for name, values in joined(parts, films.load.size).items() if name in asked}
+    return {name: values for name, values in joined(parts, films.load.size).items() if name in requested}
 
 
 def curves(films: Films, regions: Sequence[str], tables: PeakTables | None = None) -> dict[str, Array]:
@@ -126,8 +126,8 @@ def _peak_tables(films: Films) -> PeakTables:
         raise StackError("peaks: are not given of a film that is graded")
     for places, number, contact in films.parts:
         require_depth(films.kind, contact.half_width)
-        of = peak_window(films.kind, number)
-        yield places, of, replace(contact, table=of.table)
+        table = peak_window(films.kind, number)
+        yield places, table, replace(contact, table=table.table)
 
 
 def require_depth(kind: Kind, half_lengths: Array) -> None:

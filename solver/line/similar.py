@@ -65,14 +65,14 @@ class Films:
         parts = [(places, {"output": output(contact)}) for places, _, contact in self.parts]
         return joined(parts, self.load.size)["output"]
 
-    def _contact(self, places: Indices, of: Table) -> FilmContact:
+    def _contact(self, places: Indices, table: Table) -> FilmContact:
         """Contacts of some cases on films of unit thickness: lengths, loads and charges over the thickness."""
         h = self.thickness[places]
 
         unit = self.profile.part(places, self.load.shape).in_units_of(h)
         charges = self.charges[places] / h[:, None]
-        own = None if self.punch_datum is None else self.punch_datum[places] / h
-        return FilmContact(of, unit, self.load[places] / h, charges, self.datum[places] / h, own)
+        punch_datum = None if self.punch_datum is None else self.punch_datum[places] / h
+        return FilmContact(table, unit, self.load[places] / h, charges, self.datum[places] / h, punch_datum)
 
     # -- windows -------------------------------------------------------------------------------------------------------
     @cached_property
@@ -100,16 +100,16 @@ class Films:
         if not np.all(carried):
             raise beyond(False, self.thickness[wide][~carried], "half-length")
 
-    def _beside(self, places: Indices, of: Table) -> Indices:
+    def _beside(self, places: Indices, table: Table) -> Indices:
         """-1 or 1 where the half-length is below or above a table's, 0 where it is within."""
-        enough = self._enough(places, of)
+        enough = self._enough(places, table)
         _require_one(enough)
         return np.where(enough[:, 0], -1, np.where(enough[:, -1], 0, 1))
 
-    def _enough(self, places: Indices, of: Table) -> BoolArray:
-        """Whether half-lengths of a table carry the load, or more; (case, node)."""
-        contact = self._contact(places, of)
-        load = load_at_nodes(of, Loading.of(of, contact.profile, contact.load, contact.charges))
+    def _enough(self, places: Indices, table: Table) -> BoolArray:
+        """True for half-lengths of a table that carry the load or more; (case, node)."""
+        contact = self._contact(places, table)
+        load = load_at_nodes(table, Loading.of(table, contact.profile, contact.load, contact.charges))
         return np.asarray(load >= contact.load[:, None] * contact.scale[1])
 
     def require_one_length(self) -> None:
@@ -119,13 +119,13 @@ class Films:
             return
         for number in np.unique(self._windows[charged]).tolist():
             places = np.flatnonzero(charged & (self._windows == number))
-            own = window(self.kind, number)
-            lengths, enough = [own.half_lengths], [self._enough(places, own)]
+            exact = window(self.kind, number)
+            lengths, enough = [exact.half_lengths], [self._enough(places, exact)]
             for other in {*range(max(number - _BELOW, FIRST), min(number + _ABOVE, LAST) + 1)} - {number}:
                 rough = window(self.kind, other, rough=True)
-                apart = (rough.half_lengths * _APART < own.lower) | (rough.half_lengths > own.upper * _APART)
-                lengths.append(rough.half_lengths[apart])
-                enough.append(self._enough(places, rough)[:, apart])
+                elsewhere = (rough.half_lengths * _APART < exact.lower) | (rough.half_lengths > exact.upper * _APART)
+                lengths.append(rough.half_lengths[elsewhere])
+                enough.append(self._enough(places, rough)[:, elsewhere])
             _require_one(np.concatenate(enough, -1)[:, np.argsort(np.concatenate(lengths))])
 
     @property

@@ -63,8 +63,8 @@ class Net:
             return (self._even(_OUTWARD),) * 2
         ends = (self.least, self.most)
         far = max(self._even(self._far(h) / self._near(h)) for h in ends)
-        beside = max(self._linear(self._near(h) / self._sharp(h)) for h in ends)
-        return far, beside, max(self._linear(2 * h / self._sharp(h)) for h in ends), beside, far
+        edge = max(self._linear(self._near(h) / self._sharp(h)) for h in ends)
+        return far, edge, max(self._linear(2 * h / self._sharp(h)) for h in ends), edge, far
 
     @property
     def down(self) -> int:

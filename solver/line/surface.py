@@ -4,12 +4,13 @@ At fixed positions X the fields are functions of log h, linear in the causes: a 
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
 from approximation.chebyshev import coefficients
 from solver.arrays import Array
+from solver.cache import cached
 from solver.fields import FIELDS
 from solver.line.assembly import Assembly
 from solver.line.contact import FilmContact
@@ -23,7 +24,6 @@ _TRACTIONS = slice(0, 3)  # sigma_yy, D_y, B_y
 _GRADIENTS = slice(3, 6)  # d(phi, psi, u_x)/dx
 _POSITIONS = 512  # at a time
 _VALUES = 1 << 17  # positions times cases at a time: bounded memory
-_TABLES = 32  # kept: 2 MB each at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class SurfaceTable:
         return coefficients(values)
 
     def fields(self, contact: FilmContact) -> dict[str, Array]:
-        """As :func:`fields`, of contacts that were read from the same table."""
+        """Fields like :func:`fields`, for contacts read from the same table."""
         read = np.tensordot(self.table.polynomials(np.log(contact.half_width)), self.series, 1)
         whole = np.einsum("cfpq,cq->cfp", read, contact.causes.values)
         return of_local(self.table.system, whole)
@@ -94,21 +94,21 @@ def local_fields(assembly: Assembly) -> Array:
     charged[1, inside] = np.sin(angle * orders) / np.sin(angle)  # U_(n-1)
     pressed[1, ~inside], charged[1, ~inside] = basis.transforms(beyond)
     for columns, _, rule, carried in assembly.sources():
-        own = pressed if rule.shape[1] == basis.pressures and columns.start == 0 else charged
-        t[..., columns] = carried[:, None, None] * own[0]
-        H[..., columns] = carried[:, None, None] * own[1]
+        source = pressed if rule.shape[1] == basis.pressures and columns.start == 0 else charged
+        t[..., columns] = carried[:, None, None] * source[0]
+        H[..., columns] = carried[:, None, None] * source[1]
     fields = np.empty((assembly.half_lengths.size, 6, X.size, count))
     fields[:, _TRACTIONS] = t
     smooth = assembly.gradients[:, 1:]
-    own = np.tensordot(c.compliance[1:], H, 1) + c.friction * c.coupling[1:, None, None] * t[0]
+    source = np.tensordot(c.compliance[1:], H, 1) + c.friction * c.coupling[1:, None, None] * t[0]
     along = c.tangential * c.friction * H[0] - np.tensordot(c.coupling, t, 1)
-    fields[:, _GRADIENTS] = smooth + np.concatenate([own, along[None]])
+    fields[:, _GRADIENTS] = smooth + np.concatenate([source, along[None]])
     for f in c.fields:
         fields[:, 3 + f, inside] = 0.0  # an equipotential
     return fields
 
 
-@lru_cache(_TABLES)
+@cached
 def _surface_window(kind: Kind, number: int, positions: tuple[float, ...]) -> SurfaceTable:
     return SurfaceTable(window(kind, number), np.array(positions))
 

@@ -49,14 +49,14 @@ class Coefficients:
 
     @classmethod
     def of(cls, sliding: Sliding, scale: Array) -> "Coefficients":
-        """From a sliding without case axes.
+        """Return the coefficients of a sliding without case axes.
 
         scale: (4,), that of the stack.
         """
         half, units = sliding.halfplane, scale[1:]
-        both = units[:, None] * units
+        scales = units[:, None] * units
         fields = tuple(int(f) for f in np.flatnonzero(sliding.conducts))
-        N = half.compliance / both
+        N = half.compliance / scales
         conducted = np.array(fields, dtype=int) + 1
         lam = float(sliding.lam) / units[0] ** 2
         kap = float(sliding.kap) / units[0] ** 2

@@ -15,8 +15,7 @@ from approximation.chebyshev import coefficients
 from approximation.piecewise import Interval
 from solver.arrays import Array
 from solver.halfplane.pressing import ContactError
-from solver.halfplane.punch import RIGID_PUNCH, Punch
-from solver.halfplane.sliding import Sliding
+from solver.halfplane.sliding import RIGID_PUNCH, Punch, Sliding
 from solver.line import outputs
 from solver.line.assembly import Assembly
 from solver.line.basis import Basis

@@ -1,26 +1,220 @@
 """Tractions on the contacts of many films in the basis of one table, and their transforms (films, sections 4, 6)."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebint, chebvander
 from numpy.typing import NDArray
+from scipy.special import binom, gamma, j0, j1
 
-from approximation.chebyshev import coefficients
-from solver.arrays import Array, ComplexArray, selected
-from solver.line.antiderivatives import Antiderivatives
+from approximation.chebyshev import coefficients, gauss_points
+from solver.arrays import Array, BoolArray, ComplexArray, selected
+from solver.halfplane.potentials import LINE, LINE_WEIGHTS
 from solver.line.assembly import Assembly
-from solver.line.basis import Basis
+from solver.line.basis import CANCELS, RULES, Basis, by_gauss, ellipse, gauss_jacobi, jacobi, off_contact
 from solver.line.contact import FilmContact
 from solver.line.system import System
 from solver.line.table import BATCH, Table
-from solver.line.transforms import Transforms
 from solver.stack.layers import Stack
 from solver.stack.wavenumbers import tapered
 
-_FAR = 8.0  # thicknesses from which fields are far, where a smooth end of the wavenumbers costs less than rounding
+_MOMENTS_FROM = 2.0  # |z| from which F_0 is a series of moments
+_START: ComplexArray = np.array([2j])
+_MOMENTS = 60
+_BLOCK = 4096  # points of a path at a time: bounded memory
+
+
+@dataclass(frozen=True, eq=False)
+class Antiderivatives:
+    """Antiderivatives F of the basis's transforms at complex points z, Im z >= 0 (films, section 6).
+
+        F_j(z) = -(1/pi) int w P_j log[(z - S)/i] dS,   F_j' = H[w P_j],
+
+    and so for the fields' terms. By parts F_j = -H[w+ P_(j-1)+]/(2j), j >= 1, with exponents A + 1 and B + 1.
+    """
+
+    basis: Basis
+
+    def charged(self, z: ComplexArray) -> ComplexArray:
+        """Antiderivatives of T_n / sqrt(1 - X^2); (..., M + 1)."""
+        outer = ellipse(z)[0]
+        powers: ComplexArray = np.empty((self.basis.terms + 1, *z.shape), np.complex128)
+        powers[0], inverse = 1.0, 1 / outer
+        for n in range(self.basis.terms):
+            powers[n + 1] = powers[n] * inverse
+        powers[0] = -np.log(outer / 2j)
+        return np.asarray(np.moveaxis(powers, 0, -1) / np.maximum(np.arange(self.basis.terms + 1), 1))
+
+    def pressed(self, z: ComplexArray, terms: Array) -> ComplexArray:
+        """Antiderivatives of w sum_j terms_j P_j; (point, c).
+
+        z: (point,), Im z >= 0; terms: (pressures, c).
+        """
+        return np.asarray(self._first(z)[:, None] * terms[0] + self._others(z, terms[1:]))
+
+    def _first(self, z: ComplexArray) -> ComplexArray:
+        """F_0; (point,)."""
+        out: ComplexArray = np.empty(z.shape, np.complex128)
+        far = np.abs(z) >= _MOMENTS_FROM
+        out[far] = self._far(z[far])
+        near, start = z[~far], self._far(_START)
+        columns = []
+        for block in range(0, near.size, _BLOCK):
+            path = near[block : block + _BLOCK] - _START
+            line = _START + path[:, None] * LINE
+            columns.append(start + path * (self._first_transform(line) @ LINE_WEIGHTS))
+        out[~far] = np.concatenate(columns) if columns else 0
+        return out
+
+    def _far(self, z: ComplexArray) -> ComplexArray:
+        """F_0 at |z| >= 2."""
+        A, B = self.basis.exponents
+        S, weights = gauss_jacobi(_MOMENTS // 2 + 2, A, B)
+        orders = np.arange(1, _MOMENTS + 1)
+        moments = weights @ S[:, None] ** orders / orders
+        return np.asarray((z[:, None] ** -orders @ moments - self.basis.total * np.log(z / 1j)) / np.pi)
+
+    def _first_transform(self, z: ComplexArray) -> ComplexArray:
+        A, B = self.basis.exponents
+        whole = self.basis.gain / 2.0**self.basis.order * (z - 1) ** A * (z + 1) ** B
+        return np.asarray(whole - self.basis.local(z)[..., 0])
+
+    def _others(self, z: ComplexArray, terms: Array) -> ComplexArray:
+        """Sum of F_j, j >= 1; (point, c)."""
+        share = -terms / (2 * np.arange(1, len(terms) + 1))[:, None]
+        return off_contact(
+            z,
+            self.basis.terms,
+            self._raised,
+            share,
+            lambda near: self._near(near, share) + self._polynomial(near, terms),
+        )
+
+    @property
+    def _raised(self) -> tuple[float, float]:
+        """A + 1 and B + 1."""
+        A, B = self.basis.exponents
+        return A + 1, B + 1
+
+    def _near(self, z: ComplexArray, share: Array) -> ComplexArray:
+        """The part near the contact that is no polynomial."""
+        A, B = self.basis.exponents
+        edge = -((z - 1) ** (A + 1)) * (z + 1) ** (B + 1) / np.sin(np.pi * A)
+        return np.asarray(edge[:, None] * (jacobi(len(share), A + 1, B + 1, z) @ share))
+
+    def _polynomial(self, z: ComplexArray, terms: Array) -> ComplexArray:
+        series, constants = self._series
+        values = chebvander(z, len(series) - 1)
+        return np.asarray(values @ (series @ terms) + constants @ terms)
+
+    @cached_property
+    def _series(self) -> tuple[Array, Array]:
+        """Minus the integrals of the polynomial parts, j >= 1, and their constants, from a point off the contact."""
+        size, count = self.basis.terms + 2, self.basis.pressures - 1
+        series = -chebint(coefficients(self.basis.local(gauss_points(size))[:, 1:]))
+        z: ComplexArray = 1j * np.sinh(np.array([CANCELS / (2 * self.basis.terms)]))
+        share = -np.eye(count) / (2 * np.arange(1, count + 1))
+        exact = by_gauss(z, int(np.ceil(RULES[0][0] * self.basis.terms)), self._raised, share)
+        known = self._near(z, share) + chebvander(z, len(series) - 1) @ series
+        return np.asarray(series), np.asarray((exact - known)[0].real)
+
+
+_LEAST = 30.0  # q from which the series about the edges are exact to rounding
+_SERIES = 19
+_ABOVE = 1.2  # q over the number of terms from which the recurrences are used
+
+Recurrence = Callable[[Array, int], Iterator[ComplexArray]]
+
+
+@dataclass(frozen=True, eq=False)
+class Transforms:
+    """Fourier transforms of one basis (films, section 4): by recurrence where they oscillate, or by rules.
+
+        I_j(q) = int w P_j exp(-i q X) dX,   int T_n exp(-i q X) / sqrt(1 - X^2) dX = pi (-i)^n J_n(q)
+
+    A forward recurrence in j is stable as long as j < q; its start is the sum of two series about the edges.
+    """
+
+    basis: Basis
+
+    @property
+    def _switch(self) -> float:
+        return _ABOVE * self.basis.terms + _LEAST
+
+    @cached_property
+    def _fine(self) -> Basis:
+        return replace(self.basis, samples=self.basis.terms + 20 + int(self._switch / 2))
+
+    def pressed(self, q: Array, terms: Array) -> ComplexArray:
+        """Transforms of the pressure; (member, q, column).
+
+        q: (member, q), >= 0; terms: (member, pressures, column).
+        """
+        return self._whole(q, terms, self._fine.pressure_rule, self._jacobi)
+
+    def charged(self, q: Array, terms: Array) -> ComplexArray:
+        """Transforms of a field's charges; (member, q, column).
+
+        q: (member, q), >= 0; terms: (member, M + 1, column).
+        """
+        return self._whole(q, terms, self._fine.charge_rule, self._bessel)
+
+    def _whole(self, q: Array, terms: Array, rule: tuple[Array, Array], recurrence: Recurrence) -> ComplexArray:
+        out: ComplexArray = np.empty((*q.shape, terms.shape[-1]), np.complex128)
+        slow: BoolArray = np.asarray(np.min(q, 0, initial=np.inf) < self._switch)  # by wavenumber: some member is slow
+        nodes, weights = rule
+        sources = weights @ terms
+        phase = q[:, slow, None] * nodes
+        out[:, slow] = np.cos(phase) @ sources - 1j * (np.sin(phase) @ sources)
+        summed: ComplexArray = np.zeros((*q[:, ~slow].shape, terms.shape[-1]), np.complex128)
+        for number, values in enumerate(recurrence(q[:, ~slow], terms.shape[1])):
+            summed += values[..., None] * terms[:, None, number]
+        out[:, ~slow] = summed
+        return out
+
+    def _jacobi(self, q: Array, count: int) -> Iterator[ComplexArray]:
+        """I_j, j < count."""
+        A, B = self.basis.exponents
+        before: ComplexArray = np.conj(_edges(A, B, q))
+        yield before
+        current: ComplexArray = (A + 1) * before - (A + B + 2) / 2 * np.conj(_edges(A + 1, B, q))
+        for j in range(1, count):
+            yield current
+            t = 2 * j + A + B
+            above = 2 * (j + 1) * (j + A + B + 1) / ((t + 1) * (t + 2))
+            constant = (A - B) / t - (B * B - A * A) / (t * (t + 2))
+            beneath = 2 * (j + A) * (j + B) / t * (1 - j / (t + 1))
+            factor = j * constant - 1j * j * (j + A + B + 1) / q
+            current, before = (factor * current + beneath * before) / (j * above), current
+
+    def _bessel(self, q: Array, count: int) -> Iterator[ComplexArray]:
+        """pi (-i)^n J_n, n < count."""
+        before, current = j0(q), j1(q)
+        for n in range(count):
+            yield np.asarray(np.pi * (-1j) ** n * before, dtype=np.complex128)
+            before, current = current, 2 * (n + 1) / q * current - before
+
+
+def _edges(A: float, B: float, q: Array) -> ComplexArray:
+    """int (1 - X)^A (1 + X)^B exp(i q X) dX at large q, by its series about both edges."""
+    orders = np.arange(_SERIES)
+    out: ComplexArray = np.zeros(q.shape, np.complex128)
+    for exponent, other, sign in ((A, B, 1), (B, A, -1)):
+        factors = binom(other, orders) * 2.0 ** (other - orders) * (-1.0) ** orders * gamma(exponent + orders + 1)
+        inverse = 1 / (sign * 1j * q)
+        series: ComplexArray = np.zeros(q.shape, np.complex128)
+        for factor in factors[::-1]:
+            series = series * inverse + factor
+        out += np.exp(sign * 1j * q) * inverse ** (exponent + 1) * series
+    return out
+
+
+_LONG_WAVES = (
+    8.0  # thicknesses from which fields are far, where a smooth end of the wavenumbers costs less than rounding
+)
 _SPAN = 32.0  # ratio of the distances that share wavenumbers
 _MOST = 1 << 20  # entries of a block of exponentials: bounded memory
 
@@ -66,13 +260,13 @@ class Tractions:
 
         The fields are read at distances from ``nearest`` to ``reach`` from the edges [m].
         """
-        k, weights, taper = tapered(body, width, np.array([nearest, reach]), _FAR)
+        k, weights, taper = tapered(body, width, np.array([nearest, reach]), _LONG_WAVES)
         return k, weights * taper
 
     def by_distance(self, body: Stack, X: Array) -> list[NDArray[np.intp]]:
         """Columns of positions X (member or 1, x) that share wavenumbers: far from the contact short waves vanish."""
         nearest = np.min(np.abs(X) * self.half_lengths[:, None], axis=0) - self.longest
-        octave = np.floor(np.log(np.maximum(nearest / (_FAR * body.thickness), 1 / _SPAN)) / np.log(_SPAN))
+        octave = np.floor(np.log(np.maximum(nearest / (_LONG_WAVES * body.thickness), 1 / _SPAN)) / np.log(_SPAN))
         return [np.flatnonzero(octave == number) for number in np.unique(octave)]
 
     def _vector(self, normal: ComplexArray, fields: Sequence[ComplexArray]) -> list[ComplexArray]:
@@ -84,7 +278,7 @@ class Tractions:
     def in_fourier_space(self, k: Array) -> ComplexArray:
         """(i sigma_xy, sigma_yy, D_y, B_y) at the surface at wavenumbers k [1/m]; (member, k, 4, column)."""
         h, columns = self.half_lengths, self.pressures.shape[-1]
-        both = np.concatenate([self.charges[:, 0], self.charges[:, 1]], -1)
+        charges = np.concatenate([self.charges[:, 0], self.charges[:, 1]], -1)
         sums: ComplexArray = np.empty((h.size, k.size, 3 * columns), np.complex128)
         step = max(_MOST // (2 * self.basis.terms * h.size), 1)
         for start in range(0, k.size, step):
@@ -92,7 +286,7 @@ class Tractions:
             phase = h[:, None] * k[start : start + step]
             for terms, out, transforms in (
                 (self.pressures, part[..., :columns], self._transforms.pressed),
-                (both, part[..., columns:], self._transforms.charged),
+                (charges, part[..., columns:], self._transforms.charged),
             ):
                 out[...] = transforms(phase, terms)
         normal, *fields = np.split(sums, 3, -1)

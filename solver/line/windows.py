@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Self
 
 import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.halfplane.punch import Punch
+from solver.cache import cached
+from solver.halfplane.sliding import Punch
 from solver.line.peaks import PeakTable
 from solver.line.powerlaw import Constants, constants_of, material_from
 from solver.line.stressnets import DEPTH
@@ -27,15 +27,13 @@ FIRST = int(np.floor(_A_DECADE * np.log10(LEAST)))
 LAST = int(np.ceil(_A_DECADE * np.log10(MOST))) - 1
 _ACCURACY = 1.25  # factor on the number of terms: 1e-9 of tractions that are next to zero, too
 _ROUGH_NODES, _ROUGH_ACCURACY = 8, 0.5  # of their tables: 1e-3 of the load, for a fifth of the time
-_TABLES, _PEAK_TABLES, _TRACTION_TABLES = 512, 32, 64  # kept: 0.4 MB, some MB and 0.1 MB each
-_STACKS = 256
 
 
 @dataclass(frozen=True)
 class Coat:
-    """One layer, as what tables are told apart by."""
+    """One layer as hashable values, which identify tables."""
 
-    of: Constants | Callable[[Array], Material]  # Constants of a homogeneous layer, or the profile of a graded one
+    content: Constants | Callable[[Array], Material]  # Constants of a homogeneous layer, or the profile of a graded one
     thickness: float = 1.0  # Over that of the top layer
     # What the interface below is to each field; None for the default
     electric: str | None = None
@@ -43,20 +41,20 @@ class Coat:
 
     @classmethod
     def like(cls, layer: Layer, unit: float) -> Self:
-        """Of a layer."""
-        of = layer.profile if isinstance(layer, Graded) else constants_of(layer.material)
-        return cls(of, layer.thickness / unit, layer.electric, layer.magnetic)
+        """Return the coat of a layer, lengths over a unit [m]."""
+        content = layer.profile if isinstance(layer, Graded) else constants_of(layer.material)
+        return cls(content, layer.thickness / unit, layer.electric, layer.magnetic)
 
     def layer(self) -> Layer:
         """The layer."""
-        if callable(self.of):
-            return Graded(self.of, self.thickness, self.electric, self.magnetic)
-        return Layer(material_from(self.of, "film"), self.thickness, self.electric, self.magnetic)
+        if callable(self.content):
+            return Graded(self.content, self.thickness, self.electric, self.magnetic)
+        return Layer(material_from(self.content, "film"), self.thickness, self.electric, self.magnetic)
 
 
 @dataclass(frozen=True)
 class Kind:
-    """What cases share that one set of tables answers."""
+    """Properties that cases answered by one set of tables share."""
 
     layers: tuple[Coat, ...]  # From the top down
     base: Constants | None  # Constants of the base; none: rigid
@@ -79,19 +77,19 @@ class Kind:
 
     @property
     def graded(self) -> bool:
-        """Whether the material of the top layer varies with depth."""
-        return callable(self.layers[0].of)
+        """True if the material of the top layer varies with depth."""
+        return callable(self.layers[0].content)
 
     def homogeneous(self, depth: float) -> Self:
         """The kind with the material of a graded top layer at one depth over its thickness."""
         top = self.layers[0]
-        assert callable(top.of)
-        coat = replace(top, of=constants_of(top.of(np.array(depth))))
+        assert callable(top.content)
+        coat = replace(top, content=constants_of(top.content(np.array(depth))))
         return replace(self, layers=(coat, *self.layers[1:]))
 
     @property
     def uniform(self) -> bool:
-        """Whether the film is one homogeneous layer."""
+        """True if the film is one homogeneous layer."""
         return len(self.layers) == 1 and not self.graded
 
     @property
@@ -105,20 +103,20 @@ class Kind:
         return total
 
 
-@lru_cache(_STACKS)
+@cached
 def _stack(layers: tuple[Coat, ...], base: Constants | None, speed: float, electroded: bool) -> Stack:
     """One stack for all tables of it: what is found once for a stack, is found once."""
-    made = tuple(coat.layer() for coat in layers)
-    return Stack(made, RIGID if base is None else material_from(base, "base"), speed, electroded)
+    built = tuple(coat.layer() for coat in layers)
+    return Stack(built, RIGID if base is None else material_from(base, "base"), speed, electroded)
 
 
-@lru_cache(_STACKS)
+@cached
 def critical(kind: Kind) -> float:
     """First critical speed [m/s] of films of a kind, whatever their thickness."""
     return critical_speed(kind.stack(), kind.conducts)
 
 
-@lru_cache(_TABLES)
+@cached
 def window(kind: Kind, number: int, *, rough: bool = False) -> Table:
     """Table of a film of unit thickness over one window of half-lengths, counted in half decades from 1."""
     ends = 10.0 ** (np.array([number, number + 1]) / _A_DECADE) * np.array([1 / _OVERLAP, _OVERLAP])
@@ -131,13 +129,13 @@ def window(kind: Kind, number: int, *, rough: bool = False) -> Table:
     )  # fmt: skip
 
 
-@lru_cache(_TRACTION_TABLES)
+@cached
 def traction_window(kind: Kind, number: int) -> TractionTable:
     """Tractions over one window."""
     return TractionTable(window(kind, number))
 
 
-@lru_cache(_PEAK_TABLES)
+@cached
 def peak_window(kind: Kind, number: int) -> PeakTable:
     """Stresses over one window; of a film no wider than it has a depth below 0.1 h."""
     whole = window(kind, number)
@@ -151,23 +149,23 @@ def number_of(ratio: Array) -> Indices:
 
 
 def searched(
-    guess: Array, beside: Callable[[Indices, int], Indices], thickness: Array, size: str, load: str
+    guess: Array, direction: Callable[[Indices, int], Indices], thickness: Array, size: str, load: str
 ) -> Indices:
     """The window of every contact, from a guess on; (case,).
 
     guess: (case,), half-length or radius over the thickness; thickness: (case,), of the top layers [m].
     """
     numbers = number_of(guess)
-    asked = np.arange(numbers.size)
+    open_cases = np.arange(numbers.size)
     for _ in range(LAST - FIRST + 2):
-        moved = np.zeros(asked.size, dtype=np.intp)
-        for number in np.unique(numbers[asked]).tolist():
-            here = numbers[asked] == number
-            moved[here] = beside(asked[here], number)
-        asked, moved = asked[moved != 0], moved[moved != 0]
-        if not asked.size:
+        moved = np.zeros(open_cases.size, dtype=np.intp)
+        for number in np.unique(numbers[open_cases]).tolist():
+            in_window = numbers[open_cases] == number
+            moved[in_window] = direction(open_cases[in_window], number)
+        open_cases, moved = open_cases[moved != 0], moved[moved != 0]
+        if not open_cases.size:
             return numbers
-        numbers[asked] += moved
+        numbers[open_cases] += moved
         if np.any((numbers < FIRST) | (numbers > LAST)):
             raise beyond(bool(np.any(numbers < FIRST)), thickness, size)
     raise LengthsError(
@@ -176,7 +174,7 @@ def searched(
 
 
 def beyond(narrower: bool, thickness: Array, size: str) -> RangeError:
-    """What refuses contacts that are narrower, or else wider, than what is resolved."""
+    """Error for contacts that are narrower, or else wider, than the resolved range."""
     how = "narrower" if narrower else "wider"
     return RangeError(
         f"contact: {how} than the resolved range, {LEAST:g} to {MOST:g} of {size} over thickness ({told(thickness)})"

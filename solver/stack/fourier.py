@@ -54,11 +54,11 @@ class Medium:
     @cached_property
     def _blocks(self) -> tuple[Array, Array, Array]:
         """W, Q_s and T^-1; (..., 4, 4) each."""
-        both = self.scale[..., :, None] * self.scale[..., None, :]
+        scales = self.scale[..., :, None] * self.scale[..., None, :]
         Q, R, T = self.material.generalised_stiffness()
         if self.speed:
             Q = Q - column(self.halfplane.inertia) * np.diag([1.0, 1.0, 0.0, 0.0])
-        Q, R, T = Q * both, R * both, T * both
+        Q, R, T = Q * scales, R * scales, T * scales
         T_inv: Array = np.asarray(np.linalg.inv(T), dtype=np.float64)
         W: Array = MIRROR @ R @ T_inv
         return W, Q - R @ T_inv @ np.swapaxes(R, -1, -2), T_inv
@@ -91,9 +91,9 @@ class Medium:
         if np.linalg.cond(vectors) < _WELL_CONDITIONED:
             return values.astype(np.complex128), np.einsum("ij,jk->jik", vectors, np.linalg.inv(vectors)) + 0j
         nodes, parts = spectrum(self.halfplane)
-        there = np.any(parts != 0, (-2, -1))
+        nonzero = np.any(parts != 0, (-2, -1))
         turned = self.scale / self.halfplane.scale * np.array([1j, 1, 1, 1])
-        return 1j * np.conj(nodes[there]), turned[:, None] * np.conj(parts[there]) / turned
+        return 1j * np.conj(nodes[nonzero]), turned[:, None] * np.conj(parts[nonzero]) / turned
 
     @cached_property
     def slowest(self) -> Array:

@@ -88,7 +88,7 @@ def staircase(stack: Stack, count: int) -> Stack:
 
 
 def extrapolated(by_count: Callable[[int], Array], counts: tuple[int, ...]) -> Array:
-    """What staircases tend to, in even powers of their steps (Romberg)."""
+    """Limit of staircases, in even powers of their steps (Romberg)."""
     table = [by_count(count) for count in counts]
     for order in range(1, len(table)):
         table = [fine + (fine - coarse) / (4**order - 1) for coarse, fine in pairwise(table)]
@@ -124,8 +124,8 @@ class GradedMedium:
     def at(self, depth: Array) -> tuple[Array, Array]:
         """Y0 and G at depths [m]; (..., 4, 4) each."""
         polynomials = chebvander(2 * depth / self.layer.thickness - 1, _DEPTHS - 1)
-        both = np.tensordot(polynomials, self._constants, 1)
-        return both[..., 0, :, :], both[..., 1, :, :]
+        constants = np.tensordot(polynomials, self._constants, 1)
+        return constants[..., 0, :, :], constants[..., 1, :, :]
 
     @cached_property
     def tails(self) -> Array:
@@ -169,11 +169,13 @@ class GradedMedium:
         ends = np.expm1(crowding * np.arange(count + 1) / count) / np.expm1(crowding)
         Y = np.where((window < self.layer.thickness)[:, None, None], self.at(window)[0], below)
         for i in range(count - 1, -1, -1):
-            own, G = self.at(window * (ends[:, i] + ends[:, i + 1]) / 2)
+            compliance, G = self.at(window * (ends[:, i] + ends[:, i + 1]) / 2)
             E = falling(G, k * window * (ends[:, i + 1] - ends[:, i]))
-            F = (FLIP * E) @ np.linalg.solve(FLIP * own + Y, own - Y) @ E
-            both = np.swapaxes(F, -1, -2)
-            Y = own - (own + FLIP * own) @ np.swapaxes(np.linalg.solve(np.eye(4) + both, both), -1, -2)
+            F = (FLIP * E) @ np.linalg.solve(FLIP * compliance + Y, compliance - Y) @ E
+            transposed = np.swapaxes(F, -1, -2)
+            Y = compliance - (compliance + FLIP * compliance) @ np.swapaxes(
+                np.linalg.solve(np.eye(4) + transposed, transposed), -1, -2
+            )
         return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
 
 
@@ -194,12 +196,12 @@ class GradedResponse:
     @cached_property
     def tails(self) -> Array:
         """Y1 to Y4; (4, 4, 4)."""
-        own = self._medium.tails
-        return grounded_tails(self.stack, own) if self.stack.electroded else own
+        tails = self._medium.tails
+        return grounded_tails(self.stack, tails) if self.stack.electroded else tails
 
     def _solved(self, k: Array) -> Array:
-        own = self._medium.difference(k, body_below(self.stack, k))
-        return grounded(self.stack, own) if self.stack.electroded else own
+        difference = self._medium.difference(k, body_below(self.stack, k))
+        return grounded(self.stack, difference) if self.stack.electroded else difference
 
     @cached_property
     def _table(self) -> Piecewise:

@@ -78,8 +78,8 @@ class Layer:
             "electric": electric,
             "magnetic": magnetic,
         }
-        for name, given in values.items():
-            object.__setattr__(self, name, given)
+        for name, entry in values.items():
+            object.__setattr__(self, name, entry)
         if not is_finite(self.thickness) or not self.thickness > 0:
             raise StackError(f"thickness: {self.thickness!r} is not allowed; a finite number > 0 [m]")
         _require_single(self.material, "material")
@@ -160,7 +160,7 @@ class Stack:
 
     @property
     def rigid(self) -> bool:
-        """Whether the base is rigid."""
+        """True if the base is rigid."""
         return isinstance(self.base, str)
 
     @property
@@ -175,12 +175,12 @@ class Stack:
 
     @property
     def insulated(self) -> bool:
-        """Whether B_y = 0 on a rigid base, so that all magnetic flux leaves sideways."""
+        """True if B_y = 0 on a rigid base, so that all magnetic flux leaves sideways."""
         return self.rigid and self.layers[-1].magnetic == "insulated"
 
     @cached_property
     def conductors(self) -> tuple[bool, ...]:
-        """Whether each layer, and the base last, is a conductor.
+        """True for each layer, and the base last, that is a conductor.
 
         One potential fills it: away from k = 0 that of a conductor without end is zero at both its faces, whatever its
         charge.

@@ -19,10 +19,10 @@ def modal(
     which it starts; rows: (row, 8).
     """
     rates, parts = medium.modes
-    own = np.concatenate([medium.compliance, np.eye(4)]) @ parts
+    states = np.concatenate([medium.compliance, np.eye(4)]) @ parts
     if upward:
-        own = np.concatenate([-MIRROR @ medium.compliance, MIRROR]) @ parts @ MIRROR
-    modes = (rows @ (TURN[:, None] * own)).reshape(-1, 4) @ t  # (member, k, mode and row, column)
+        states = np.concatenate([-MIRROR @ medium.compliance, MIRROR]) @ parts @ MIRROR
+    modes = (rows @ (TURN[:, None] * states)).reshape(-1, 4) @ t  # (member, k, mode and row, column)
     exponent = (k[:, None] * depth[:, None, :])[..., None]
     decay: ComplexArray = np.empty((*exponent.shape[:-1], rates.size), np.complex128)
     size, phase = np.exp(-exponent * rates.real), exponent * rates.imag

@@ -68,35 +68,37 @@ def _recursion(stack: Stack, k: Array, first: int) -> tuple[Array, list[LayerWav
     for number in range(len(stack.layers) - 1, first - 1, -1):
         medium, thickness = stack.media[number], stack.layers[number].thickness
         before, Y = Y, held(Y, stack.grounded[number])
-        own = medium.compliance
-        A, B = FLIP * own + Y, own - Y
+        compliance = medium.compliance
+        A, B = FLIP * compliance + Y, compliance - Y
         if stack.insulated and number == len(stack.layers) - 1:
             A[:, 3], B[:, 3] = np.eye(4)[3], -np.eye(4)[3]
         reflection: Array = np.asarray(np.linalg.solve(A, B), dtype=np.float64)
         E = falling(medium.decay, k * thickness)
         round_trip = (FLIP * E) @ reflection @ E
-        added = _difference(own, round_trip)
+        added = _difference(compliance, round_trip)
         if np.any(long):
             lowest = number == len(stack.layers) - 1
             through = _transfer(medium, k[long] * thickness)
-            added[long] = (_above_insulated(through) if lowest else _above(through, Y[long])) - own
+            added[long] = (_above_insulated(through) if lowest else _above(through, Y[long])) - compliance
         waves.append(LayerWaves(medium, thickness, before, reflection, round_trip, added))
-        Y = own + added
+        Y = compliance + added
     return Y, waves[::-1]
 
 
-def _difference(own: Array, round_trip: Array) -> Array:
+def _difference(compliance: Array, round_trip: Array) -> Array:
     """Y_top - Y0 = -(Y0 + S Y0 S) F (I + F)^-1, from the transposed system; (k, 4, 4), symmetric."""
     both = np.swapaxes(round_trip, -1, -2)
     answer = np.swapaxes(np.linalg.solve(np.eye(4) + both, both), -1, -2)
-    Y = -(own + FLIP * own) @ answer
+    Y = -(compliance + FLIP * compliance) @ answer
     return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
 
 
 def _transfer(medium: Medium, s: Array) -> Array:
     """(k u, t) at the top of a layer from those at its bottom, every entry to full accuracy, s = k h; (k, 8, 8)."""
-    own = medium.halfplane.scale / medium.scale  # in units of its own, entries of the system are of the order of one
-    units = np.concatenate([own, 1 / own])
+    units_ratio = (
+        medium.halfplane.scale / medium.scale
+    )  # in units of its own, entries of the system are of the order of one
+    units = np.concatenate([units_ratio, 1 / units_ratio])
     system = medium.system / units[:, None] * units
     part: Array = np.eye(8) + np.zeros((s.size, 1, 1))
     for degree in range(_DEGREE, 0, -1):

@@ -13,7 +13,7 @@ import numpy as np
 
 from approximation.chebyshev import coefficients, mapped_points
 from solver.arrays import Array
-from solver.halfplane.punch import Punch
+from solver.halfplane.sliding import Punch
 from solver.line.powerlaw import constants_of
 from solver.line.windows import Coat, Kind, number_of
 from solver.material.constants import Material

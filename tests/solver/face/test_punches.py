@@ -9,9 +9,8 @@ import xarray as xr
 import solver
 from solver.halfplane.contact import Contact
 from solver.halfplane.profile import Profile
-from solver.halfplane.punch import Punch
 from solver.halfplane.quantities import quantities
-from solver.halfplane.sliding import Sliding
+from solver.halfplane.sliding import Punch, Sliding
 from solver.halfplane.surface import HalfPlane
 
 STEEL = {"punch_modulus": 210e9, "punch_poisson": 0.3}

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 import solver
-from solver.gap.coupled import AirContact
+from solver.gap.airline import AirContact
 from solver.gap.table import AirTable, farthest
 from solver.halfplane.profile import Profile
-from solver.halfplane.punch import RIGID_PUNCH, Punch
+from solver.halfplane.sliding import RIGID_PUNCH, Punch
 from solver.line.contact import FilmContact
 from solver.line.table import table
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import solver
+from solver.gap.airline import AirContact
 from solver.gap.charges import FAR
-from solver.gap.coupled import AirContact
 from solver.gap.tractions import Solved
-from solver.halfplane.punch import Punch
+from solver.halfplane.sliding import Punch
 from solver.line.interior import fields_of
 from solver.material.constants import Material
 from tests.solver.gap.airy import BTO, FIBROUS, PZT, RADIUS, THICKNESS, airy, half_plane, on_rigid, on_steel

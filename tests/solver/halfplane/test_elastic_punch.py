@@ -7,9 +7,8 @@ import solver
 from solver.halfplane.contact import Contact
 from solver.halfplane.fields import surface_fields
 from solver.halfplane.profile import Profile
-from solver.halfplane.punch import Punch
-from solver.halfplane.response import Response
-from solver.halfplane.sliding import Sliding
+from solver.halfplane.quantities import Response
+from solver.halfplane.sliding import Punch, Sliding
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
 from solver.material.punches import find_punch, punches

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver.halfplane.profile import Profile
-from solver.halfplane.punch import Punch
+from solver.halfplane.sliding import Punch
 from solver.line import kernel as kernels
 from solver.line.contact import FilmContact
 from solver.line.table import table

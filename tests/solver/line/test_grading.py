@@ -13,10 +13,10 @@ from solver.arrays import Array
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
+from solver.line.assembly import Rough
 from solver.line.basis import Basis
 from solver.line.interior import Interior
 from solver.line.kernel import graded_response, kernel
-from solver.line.rough import Rough
 from solver.line.system import System
 from solver.line.table import SlowWarning, Table, at, table
 from solver.line.tractions import TractionTable
