@@ -34,7 +34,9 @@ _FILE = re.compile(r"`([\w/-]+\.(?:yaml|csv))`:\s*\Z")
 
 
 def on_config(config: Any) -> Any:
-    """Replace the theme's search, which reads its index from a server, by search.js."""
+    """Replace the theme's search, which reads its index from a server; list the calculator where it was drawn."""
+    if (DRAWN / "calculator.html").is_file():
+        config.nav[1]["Get started"].append({"Calculator": "calculator.html"})
     config.extra_javascript = [
         "search.js" if str(script) == "search/main.js" else script for script in config.extra_javascript
     ]

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
-from solver.gap.opening import MOST, reopened
+from solver.gap.newton import MOST, reopened
 from solver.gap.refusal import GapError, require_open
 from solver.gap.ringoperators import Rows
 from solver.gap.rings import Rings

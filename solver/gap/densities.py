@@ -6,19 +6,18 @@ the kernel is smooth over all of them: a few Chebyshev points stand for the pane
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray
+from solver.cache import cached
 from solver.gap.grid import CLOSE, Grid
 from solver.gap.rules import RULE, spans
 from solver.line.assembly import mixing
 from solver.line.kernel import POTENTIAL, Kernel
 from solver.stack.reflection import low
 
-_SAMPLED = 128  # kept: 1 MB each, the half-lengths of all windows of a stack, which its frictions share
 _DIGITS = 30.0  # exponent of what is left between Chebyshev points: below rounding
 
 #: Pieces of panels: target, panel, start and end of each.
@@ -112,7 +111,7 @@ def far(wide: Kernel, x: Array, mix: Array) -> Array:
     return values
 
 
-@lru_cache(_SAMPLED)
+@cached
 def sampled(
     wide: Kernel, grid: Grid, fields: tuple[int, ...], h: float, points: tuple[float, ...]
 ) -> tuple[Array, Array]:

@@ -9,13 +9,12 @@ import numpy as np
 
 from approximation.arrays import Indices
 from approximation.summit import highest
-from solver.arrays import Array
+from solver.arrays import Array, ComplexArray
 from solver.curves import PRINCIPAL, REGIONS, VON_MISES
 from solver.fields import FIELDS
+from solver.gap.airline import State
 from solver.gap.charges import FAR, NEAR
 from solver.gap.quantities import states
-from solver.gap.state import State
-from solver.gap.surface import surface_fields
 from solver.gap.tractions import AirTractions, Solved
 from solver.halfplane.curves import lines as region_lines
 from solver.halfplane.curves import named
@@ -28,7 +27,31 @@ from solver.line.interiorfields import in_blocks
 from solver.line.peaks import PeakTable
 from solver.line.similar import Films
 from solver.line.stressnets import Net, Nets, of_whole
+from solver.line.surface import local_fields, of_local
 from solver.names import PEAKS
+
+
+def surface_fields(state: State, positions: Array) -> dict[str, Array]:
+    """Fields of one case at positions X = (x - c)/h, finite and never exactly +-1; (1, position) each.
+
+    positions: (position,), X.
+    """
+    solved, X = Solved(state, positions), positions
+    system, beyond = solved.system, np.abs(positions) > 1
+    c, whole = system.coefficients, local_fields(solved.assembly)[0] @ solved.unknowns
+    smooth = solved.assembly.gradients[0] @ solved.drawn + solved.carried(X)
+    charges, H = np.zeros((2, 3, X.size))
+    charges[1:, beyond], charges[1:, ~beyond] = solved.beside.at(X[beyond]), solved.beside.drawn(X[~beyond])
+    on_it: ComplexArray = np.asarray(X[beyond], dtype=np.complex128)
+    H[1:, beyond] = solved.beside.transforms(on_it).real  # within the contact it is zero
+    whole[:3] += charges
+    whole[3:] += smooth[1:]
+    whole[3:5] += c.compliance[1:] @ H
+    whole[5] -= c.coupling @ charges
+    for f in c.fields:
+        whole[3 + f, ~beyond] = 0.0  # an equipotential
+    return of_local(system, whole[None])
+
 
 _EDGES = np.array([1.0, -1.0])
 _BOTTOM, _FAR = 6.0, 400.0  # of h: how deep and how far from the edges a half-plane is searched

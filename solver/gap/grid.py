@@ -13,7 +13,7 @@ on the same side and across, the contact's potential changes by -M/pi times thet
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -21,6 +21,7 @@ import numpy as np
 from approximation.arrays import Indices
 from approximation.chebyshev import gauss_points, interpolation
 from solver.arrays import Array, BoolArray
+from solver.cache import cached_small
 from solver.gap.rules import GRADED, Rules, gauss, spans
 
 #: Powers with a logarithm far away: by u_y alone above a ground, and where the potentials grow like log X themselves.
@@ -305,6 +306,6 @@ class Grid:
         return np.asarray(self.at(np.zeros(1))[0])
 
 
-@lru_cache(32)
+@cached_small
 def _grid(count: int, logarithms: tuple[int, ...]) -> Grid:
     return Grid((*_EDGE, *_BEYOND, *(_BEYOND[-1] + _WIDTH * np.arange(1, count + 1))), logarithms)

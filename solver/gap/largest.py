@@ -3,8 +3,8 @@
 import numpy as np
 
 from solver.arrays import Array
+from solver.gap.airline import State
 from solver.gap.operators import ANGLES, FIRST, PRESSURE, WITHIN
-from solver.gap.state import State
 from solver.line.peakpressure import largest
 from solver.line.system import SAMPLES
 

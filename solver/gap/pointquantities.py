@@ -2,21 +2,19 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
 from solver.arrays import Array
+from solver.cache import cached
 from solver.gap.airpoint import AirPoint, PointState
 from solver.gap.largest import peak_of_panels
 from solver.gap.pointtractions import SolvedPoint
 from solver.gap.refusal import lacking_at_point, require
 from solver.gap.ringoperators import WITHIN, RingOperators
 from solver.gap.rings import rings
-from solver.gap.ringtable import RingsByRadius, RingsOnHalfSpace
-from solver.gap.ringwindows import RingWindows
-from solver.gap.slidingpoint import SlidingPoint
-from solver.gap.slidingquantities import largest_beside, largest_within, trailing_tension, warn_of_charges
+from solver.gap.ringtable import RingsByRadius, RingsOnHalfSpace, RingWindows
+from solver.gap.slidingpoint import SlidingPoint, largest_beside, largest_within, trailing_tension, warn_of_charges
 from solver.line.windows import FIRST, LAST
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.point.body import Film, HalfSpace
@@ -27,11 +25,10 @@ from solver.point.profile import SAMPLES, Shape, climbed, finite
 from solver.point.quantities import RESPONSES
 from solver.twoport import Stiffness
 
-_MATERIALS = 64
 _REACH = "reach"  # among the quantities of a case: of the gap's field
 
 
-@lru_cache(_MATERIALS)
+@cached
 def _on_half_space(compliance: tuple[float, ...], fields: tuple[int, ...], shape: Shape) -> RingsOnHalfSpace:
     return RingsOnHalfSpace(RingOperators(rings(), fields, np.reshape(compliance, (3, 3)), shape))
 

@@ -2,16 +2,15 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
 from solver.arrays import Array
-from solver.gap.coupled import AirContact
+from solver.cache import cached
+from solver.gap.airline import AirContact, State
 from solver.gap.largest import gap_field, peak_density, peak_pressure
 from solver.gap.operators import EDGE
 from solver.gap.refusal import lacking, require
-from solver.gap.state import State
 from solver.gap.table import AirTable, farthest, grid_of
 from solver.line.similar import Films
 from solver.line.windows import Kind, window
@@ -20,10 +19,9 @@ from solver.names import RESPONSES
 from solver.twoport import Compliance
 
 _NODES = 12  # half-lengths of a window: 1e-7 between them
-_TABLES = 16  # kept: 10 MB each at most
 
 
-@lru_cache(_TABLES)
+@cached
 def _air_window(kind: Kind, number: int, reach: float) -> AirTable:
     whole = window(kind, number)
     return AirTable(type(whole)(whole.system, whole.lower, whole.upper, _NODES), reach)

@@ -11,12 +11,13 @@ contact (:mod:`solver.gap.grid`), a density is a polynomial on each of them.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
+from solver.cache import cached_small
 from solver.gap.grid import Grid
 from solver.gap.rules import gauss
 
@@ -158,7 +159,7 @@ class Rings:
             yield panel, rows, other, share * (np.cosh(other) / np.cosh(at)) ** self.order
 
 
-@lru_cache(2)
+@cached_small
 def rings(order: int = 0) -> Rings:
     """Rings as far as the gaps of punches are long, the same for every contact."""
     return Rings(Grid.up_to(_FARTHEST), order)

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.arrays import Array, ComplexArray
+from solver.gap.airline import State
 from solver.gap.charges import NEAR, Charges
 from solver.gap.densities import Densities
 from solver.gap.spectrum import Spectrum
-from solver.gap.state import State
 from solver.line.assembly import Assembly, mixing
 from solver.line.kernel import kernel
 from solver.line.system import System

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.arrays import Array
+from solver.names import LIMITS
 
 VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m (CODATA 2022)
 VACUUM_PERMEABILITY = 1.25663706127e-6  # N s2/C2
@@ -54,8 +55,7 @@ USUAL: dict[str, Usual] = {
     **dict.fromkeys(("mu11", "mu33"), _PERMEABILITY),
     **dict.fromkeys(("g11", "g33"), _MAGNETOELECTRIC),
     "rho": _DENSITY,
-    **dict.fromkeys(("tensile_strength", "yield_strength", "depoling_stress"), _STRENGTH),
-    **dict.fromkeys(("coercive_field", "breakdown_field"), _FIELD),
+    **{name: {"Pa": _STRENGTH, "V m-1": _FIELD}[limit.units] for name, limit in LIMITS.items()},
 }
 
 #: Coupling, stiffness and permittivity or permeability that belong together.

@@ -59,7 +59,7 @@ class Inversion:
         One to three inputs to infer.
     measured : sequence of str
         Outputs that are measured.
-    at : mapping
+    known : mapping
         Values of the other inputs.
 
     Raises

@@ -12,7 +12,7 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
     """Add the command to those of the program."""
     command = commands.add_parser(
         "calculator",
-        help="write a page that calculates contacts in a browser, without a server",
+        help="write a web page that calculates contacts, without a server",
         description="One file: every material, punch and profile of the library by closed forms, a few films by "
         "tables, own constants pasted in.",
     )

@@ -14,7 +14,18 @@ from numpy.typing import NDArray
 
 from solver import units
 from solver.names import CHOICES, MATERIALS
-from workflow.cli.textfile import LONGEST_CELL, Sheet, heading, is_number, is_unit, missing, refused, sheet, with_point
+from workflow.cli.textfile import (
+    LONGEST_CELL,
+    Sheet,
+    heading,
+    is_number,
+    is_unit,
+    missing,
+    quick_number,
+    refused,
+    sheet,
+    with_point,
+)
 from workflow.language.factors import FACTORS, own_kind
 from workflow.language.given import UnitlessError, check_bare
 from workflow.language.renamed import renamed
@@ -207,6 +218,14 @@ class _Reader:
         """A cell of numbers in SI units; NaN where it is empty."""
         if not text:
             return np.nan
+        if scale == 1 and (plain := quick_number(text)) is not None:
+            if unit is None and plain:
+                bare.add(name)
+                try:
+                    check_bare(name, plain)
+                except UnitlessError as error:
+                    raise InputError(f"{where}: {name}: {error}") from None
+            return plain
         allowed = f"a finite number [{self.measured[name]}]" if name in self.measured else FACTORS[name].allowed
         if reason := refused(text):
             raise InputError(f"{where}: {name}: {reason}")

@@ -13,7 +13,7 @@ import numpy as np
 
 from approximation.arrays import Array
 from solver import units
-from workflow.cli.textfile import Sheet, heading, is_number, missing, sheet, with_point
+from workflow.cli.textfile import Sheet, heading, is_number, missing, quick_number, sheet, with_point
 from workflow.device.signal import History
 from workflow.study.reading import InputError, number
 
@@ -116,6 +116,18 @@ def _read(file: Sheet, rows: Iterator[tuple[int, list[str]]], line: bool, scale:
     stray: tuple[int, str] | None = None
     last = max(columns.time, columns.force)
     for place, row in rows:
+        if (
+            stray is None
+            and len(row) == columns.count
+            and len(values) < MOST_ROWS
+            and (value := quick_number(row[columns.force])) is not None
+            and row[0][:1] != "#"
+            and "->" not in row[0]
+        ):
+            values.append(value)
+            texts.append(row[columns.time].strip())
+            lines.append(place)
+            continue
         if row[0].lstrip().startswith("#"):
             continue
         cells = [_STAMP.sub("", cell) for cell in row] if "->" in row[0] else row

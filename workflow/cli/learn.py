@@ -21,10 +21,11 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
     """Add the command to those of the program."""
     command = commands.add_parser(
         "learn",
-        help="correct a surrogate by measured rows: uncertain constants and discrepancies, with intervals",
-        description="Columns of MEASURED.csv: every factor and category of the study, names of quantities, and "
-        "NAME_std, one standard deviation of the error of measurement. Measured values may be missing; errors that "
-        "are missing are estimated. A unit may stand behind a name, as 'thickness [um]'; without one it is SI.",
+        help="correct a surrogate by measurements",
+        description="Estimates uncertain constants and discrepancies from measured rows, with intervals. MEASURED.csv "
+        "has a column for every factor and category of the study, and columns of measured quantities. NAME_std is one "
+        "standard deviation of the error of NAME. Cells may be empty; errors that are missing are estimated. A header "
+        "may say a unit, as 'thickness [um]'; a number without a unit is in SI.",
     )
     command.add_argument("measured", type=Path, metavar="MEASURED.csv")
     command.add_argument("--on", type=surrogate_file, required=True, metavar="results/STUDY/surrogate.nc")

@@ -24,12 +24,12 @@ from workflow.cli.words import cores, printable_streams, say, surrogate_file, wr
 from workflow.study.reading import InputError, one_line
 
 _ABOUT = """\
-How much charge, how many volts and which stroke a contact on a piezoelectric,
-piezomagnetic or magneto-electro-elastic body gives.
+Charge, voltage and stroke of contacts on piezoelectric, piezomagnetic and
+magneto-electro-elastic bodies.
 
-  meecontact run quickstart          a study to its page, in half a minute
-  meecontact init mine               a study of one's own, with a comment on every line
-  meecontact COMMAND --help          every option, and an example to paste
+  meecontact run quickstart          run a study, in half a minute
+  meecontact init mine               write a study to start from, with comments
+  meecontact COMMAND --help          show the options and an example
 """
 
 
@@ -83,32 +83,30 @@ def _parser() -> Parser:
     parser.set_defaults(run=lambda options: parser.print_help())
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
 
-    command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
-    command.add_argument("study", help="name of a study in config/, or path of a study's file (.yaml)")
-    command.add_argument("--cores", default="all", type=cores, metavar="N", help="cores to use at most; default: all")
+    command = commands.add_parser("run", help="check a study and run it with Snakemake, up to its report")
+    command.add_argument("study", help="name of a study in config/, or path of its file (.yaml)")
     command.add_argument(
-        "--profile", default="default", metavar="NAME", help="slurm, or a folder of your own profiles/"
+        "--cores", default="all", type=cores, metavar="N", help="largest number of cores; default: all"
     )
-    command.add_argument("-n", "--dry-run", action="store_true", help="only say what would be done")
+    command.add_argument("--profile", default="default", metavar="NAME", help="slurm, or a folder in profiles/")
+    command.add_argument("-n", "--dry-run", action="store_true", help="print the steps, run nothing")
     command.set_defaults(run=_run)
 
-    command = commands.add_parser("init", help="write a commented study of one's own, which runs as it is")
-    command.add_argument("name", metavar="NAME", help="of the study: config/NAME.yaml")
-    command.add_argument("--like", metavar="STUDY", help="begin with a copy of one that comes with the program")
+    command = commands.add_parser("init", help="write a commented study that runs as it is")
+    command.add_argument("name", metavar="NAME", help="name of the study: writes config/NAME.yaml")
+    command.add_argument("--like", metavar="STUDY", help="start from a copy of a study of the program")
     command.set_defaults(run=_init)
 
-    command = commands.add_parser("list", help="what studies may name: studies, factors, quantities, materials")
-    command.add_argument("kind", nargs="?", metavar="KIND", help="one of these; default: all of them")
+    command = commands.add_parser("list", help="list names: studies, factors, quantities, materials")
+    command.add_argument("kind", nargs="?", metavar="KIND", help="one of these kinds; default: all")
     command.set_defaults(run=_list)
 
-    command = commands.add_parser(
-        "material", help="check a material, print roots and compliance; or list what is built in"
-    )
+    command = commands.add_parser("material", help="check a material and print its constants; or list the library")
     command.add_argument(
         "material",
         nargs="?",
         metavar="FILE.yaml",
-        help="a material's file, or the name of a built-in one; none: a list",
+        help="a material's file or the name of a library material; none: the list",
     )
     command.set_defaults(run=_material)
 
@@ -116,52 +114,62 @@ def _parser() -> Parser:
 
     command = commands.add_parser(
         "query",
-        help="values and intervals from a trained surrogate",
-        description="Values and the intervals that hold the exact ones in a stated share of cases, 95 % unless "
-        "--level says another. Columns written: the inputs, then NAME, NAME_std, NAME_lower and NAME_upper of every "
-        "output. NAME +- NAME_std holds 68 %; intervals are no fixed multiple of it: errors are not Gaussian.",
+        help="predict with a trained surrogate: values and intervals",
+        description="Predicts values with intervals. An interval contains the exact value in 95 % of cases, or in the "
+        "share that --level states. The table has the inputs, then NAME, NAME_std, NAME_lower and NAME_upper of every "
+        "output. NAME +- NAME_std contains 68 %; errors are not Gaussian, so that intervals are no multiple of it.",
     )
     command.add_argument("surrogate", type=surrogate_file, metavar="surrogate.nc", help="or results/STUDY")
     command.add_argument(
-        "table", type=Path, nargs="?", metavar="AT.csv", help="one row a point, columns are the inputs"
+        "table", type=Path, nargs="?", metavar="AT.csv", help="table of points: one row a point, one column an input"
     )
-    command.add_argument("--at", metavar="NAME=VALUE,...", help="one point, printed")
+    command.add_argument("--at", metavar="NAME=VALUE,...", help="one point, whose answer is printed")
     command.add_argument("-o", "--output", type=written_as(csv="CSV"), metavar="OUT.csv")
     command.add_argument(
-        "--level", type=float, metavar="SHARE", help="of cases that intervals hold; default: the study's"
+        "--level", type=float, metavar="SHARE", help="share of cases that intervals contain; default: the study's"
     )
     _add_si(command)
-    command.add_argument("--extrapolate", action="store_true", help="answer outside the trained box too, flagged")
     command.add_argument(
-        "--exact", metavar="STUDY", help="also the exact answers, by the formula: the study that it came from"
+        "--extrapolate", action="store_true", help="answer outside the trained box as well, with a flag"
     )
+    command.add_argument("--exact", metavar="STUDY", help="the surrogate's study: also solve the points exactly")
     command.set_defaults(run=query)
 
-    command = commands.add_parser("design", help="answer a design question from a trained surrogate, in seconds")
+    command = commands.add_parser("design", help="answer a design question with a trained surrogate, in seconds")
     command.add_argument("results", type=Path, metavar="results/STUDY")
-    command.add_argument("--maximise", action="append", metavar="EXPRESSION", help="twice: a Pareto front")
+    command.add_argument("--maximise", action="append", metavar="EXPRESSION", help="given twice: a Pareto front")
     command.add_argument("--minimise", action="append", metavar="EXPRESSION")
     command.add_argument("--over", action="append", required=True, metavar="NAME[=LOW:HIGH | =A|B|C],...")
-    command.add_argument("--at", action="append", metavar="NAME=VALUE,...", help="what is not named takes its default")
+    command.add_argument(
+        "--at", action="append", metavar="NAME=VALUE,...", help="fixed values; other factors have their defaults"
+    )
     command.add_argument("--worst-case", action="append", metavar="NAME=LOW:HIGH,...")
     command.add_argument("--uncertain", action="append", metavar="NAME=normal(MEAN,STD),...")
-    command.add_argument("--tolerance", action="append", metavar="NAME=5%|10um,...", help="how far off as built")
+    command.add_argument("--tolerance", action="append", metavar="NAME=5%|10um,...", help="manufacturing tolerance")
     command.add_argument("--robust", nargs=1, metavar="'mean - 2 std'", help="default: 'worst case'")
     command.add_argument("--limit", action="append", metavar="'trailing_tension <= 50 MPa'")
     _add_si(command)
     command.add_argument("--json", action="store_true", help="print JSON instead of a table")
     command.add_argument(
-        "-o", "--output", type=written_as(csv="CSV", json="JSON"), metavar="OUT.csv|.json", help="write it instead"
+        "-o",
+        "--output",
+        type=written_as(csv="CSV", json="JSON"),
+        metavar="OUT.csv|.json",
+        help="write the answer instead of printing it",
     )
     command.set_defaults(run=_design)
 
-    command = commands.add_parser("invert", help="from measured quantities back to factors, with intervals")
+    command = commands.add_parser("invert", help="infer factors from measured quantities, with intervals")
     command.add_argument("results", type=Path, metavar="results/STUDY")
     command.add_argument(
-        "--measured", action="append", required=True, metavar="NAME=VALUE+-STD,...", help="as -519+-5, -0.52kV+-1%%"
+        "--measured",
+        action="append",
+        required=True,
+        metavar="NAME=VALUE+-STD,...",
+        help="with one standard deviation, as -519+-5 or -0.52kV+-1%%",
     )
     command.add_argument("--infer", action="append", required=True, metavar="NAME,...", help="one to three factors")
-    command.add_argument("--at", action="append", metavar="NAME=VALUE,...", help="all the others")
+    command.add_argument("--at", action="append", metavar="NAME=VALUE,...", help="values of the other factors")
     _add_si(command)
     command.set_defaults(run=_invert)
 
@@ -175,7 +183,7 @@ def _parser() -> Parser:
 
 
 def _add_si(command: argparse.ArgumentParser) -> None:
-    command.add_argument("--si", action="store_true", help="print in units of the SI without prefixes")
+    command.add_argument("--si", action="store_true", help="print SI units without prefixes")
 
 
 def _material(options: argparse.Namespace) -> None:

@@ -1,4 +1,4 @@
-"""``meecontact query``: what a surrogate says at some points, printed or as a table, beside the exact answers."""
+"""``meecontact query``: predictions of a surrogate, printed or as a table, with exact answers on request."""
 
 import argparse
 import csv
@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 
 import surrogate
 from storage.files import output, writing
-from surrogate import GaussianProcess
+from surrogate import GaussianProcess, OutOfBoxError
+from surrogate.data.points import outside
 from workflow.cli import predictions
 from workflow.cli.casetable import Table, read_cases
-from workflow.cli.pointtable import predicted
 from workflow.cli.words import place, say, trained
 from workflow.dataset import factorial
 from workflow.language.numbers import prefixed
+from workflow.language.spelling import nearest
 from workflow.study import location
 from workflow.study import model as studies
 from workflow.study.reading import InputError, one_line
@@ -44,7 +45,7 @@ def query(options: argparse.Namespace) -> None:
     else:
         table = read_cases(options.table)
     level = _level(model, options.level)
-    answer = predicted(model, table, level, extrapolate=options.extrapolate)
+    answer = _predicted(model, table, level, extrapolate=options.extrapolate)
     if not model.calibrated:
         say(f"not calibrated: this surrogate's intervals may hold far less than {100 * level:g} %")
     if options.exact is not None:
@@ -54,6 +55,34 @@ def query(options: argparse.Namespace) -> None:
     else:
         _write_answer(options.output, table.columns, answer)
         say(f"wrote {options.output}: {answer.sizes['point']} points, {len(model.outputs_)} outputs")
+
+
+def _predicted(model: GaussianProcess, table: Table, level: float, *, extrapolate: bool) -> xr.Dataset:
+    """Every output of the model at every row, with intervals, over dimension ``point``."""
+    for name in table.columns:
+        if name not in model.box:
+            raise InputError(f"{table.source}: {name}: not an input of the surrogate; {nearest(name, list(model.box))}")
+    columns = {name: table.numbers(name, f"the surrogate needs {', '.join(model.box)}") for name in model.box}
+    named = {name: xr.DataArray(column, dims="point") for name, column in columns.items()}
+    X = np.stack(list(columns.values()), axis=1)
+    wrong = outside(X, model.inputs_)
+    try:
+        with np.errstate(all="ignore"):  # what is not finite is named below
+            answer = predictions.predicted(model, named, level, extrapolate=extrapolate)
+    except OutOfBoxError as error:
+        raise InputError(f"{table.at(int((~model.has_answers(X)).argmax()))}: {error}") from None
+    except ValueError as error:
+        raise InputError(f"{table.source}: {error}") from None
+    bad = ~np.all([np.isfinite(array.values) for array in answer.data_vars.values()], axis=0)
+    if bad.any():
+        row = int(bad.argmax())
+        far = ", ".join(
+            f"{axis.name} = {X[row, k]:.10g} (trained within {axis.range_text()})"
+            for k, axis in enumerate(model.inputs_)
+            if wrong[row, k]
+        )
+        raise InputError(f"{table.at(row)}: {far}: no finite answer so far outside of the trained box")
+    return answer
 
 
 def _level(model: GaussianProcess, level: float | None) -> float:

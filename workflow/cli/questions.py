@@ -238,7 +238,7 @@ def _variable(name: str, text: str) -> dict[str, Any]:
 
 def _value(where: str, name: str, text: str) -> float | str:
     """A number, or one of the names of a category."""
-    return quantity(where, text, FACTORS[name].units) if name in FACTORS else text.strip()
+    return quantity(where, text, FACTORS[name].units, name) if name in FACTORS else text.strip()
 
 
 def _interval(where: str, name: str, text: str) -> list[float]:

@@ -38,22 +38,33 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
     """Add the command to those of the program."""
     command = commands.add_parser(
         "signal",
-        help="a history of forces to charge, voltage and amplifier output in time",
+        help="compute charge, voltage and amplifier output of a history of forces",
         description="HISTORY is a text file with columns of time and force, in units that its header says; a line "
         "contact may have a load [N/m]. Titles, remarks and other columns are skipped. The force is linear between "
         "the rows. The circuit begins without voltage. docs/signal.md has the circuit and its signs.",
     )
     command.add_argument("history", type=Path, metavar="HISTORY.csv")
-    command.add_argument("--on", required=True, metavar="CASE.csv | NAME=VALUE,...", help="the contact, without force")
+    command.add_argument(
+        "--on", required=True, metavar="CASE.csv | NAME=VALUE,...", help="the contact, without its force"
+    )
     command.add_argument(
         "--device", required=True, metavar="NAME=VALUE,...", help="'input_capacitance=10 pF,input_resistance=1 GOhm'"
     )
     command.add_argument("--scale", metavar="'NUMBER N/V'", help="force of a volt, for a force recorded as a voltage")
-    command.add_argument("--temperature", default="293.15", metavar="K", help="of the circuit; default: 293.15")
-    command.add_argument("--parts", type=int, default=1, help="into which every interval of the history is divided")
+    command.add_argument(
+        "--temperature", default="293.15", metavar="K", help="temperature of the circuit; default: 293.15"
+    )
+    command.add_argument(
+        "--parts", type=int, default=1, help="number of parts of every interval between rows; default: 1"
+    )
     command.add_argument("-o", "--output", type=written_as(csv="CSV"), required=True, metavar="OUT.csv")
     command.add_argument(
-        "--materials", type=Path, action="append", default=[], metavar="FILE.yaml", help="own material"
+        "--materials",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE.yaml",
+        help="file of a material that the library lacks",
     )
     command.set_defaults(run=signal)
 
@@ -119,7 +130,7 @@ def _case(text: str) -> dict[str, Any]:
 def _factor(name: str, text: str) -> float | str:
     if name in TEXT_FACTORS or name not in FACTORS:  # what is unknown the solver names
         return text
-    return quantity(f"--on: {name}", text, FACTORS[name].units)
+    return quantity(f"--on: {name}", text, FACTORS[name].units, name)
 
 
 def _device(text: str, kind: Kind) -> dict[str, float]:

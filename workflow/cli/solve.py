@@ -34,27 +34,31 @@ Commands: TypeAlias = "argparse._SubParsersAction[Any]"
 
 def add_solve(commands: Commands) -> None:
     """Add ``solve`` to the commands of the program."""
-    command = commands.add_parser("solve", help="exact quantities (and surface fields) of a table of cases")
+    command = commands.add_parser("solve", help="solve a table of cases exactly: quantities and surface fields")
     _add_cases(command, nc="netCDF", csv="CSV")
     command.add_argument("--positions", metavar="X1,X2,...", help="surface positions X = (x - c)/h, any but -1 and 1")
     command.add_argument(
-        "--peaks", action="store_true", help="also the largest stresses of the body (milliseconds each)"
+        "--peaks", action="store_true", help="also find the largest stresses of the body (milliseconds a case)"
     )
     command.set_defaults(run=_solve)
 
 
 def add_interior(commands: Commands) -> None:
     """Add ``interior`` to the commands of the program."""
-    command = commands.add_parser("interior", help="exact fields inside the body of a table of cases, on a grid")
+    command = commands.add_parser("interior", help="solve a table of cases exactly: fields inside the body, on a grid")
     _add_cases(command, nc="netCDF")
     command.add_argument("--x", required=True, metavar="X1,X2,...", help="(x - c)/h")
     command.add_argument("--y", required=True, metavar="Y1,Y2,...", help="y/h <= 0")
-    command.add_argument("--fields", metavar="NAME,...", help="these fields only; strains and potentials by name too")
+    command.add_argument(
+        "--fields", metavar="NAME,...", help="these fields only; strains and potentials have to be named"
+    )
     command.set_defaults(run=_interior)
 
 
 def _add_cases(command: argparse.ArgumentParser, **endings: str) -> None:
-    command.add_argument("cases", type=Path, metavar="CASES.csv", help="one row a case, columns are factors")
+    command.add_argument(
+        "cases", type=Path, metavar="CASES.csv", help="table of cases: one row a case, one column a factor"
+    )
     command.add_argument(
         "-o",
         "--output",
@@ -63,7 +67,12 @@ def _add_cases(command: argparse.ArgumentParser, **endings: str) -> None:
         metavar="|".join(f"OUT.{ending}" for ending in endings),
     )
     command.add_argument(
-        "--materials", type=Path, action="append", default=[], metavar="FILE.yaml", help="own material"
+        "--materials",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE.yaml",
+        help="file of a material that the library lacks",
     )
 
 
@@ -81,7 +90,7 @@ def _solve(options: argparse.Namespace) -> None:
     quantities = list(dict.fromkeys(name for kind in kinds for name in kind.quantities))
     missing = [name for name in quantities if name not in out and name not in _unasked(table)]
     if missing:
-        print(f"left out, as no case has such a quantity: {', '.join(missing)}", file=sys.stderr)
+        print(f"left out, because no case has them: {', '.join(missing)}", file=sys.stderr)
     partial = [name for name in quantities if name in out and bool(out[name].isnull().any())]
     if partial:
         others = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""

@@ -5,6 +5,7 @@ import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from itertools import islice
+from math import isfinite
 from pathlib import Path
 from typing import TextIO
 
@@ -201,6 +202,17 @@ def is_unit(text: str) -> bool:
     except ValueError:
         return False
     return bool(text.strip()) and not is_number(text)
+
+
+def quick_number(text: str) -> float | None:
+    """Return the number of a cell in plain ASCII digits; None for a cell that needs a closer look."""
+    if not text.isascii() or "_" in text:
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if isfinite(value) and "-999" not in text else None
 
 
 def missing(text: str) -> bool:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from solver.units import in_si
 from storage.files import regular
+from workflow.language.given import check_bare
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, number, one_line
 
@@ -73,14 +74,16 @@ def numbers(where: str, text: str) -> list[float]:
     return values
 
 
-def quantity(where: str, text: str, units: str) -> float:
-    """A number, bare in SI or with its unit, in SI."""
+def quantity(where: str, text: str, units: str, factor: str = "") -> float:
+    """Return a number in SI, with its unit or bare; a bare one is checked against the usual sizes of its factor."""
     try:
-        return number(text)
-    except ValueError:
-        pass
-    try:
-        return in_si(text, units)
+        try:
+            value = number(text)
+        except ValueError:
+            return in_si(text, units)
+        if factor:
+            check_bare(factor, value)
+        return value
     except ValueError as error:
         raise InputError(f"{where}: {error}") from None
 

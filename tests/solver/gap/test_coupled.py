@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import solver
+from solver.gap.airline import AirContact
 from solver.gap.charges import FAR
-from solver.gap.coupled import AirContact
 from solver.gap.tractions import Solved
 from solver.halfplane.sliding import Punch
 from solver.line.interior import fields_of

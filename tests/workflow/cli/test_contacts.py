@@ -65,12 +65,12 @@ def test_a_table_mixes_surroundings_and_says_what_is_empty(tmp_path: Path, capsy
 
 
 LINES_AND_POINTS = """\
-material,profile,radius [mm],width [um],load,force,thickness [mm],base,friction,electric
-BaTiO3,cylinder,50,,1e4,,,,0.1,
-BaTiO3,sphere,5,,,1,,,,
-BaTiO3,sphere,5,,,1,0.1,steel,,
-BaTiO3,disc,,100,,1,,,,insulating
-PZT-4,,50,,1e4,,0.2,rigid,,
+material,profile,radius [mm],width [um],load,force,thickness [mm],base,friction,electric,surroundings
+BaTiO3,cylinder,50,,1e4,,,,0.1,,
+BaTiO3,sphere,5,,,1,,,,,
+BaTiO3,sphere,5,,,1,0.1,steel,,,insulated
+BaTiO3,disc,,100,,1,,,,insulating,
+PZT-4,,50,,1e4,,0.2,rigid,,,insulated
 """
 
 
@@ -83,8 +83,10 @@ def test_a_table_mixes_lines_and_points_and_is_written_as_one(tmp_path: Path) ->
     disc: dict[str, Any] = {"material": "BaTiO3", "profile": "disc", "width": 1e-4, "force": 1.0}
     cases: list[dict[str, Any]] = [
         {"material": "BaTiO3", "radius": 0.05, "load": 1e4, "friction": 0.1},
-        ball, ball | {"thickness": 1e-4, "base": "steel"}, disc | {"electric": "insulating"},
-        {"material": "PZT-4", "radius": 0.05, "load": 1e4, "thickness": 2e-4, "base": "rigid"},
+        ball, ball | {"thickness": 1e-4, "base": "steel", "surroundings": "insulated"},
+        disc | {"electric": "insulating"},
+        {"material": "PZT-4", "radius": 0.05, "load": 1e4, "thickness": 2e-4, "base": "rigid",
+         "surroundings": "insulated"},
     ]  # fmt: skip
     for row, case in enumerate(cases):
         exact = solver.solve(case)

@@ -78,6 +78,7 @@ def test_the_rows_of_an_oscilloscope_are_read_and_long_signals_thinned(
         ("time,force\n0,0\n1,1\n", CASE, f"{DEVICE},cable=1", "cable: unknown key"),
         ("time,force\n0,0\n1,1\n", f"{CASE},radius=1", DEVICE, "given twice"),
         ("time,force\n0,0\n1,1\n", "profile=sphere,material=stel,radius=1", DEVICE, "did you mean 'steel'"),
+        ("time,force\n0,0\n1,1\n", "profile=sphere,material=BaTiO3,radius=20", DEVICE, "did you mean 20 mm?"),
         ("time,force\n0,0\n1,1\n", "material=BaTiO3,radius=1", DEVICE, "electrode_length: missing"),
     ],
 )

@@ -12,9 +12,9 @@ from workflow.cli.case_solver import as_csv
 from workflow.cli.main import main
 
 BALLS = """\
-material,profile,radius [mm],force,thickness,base
-PZT-4,sphere,1,0.1 N,20 um,steel
-PVDF,sphere,2,0.2,20 um,glass
+material,profile,radius [mm],force,thickness,base,surroundings
+PZT-4,sphere,1,0.1 N,20 um,steel,insulated
+PVDF,sphere,2,0.2,20 um,glass,insulated
 """
 
 
@@ -25,14 +25,16 @@ def test_a_csv_has_the_columns_of_the_cases_and_a_number_a_case(
     cases.write_text(BALLS, encoding="utf-8")
     assert main(["solve", str(cases), "-o", str(out)]) == 0
     printed = capsys.readouterr().err
-    assert printed == f"wrote {out}: 2 cases, 21 quantities\n"  # nobody misses what electrodes have
+    assert printed == f"wrote {out}: 2 cases, 20 quantities\n"  # nobody misses what electrodes have
     frame = pd.read_csv(out)
     assert list(frame.columns[:6]) == ["material", "profile", "radius [m]", "force [N]", "thickness [m]", "base"]
     for row, (material, radius, force, base) in enumerate(
         [("PZT-4", 1e-3, 0.1, "steel"), ("PVDF", 2e-3, 0.2, "glass")]
     ):
         ball = {"profile": "sphere", "radius": radius, "force": force}
-        alone = solver.solve(ball | {"material": material, "thickness": 20e-6, "base": base})
+        alone = solver.solve(
+            ball | {"material": material, "thickness": 20e-6, "base": base, "surroundings": "insulated"}
+        )
         for name in ("voltage", "contact_radius", "charge_per_force"):
             column = f"{name} [{alone[name].attrs['units']}]"
             np.testing.assert_allclose(frame[column][row], alone[name].item(), rtol=1e-12)  # rounding, in a batch
