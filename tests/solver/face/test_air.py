@@ -22,7 +22,7 @@ TABLE: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize("own", [{}, {"speed": 100.0, "punch": "steel", "radius": [0.02, 0.05], "datum": 0.3}])
+@pytest.mark.parametrize("options", [{}, {"speed": 100.0, "punch": "steel", "radius": [0.02, 0.05], "datum": 0.3}])
 def test_a_half_plane_in_no_air_is_the_closed_form(options: dict[str, Any]) -> None:
     """A gap of next to no permittivity; at the edge, where D_y is infinite without it, it is only next to none."""
     exact, computed = solver.solve(LINE | options), solver.solve(LINE | AIR | options | {"gap_permittivity": 1e-16})
@@ -177,7 +177,7 @@ def test_what_is_not_given_of_points_in_air_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    "own",
+    "options",
     [
         {"radius": 0.02, "thickness": 3e-4, "base": "steel", "punch": "steel", "load": [1.9e4, 2e4, 2.1e4]},
         {"radius": 0.02, "friction": 0.2, "load": [7.9e3, 8e3, 8.1e3]},
