@@ -12,7 +12,7 @@ from time import perf_counter
 from typing import Any
 
 from benchmarks import page
-from benchmarks.history import printed
+from benchmarks.timing import printed
 from storage.files import write_text
 from workflow.run.provenance import ROOT, versions
 

@@ -18,8 +18,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from benchmarks.history import printed
-from benchmarks.timing import timed
+from benchmarks.timing import printed, timed
 from workflow.run.provenance import ROOT
 
 PARTS = ("approximation", "storage", "solver", "surrogate", "workflow", "benchmarks", "config")

@@ -20,9 +20,8 @@ import numpy as np
 import xarray as xr
 
 from approximation.arrays import Array
-from benchmarks.history import printed
 from benchmarks.rivals import REACH, Fit, Predict, scikit_learn, smt, standardised
-from benchmarks.timing import timed
+from benchmarks.timing import printed, timed
 from surrogate import Input, ScatterGP
 
 #: Cases of a fit, and fresh ones.

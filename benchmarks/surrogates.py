@@ -15,8 +15,7 @@ import xarray as xr
 from approximation.arrays import Array, blocks
 from approximation.chebyshev import gauss_points
 from approximation.sobol import sobol_points
-from benchmarks.gridrivals import GRID_RIVALS
-from benchmarks.rivals import REACH, Predict, installed, standardised
+from benchmarks.rivals import GRID_RIVALS, REACH, Predict, installed, standardised
 from benchmarks.timing import least, timed
 from surrogate import GaussianProcess, GridGP, Input
 from surrogate.data.inputs import unit_coordinates

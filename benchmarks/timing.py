@@ -1,9 +1,9 @@
 """What an action costs: seconds, and those of the processor, of this process and of its children."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from resource import RUSAGE_CHILDREN, getrusage
 from time import perf_counter, process_time
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 T = TypeVar("T")
 
@@ -31,3 +31,9 @@ def least(action: Callable[[], object], repeats: int = 3) -> Cost:
 def _processor() -> float:
     children = getrusage(RUSAGE_CHILDREN)
     return process_time() + children.ru_utime + children.ru_stime
+
+
+def printed(content: Mapping[str, Any]) -> str:
+    """Numbers of one measurement, a line each, for a terminal."""
+    numbers = {name: value for name, value in content.items() if isinstance(value, int | float) and value is not True}
+    return "\n".join(f"  {name:50s} {value:.6g}" for name, value in numbers.items())

@@ -16,7 +16,7 @@ model = surrogate.GridGP(outputs=["voltage", "contact_trailing"]).fit(solver.sol
 truth = {"radius": 0.08, "load": 2e4}
 measured = solver.solve(truth | body)[["voltage", "contact_trailing"]]
 values = np.array([float(measured[name]) for name in measured])
-estimate = Inversion(model, ["radius", "load"], list(measured), at={}).estimate(values, errors=1e-3 * abs(values))
+estimate = Inversion(model, ["radius", "load"], list(measured), known={}).estimate(values, errors=1e-3 * abs(values))
 
 for name, mean, low, high in zip(truth, estimate.mean, estimate.low, estimate.high, strict=True):
     print(f"{name}: {mean:.4g} [{low:.4g}, {high:.4g}], true {truth[name]:g}")

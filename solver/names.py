@@ -21,7 +21,9 @@ FACTORS: dict[str, Factor] = {
     "total_flux": Factor("Wb", "magnetic charge of the punch of a point contact", 0.0),
     "speed": Factor("m s-1", "steady sliding speed V", 0.0, 0.0),
     "datum": positive("m", "reference length L of the potentials", 1.0),
-    "gap_permittivity": positive("1", "relative permittivity of what fills the gap beside the contact", 1.0),
+    "gap_permittivity": Factor(  # ferroelectric liquids have 1e4; the distance that charges spread over grows with it
+        "1", "relative permittivity of what fills the gap beside the contact", 1.0, 0.0, low_allowed=False, high=1e6
+    ),
     "gap_radius": positive("m", "radius at which the gap beside a point contact ends", optional=True),
     "thickness": positive("m", "thickness of a film", optional=True),
     "base_volume_fraction": Factor(

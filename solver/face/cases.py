@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, stack
 from solver.body import Kind
+from solver.cache import trim_after_call
 from solver.described import Described, Outline
 from solver.face.attributes import attributes, of_output
 from solver.face.filmfactors import kinds_of, present
@@ -141,8 +142,11 @@ class Cases:
 
     def solved(self, title: str, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
         """The part of each kind of case, put together, with global attributes."""
-        with one_thread():
-            return self._by_kind(part).assign_attrs(attributes(title, self.arrays, self.phases))
+        try:
+            with one_thread():
+                return self._by_kind(part).assign_attrs(attributes(title, self.arrays, self.phases))
+        finally:
+            trim_after_call()
 
     def _by_kind(self, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
         """The part of each profile, corner, surroundings and body, put together along what they vary on."""

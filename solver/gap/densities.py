@@ -6,19 +6,18 @@ the kernel is smooth over all of them: a few Chebyshev points stand for the pane
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray
+from solver.cache import cached
 from solver.gap.grid import CLOSE, Grid
 from solver.gap.rules import RULE, spans
 from solver.line.assembly import mixing
 from solver.line.kernel import POTENTIAL, Kernel
 from solver.stack.reflection import low
 
-_SAMPLED = 128  # kept: 1 MB each, the half-lengths of all windows of a stack, which its frictions share
 _DIGITS = 30.0  # exponent of what is left between Chebyshev points: below rounding
 
 #: Pieces of panels: target, panel, start and end of each.
@@ -57,13 +56,13 @@ class Densities:
         """What the intervals of :attr:`Grid.rules` add where the kernel is not smooth over them; (target, ..., n)."""
         grid = self.grid
         some = np.flatnonzero(rough.any(1))
-        found = []
+        result = []
         for row, panel, start, stop in self._pieces(h, X[some], self.kernel.ends, rough[some]):
             theta, shape = grid.ruled(panel, *spans(start, stop))
             values = far(self.kernel, h * (X[some][row, None] - np.cosh(theta)), mix)
-            found.append((some[row] * grid.panels + panel, np.swapaxes(values, 1, 2) @ shape))
+            result.append((some[row] * grid.panels + panel, np.swapaxes(values, 1, 2) @ shape))
         out = np.zeros((X.size * grid.panels, mix.shape[1], grid.count // grid.panels))
-        for place, own in found:  # pieces of a panel follow each other
+        for place, own in result:  # pieces of a panel follow each other
             first = np.flatnonzero(np.diff(place, prepend=-1))
             if first.size:
                 out[place[first]] = np.add.reduceat(own, first)
@@ -81,15 +80,15 @@ class Densities:
         breaks = X[:, None] + np.concatenate([edges, -edges]) / h
         inner = np.arccosh(np.clip(breaks, 1.0, far))
         inverse = np.exp(-np.arccosh(np.maximum(breaks, far)))
-        found = []
+        result = []
         for own, among, first in ((ends, inner, 0), (grid.infinite_ends, inverse, grid.panels - 1)):
             all_ends = np.sort(np.concatenate([np.tile(own, (X.size, 1)), among], 1), 1)
             start, stop = all_ends[:, :-1], np.minimum(all_ends[:, 1:], own.max())
             interval = np.clip(np.searchsorted(own, (start + stop) / 2) - 1, 0, own.size - 2) + first
             row, place = np.nonzero((stop > start) & np.take_along_axis(rough, interval, 1))
             panel = np.minimum(interval[row, place], grid.panels - 1)
-            found.append((row, panel, start[row, place], stop[row, place]))
-        return found[0], found[1]
+            result.append((row, panel, start[row, place], stop[row, place]))
+        return result[0], result[1]
 
 
 def enough(strip: float, length: float) -> int:
@@ -112,7 +111,7 @@ def far(wide: Kernel, x: Array, mix: Array) -> Array:
     return values
 
 
-@lru_cache(_SAMPLED)
+@cached
 def sampled(
     wide: Kernel, grid: Grid, fields: tuple[int, ...], h: float, points: tuple[float, ...]
 ) -> tuple[Array, Array]:

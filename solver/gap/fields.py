@@ -9,13 +9,12 @@ import numpy as np
 
 from approximation.arrays import Indices
 from approximation.summit import highest
-from solver.arrays import Array
+from solver.arrays import Array, ComplexArray
 from solver.curves import PRINCIPAL, REGIONS, VON_MISES
 from solver.fields import FIELDS
+from solver.gap.airline import State
 from solver.gap.charges import FAR, NEAR
 from solver.gap.quantities import states
-from solver.gap.state import State
-from solver.gap.surface import surface_fields
 from solver.gap.tractions import AirTractions, Solved
 from solver.halfplane.curves import lines as region_lines
 from solver.halfplane.curves import named
@@ -28,7 +27,31 @@ from solver.line.interiorfields import in_blocks
 from solver.line.peaks import PeakTable
 from solver.line.similar import Films
 from solver.line.stressnets import Net, Nets, of_whole
+from solver.line.surface import local_fields, of_local
 from solver.names import PEAKS
+
+
+def surface_fields(state: State, positions: Array) -> dict[str, Array]:
+    """Fields of one case at positions X = (x - c)/h, finite and never exactly +-1; (1, position) each.
+
+    positions: (position,), X.
+    """
+    solved, X = Solved(state, positions), positions
+    system, beyond = solved.system, np.abs(positions) > 1
+    c, whole = system.coefficients, local_fields(solved.assembly)[0] @ solved.unknowns
+    smooth = solved.assembly.gradients[0] @ solved.drawn + solved.carried(X)
+    charges, H = np.zeros((2, 3, X.size))
+    charges[1:, beyond], charges[1:, ~beyond] = solved.beside.at(X[beyond]), solved.beside.drawn(X[~beyond])
+    on_it: ComplexArray = np.asarray(X[beyond], dtype=np.complex128)
+    H[1:, beyond] = solved.beside.transforms(on_it).real  # within the contact it is zero
+    whole[:3] += charges
+    whole[3:] += smooth[1:]
+    whole[3:5] += c.compliance[1:] @ H
+    whole[5] -= c.coupling @ charges
+    for f in c.fields:
+        whole[3 + f, ~beyond] = 0.0  # an equipotential
+    return of_local(system, whole[None])
+
 
 _EDGES = np.array([1.0, -1.0])
 _BOTTOM, _FAR = 6.0, 400.0  # of h: how deep and how far from the edges a half-plane is searched
@@ -40,9 +63,9 @@ def fields(films: Films, permittivity: Array, positions: Array) -> dict[str, Arr
     """Surface fields of `solver.fields.FIELDS` at X != +-1, finite; (case, position) each."""
     out = {name: np.empty((films.load.size, positions.size)) for name in FIELDS}
     for place, state in states(films, permittivity):
-        found = surface_fields(state, positions)
+        result = surface_fields(state, positions)
         for name, values in out.items():
-            values[place] = found[name][0]
+            values[place] = result[name][0]
     return out
 
 
@@ -51,7 +74,7 @@ def inside(films: Films, permittivity: Array, x: Array, y: Array, names: tuple[s
     out = np.empty((films.load.size, len(names), y.size, x.size))
     intervals = FAR if set(POTENTIALS) & set(names) else NEAR
     for place, state in states(films, permittivity):
-        tractions, datum = Solved(state, _EDGES, intervals).tractions, state.of.contact.datum
+        tractions, datum = Solved(state, _EDGES, intervals).tractions, state.problem.contact.datum
         for rows, columns in in_blocks(x, y):
             out[place, :, rows, columns] = fields_of(tractions, x[columns], y[rows], names, datum)[0]
     for number, name in enumerate(names):
@@ -81,8 +104,8 @@ def body_peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, 
         shear, pull = (highest(stresses, net.across, measure, _CLOSE) for measure in (VON_MISES, PRINCIPAL))
         depth = net.depth_at(state.half, shear.down) * h * films.thickness[place]
         least = _NOTHING * films.load[place] / (2 * state.half * films.thickness[place])
-        found = (shear.value, depth, np.where(pull.value < least, 0.0, pull.value))
-        for name, value in zip(PEAKS, found, strict=True):
+        result = (shear.value, depth, np.where(pull.value < least, 0.0, pull.value))
+        for name, value in zip(PEAKS, result, strict=True):
             if name in out:
                 out[name][place] = value[0]
     return out
@@ -91,7 +114,7 @@ def body_peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, 
 def body_curves(films: Films, permittivity: Array) -> dict[str, Array]:
     """Sizes of the contacts and the curves of the region ``body`` of half-planes as films; (case, ...) each."""
     X, depth = region_lines()
-    found: dict[str, list[Array]] = {}
+    result: dict[str, list[Array]] = {}
     for place, state in states(films, permittivity):
         half = np.array([state.half]) * films.thickness[place]
         stresses = Interior(_reaching(state, float(np.max(np.abs(X))))).fields(X[None], -depth[None], LINEAR[:4])
@@ -100,8 +123,8 @@ def body_curves(films: Films, permittivity: Array) -> dict[str, Array]:
         below = panels.by_panel(np.broadcast_to(depth[:, None], (depth.size, X.size)))
         own = {"mean_pressure": films.load[[place]] / (2 * half), "half_length": half} | named(by_panel, half, below)
         for name, value in own.items():
-            found.setdefault(name, []).append(value)
-    return {name: np.concatenate(values) for name, values in found.items()}
+            result.setdefault(name, []).append(value)
+    return {name: np.concatenate(values) for name, values in result.items()}
 
 
 def _reaching(state: State, farthest: float) -> AirTractions:
@@ -114,8 +137,8 @@ def _tables(films: Films, permittivity: Array) -> Iterator[tuple[Indices, PeakTa
     for place, state in states(films, permittivity):
         half = np.array([state.half])
         film.require_depth(films.kind, half)
-        table = replace(state.of.contact.table, lower=state.half, upper=state.half)
-        c = state.of.contact
+        table = replace(state.problem.contact.table, lower=state.half, upper=state.half)
+        c = state.problem.contact
         extent = Extent(table, c.profile, c.load, c.charges, c.datum, c.punch_datum, half)
         yield np.array([place]), AirPeaks(table, state), extent
 

@@ -13,7 +13,7 @@ on the same side and across, the contact's potential changes by -M/pi times thet
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -21,6 +21,7 @@ import numpy as np
 from approximation.arrays import Indices
 from approximation.chebyshev import gauss_points, interpolation
 from solver.arrays import Array, BoolArray
+from solver.cache import cached_small
 from solver.gap.rules import GRADED, Rules, gauss, spans
 
 #: Powers with a logarithm far away: by u_y alone above a ground, and where the potentials grow like log X themselves.
@@ -268,7 +269,7 @@ class Grid:
     @cached_property
     def cumulative(self) -> Array:
         """From f sinh(theta) at the nodes to the integral of f dX from the edge to each; (n, n)."""
-        found, before = np.zeros((self.count, self.count)), np.zeros(self.count)
+        result, before = np.zeros((self.count, self.count)), np.zeros(self.count)
         powers = np.arange(_NODES)
         for panel in range(self.panels):
             part, (low, high) = self.slice(panel), self.limits[panel]
@@ -276,17 +277,17 @@ class Grid:
             if panel < self.panels - 1:
                 to_series = np.linalg.inv(np.polynomial.legendre.legvander(local, _NODES - 1))
                 integrated = np.polynomial.legendre.legint(np.eye(_NODES), lbnd=-1) * (high - low) / 2
-                found[part] = before
-                found[part, part] += np.polynomial.legendre.legvander(local, _NODES) @ integrated @ to_series
+                result[part] = before
+                result[part, part] += np.polynomial.legendre.legvander(local, _NODES) @ integrated @ to_series
                 before = np.array(before)
                 before[part] += np.polynomial.legendre.legval(1.0, integrated) @ to_series
             else:  # dX f = (f sinh) d(theta) = -(f sinh) dv / v
                 share = self.u[panel] / high
                 to_series = np.linalg.inv(share[:, None] ** powers)
                 rows = np.concatenate([-np.log(share)[:, None], (1 - share[:, None] ** powers[1:]) / powers[1:]], 1)
-                found[part] = before
-                found[part, part] += rows @ to_series
-        return found
+                result[part] = before
+                result[part, part] += rows @ to_series
+        return result
 
     @property
     def near(self) -> int:
@@ -305,6 +306,6 @@ class Grid:
         return np.asarray(self.at(np.zeros(1))[0])
 
 
-@lru_cache(32)
+@cached_small
 def _grid(count: int, logarithms: tuple[int, ...]) -> Grid:
     return Grid((*_EDGE, *_BEYOND, *(_BEYOND[-1] + _WIDTH * np.arange(1, count + 1))), logarithms)

@@ -2,21 +2,19 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
 from solver.arrays import Array
+from solver.cache import cached
 from solver.gap.airpoint import AirPoint, PointState
 from solver.gap.largest import peak_of_panels
 from solver.gap.pointtractions import SolvedPoint
 from solver.gap.refusal import lacking_at_point, require
 from solver.gap.ringoperators import WITHIN, RingOperators
 from solver.gap.rings import rings
-from solver.gap.ringtable import RingsByRadius, RingsOnHalfSpace
-from solver.gap.ringwindows import RingWindows
-from solver.gap.slidingpoint import SlidingPoint
-from solver.gap.slidingquantities import largest_beside, largest_within, trailing_tension, warn_of_charges
+from solver.gap.ringtable import RingsByRadius, RingsOnHalfSpace, RingWindows
+from solver.gap.slidingpoint import SlidingPoint, largest_beside, largest_within, trailing_tension, warn_of_charges
 from solver.line.windows import FIRST, LAST
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.point.body import Film, HalfSpace
@@ -27,11 +25,10 @@ from solver.point.profile import SAMPLES, Shape, climbed, finite
 from solver.point.quantities import RESPONSES
 from solver.twoport import Stiffness
 
-_MATERIALS = 64
 _REACH = "reach"  # among the quantities of a case: of the gap's field
 
 
-@lru_cache(_MATERIALS)
+@cached
 def _on_half_space(compliance: tuple[float, ...], fields: tuple[int, ...], shape: Shape) -> RingsOnHalfSpace:
     return RingsOnHalfSpace(RingOperators(rings(), fields, np.reshape(compliance, (3, 3)), shape))
 
@@ -107,8 +104,8 @@ class Case:
         at, begin = (start / self.length, None) if near is None else (near.radius, near.unknowns)
         problem = AirPoint(self.operators(at), self._coefficient, self._force, given, (held,) * len(self.fields),
                          self._media, self._end, at, begin)  # fmt: skip
-        if found := problem.within:
-            return found
+        if result := problem.within:
+            return result
         for _ in range(LAST - FIRST):
             problem = replace(problem, operators=self.operators(at, wide=True), start=at, near=begin)
             state = problem.state
@@ -150,7 +147,7 @@ def _of_case(case: Case, contacts: dict[str, Contact], rim: Rim | None) -> dict[
         "contact_stiffness": float(port.closed),
         "contact_stiffness_open": float(port.open),
     }
-    bounded, slid = finite(state.of.shape), case.slid(state)
+    bounded, slid = finite(state.problem.shape), case.slid(state)
     if bounded:
         out["peak_pressure"] = largest_within(slid, None, _peak_pressure(state)) * size / float(case.units[0])
     if slid is not None:
@@ -200,6 +197,6 @@ def _peak_pressure(state: PointState) -> float:
 
 
 def _peak_within(state: PointState, row: int) -> float:
-    first, count = SAMPLES.size, (state.inside.size - SAMPLES.size) // len(state.of.rows.fields)
+    first, count = SAMPLES.size, (state.inside.size - SAMPLES.size) // len(state.problem.rows.fields)
     own = state.inside[first + row * count : first + (row + 1) * count]
     return max(peak_of_panels(own[:-1].reshape(-1, WITHIN)), abs(float(own[-1])))

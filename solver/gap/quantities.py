@@ -2,16 +2,15 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
 from solver.arrays import Array
-from solver.gap.coupled import AirContact
+from solver.cache import cached
+from solver.gap.airline import AirContact, State
 from solver.gap.largest import gap_field, peak_density, peak_pressure
 from solver.gap.operators import EDGE
 from solver.gap.refusal import lacking, require
-from solver.gap.state import State
 from solver.gap.table import AirTable, farthest, grid_of
 from solver.line.similar import Films
 from solver.line.windows import Kind, window
@@ -20,10 +19,9 @@ from solver.names import RESPONSES
 from solver.twoport import Compliance
 
 _NODES = 12  # half-lengths of a window: 1e-7 between them
-_TABLES = 16  # kept: 10 MB each at most
 
 
-@lru_cache(_TABLES)
+@cached
 def _air_window(kind: Kind, number: int, reach: float) -> AirTable:
     whole = window(kind, number)
     return AirTable(type(whole)(whole.system, whole.lower, whole.upper, _NODES), reach)
@@ -66,13 +64,13 @@ def _in_air(films: Films, permittivity: Array) -> Iterator[tuple[int, AirContact
 
 
 def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[str, float]:
-    h, scale = float(films.thickness[place]), state.of.contact.scale
+    h, scale = float(films.thickness[place]), state.problem.contact.scale
     half, centre = h * state.half, state.centre
     out = {
         "contact_trailing": half * (1 + centre),
         "contact_leading": half * (1 - centre),
         "contact_offset": half * centre,
-        "pressure_exponent": state.of.contact.exponent,
+        "pressure_exponent": state.problem.contact.exponent,
         "depth": h * float(state.response[0] * scale[1]),
         "peak_pressure": peak_pressure(state),
         "trailing_tension": float(state.outputs[EDGE][0] / scale[1]),
@@ -91,7 +89,7 @@ def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[s
 
 
 def _responses(h: float, field: int, state: State, idle: State, bare: AirContact) -> tuple[float, ...]:
-    j, scale = 1 + field, state.of.contact.scale
+    j, scale = 1 + field, state.problem.contact.scale
     port = Compliance.of(state.tangents, field)
     short = replace(bare, held=(field == 0, field == 1), idle=idle).state
     return (

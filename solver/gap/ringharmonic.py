@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.arrays import Array
-from solver.gap.contactrule import ContactRule
-from solver.gap.ringoperators import RingOperators, Rows, summed
+from solver.gap.ringoperators import ContactRule, RingOperators, Rows, summed
 from solver.gap.rules import gauss
 from solver.point.friction import Response
 from solver.point.kernel import SurfaceKernel

@@ -7,19 +7,74 @@ of the second kind; beside it gap and potentials are what chi leaves from its va
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray
-from solver.gap.contactrule import ContactRule
+from solver.cache import cached
 from solver.gap.rings import Rings
 from solver.gap.rules import gauss
 from solver.line.kernel import CHANNEL
+from solver.point.friction import legendre
 from solver.point.kernel import SurfaceKernel
 from solver.point.profile import SAMPLES, Shape, finite, halfspace_form
 from solver.point.system import added_forms
+
+_FIRST, _MORE = 14, 6.0  # of S below a narrow contact, and what wide ones add
+_POWER = 3  # of the nodes where the profile is a power of s that is not even
+_GRADED, _STEEP = 4, 20  # power of those that crowd about both ends, and how many more they are
+
+
+@dataclass(frozen=True, eq=False)
+class ContactRule:
+    """Nodes and weights on 0 to 1; (node,) each."""
+
+    nodes: Array
+    weights: Array
+
+    @classmethod
+    def of(cls, reach: float, *, even: bool = True) -> Self:
+        """As many as layers that vary over 1/reach of the radius ask for: for even functions of s, or for powers.
+
+        Those for even functions serve products of odd ones, too.
+        """
+        count = _FIRST + int(_MORE * (np.sqrt(reach) + reach))
+        x, w = np.polynomial.legendre.leggauss(2 * count)
+        if even:
+            return cls(x[count:], w[count:])
+        t = (1 + x) / 2
+        return cls(t**_POWER, w / 2 * _POWER * t ** (_POWER - 1))
+
+    @property
+    def graded(self) -> Self:
+        """As fine, and finer about both ends: for what is kinked at the apex and has a logarithm at the edge."""
+        x, w = np.polynomial.legendre.leggauss(self.nodes.size + _STEEP)
+        t = (1 + x) / 2
+        half, weights = t**_GRADED / 2, w * _GRADED * t ** (_GRADED - 1) / 4
+        return type(self)(np.concatenate([half, 1 - half]), np.concatenate([weights, weights]))
+
+    @property
+    def series(self) -> Array:
+        """From even S at the nodes to coefficients of the tractions in f_n (points, 4); (n, node)."""
+        count = self.nodes.size
+        n = np.arange(count)
+        values = np.polynomial.legendre.legvander(self.nodes, 2 * count - 2)[:, ::2].T
+        return np.asarray(2 / np.pi * (-1.0) ** n[:, None] * (4 * n[:, None] + 1) * values * self.weights)
+
+    @property
+    def odd_series(self) -> Array:
+        """From odd S at the nodes to coefficients of psi in P_n(2 b - 1) (points, 8); (n, node)."""
+        count = 2 * self.nodes.size
+        x, w = np.polynomial.legendre.leggauss(count)
+        b, orders = (1 + x) / 2, np.arange(1, count, 2)
+        own, there = (np.polynomial.legendre.legvander(s, count - 1)[:, 1::2] for s in (self.nodes, b))
+        values = there * (2 * orders + 1) @ own.T * self.weights
+        series = (2 * np.arange(count)[:, None] + 1) * (legendre(b, count).T * w / 2)
+        return np.asarray(2 / np.pi * series @ values)
+
 
 _APART = 4.0  # growth of the distances from the target at which rules break
 #: x = sqrt(1 - r^2) below the contact at which densities are told: panels, graded to the edge, and the centre.
@@ -110,26 +165,26 @@ class RingOperators:
         closed = np.einsum("ij,jnc->inc", inverse, self._given(below.nodes))  # S of a half-space
         S, added = self._layered(radius, below, closed, self.rings.grid.distance)
         edge = inverse @ (self._given(np.ones(1))[:, 0] - added[:, count])
-        found = np.empty((rows.count, rows.columns))
+        result = np.empty((rows.count, rows.columns))
         # S of the profile is of_power s^e: of_power (1 - s^e), whose tractions are closed, less than at the edge
         of_power = inverse[:, 0] * self.shape.rise
         closed[..., profile] = of_power[:, None]
         S += closed
-        found[rows.loads] = 4 * np.einsum("n,inc->ic", below.weights, S)
-        found[rows.loads, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
-        found[rows.edges] = edge
+        result[rows.loads] = 4 * np.einsum("n,inc->ic", below.weights, S)
+        result[rows.loads, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
+        result[rows.edges] = edge
         coefficients = below.series @ S
         for place in range(len(self.fields)):
-            found[1 + place, rows.densities(place)] += 4 * self.rings.totals
+            result[1 + place, rows.densities(place)] += 4 * self.rings.totals
         raised = self.rings.raised @ self.chi_beside(added[:, count:], edge)
-        found[rows.raised : rows.pressure.start] = raised.reshape(-1, rows.columns)
-        found[rows.pressure] = -added_forms(SAMPLES, count) @ coefficients[0]
-        found[rows.pressure, profile] += inverse[0, 0] * self._form(SAMPLES)
+        result[rows.raised : rows.pressure.start] = raised.reshape(-1, rows.columns)
+        result[rows.pressure] = -added_forms(SAMPLES, count) @ coefficients[0]
+        result[rows.pressure, profile] += inverse[0, 0] * self._form(SAMPLES)
         for place in range(len(self.fields)):
-            found[rows.within(place)] = added_forms(X_WITHIN, count) @ coefficients[1 + place]
-            found[rows.within(place), rows.densities(place)] += _drawn(self.rings)
-            found[rows.within(place), profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
-        return found
+            result[rows.within(place)] = added_forms(X_WITHIN, count) @ coefficients[1 + place]
+            result[rows.within(place), rows.densities(place)] += _drawn(self.rings)
+            result[rows.within(place), profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
+        return result
 
     def over(self, log_radii: Array) -> Array:
         """The same at several log a (radius,) in the unit of the body's lengths; (radius, row, column)."""
@@ -206,11 +261,11 @@ class RingOperators:
     def _given(self, nodes: Array) -> Array:
         """chi below the contact; (channel, node, column)."""
         rows = self.rows
-        found = np.zeros((len(rows.channels), nodes.size, rows.columns))
+        result = np.zeros((len(rows.channels), nodes.size, rows.columns))
         for place in range(len(rows.channels)):
-            found[place, :, place] = 1.0
-        found[0, :, rows.causes - 1] = self.shape.rise * nodes**self.shape.exponent
-        return found
+            result[place, :, place] = 1.0
+        result[0, :, rows.causes - 1] = self.shape.rise * nodes**self.shape.exponent
+        return result
 
     @cached_property
     def _pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -249,10 +304,10 @@ class RingOperators:
         kernels = self.rings.parity * self._added.at(radius * (targets[:, None, None] + s))
         row, panel = np.nonzero(~broken)
         kernels[row, panel] += self._added.at(radius * np.abs(targets[row, None] - s[panel]))
-        found = np.swapaxes(np.swapaxes(kernels, -1, -2) @ share, -1, -2)  # (target, panel, node, pair)
-        self._add_pieces(found, radius, targets, breaks, broken)
+        result = np.swapaxes(np.swapaxes(kernels, -1, -2) @ share, -1, -2)  # (target, panel, node, pair)
+        self._add_pieces(result, radius, targets, breaks, broken)
         size = self.rings.size.reshape(grid.panels, -1, 1)
-        kernels = self._paired((radius / np.pi * found / size).reshape(targets.size, grid.count, -1))
+        kernels = self._paired((radius / np.pi * result / size).reshape(targets.size, grid.count, -1))
         return [kernels[:, 1 + place] @ self.rings.gathered for place in range(len(self.fields))]
 
     def _breaks(self, radius: float, targets: Array) -> Array:
@@ -291,7 +346,7 @@ def summed(kernels: Array, S: Array) -> Array:
     return np.asarray(np.tensordot(kernels, S, ((1, 3), (0, 1))))
 
 
-@lru_cache(2)
+@cached
 def _drawn(rings: Rings) -> Array:
     """What rings draw below the contact; (x, n)."""
     return rings.poisson(X_WITHIN)

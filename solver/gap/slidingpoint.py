@@ -8,23 +8,28 @@ lengths in contact radii, end the punch's radius, c the shift,
 and the same with B, mu0 and psi. Linear in c and D_1, with a smooth edge of the pressure.
 """
 
+import warnings
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
+from solver.cache import cached
 from solver.gap.airpoint import PointState
+from solver.gap.largest import peak_of_panels
 from solver.gap.pointtractions import AirPointTractions, SolvedPoint
 from solver.gap.ringharmonic import CAUSES, RUBBED, SHIFT, HarmonicOutputs, RingHarmonic
 from solver.gap.ringoperators import RingOperators
 from solver.gap.rings import Rings, rings
 from solver.gap.rules import gauss
 from solver.point import hankel
-from solver.point.friction import Response, legendre
+from solver.point.body import Film, HalfSpace
+from solver.point.friction import Response, Rim, added_tension, edge_sums, legendre
 from solver.point.kernel import SurfaceKernel
 from solver.point.profile import Shape
+from solver.point.sliding import FirstOrderWarning
 from solver.point.slidingpressure import ray_of, turned_pressures
 from solver.point.tractions import Density
 
@@ -82,7 +87,7 @@ class SlidingPoint:
     def _weights(self) -> Array:
         """Of the columns, per eta; (column,)."""
         state, of, columns = self._state, self._turned, self._columns
-        rows, profile = self._operators.rows, state.of.profile
+        rows, profile = self._operators.rows, state.problem.profile
         law = np.empty((1 + len(rows.fields) * rows.nodes, of.edges.shape[1]))
         law[0] = of.edges[0]
         for place, at_rest in enumerate(state.over_size):
@@ -93,9 +98,9 @@ class SlidingPoint:
             own[:, SHIFT] += at_rest * state.gap / profile * self._widened
             own[:, columns.densities(place)][np.diag_indices(rows.nodes)] += state.gap / profile
         unknown = np.delete(np.arange(law.shape[1]), RUBBED)
-        found = np.ones(law.shape[1])
-        found[unknown] = np.linalg.solve(law[:, unknown], -law[:, RUBBED])
-        return found
+        result = np.ones(law.shape[1])
+        result[unknown] = np.linalg.solve(law[:, unknown], -law[:, RUBBED])
+        return result
 
     @property
     def _slides(self) -> bool:
@@ -135,7 +140,7 @@ class SlidingPoint:
         """
         N, channels, (_, turned) = self._operators.compliance, self._carried, self.beside
         at_rest = self._state.densities / self._state.thinned
-        yielding = -self.on.unit * N[0, channels] / N[channels, channels] / self._state.of.media
+        yielding = -self.on.unit * N[0, channels] / N[channels, channels] / self._state.problem.media
         return float(max(np.max(yielding[:, None] * (at_rest + sign * turned)) for sign in (1.0, -1.0)))
 
     # -- tractions -----------------------------------------------------------------------------------------------------
@@ -144,10 +149,10 @@ class SlidingPoint:
         """Coefficients of P_n(2 b - 1) in psi but for what is closed, over C a^(e-1); (3, n)."""
         if not self._slides:
             return np.zeros((3, 1))
-        found = np.zeros((3, 2 * self._turned.below.nodes.size))
+        result = np.zeros((3, 2 * self._turned.below.nodes.size))
         S = self._turned.smooth @ (self.friction * self._weights)
-        found[self._operators.rows.channels] = S @ self._turned.below.odd_series.T
-        return found
+        result[self._operators.rows.channels] = S @ self._turned.below.odd_series.T
+        return result
 
     def sines(self, b: Array) -> Array:
         """psi over C a^(e-1) below the contact; (3, b).
@@ -206,28 +211,81 @@ class SlidingPoint:
     def moments(self) -> Array:
         """int_0^1 (t s + t_1 s^2) ds of (sigma_yy, D_y, B_y) below the contact; (3,)."""
         at = hankel.nodes(kinked=True)
-        found = (self.pressed.at(at.b)[0] + 2 * at.b * self.sines(at.b)) @ at.weights
-        found[self._carried] += self._state.over_size @ _held(self.on.operators.rings)
-        found[self._carried] += self.over_size @ _held(self.rings)
-        return np.asarray(found)
+        result = (self.pressed.at(at.b)[0] + 2 * at.b * self.sines(at.b)) @ at.weights
+        result[self._carried] += self._state.over_size @ _held(self.on.operators.rings)
+        result[self._carried] += self.over_size @ _held(self.rings)
+        return np.asarray(result)
 
     @property
     def just_beside(self) -> Array:
         """(0, D_y, B_y) just outside the trailing edge; (3,)."""
-        found = np.zeros(3)
-        found[self._carried] = (self._state.over_size + self.over_size) @ self.rings.grid.edge
-        return found
+        result = np.zeros(3)
+        result[self._carried] = (self._state.over_size + self.over_size) @ self.rings.grid.edge
+        return result
 
 
-@lru_cache(64)
+@cached
 def _drawn(of: Rings, shape: Shape) -> Array:
     """What rings draw along the ray; (place, n)."""
     return of.poisson(ray_of(shape).x)
 
 
-@lru_cache(2)
+@cached
 def _held(of: Rings) -> Array:
     """What rings add to the moments below the contact: what they draw there, less the strength of S within; (n,)."""
     x, weights = gauss(_ENDS, _RULE)
     r = np.sqrt((1 - x) * (1 + x))
     return np.asarray((weights * x * r**of.order) @ of.poisson(x) - _PART * (2 / 3) ** of.order * of.at_edge)
+
+
+_MOST_REACH = 1.1  # of the gap's field, beyond which a warning says that it is not reached
+
+
+def largest_within(slid: SlidingPoint | None, field: int | None, at_rest: float) -> float:
+    """Largest abs(D_y) (0), abs(B_y) (1) or pressure (None) below the contact, over C a^(e-1).
+
+    What is singular at the edge is left out, as at rest; at the apex of exponents below 2 it is that at rest.
+    """
+    if slid is None or slid.friction == 0:
+        return at_rest
+    along, ray = slid.along(field), ray_of(slid.on.operators.shape)
+    signs = (1.0,) if field is None else (1.0, -1.0)
+    return max(at_rest, *(float(ray.top(*(sign * along[:, None]))[0]) for sign in signs))
+
+
+def largest_beside(state: PointState, slid: SlidingPoint | None, place: int, *, gap: bool) -> float:
+    """Largest density beside the contact, over C a^(e-1), or that which the gap's field would have at a plate.
+
+    On the finite panels, along the sliding direction.
+    """
+    at_rest = state.densities[place] / (state.thinned if gap else 1.0)
+    turned = np.zeros_like(at_rest) if slid is None else slid.beside[gap][place]
+    panels = state.problem.rings.grid.panels
+    return max(peak_of_panels((at_rest + sign * turned).reshape(panels, -1)[:-1]) for sign in (1.0, -1.0))
+
+
+def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units: Array) -> float:
+    """sigma_xx just outside the trailing edge, where the surface carries charges [Pa].
+
+    units: (3,), of the body.
+    """
+    unit = slid.on.unit / units
+    first, third = (float(part[0] * slid.friction * unit[0]) for part in edge_sums(slid.pressed))
+    result = rim.tension(slid.moments * unit, (np.array(first), np.array(third))) + rim.charged(slid.just_beside * unit)
+    if isinstance(body, Film):
+        b, plain, turned = slid.weighted
+        added = added_tension(body.kind.film.stack(), rim, slid.on.state.radius, b, plain, turned)
+        result = result + slid.on.unit * added
+    return float(result)
+
+
+def warn_of_charges(reach: float) -> None:
+    """Warn by :class:`FirstOrderWarning` where the gap's field goes beyond what a surface carries."""
+    if reach > _MOST_REACH:
+        warnings.warn(
+            f"friction: to its first order the field in the gap beside the edge is {reach:.2g} times that at which the "
+            "surface gives way to charges: gap_field and peak_displacement are too large, trailing_tension errs by a "
+            "part of what air adds to it",
+            FirstOrderWarning,
+            stacklevel=2,
+        )

@@ -8,6 +8,7 @@ import numpy as np
 from solver.arrays import Array, BoolArray
 from solver.gap.grid import GROWING, LEVEL, Grid
 from solver.gap.operators import DISPLACEMENT, FIRST, Operators
+from solver.gap.refusal import GapError
 from solver.line.contact import FilmContact
 from solver.line.system import System
 from solver.line.table import Table
@@ -17,6 +18,8 @@ from solver.stack.reflection import low
 SOLVING: int = DISPLACEMENT.stop
 _TERMS = 4  # of Taylor's series about a half-length
 _NEXT = 1e-3  # of log h: the fourth power of it over what tables resolve is below rounding
+
+_LARGEST = 0.5e9  # bytes of a table, of which some copies exist while it is made; usual ones take 0.01 to 0.2 GB
 
 _MARGIN, _MARGIN_OF_BASE = 10.0, 3.0
 
@@ -38,7 +41,14 @@ class AirTable:
     @cached_property
     def _parts(self) -> tuple[Array, Array]:
         """Outputs at the half-lengths: rows that the equations need, and the others; (node, row, column) each."""
-        values = self.operators.at(self.table.half_lengths)
+        of = self.operators
+        size = 8.0 * self.table.half_lengths.size * of.rows * (of.system.causes + len(of.system.fields) * of.beside)
+        if size > _LARGEST:
+            raise GapError(
+                "surroundings: charges spread so far beside the contact that their table would take "
+                f"{size / 1e9:.3g} GB; at most {_LARGEST / 1e9:g} GB; must be insulated"
+            )
+        values = of.at(self.table.half_lengths)
         solving = self._solving
         return np.ascontiguousarray(values[:, solving]), np.ascontiguousarray(values[:, ~solving])
 
@@ -60,10 +70,10 @@ class AirTable:
 
         columns: (column,), sizes of causes and densities.
         """
-        weights, found = self._weights(log_half, 1)[0], np.empty(self.operators.rows)
+        weights, result = self._weights(log_half, 1)[0], np.empty(self.operators.rows)
         for part, rows in zip(self._parts, (self._solving, ~self._solving), strict=True):
-            found[rows] = weights @ (part @ columns)
-        return found
+            result[rows] = weights @ (part @ columns)
+        return result
 
     def _weights(self, log_half: float, count: int) -> Array:
         """From values at the half-lengths to coefficients of powers of a change in log h; (count, node)."""

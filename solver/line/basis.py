@@ -9,12 +9,13 @@ w = (1 - X)^A (1 + X)^B, k0 = A + B. With tan(theta) = eta kap / lam and A = 1/2
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from scipy.special import beta, roots_jacobi
 
 from solver.arrays import Array, Points
+from solver.cache import cached_small
 
 #: The closed transforms cancel exp(c), c = 2 M log of the ellipse through z: below this c, three digits, they are used.
 CANCELS = 6.9
@@ -182,7 +183,7 @@ class Basis:
         return np.asarray((weight * mean) @ self.pressure_factor(S))
 
 
-@lru_cache(256)
+@cached_small
 def gauss_jacobi(count: int, A: float, B: float) -> tuple[Array, Array]:
     """Gauss's rule of weight (1 - X)^A (1 + X)^B: nodes and weights, which cannot be written to."""
     with np.errstate(

@@ -10,13 +10,14 @@ where U' = K gives displacements. They are analytic in the strip |Im x| < b = 2 
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from scipy.special import exp1
 
 from approximation.piecewise import Piecewise
 from solver.arrays import Array, BoolArray
+from solver.cache import cached
 from solver.stack.electroded import difference, lowest, surface
 from solver.stack.grading import GradedResponse, smooth_tails
 from solver.stack.layers import Stack, StackError
@@ -43,8 +44,6 @@ FINEST = 10  # halvings of the first panel under a graded layer, whose kernels a
 _GRADED_TAIL = 1e-8
 _HALVINGS = 6  # of panels that do not resolve: roots with a large real part put singularities beside the first ones
 _MOST = 20_000_000  # entries of one block of the transform: bounded memory
-_RESPONSES = 16  # kept: 0.1 MB each
-_KERNELS = 64  # kept: 0.1 MB each
 _FARTHEST = 1e5  # reach over the width of the strip: bounded time
 
 
@@ -87,7 +86,7 @@ class Kernel:
         return self.positive.mirrored(_ODD)
 
 
-@lru_cache(_KERNELS)
+@cached
 def kernel(stack: Stack, reach: float, *, by_distance: bool = False) -> Kernel:
     """Table of the kernels for distances up to ``reach`` [m], one for every friction, conduction and punch."""
     width = strip(stack)
@@ -147,7 +146,7 @@ def _undecayed(series: Array, least: float) -> BoolArray:
     return np.asarray(~(np.max(np.abs(series[:, -2:]), axis=(1, 2)) <= least * size))
 
 
-@lru_cache(_RESPONSES)
+@cached
 def graded_response(stack: Stack) -> GradedResponse:
     """The response of a graded film, which all its kernels share, whatever their reach."""
     return GradedResponse(stack, panels(stack, graded_strip(stack)))

@@ -4,12 +4,13 @@ At fixed positions X the fields are functions of log h, linear in the causes: a 
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
 from approximation.chebyshev import coefficients
 from solver.arrays import Array
+from solver.cache import cached
 from solver.fields import FIELDS
 from solver.line.assembly import Assembly
 from solver.line.contact import FilmContact
@@ -23,7 +24,6 @@ _TRACTIONS = slice(0, 3)  # sigma_yy, D_y, B_y
 _GRADIENTS = slice(3, 6)  # d(phi, psi, u_x)/dx
 _POSITIONS = 512  # at a time
 _VALUES = 1 << 17  # positions times cases at a time: bounded memory
-_TABLES = 32  # kept: 2 MB each at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +108,7 @@ def local_fields(assembly: Assembly) -> Array:
     return fields
 
 
-@lru_cache(_TABLES)
+@cached
 def _surface_window(kind: Kind, number: int, positions: tuple[float, ...]) -> SurfaceTable:
     return SurfaceTable(window(kind, number), np.array(positions))
 

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Self
 
 import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
+from solver.cache import cached
 from solver.halfplane.sliding import Punch
 from solver.line.peaks import PeakTable
 from solver.line.powerlaw import Constants, constants_of, material_from
@@ -27,8 +27,6 @@ FIRST = int(np.floor(_A_DECADE * np.log10(LEAST)))
 LAST = int(np.ceil(_A_DECADE * np.log10(MOST))) - 1
 _ACCURACY = 1.25  # factor on the number of terms: 1e-9 of tractions that are next to zero, too
 _ROUGH_NODES, _ROUGH_ACCURACY = 8, 0.5  # of their tables: 1e-3 of the load, for a fifth of the time
-_TABLES, _PEAK_TABLES, _TRACTION_TABLES = 512, 32, 64  # kept: 0.4 MB, some MB and 0.1 MB each
-_STACKS = 256
 
 
 @dataclass(frozen=True)
@@ -105,20 +103,20 @@ class Kind:
         return total
 
 
-@lru_cache(_STACKS)
+@cached
 def _stack(layers: tuple[Coat, ...], base: Constants | None, speed: float, electroded: bool) -> Stack:
     """One stack for all tables of it: what is found once for a stack, is found once."""
     built = tuple(coat.layer() for coat in layers)
     return Stack(built, RIGID if base is None else material_from(base, "base"), speed, electroded)
 
 
-@lru_cache(_STACKS)
+@cached
 def critical(kind: Kind) -> float:
     """First critical speed [m/s] of films of a kind, whatever their thickness."""
     return critical_speed(kind.stack(), kind.conducts)
 
 
-@lru_cache(_TABLES)
+@cached
 def window(kind: Kind, number: int, *, rough: bool = False) -> Table:
     """Table of a film of unit thickness over one window of half-lengths, counted in half decades from 1."""
     ends = 10.0 ** (np.array([number, number + 1]) / _A_DECADE) * np.array([1 / _OVERLAP, _OVERLAP])
@@ -131,13 +129,13 @@ def window(kind: Kind, number: int, *, rough: bool = False) -> Table:
     )  # fmt: skip
 
 
-@lru_cache(_TRACTION_TABLES)
+@cached
 def traction_window(kind: Kind, number: int) -> TractionTable:
     """Tractions over one window."""
     return TractionTable(window(kind, number))
 
 
-@lru_cache(_PEAK_TABLES)
+@cached
 def peak_window(kind: Kind, number: int) -> PeakTable:
     """Stresses over one window; of a film no wider than it has a depth below 0.1 h."""
     whole = window(kind, number)

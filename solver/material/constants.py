@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.arrays import Array, BoolArray, is_finite, unmasked
+from solver.material.datasheet import ENTRIES, converted
 from solver.material.evidence import Alternative, Limit, read_alternatives, read_limits, with_unit
 from solver.material.usual import VACUUM_PERMEABILITY as VACUUM_PERMEABILITY
 from solver.material.usual import VACUUM_PERMITTIVITY as VACUUM_PERMITTIVITY
@@ -127,7 +128,10 @@ class Material:
 
         Constants by name, in SI or with their unit, ``conductor``, texts ``name``, ``source`` and ``note``, ``limits``
         (see :func:`read_limits`) and ``alternatives`` (see :func:`read_alternatives`), each of which must be admissible
-        too.
+        too. Constants may also stand as data sheets print them: compliances ``s11`` ..., charge constants ``d31``,
+        ``d33``, ``d15`` or coupling factors ``k31``, ``k33``, ``k15``, free permittivities ``eps_T33`` or ``eps_r33``
+        (relative), ``E`` and ``nu`` of an isotropic solid, or the matrices ``c``, ``s``, ``e``, ``d``, ``eps`` in the
+        ``order`` IEEE or Abaqus.
 
         Raises
         ------
@@ -146,10 +150,14 @@ class Material:
         """
         known = [entry.name for entry in fields(cls) if entry.name != "any_size"]
         label = str(mapping.get("name", "material"))
+        try:
+            mapping = converted(mapping)
+        except ValueError as error:
+            raise MaterialError(f"{label}: {error}") from None
         evidence: dict[str, Any] = {}
         for key, value in mapping.items():
             if key not in known:
-                raise MaterialError(f"{label}: {key}: unknown entry; known are {', '.join(known)}")
+                raise MaterialError(f"{label}: {key}: unknown entry; known are {', '.join((*known, *ENTRIES))}")
             if key in ("limits", "alternatives"):
                 try:
                     evidence[key] = read_limits(value) if key == "limits" else read_alternatives(value, UNITS)
@@ -205,7 +213,20 @@ class Material:
 
     @classmethod
     def elastic(cls, E: Array, nu: Array, name: str, rho: float = np.nan) -> Self:
-        """The isotropic solid of Young's moduli [Pa] of any size and Poisson's ratios, (...) each."""
+        """Return the isotropic solid of Young's moduli of any size.
+
+        Parameters
+        ----------
+        E : ndarray, shape (...), Young's modulus [Pa]
+        nu : ndarray, shape (...), Poisson's ratio, -1 < nu < 0.5
+        name : str
+        rho : float, density [kg/m3]; NaN: not known
+
+        Raises
+        ------
+        MaterialError
+            Young's modulus not positive, or Poisson's ratio not within -1 to 0.5.
+        """
         if np.any(bad := ~((nu > -1) & (nu < 0.5))):
             raise MaterialError(f"{name}: Poisson's ratio {nu[bad].flat[0]:g} is not within -1 < nu < 0.5")
         shear, lame = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))

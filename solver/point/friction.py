@@ -9,12 +9,13 @@ waves with J_1 and J_3. All are sums over b of smooth functions of b, wherever c
 """
 
 from dataclasses import dataclass, fields
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
+from solver.cache import cached
 from solver.halfplane.surface import HalfPlane
 from solver.point.hankel import bessel_orders
 from solver.point.profile import Shape
@@ -153,7 +154,6 @@ def edge_sums(pressed: Density) -> tuple[Array, Array]:
 
 _FAR = 20.0  # distance over the longer of contact radius and thickness beyond which functions of b fall as powers
 _FALLING = 2, 3  # these powers, of cosines and of sines
-_KEPT = 32
 
 
 def added_tension(stack: Stack, rim: Rim, ratio: float, b: Array, plain: Array, turned: Array) -> float:
@@ -180,7 +180,7 @@ def added_tension(stack: Stack, rim: Rim, ratio: float, b: Array, plain: Array, 
     return float(ratio * stack.scale[0] * (dilated - rubbed @ (straight + sheared * rim.shear * across)))
 
 
-@lru_cache(_KEPT)
+@cached
 def _waves(stack: Stack, power: int) -> tuple[Array, Array, Array]:
     """Wavenumbers for distances up to a power of two; Delta and its like of shear waves, times their weights."""
     k, weights = wavenumbers(stack, 2.0**power, strip(stack))

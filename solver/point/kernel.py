@@ -11,13 +11,13 @@ Far away only the beginning of Delta matters: it is tapered over a width that th
 """
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
 from approximation.arrays import Indices
 from approximation.piecewise import Piecewise
 from solver.arrays import Array
+from solver.cache import cached
 from solver.line.kernel import DEGREE, ENTRIES, growing, octave
 from solver.stack.layers import Stack
 from solver.stack.reflection import waves
@@ -51,32 +51,33 @@ class SurfaceKernel:
         return replace(self, table=replace(self.table, series=self.table.series[..., pairs]))
 
 
-@lru_cache(32)
-def normal_kernel(stack: Stack, reach: float | None = None) -> SurfaceKernel:
-    """Lambda of a stack, tabulated up to `reach`."""
-    return _tabled(stack, reach, odd=False)
+def normal_kernel(stack: Stack) -> SurfaceKernel:
+    """Lambda of a stack."""
+    return _kernels(stack)[0]
 
 
-@lru_cache(32)
-def shear_kernel(stack: Stack, reach: float | None = None) -> SurfaceKernel:
-    """Lambda_x of (y, phi, psi) of a stack, odd in the distance, tabulated up to `reach`."""
-    return _tabled(stack, reach, odd=True)
+def shear_kernel(stack: Stack) -> SurfaceKernel:
+    """Lambda_x of (y, phi, psi) of a stack, odd in the distance."""
+    return _kernels(stack)[1]
 
 
-def _tabled(stack: Stack, reach: float | None, *, odd: bool) -> SurfaceKernel:
-    """Tabulate Lambda or Lambda_x over the distance."""
-    width = strip(stack)
-    pairs, wave = (_SHEARED, np.sin) if odd else (PAIRS, np.cos)
+@cached
+def _kernels(stack: Stack) -> tuple[SurfaceKernel, SurfaceKernel]:
+    """Tabulate Lambda and Lambda_x over the distance: both need the same waves, which cost the most."""
+    width, count = strip(stack), len(PAIRS)
 
     def transformed(x: Array) -> Array:
         """Transforms at distances of one octave; (x, pair)."""
         k, weights, taper = tapered(stack, width, x)
         values = waves(stack, k)[0].difference
-        rows = np.stack([weights * taper * values[:, i, j] for i, j in pairs], -1)
-        sums, step = np.empty((x.size, len(pairs))), max(_VALUES_AT_ONCE // k.size, 1)
+        rows = np.stack([weights * taper * values[:, i, j] for i, j in (*PAIRS, *_SHEARED)], -1)
+        sums, step = np.empty((x.size, rows.shape[1])), max(_VALUES_AT_ONCE // k.size, 1)
         for start in range(0, x.size, step):
-            sums[start : start + step] = wave(x[start : start + step, None] * k) @ rows
+            phases = x[start : start + step, None] * k
+            sums[start : start + step, :count] = np.cos(phases) @ rows[:, :count]
+            sums[start : start + step, count:] = np.sin(phases) @ rows[:, count:]
         return sums
 
-    ends = growing(width, reach or _FAR * width)
-    return SurfaceKernel(Piecewise.of(transformed, ends, DEGREE + 1, octave(ends, width)), odd)
+    ends = growing(width, _FAR * width)
+    all_pairs = SurfaceKernel(Piecewise.of(transformed, ends, DEGREE + 1, octave(ends, width)), odd=False)
+    return all_pairs.of(np.arange(count)), replace(all_pairs.of(np.arange(count, count + len(_SHEARED))), odd=True)

@@ -11,12 +11,12 @@ x (r/a)^(e-2) 2F1(1 - e/2, 1/2; 3/2; -(x a/r)^2), arsinh(x a/r) of a cone.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from scipy.special import beta, gammaln, gammasgn, hyp2f1
 
 from solver.arrays import Array
+from solver.cache import cached_small
 
 #: Exponent of a flat end.
 DISC = 0.0
@@ -94,7 +94,7 @@ def _form(e: float, x: Array, r: Array) -> Array:
     )
 
 
-@lru_cache
+@cached_small
 def halfspace_peak(shape: Shape) -> float:
     """Largest value of ``halfspace_form``: at the centre up to the exponent 2, towards the edge above."""
     values = halfspace_form(shape, SAMPLES)

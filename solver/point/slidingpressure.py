@@ -9,7 +9,7 @@ shrink towards the edge; a table of p1 stands beside those of a window.
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from approximation.chebyshev import coefficients, gauss_points
 from approximation.measure import ITSELF
 from approximation.summit import highest
 from solver.arrays import Array
+from solver.cache import cached
 from solver.halfplane.potentials import LINE, LINE_WEIGHTS
 from solver.point.body import Film
 from solver.point.contact import Contact, Friction
@@ -32,7 +33,6 @@ _HALVINGS = 6  # of panels towards the edge
 _APEX = 0.1  # r/a within which p0 + p1 cos(angle) fails below an apex of infinite curvature
 _CLOSE = 1e-8
 _TOGETHER = 4096  # cases at a time: bounded memory
-_KEPT = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,13 +83,13 @@ class Ray:
         return highest(both_rays[:, None, None], self.counts, ITSELF, _CLOSE).value
 
 
-@lru_cache(_KEPT)
+@cached
 def ray_of(shape: Shape) -> Ray:
     """Ray of a shape, cached."""
     return Ray.of(shape)
 
 
-@lru_cache(_KEPT)
+@cached
 def _closed_pressures(shape: Shape) -> tuple[Array, Array]:
     """Pressures p1 of a unit shift and of the half-space's unit form; (place,) each."""
     ray, e = ray_of(shape), shape.exponent
@@ -97,7 +97,7 @@ def _closed_pressures(shape: Shape) -> tuple[Array, Array]:
     return (e - 1) * ray.summed(b ** (e - 2)), shape.rise * 2 / np.pi * ray.summed(turned_form_rates(e, b))
 
 
-@lru_cache(_KEPT)
+@cached
 def _added(shape: Shape, even: int, count: int) -> tuple[Array, Array]:
     """Pressures p1 of the layers' even functions without friction, and of P_n(2 b - 1); (n, place) each."""
     ray = ray_of(shape)
@@ -120,7 +120,7 @@ def turned_pressures(response: Response, density: Density, shift: Array, series:
     return np.asarray(closed + series @ per_series)
 
 
-@lru_cache(_KEPT)
+@cached
 def _of_halfspace(shape: Shape) -> Array:
     """Pressures p1 per eta of a half-space whose N^-1 k and (2/pi) (N^-1)_yy are 1 in the first channel; (place,)."""
     ones = np.ones((1, 3))
@@ -151,7 +151,7 @@ class TurnedWindow:
         return np.asarray(np.einsum("cdp,cd->cp", read, causes))
 
 
-@lru_cache(_KEPT)
+@cached
 def _turned_window(window: SlidingWindow) -> TurnedWindow:
     return TurnedWindow(window)
 

@@ -6,13 +6,14 @@ Nystroem's method, spectral.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
 from approximation.arrays import Indices
 from approximation.chebyshev import coefficients
 from solver.arrays import Array
+from solver.cache import cached
 from solver.point import hankel
 from solver.point.friction import Response, contact_coupling, legendre
 from solver.point.inside import Inside
@@ -22,7 +23,6 @@ from solver.stack.electroded import difference, surface
 from solver.stack.wavenumbers import strip, wavenumbers
 
 _FIRST, _PER_ROOT = 24, 12.0  # nodes of a small contact; more per root of a/h
-_KEPT = 128
 _EDGE = np.ones(1)
 
 
@@ -159,7 +159,7 @@ class Layers:
         return response.settled(causes.turned(_EDGE)[:, 0, 0], series, np.sum(series[0], 0))  # P_n(1) = 1
 
 
-@lru_cache(_KEPT)
+@cached
 def sliding_window(kind: PointKind, number: int, punch: float) -> SlidingWindow:
     """Sliding window of a kind, cached."""
     return SlidingWindow(window(kind, number), punch)

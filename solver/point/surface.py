@@ -8,13 +8,13 @@ in the position and in log a: the sums are taken at the nodes of a window, once 
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
 from approximation.arrays import Indices
 from approximation.chebyshev import coefficients
 from solver.arrays import Array
+from solver.cache import cached
 from solver.halfplane.pressing import ContactError
 from solver.point.body import Film
 from solver.point.contact import Contact, Pressed
@@ -26,7 +26,6 @@ from solver.point.table import PointKind, Window, window
 from solver.point.tractions import Tractions
 
 _STRESSES = ("stress_xx", "stress_zz")
-_KEPT = 16  # of a hundred places 0.1 MB each
 
 
 def added_stresses(contact: Contact, positions: Array) -> Array:
@@ -43,7 +42,7 @@ def added_stresses(contact: Contact, positions: Array) -> Array:
     return np.asarray(np.einsum("ckd,cd->ck", read.reshape(len(read), -1, 4), causes)).reshape(len(read), 2, -1)
 
 
-@lru_cache(_KEPT)
+@cached
 def _series(kind: PointKind, number: int, positions: tuple[float, ...]) -> Array:
     """Chebyshev coefficients of the stresses per (u0, g) over C a^e; (node, stress and position and cause)."""
     table, inside, places = window(kind, number), Inside(kind.film.stack()), np.array(positions)

@@ -5,7 +5,7 @@ interactions of a stack are computed once and serve every punch: its profile, it
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -13,6 +13,7 @@ import numpy as np
 from approximation.chebyshev import coefficients
 from approximation.piecewise import Interval
 from solver.arrays import Array
+from solver.cache import cached
 from solver.line.table import LEAST, MOST
 from solver.line.windows import Kind
 from solver.point.profile import SAMPLES, Shape
@@ -26,7 +27,6 @@ _OVERLAP = 1.05  # of a window with its neighbours
 _NODES = 20  # radii of a window up to a/h = 10: 1e-13 between them
 _WIDE, _DIGITS = 2, 28.0  # first window beyond a/h = 10; exponent of the error between its radii: 1e-12
 _RUNGS = 9
-_KEPT, _KERNELS = 512, 24
 _FIRST, _SMOOTH, _KINKED = 12, 9.0, 14.0  # functions of a small contact; more per root of a/h, by the profile
 _SMOOTH_WIDE = 7.0  # the same beyond a/h = 10: loads to 1e-12, edge strengths to 2e-10
 
@@ -176,13 +176,13 @@ def interval(number: int, count: int | None = None) -> Interval:
     return Interval(low, high, count)
 
 
-@lru_cache(_KEPT)
+@cached
 def window(kind: PointKind, number: int) -> Window:
     """Window of a kind, cached."""
     return Window(kind, number)
 
 
-@lru_cache(_KERNELS)
+@cached
 def _kernel(film: Kind, number: int, smooth: bool) -> Array:
     """Interactions of a film of unit thickness at the radii of a window; (node, 3, 3, n, n)."""
     stack = film.stack()

@@ -8,12 +8,13 @@ Y(k) = A + k C + ....
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray
+from solver.cache import cached
 from solver.stack.electroded import beyond_local, local
 from solver.stack.fourier import falling
 from solver.stack.grading import extrapolated, staircase
@@ -24,7 +25,6 @@ from solver.stack.wavenumbers import strip, wavenumbers
 
 _TOP, _PHI = -1, 2  # the surface among the interfaces; phi among (x, y, phi, psi)
 _FARTHEST = 2000.0  # distance over the width of the strip: bounded time
-_KEPT = 128  # transfers: 0.1 MB each
 _STEPS = (8, 16, 32, 64)  # of a graded layer: rows to 1e-9 of the largest
 
 
@@ -179,7 +179,7 @@ class Electrode:
         return extrapolated(lambda count: answer(self._stepped(count)), _STEPS)
 
 
-@lru_cache(_KEPT)
+@cached
 def transfers(stack: Stack, number: int, octave: int) -> tuple[Array, Array, Array]:
     """Transfers of an electrode for distances up to a power of two thicknesses, cached."""
     return Electrode(stack, number).transfers(2.0**octave * stack.top.thickness)

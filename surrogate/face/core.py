@@ -1,6 +1,6 @@
-"""What a model must give: its posterior, what it was fitted to, and its state in files."""
+"""What a model must give: its posterior at scaled coordinates, what it was fitted to, and its state in files."""
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, Self
 
@@ -8,11 +8,43 @@ import xarray as xr
 
 from approximation.arrays import Array, Indices
 from surrogate.data.inputs import Input
-from surrogate.face.posterior import Posterior
 
 #: From the physical coordinates of one point, and whether standard deviations are wanted, to means and them, (p,) each;
 #: None for a point outside of the box.
 Single = Callable[[Sequence[float], bool], tuple[Array, Array | None] | None]
+
+
+class Posterior(ABC):
+    """Distributions of p outputs over d inputs, asked for at B points in scaled coordinates, (d, B)."""
+
+    @property
+    @abstractmethod
+    def parts(self) -> int:
+        """Number of parts that the variance is the sum of."""
+
+    @abstractmethod
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+        """Return mean and variance, (p, B) each.
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
+        """
+
+    @abstractmethod
+    def slopes(self, t: Array) -> Array:
+        """Return the derivatives of the means by the scaled coordinates, (d, p, B)."""
+
+    @abstractmethod
+    def slope_variances(self, t: Array, weights: Array) -> Array:
+        """Return the weighted variances of these derivatives, (d, p, B).
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance
+        """
 
 
 class Core(Posterior):

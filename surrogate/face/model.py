@@ -1,25 +1,39 @@
-"""The face that all surrogates share: fitted, judged on cases, calibrated, and made of other models."""
+"""Answers by name, with intervals: the face that all surrogates share, fitted, judged and calibrated on cases."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import partial
-from typing import ClassVar, Self
+from html import escape
+from typing import Any, ClassVar, Literal, Self, overload
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from approximation.arrays import Array
-from surrogate.data.inputs import unit_coordinates
-from surrogate.data.points import EVEN, named_points, require_inside
-from surrogate.face.physical import in_blocks
-from surrogate.face.predictive import Predictive
-from surrogate.face.summary import page, text
-from surrogate.intervals.calibration import MINIMUM
+from approximation.arrays import Array, Flags, blocks, unmasked
+from surrogate.data.inputs import Input, physical_points, unit_coordinates
+from surrogate.data.labels import Attrs, Labels
+from surrogate.data.points import EVEN, Points, Queries, named_points, outside, require_inside
+from surrogate.face.core import Core
+from surrogate.face.region import Region
+from surrogate.intervals.calibration import MINIMUM, Calibration
 from surrogate.intervals.conformal import calibrate
+from surrogate.intervals.copula import MOST_POINTS
+from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 from surrogate.intervals.sharing import sharing
+from surrogate.intervals.sums import ends
+
+# Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
+BLOCK = 2048
+# Standard deviations below are zero: rounding that keeps logarithms finite, as of an output that is 0 everywhere.
+SMALLEST = float(np.finfo(np.float64).tiny ** 0.25)
+#: Attributes of the variable that tells where an answer is outside of the trained box.
+EXTRAPOLATED = {"extrapolated": {"long_name": "outside the trained box"}}
+#: Outputs that a line names; of more it tells how many there are.
+NAMED = 12
 
 
-class GaussianProcess(Predictive):
+class GaussianProcess(Core):
     """Base of the surrogates: several outputs over named inputs, each a distribution at every point.
 
     Subclasses fit on a data set and answer at scaled coordinates (`Core`); this class checks, labels and scales. They
@@ -34,7 +48,9 @@ class GaussianProcess(Predictive):
     attrs_ : dict
         `units` and `long_name` of every output.
     calibration_ : Calibration or None
-        What `calibrate` has learnt; None before.
+        Result of `calibrate`; None before.
+    level_ : float
+        Level of its intervals where none is given.
     cases_ : int
         Number of cases that it was trained on.
     region_ : Region or None
@@ -90,6 +106,12 @@ class GaussianProcess(Predictive):
 
     MEMBERS: ClassVar[tuple[str, ...]] = ()
     made_from_: str = ""
+    calibration_: Calibration | None
+    level_: float = NOMINAL
+    region_: Region | None = None
+    _made_labels: Labels | None = None
+    # ends of one level, with what they were made from: a query alone asks for the same again and again
+    _made_ends: tuple[Calibration | None, float, Array] | None = None
 
     def fit(self, X: xr.Dataset) -> Self:
         """Fit to a data set that holds inputs and outputs."""
@@ -142,10 +164,10 @@ class GaussianProcess(Predictive):
         Raises ValueError for an input or output that it lacks.
         """
         self._require_fitted()
-        for name in [own.name for own in self.inputs_] + list(self.outputs_):
+        for name in [input_.name for input_ in self.inputs_] + list(self.outputs_):
             if name not in dataset.variables:
                 raise ValueError(f"{name!r} is not in the data set; it has {', '.join(map(str, dataset.variables))}")
-        return {own.name: dataset[own.name] for own in self.inputs_}, dataset[list(self.outputs_)]
+        return {input_.name: dataset[input_.name] for input_ in self.inputs_}, dataset[list(self.outputs_)]
 
     def calibrate(self, dataset: xr.Dataset) -> Self:
         """Make means and distributions right on held-out cases: marginally, and in slabs and corners of the box.
@@ -206,3 +228,591 @@ class GaussianProcess(Predictive):
         plain = copy(self)
         plain.calibration_ = None
         return plain
+
+    @property
+    def box(self) -> Mapping[str, Input]:
+        """The trained box: name -> Input, in order."""
+        self._require_fitted()
+        return {input_.name: input_ for input_ in self.inputs_}
+
+    def predict(self, points: Queries, return_std: bool = True, *, extrapolate: bool = False) -> xr.Dataset:
+        """Predict every output, with its standard deviation, at points.
+
+        Parameters
+        ----------
+        points : mapping, Dataset, DataFrame or array
+            One entry per input, in physical units: a scalar, a DataArray of any dimensions, or a plain sequence, which
+            becomes a dimension named after its input; dimensions broadcast, so sequences span the full factorial. A
+            DataFrame with a column an input, or a list of mappings, is a table: its rows lie along dimension `case`.
+            An array is (n, d) in the order of the inputs: points along dimension `point`.
+        return_std : bool
+            Add `<output>_std`, the standard deviation: half of the central 68 % of the predictive distribution. The
+            95 % interval is not 1.96 of it to either side, since the distribution is not Gaussian: see `interval`.
+        extrapolate : bool
+            Answer outside the trained box too, and add the boolean variable `extrapolated`.
+
+        Returns
+        -------
+        Dataset
+            `<output>` and `<output>_std` over the broadcast dimensions, with the units of the training data, and every
+            input as a coordinate.
+
+        Raises
+        ------
+        OutOfBoxError
+            A point outside the trained box, unless `extrapolate`.
+        ValueError
+            Missing or unknown inputs, NaN, shapes, dimensions or coordinates that do not fit or span over 1e7 points.
+        """
+        named, parts, flags = self._asked(points, return_std, extrapolate)
+        values = {
+            f"{name}{suffix}": part[k]
+            for k, name in enumerate(self.outputs_)
+            for suffix, part in zip(("", "_std"), parts, strict=False)
+        }
+
+        def attrs() -> Attrs:
+            output_attrs = self.attrs_
+            std_names = {
+                name: f"standard deviation of {output_attrs[name].get('long_name', name)}" for name in self.outputs_
+            }
+            stds = {f"{name}_std": {**output_attrs[name], "long_name": std_names[name]} for name in self.outputs_}
+            return {**output_attrs, **stds, **EXTRAPOLATED}
+
+        return self._labels().dataset(("predict", return_std, extrapolate), named, {**values, **flags}, attrs)
+
+    @overload
+    def predict_array(
+        self, X: NDArray[np.floating[Any]], return_std: Literal[False] = False, *, extrapolate: bool = False
+    ) -> Array: ...
+
+    @overload
+    def predict_array(
+        self, X: NDArray[np.floating[Any]], return_std: Literal[True], *, extrapolate: bool = False
+    ) -> tuple[Array, Array]: ...
+
+    def predict_array(
+        self, X: NDArray[np.floating[Any]], return_std: bool = False, *, extrapolate: bool = False
+    ) -> Array | tuple[Array, Array]:
+        """Predict at plain points: (n, p), or two of them with `return_std`.
+
+        Parameters
+        ----------
+        X : ndarray, shape (n, d), points in physical units
+        return_std : bool, whether the standard deviations are wanted too
+        extrapolate : bool, whether points may be outside of the box
+
+        Raises
+        ------
+        OutOfBoxError
+            A point is outside of the box, or NaN, without `extrapolate`.
+        ValueError
+            The points have a wrong shape.
+        """
+        points = np.asarray(unmasked(X), dtype=np.float64)
+        if points.ndim != 2 or points.shape[1] != len(self.inputs_):
+            raise ValueError(f"points must have shape (n, {len(self.inputs_)}), got {points.shape}")
+        mean, std = self._answers(points, return_std, extrapolate)
+        return (mean.T, std.T) if std is not None else mean.T
+
+    def gradient(
+        self, points: Queries, return_std: bool = False, *, level: float | None = None, extrapolate: bool = False
+    ) -> xr.Dataset:
+        """Return d output/d input at points, analytically, in physical units.
+
+        Errors as for `predict` and `interval`.
+
+        Parameters
+        ----------
+        points : mapping, Dataset, DataFrame or array, as of `predict`
+        return_std : bool, whether standard deviations and intervals of the derivatives are wanted
+        level : float, probability of the intervals; None: `level_`
+        extrapolate : bool, whether points may be outside of the box
+
+        Returns
+        -------
+        xarray.Dataset
+            `<output>` over (`input`, the points' dimensions); the coordinates `input` and `input_units` name the inputs
+            and their units. With `return_std`, of the derivatives, `<output>_std`, the standard deviation, and
+            `<output>_lower` and `<output>_upper`, the ends of the interval. They rest on the process's own variance of
+            its derivatives, stretched as `calibrate` stretches that of its values, and on the distribution of the
+            values.
+        """
+        self._require_fitted()
+        level = self.checked_level(level)
+        named = named_points(points, self.inputs_)
+        if not extrapolate:
+            self.require_answers(named.X)
+        slopes = self.physical_slopes(named.X, self.slopes)
+        parts = {("", "derivative"): slopes}
+        if return_std:
+            std = self.physical_slopes(named.X, self.slope_stds)
+            parts["_std", "standard deviation of the derivative"] = std
+            for end, deviations in zip(("lower", "upper"), self.distribution.ends(level), strict=True):
+                parts[f"_{end}", f"{end} end of the {100 * level:g} % interval of the derivative"] = (
+                    slopes + deviations[:, None] * std
+                )
+        coords = {
+            "input": [input_.name for input_ in self.inputs_],
+            "input_units": ("input", [i.units for i in self.inputs_]),
+        }
+        answer = {}
+        for (suffix, what), values in parts.items():
+            for k, name in enumerate(self.outputs_):
+                attrs = self.attrs_[name]
+                derivative = {"long_name": f"{what} of {attrs.get('long_name', name)} with respect to the input"}
+                derivative |= {"units": f"({attrs['units']}) / input_units"} if "units" in attrs else {}
+                slopes_of_output = values[:, k].reshape(-1, *named.shape)
+                answer[f"{name}{suffix}"] = xr.Variable(("input", *named.dims), slopes_of_output, derivative)
+        flags = {name: (flag, EXTRAPOLATED[name]) for name, flag in self._flags(named, extrapolate).items()}
+        return named.dataset(flags).assign_coords(coords).assign(answer)
+
+    def gradient_array(self, X: NDArray[np.floating[Any]]) -> Array:
+        """Return the derivatives of the means at plain points, in physical units: X (n, d) -> (n, n_outputs, d).
+
+        Raises OutOfBoxError for a point outside the box.
+        """
+        points = np.asarray(unmasked(X), dtype=np.float64)
+        self.require_answers(points)
+        return np.ascontiguousarray(self.physical_slopes(points, self.slopes).T)
+
+    def everywhere(self) -> Self:
+        """Return the model with answers in all of its box, where cases are refused too; itself if none are."""
+        return self if self.region_ is None else self.within(None)
+
+    def within(self, region: Region | None) -> Self:
+        """Return the model with answers in a region alone; None is all of its box."""
+        model = copy(self)
+        model.region_ = region
+        return model
+
+    def require_answers(self, X: Array) -> None:
+        """Raise OutOfBoxError, naming input, value and what is allowed, unless it has answers at all points (n, d)."""
+        require_inside(X, self.inputs_)
+        if self.region_ is not None:
+            self.region_.require(X, self.inputs_)
+
+    def has_answers(self, X: Array) -> Flags:
+        """Return at which physical points, (n, d), it has answers: in the box, and where no case is refused; (n,)."""
+        inside = np.asarray(~outside(X, self.inputs_).any(axis=1))
+        if self.region_ is not None and inside.any():
+            inside[inside] = self.region_.inside(unit_coordinates(self.inputs_, X[inside]))
+        return inside
+
+    def _require_fitted(self) -> None:
+        if not hasattr(self, "inputs_"):
+            from sklearn.exceptions import NotFittedError  # slow to import
+
+            raise NotFittedError(f"this {type(self).__name__} is not fitted yet; call fit first")
+
+    def _asked(
+        self, points: Queries, with_std: bool, extrapolate: bool
+    ) -> tuple[Points, list[Array], dict[str, Flags]]:
+        self._require_fitted()
+        named = named_points(points, self.inputs_)
+        parts = self._answers(named.X, with_std, extrapolate)
+        return named, [part for part in parts if part is not None], self._flags(named, extrapolate)
+
+    def _flags(self, named: Points, extrapolate: bool) -> dict[str, Flags]:
+        """Which points lie outside, with `extrapolate`, under the name that answers give it."""
+        return {"extrapolated": ~self.has_answers(named.X)} if extrapolate else {}
+
+    def _labels(self) -> Labels:
+        if self._made_labels is None or self._made_labels.attrs is not self.attrs_:
+            self._made_labels = Labels(self.attrs_)
+        return self._made_labels
+
+    def _answers(self, X: Array, return_std: bool, extrapolate: bool) -> tuple[Array, Array | None]:
+        """Means and standard deviations at points (n, d), (p, n) each; OutOfBoxError unless `extrapolate`."""
+        if self.region_ is not None and not extrapolate:
+            self.require_answers(X)
+        single = self.single() if len(X) == 1 else None
+        answer = single(X[0].tolist(), return_std) if single else None
+        if answer is not None:
+            mean, std = answer[0][:, None], None if answer[1] is None else answer[1][:, None]
+        else:
+            if not extrapolate:
+                require_inside(X, self.inputs_)
+            mean, std = self.all_mean_std(X, return_std)
+        return mean, None if std is None else np.where(std < SMALLEST, 0.0, std)
+
+    def reached(self, mean: Array, std: Array, deviations: Array) -> Array:
+        """Return what lies so many standard deviations away from means.
+
+        Parameters
+        ----------
+        mean, std : ndarray, shape (p, ...), of the outputs, in their units
+        deviations : ndarray that broadcasts with them, numbers of standard deviations
+        """
+        return mean + deviations * std
+
+    def interval(self, points: Queries, level: float | None = None, *, extrapolate: bool = False) -> xr.Dataset:
+        """Return the ends of the interval that holds the true value of an output in a share `level` of the cases.
+
+        As many true values lie above it as below. Before `calibrate` it is the process's own interval, which may not
+        hold.
+
+        Parameters
+        ----------
+        points, extrapolate
+            As for `predict`.
+        level : float, optional
+            Share, 0 < level < 1, by default `level_`; n calibration cases tell levels up to 1 - 2/(n + 1), and up to
+            0.999.
+
+        Returns
+        -------
+        Dataset
+            `<output>_lower` and `<output>_upper` over the broadcast dimensions.
+
+        Raises
+        ------
+        OutOfBoxError, ValueError
+            As for `predict`; a level that the calibration cases do not tell.
+
+        Examples
+        --------
+        >>> import numpy as np, xarray as xr
+        >>> from surrogate import GridGP, Input
+        >>> x, y = Input("x", 0, 1), Input("y", 0, 1)
+        >>> def truth(x, y):
+        ...     return np.exp(x * y) / (1 + x)
+        >>> grid = xr.Dataset(coords={"x": x.levels(6), "y": y.levels(4)})
+        >>> model = GridGP(inputs=[x, y]).fit(grid.assign(f=truth(grid.x, grid.y)))
+        >>> rng = np.random.default_rng(0)
+        >>> cases = xr.Dataset({name: ("case", rng.uniform(size=500)) for name in "xy"})
+        >>> found = model.calibrate(cases.assign(f=truth(cases.x, cases.y))).interval({"x": 0.3, "y": 0.8}, level=0.9)
+        >>> bool(found["f_lower"] <= truth(0.3, 0.8) <= found["f_upper"])
+        True
+        """
+        level = self.checked_level(level)
+        named, (mean, std), flags = self._asked(points, True, extrapolate)
+        deviations = self._ends(level)[..., None]
+        end_values = {
+            end: self.reached(mean, std, score) for end, score in zip(("lower", "upper"), deviations, strict=True)
+        }
+        values = {f"{name}_{end}": end_values[end][k] for k, name in enumerate(self.outputs_) for end in end_values}
+
+        def attrs() -> Attrs:
+            description = f"end of the {100 * level:g} % interval of"
+            end_attrs = {
+                f"{name}_{end}": {
+                    **output_attrs,
+                    "long_name": f"{end} {description} {output_attrs.get('long_name', name)}",
+                }
+                for name, output_attrs in self.attrs_.items()
+                for end in end_values
+            }
+            return {**end_attrs, **EXTRAPOLATED}
+
+        return self._labels().dataset(("interval", level, extrapolate), named, values | flags, attrs)
+
+    def quantile(self, points: Queries, q: float | Sequence[float], *, extrapolate: bool = False) -> xr.Dataset:
+        """Return the values that the true output stays below with probability q.
+
+        Parameters
+        ----------
+        points, extrapolate
+            As for `predict`.
+        q : float or sequence of float
+            Probabilities, as far out as `interval` has levels.
+
+        Returns
+        -------
+        Dataset
+            `<output>` over the broadcast dimensions; with a sequence, over `quantile` before them.
+
+        Raises
+        ------
+        OutOfBoxError, ValueError
+            As for `predict`; a probability that the calibration cases do not tell.
+        """
+        probabilities = np.atleast_1d(np.asarray(q, dtype=np.float64))
+        if probabilities.ndim != 1:
+            raise ValueError(
+                f"q must be a number or a sequence of numbers, got an array of {probabilities.ndim} dimensions"
+            )
+        most = (1 + self.distribution.highest_level()) / 2
+        for probability in probabilities[~((1 - most <= probabilities) & (probabilities <= most))]:
+            raise ValueError(f"q {probability:g} is not between {1 - most:.4g} and {most:.10g}{self._told()}")
+        named, (mean, std), flags = self._asked(points, True, extrapolate)
+        deviations = np.broadcast_to(self.distribution.quantile(probabilities).T, (len(mean), len(probabilities)))[
+            ..., None
+        ]
+        values = self.reached(np.repeat(mean[:, None], len(probabilities), axis=1), std[:, None], deviations)
+        coordinate = ("quantile", probabilities, {"long_name": "probability of no more"})
+        quantiles = self._stacked("quantile", values, named, flags).assign_coords(quantile=coordinate)
+        return quantiles if np.ndim(q) else quantiles.isel(quantile=0)
+
+    def sample(
+        self, points: Queries, n: int, seed: int, *, extrapolate: bool = False, together: bool = True
+    ) -> xr.Dataset:
+        """Draw from the predictive distributions, outputs and points together.
+
+        Errors of outputs go together as those of the held-out cases did, and those of near points by a length along
+        every input (module `copula`): a ratio or a difference of what is drawn is as uncertain as it really is. A model
+        that is not calibrated, or that measured rows have corrected, knows of no such thing, and draws every point
+        and output for itself.
+
+        Parameters
+        ----------
+        points, extrapolate
+            As for `predict`.
+        n : int
+            Draws, >= 1.
+        seed : int
+            The same seed gives the same draws.
+        together : bool
+            Whether points are drawn together, 3,000 of them at most; else each for itself, with its outputs together.
+
+        Returns
+        -------
+        Dataset
+            `<output>` over `sample`, then the broadcast dimensions.
+
+        Raises
+        ------
+        OutOfBoxError, ValueError
+            As for `predict`; n below one; more points than are drawn together; a model whose file, of an earlier
+            version, kept no rows of its calibration.
+        """
+        if n < 1:
+            raise ValueError(f"n {n} must be at least 1")
+        named, (mean, std), flags = self._asked(points, True, extrapolate)
+        share = self._shares(named.X, n, np.random.default_rng(seed), together)
+        deviations = self.distribution.inverse(share.reshape(len(share), -1)).reshape(share.shape)
+        drawn = self.reached(np.broadcast_to(mean[:, None], deviations.shape), std[:, None], deviations)
+        return self._stacked("sample", drawn, named, flags)
+
+    def _shares(self, X: Array, n: int, random: np.random.Generator, together: bool) -> Array:
+        """Draw a probability for every output and point (m, d): (p, n, m)."""
+        if self.calibration_ is None:
+            return random.uniform(np.finfo(float).tiny, 1, (len(self.outputs_), n, len(X)))
+        copula = self.calibration_.copula
+        if copula is None:
+            raise ValueError("the model's file kept no rows of its calibration to draw together: `make run` anew")
+        if not together:
+            alone = copula.drawn(np.zeros((len(copula.lengths), 1)), n * len(X), random)
+            return alone.reshape(len(self.outputs_), n, len(X))
+        if len(X) > MOST_POINTS:
+            raise ValueError(
+                f"{len(X)} points are more than the {MOST_POINTS} that are drawn together; together=False draws each "
+                "for itself"
+            )
+        return copula.drawn(self.calibrated_at(X), n, random)
+
+    def ends_of_sum(self, X: NDArray[np.floating[Any]], weights: Array, level: float | None = None) -> Array:
+        """Return the ends of the interval of a weighted sum of outputs at points, less its mean.
+
+        Parameters
+        ----------
+        X : ndarray, shape (n, d)
+            Plain points.
+        weights : ndarray, shape (n, n_outputs)
+            Of every output at every point, with signs: the derivatives of what follows from the outputs.
+        level : float, optional
+            As for `interval`.
+
+        Returns
+        -------
+        ndarray, shape (2,)
+            By how errors go together (module `sums`); without a calibration the ends of all of them are added up.
+
+        Raises
+        ------
+        OutOfBoxError, ValueError
+            As `predict_array`; a level that the calibration cases do not tell.
+        """
+        _, std = self.predict_array(X, return_std=True)
+        copula = None if self.calibration_ is None else self.calibration_.copula
+        known = self.calibrated_at(np.asarray(X, dtype=np.float64))
+        return ends(self.distribution, copula, self.checked_level(level), (weights * std).T, known)
+
+    def interval_array(
+        self, X: NDArray[np.floating[Any]], level: float | None = None, *, extrapolate: bool = False
+    ) -> tuple[Array, Array]:
+        """Return the lower and upper ends of `interval` at plain points, (n, p) each.
+
+        Parameters
+        ----------
+        X : ndarray, shape (n, d), points in physical units
+        level : float, probability of the interval; None: `level_`
+        extrapolate : bool, whether points may be outside of the box
+
+        Raises
+        ------
+        ValueError
+            The calibration cases do not tell this level; otherwise as `predict_array`.
+        """
+        level = self.checked_level(level)
+        mean, std = self.predict_array(X, return_std=True, extrapolate=extrapolate)
+        lower, upper = (self.reached(mean.T, std.T, deviations[:, None]).T for deviations in self._ends(level))
+        return lower, upper
+
+    def _ends(self, level: float) -> Array:
+        """Ends of the central interval of a level in standard deviations, (2, p) or (2, 1)."""
+        cached = self._made_ends
+        if cached is None or cached[0] is not self.calibration_ or cached[1] != level:
+            cached = self._made_ends = (self.calibration_, level, self.distribution.ends(level))
+        return cached[2]
+
+    def _stacked(self, dim: str, values: Array, named: Points, flags: dict[str, Flags]) -> xr.Dataset:
+        """Label several values of every output at each point, (p, m, n), over a dimension of these m."""
+        dims = (dim, *named.dims)
+        columns = {
+            name: xr.Variable(dims, rows.reshape(-1, *named.shape), self.attrs_[name])
+            for name, rows in zip(self.outputs_, values, strict=True)
+        }
+        return named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()}).assign(columns)
+
+    def all_mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
+        """Return the same as `mean_std` at any number of points, block by block: (p, n) each.
+
+        Parameters
+        ----------
+        X : ndarray, shape (n, d), points in physical units
+        with_std : bool, whether deviations are wanted; None otherwise
+        """
+        mean = np.empty((len(self.outputs_), len(X)))
+        std = np.empty_like(mean) if with_std else None
+        for block in blocks(len(X), BLOCK):
+            mean[:, block], deviation = self.mean_std(X[block], with_std)
+            if std is not None and deviation is not None:
+                std[:, block] = deviation
+        return mean, std
+
+    def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
+        """Return the means and calibrated standard deviations at points of any place: (p, B) each.
+
+        Parameters
+        ----------
+        X : ndarray, shape (B, d), points in physical units
+        with_std : bool, whether deviations are wanted; None otherwise
+        """
+        t, calibration = unit_coordinates(self.inputs_, X), self.calibration_
+        mean, variance = self.mean_variance(t, self._weights() if with_std else None)
+        if not with_std or variance is None:
+            return mean, None
+        return mean, np.sqrt(variance) if calibration is None else calibration.std(variance, t)
+
+    def means(self, t: Array) -> Array:
+        """Return the means at any number of scaled coordinates (d, n), block by block: (p, n)."""
+        return in_blocks(t, lambda block: self.mean_variance(block, None)[0])
+
+    def calibrated_at(self, X: Array) -> Array:
+        """Return the scaled coordinates that the calibration knows physical points (n, d) by: (e, n)."""
+        return unit_coordinates(self.inputs_, X)
+
+    def variance(self, t: Array, weights: Array) -> Array:
+        """Return the variance of `mean_variance`, (p, B).
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance
+        """
+        variance = self.mean_variance(t, weights)[1]
+        return np.zeros((len(self.outputs_), t.shape[1])) if variance is None else variance
+
+    def physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
+        """Turn derivatives by scaled coordinates into those by physical inputs.
+
+        Parameters
+        ----------
+        X : ndarray, shape (n, d)
+            Physical points.
+        scaled : callable
+            Takes scaled coordinates, (d, B); gives derivatives by them, (d, p, B).
+
+        Returns
+        -------
+        ndarray, shape (d, p, n)
+        """
+        slopes = np.empty((len(self.inputs_), len(self.outputs_), len(X)))
+        for block in blocks(len(X), BLOCK):
+            slopes[..., block] = scaled(unit_coordinates(self.inputs_, X[block]))
+        return np.asarray(slopes * self.unit_slopes(X))
+
+    def unit_slopes(self, X: Array) -> Array:
+        """Return the derivatives of the scaled coordinates by the inputs at physical points (n, d): (d, 1, n)."""
+        return np.stack([input_.unit_slope(X[:, k]) for k, input_ in enumerate(self.inputs_)])[:, None]
+
+    def physical(self, t: Array) -> Array:
+        """Return the physical points of scaled coordinates, (d, n): (n, d)."""
+        return physical_points(self.inputs_, t)
+
+    def slope_stds(self, t: Array) -> Array:
+        """Return the calibrated standard deviations of the derivatives by scaled coordinates (d, B): (d, p, B)."""
+        std = np.sqrt(np.maximum(self.slope_variances(t, self._weights()), 0))
+        return std if self.calibration_ is None else np.asarray(std * self.calibration_.stretch(t))
+
+    @property
+    def distribution(self) -> Distribution:
+        """Distribution of (truth - mean) / std: what the calibration cases say, a normal one without them."""
+        return Normal() if self.calibration_ is None else self.calibration_.distribution
+
+    def checked_level(self, level: float | None) -> float:
+        """Return a level that the calibration cases tell, by default `level_`; ValueError as `check_level`."""
+        chosen = self.level_ if level is None else level
+        self.check_level(chosen)
+        return chosen
+
+    def check_level(self, level: float) -> None:
+        """Raise ValueError, with what is allowed, for a level of intervals that the calibration cases do not tell."""
+        most = self.distribution.highest_level()
+        if not 0 < level <= most:
+            raise ValueError(f"level {level:g} is not between 0 and {most:.10g}{self._told()}")
+
+    def _told(self) -> str:
+        """Who sets the bounds of levels, for messages."""
+        if self.calibration_ is None:
+            return ""
+        return f", all that {self.calibration_.distribution.cases} calibration cases tell"
+
+    def _weights(self) -> Array:
+        return np.ones((self.parts, len(self.outputs_))) if self.calibration_ is None else self.calibration_.weights
+
+
+def in_blocks(t: Array, evaluate: Callable[[Array], Array]) -> Array:
+    """Return what many points give, (p, n), asked for in blocks.
+
+    t: (d, n), scaled coordinates.
+    """
+    return np.concatenate([evaluate(t[:, block]) for block in blocks(t.shape[1], BLOCK)], axis=1)
+
+
+def text(model: GaussianProcess) -> str:
+    """Return a few lines: kind and cases, a line an input, outputs, calibration."""
+    wide = max(len(input_.name) for input_ in model.inputs_)
+    ranges = [f"  {input_.name:<{wide}}  {input_.range_text()}, {input_.scale}" for input_ in model.inputs_]
+    return "\n".join([_head(model), "inputs:", *ranges, f"outputs: {_outputs(model)}", f"intervals: {_held(model)}"])
+
+
+def page(model: GaussianProcess) -> str:
+    """Return the same as HTML, the box as a table."""
+    import pandas as pd  # notebooks only
+
+    rows = [(input_.name, input_.low, input_.high, input_.units, input_.scale) for input_ in model.inputs_]
+    box = pd.DataFrame(rows, columns=["input", "low", "high", "unit", "scale"])
+    table = box.to_html(index=False, border=0)
+    return f"<p><b>{_head(model)}</b>: {escape(_outputs(model))}; intervals {_held(model)}</p>{table}"
+
+
+def _head(model: GaussianProcess) -> str:
+    counts = f"{len(model.outputs_)} outputs over {len(model.inputs_)} inputs, trained on {model.cases_:,} cases"
+    return f"{type(model).__name__} of {counts}"
+
+
+def _outputs(model: GaussianProcess) -> str:
+    named = [_with_unit(name, model.attrs_[name]) for name in model.outputs_[:NAMED]]
+    unnamed = len(model.outputs_) - NAMED
+    return ", ".join(named) + (f" and {unnamed} more" if unnamed > 0 else "")
+
+
+def _with_unit(name: str, attrs: Mapping[str, str]) -> str:
+    return f"{name} [{attrs['units']}]" if attrs.get("units") else name
+
+
+def _held(model: GaussianProcess) -> str:
+    learnt = model.calibration_
+    return "not calibrated" if learnt is None else f"calibrated on {learnt.distribution.cases:,} cases"

@@ -1,5 +1,8 @@
 """Models as data: netCDF files with everything that a prediction needs, nothing of which is executed."""
 
+import re
+from collections.abc import Sequence
+from importlib import import_module
 from os import PathLike
 from pathlib import Path
 
@@ -11,13 +14,11 @@ from storage.described import described
 from storage.netcdf import FAILURES, read_whole, write_whole
 from storage.quarantine import little_memory, try_to_read
 from storage.sealed import FormatError
+from surrogate.data.factorial import MOST_OF_A_FACTOR
 from surrogate.data.inputs import COLUMNS, Input, physical_points, stored_inputs
 from surrogate.data.meanings import MEANINGS, SOURCE
-from surrogate.face.engines import ENGINES, engine, members_of
-from surrogate.face.labelled import SMALLEST
-from surrogate.face.model import GaussianProcess
+from surrogate.face.model import SMALLEST, GaussianProcess
 from surrogate.face.region import Region
-from surrogate.face.sizes import check_sizes
 from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.distribution import NOMINAL
 
@@ -28,6 +29,19 @@ _DENSEST, _SMALL = 100, 2**22  # times what a file weighs that it may unpack to,
 PROBES = 8
 _PROBE_DIMS = {"point": ("probe", "input")} | dict.fromkeys(("mean", "std", "lower", "upper"), ("probe", "output"))
 PROBE_TOLERANCE = 1e-7
+#: Module and class of every kind. A kind that is made of other models is made of kinds that stand before it.
+ENGINES = {
+    "grid": ("gp.gridgp", "GridGP"),
+    "scatter": ("gp.scattergp", "ScatterGP"),
+    "grouped": ("transforms.groupedgp", "GroupedGP"),
+    "curves": ("transforms.curves.curvegp", "CurveGP"),
+    "bounded": ("transforms.boundedgp", "BoundedGP"),
+    "corrected": ("transforms.measured.corrected", "CorrectedGP"),
+}
+_LEVELS = r"level_\d+"
+#: Most of each dimension, of a model or a member: a matrix is decomposed over levels and over cases.
+MOST = {_LEVELS: MOST_OF_A_FACTOR, "case": 3000, "input": 100, "output": 10_000}
+_ALL_LEVELS = 2 * MOST_OF_A_FACTOR  # of all factors together
 
 
 def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
@@ -76,14 +90,14 @@ def nested(model: GaussianProcess) -> xr.Dataset:
     whole = xr.Dataset(
         {
             **{
-                column: ("input", [getattr(own, part) for own in inputs])
+                column: ("input", [getattr(input_, part) for input_ in inputs])
                 for column, part in COLUMNS.items()
                 if column != "input"  # a coordinate
             },
             "output_units": ("output", [model.attrs_[name].get("units", "") for name in outputs]),
             "output_long_name": ("output", [model.attrs_[name].get("long_name", "") for name in outputs]),
         },
-        coords={"input": [own.name for own in inputs], "output": list(outputs)},
+        coords={"input": [input_.name for input_ in inputs], "output": list(outputs)},
         attrs={"engine": model.engine, "cases": model.cases_},
     )
     if model.level_ != NOMINAL:
@@ -103,10 +117,10 @@ def nested(model: GaussianProcess) -> xr.Dataset:
 
 def _prefixed(name: str, member: xr.Dataset) -> xr.Dataset:
     """A member's data set under names that begin with its own, as do their meanings."""
-    told = described(member, "", "", MEANINGS)
-    for variable in told.variables.values():
+    description = described(member, "", "", MEANINGS)
+    for variable in description.variables.values():
         variable.attrs["long_name"] = f"{name} model: {variable.attrs.get('long_name', '')}"
-    renamed = told.rename({part: f"{name}_{part}" for part in {*told.variables, *told.dims}})
+    renamed = description.rename({part: f"{name}_{part}" for part in {*description.variables, *description.dims}})
     renamed.attrs = {f"{name}_{key}": value for key, value in member.attrs.items()}
     return renamed
 
@@ -114,11 +128,13 @@ def _prefixed(name: str, member: xr.Dataset) -> xr.Dataset:
 def _member(name: str, stored: xr.Dataset) -> xr.Dataset:
     """What `_prefixed` was made from."""
     prefix = f"{name}_"
-    own = stored.drop_vars([part for part in stored.variables if not str(part).startswith(prefix)])
-    plain = own.rename({part: str(part).removeprefix(prefix) for part in {*own.variables, *own.dims}})
+    member_variables = stored.drop_vars([part for part in stored.variables if not str(part).startswith(prefix)])
+    plain = member_variables.rename(
+        {part: str(part).removeprefix(prefix) for part in {*member_variables.variables, *member_variables.dims}}
+    )
     attrs = {str(key): value for key, value in stored.attrs.items()}
-    kept = {key.removeprefix(prefix): value for key, value in attrs.items() if key.startswith(prefix)}
-    return plain.assign_attrs(kept)
+    member_attrs = {key.removeprefix(prefix): value for key, value in attrs.items() if key.startswith(prefix)}
+    return plain.assign_attrs(member_attrs)
 
 
 def _answers(model: GaussianProcess, points: Array) -> dict[str, Array]:
@@ -171,10 +187,10 @@ def load(path: str | PathLike[str]) -> GaussianProcess:
             answers = _answers(model, stored["probe_point"].transpose("probe", "input").values)
     except FAILURES as error:
         raise FormatError(path, f"inconsistent: {error}") from error
-    for part, found in answers.items():
+    for part, answer in answers.items():
         expected = stored[f"probe_{part}"].transpose("probe", "output").values
         room = PROBE_TOLERANCE * (np.abs(expected) + np.ptp(stored["probe_mean"].values, axis=0)) + SMALLEST
-        if found.shape != expected.shape or not (np.abs(found - expected) <= room).all():
+        if answer.shape != expected.shape or not (np.abs(answer - expected) <= room).all():
             raise FormatError(path, f"the stored predictions probe_{part} do not come out again")
     return model
 
@@ -183,7 +199,7 @@ def restored(stored: xr.Dataset, engines: tuple[str, ...]) -> GaussianProcess:
     """Return the model that `nested` gave; ValueError names what is inconsistent, KeyError what is not there."""
     name = str(stored.attrs["engine"])
     kind, inputs, outputs = engine(name, engines), stored_inputs(stored), _outputs(stored)
-    members = {own: restored(_member(own, stored), members_of(name)) for own in kind.MEMBERS}
+    members = {member: restored(_member(member, stored), members_of(name)) for member in kind.MEMBERS}
     model = kind.restore(stored, inputs, outputs)
     model.calibration_, model.cases_ = None, int(stored.attrs["cases"])
     model.made_from_ = str(stored.attrs.get("made_from", ""))
@@ -218,3 +234,31 @@ def _check_numbers(stored: xr.Dataset) -> None:
     for name, variable in stored.variables.items():
         if variable.dtype.kind == "f" and not np.isfinite(variable.values).all():
             raise ValueError(f"variable {name!r} is not finite")
+
+
+def engine(name: str, known: Sequence[str]) -> type[GaussianProcess]:
+    """Return the class of a kind."""
+    if name not in known:
+        raise ValueError(f"unknown engine {name!r}; known are {', '.join(known)}")
+    module, kind = ENGINES[name]
+    kind_class: type[GaussianProcess] = getattr(import_module(f"surrogate.{module}"), kind)
+    return kind_class
+
+
+def members_of(name: str) -> tuple[str, ...]:
+    """Return the names of the kinds that a kind may be made of."""
+    return tuple(ENGINES)[: list(ENGINES).index(name)]
+
+
+def check_sizes(stored: xr.Dataset) -> None:
+    """Raise ValueError, with a dimension and its length, where one is longer than is read."""
+    for kind, most in MOST.items():
+        for name, length in _lengths(stored, kind).items():
+            if length > most:
+                raise ValueError(f"{name} is {length} long; a model in a file has at most {most}")
+    if (levels := sum(_lengths(stored, _LEVELS).values())) > _ALL_LEVELS:
+        raise ValueError(f"{levels} levels of all factors; a model in a file has at most {_ALL_LEVELS}")
+
+
+def _lengths(stored: xr.Dataset, kind: str) -> dict[str, int]:
+    return {str(name): size for name, size in stored.sizes.items() if re.fullmatch(rf"(?:.*_)?{kind}", str(name))}

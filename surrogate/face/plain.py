@@ -16,7 +16,7 @@ from surrogate.intervals.distribution import PROBABILITIES
 
 def plain_inputs(inputs: Sequence[Input]) -> list[dict[str, Any]]:
     """Return names, ranges, scales, units and meanings."""
-    return [asdict(own) for own in inputs]
+    return [asdict(input_) for input_ in inputs]
 
 
 def plain_outputs(model: GaussianProcess) -> dict[str, Any]:

@@ -64,7 +64,9 @@ class Region:
         wrong = ~self.inside(t)
         if wrong.any():
             row = int(wrong.argmax())
-            where = ", ".join(f"{own.name} = {value:.6g}" for own, value in zip(inputs, X[row].tolist(), strict=True))
+            where = ", ".join(
+                f"{input_.name} = {value:.6g}" for input_, value in zip(inputs, X[row].tolist(), strict=True)
+            )
             others = f" ({int(wrong.sum())} of {len(X)} points are beyond it)" if len(X) > 1 else ""
             raise OutOfRegionError(
                 f"{where} is beyond the edge of the cases that have answers{others}: {self.reason(t[:, row])}"

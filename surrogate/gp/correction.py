@@ -171,10 +171,13 @@ def correct(
     if indices is None:
         return None, errors
     first = slice(MOST_CASES)
-    made, left = _fitted(errors[:, first], t[:, first], levels, indices, groups[first])
-    further, places_beyond = errors[:, MOST_CASES:], t[:, MOST_CASES:]
-    rest = [further[:, some] - made.values(places_beyond[:, some]) for some in blocks(further.shape[1], BLOCK)]
-    return made, np.concatenate([left, *rest], axis=1)
+    fitted, left = _fitted(errors[:, first], t[:, first], levels, indices, groups[first])
+    later_errors, places_beyond = errors[:, MOST_CASES:], t[:, MOST_CASES:]
+    later_residuals = [
+        later_errors[:, block] - fitted.values(places_beyond[:, block])
+        for block in blocks(later_errors.shape[1], BLOCK)
+    ]
+    return fitted, np.concatenate([left, *later_residuals], axis=1)
 
 
 def _fitted(
@@ -185,8 +188,8 @@ def _fitted(
     T = empty._polynomials(t)
     features = (empty._nodal(T)[:, None] * product(indices, T)).reshape(-1, t.shape[1])
     basis, values, back = np.linalg.svd(features.T, full_matrices=False)
-    kept = values > TOLERANCE * values[0]
-    basis, back = basis[:, kept], (back[kept] / values[kept, None]).T
+    significant = values > TOLERANCE * values[0]
+    basis, back = basis[:, significant], (back[significant] / values[significant, None]).T
     coefficients = errors @ basis
     left = _left_out(errors - coefficients @ basis.T, basis, groups)
     stays = np.median(np.abs(left), axis=1) > LEAST_GAIN * np.median(np.abs(errors), axis=1)
@@ -202,9 +205,9 @@ def _weighted(basis: Array, error: Array, scale: Array, groups: Indices) -> tupl
     """Coefficients in an orthonormal basis, (n, k), and what they leave of every group left out, (n,)."""
     root = scale**-WEIGHT_POWER
     orthonormal, triangle = np.linalg.qr(basis * root[:, None])
-    own = orthonormal.T @ (error * root)
-    left = _left_out((error * root - orthonormal @ own)[None], orthonormal, groups)[0]
-    return solve_triangular(triangle, own), left / root
+    projections = orthonormal.T @ (error * root)
+    left = _left_out((error * root - orthonormal @ projections)[None], orthonormal, groups)[0]
+    return solve_triangular(triangle, projections), left / root
 
 
 def _left_out(residuals: Array, basis: Array, groups: Indices) -> Array:

@@ -57,12 +57,12 @@ class Cross:
         """Return the steps, each a batch of indices without repetition; same seed and blocks, same steps."""
         random = np.random.default_rng(self.seed)
         fresh = self._fresh(random, {})
-        asked = dict.fromkeys(map(tuple, fresh.tolist()))
+        requested = dict.fromkeys(map(tuple, fresh.tolist()))
         blocks = yield fresh
         offset, scale = blocks.mean(axis=(0, 1)), np.ptp(blocks, axis=(0, 1))
         scale[scale == 0] = 1.0
-        each = BEHIND if blocks[0].size >= MANY else BEHIND_FEW
-        behind = [self._spread(random, k, each) for k in range(1, len(self.sizes))] + [np.zeros((1, 0), dtype=np.intp)]
+        count = BEHIND if blocks[0].size >= MANY else BEHIND_FEW
+        behind = [self._spread(random, k, count) for k in range(1, len(self.sizes))] + [np.zeros((1, 0), dtype=np.intp)]
         rows: list[Indices | None] = [None] * len(self.sizes)
         left = LEFT * self.tolerance
         while True:
@@ -71,7 +71,7 @@ class Cross:
             for k, size in enumerate(self.sizes):
                 candidates = _pairs(before, np.arange(size)[:, None])
                 wanted = _pairs(candidates, behind[k])
-                asked |= dict.fromkeys(map(tuple, wanted.tolist()))
+                requested |= dict.fromkeys(map(tuple, wanted.tolist()))
                 values = ((yield wanted) - offset) / scale
                 if k == len(self.sizes) - 1:
                     cores.append(values.reshape(len(before), size, *values.shape[1:]))
@@ -80,14 +80,14 @@ class Cross:
                 chosen, weights = interpolation(matrix, left, _places(candidates, rows[k]))
                 cores.append(weights.reshape(len(before), size, -1))
                 rows[k] = before = candidates[chosen]
-            away = np.abs(_at(cores, fresh) - (blocks - offset) / scale).max(axis=1)
-            if away.max() <= self.tolerance or len(asked) >= self.most:
-                return Crossed(tuple(cores), offset, scale, away.max(axis=0), len(asked))
-            worst = fresh[away.max(axis=1).argmax()]
+            errors = np.abs(_at(cores, fresh) - (blocks - offset) / scale).max(axis=1)
+            if errors.max() <= self.tolerance or len(requested) >= self.most:
+                return Crossed(tuple(cores), offset, scale, errors.max(axis=0), len(requested))
+            worst = fresh[errors.max(axis=1).argmax()]
             behind = [np.unique(np.vstack([old, worst[None, k + 1 :]]), axis=0) for k, old in enumerate(behind)]
             left *= FINER
-            fresh = self._fresh(random, asked)
-            asked |= dict.fromkeys(map(tuple, fresh.tolist()))
+            fresh = self._fresh(random, requested)
+            requested |= dict.fromkeys(map(tuple, fresh.tolist()))
             blocks = yield fresh
 
     def _spread(self, random: np.random.Generator, k: int, count: int) -> Indices:
@@ -95,11 +95,11 @@ class Cross:
         each = [np.resize(random.permutation(size), count) for size in self.sizes[k:]]
         return np.unique(np.stack(each, axis=1), axis=0)
 
-    def _fresh(self, random: np.random.Generator, asked: Mapping[tuple[int, ...], None]) -> Indices:
+    def _fresh(self, random: np.random.Generator, requested: Mapping[tuple[int, ...], None]) -> Indices:
         """Random indices that nobody has asked for, while there are some."""
         drawn = np.unique(random.integers(self.sizes, size=(2 * FRESH, len(self.sizes))), axis=0)
         drawn = random.permutation(drawn)
-        unasked = [index for index in drawn.tolist() if tuple(index) not in asked]
+        unasked = [index for index in drawn.tolist() if tuple(index) not in requested]
         return np.array((unasked or drawn.tolist())[:FRESH], dtype=np.intp)
 
 
@@ -128,15 +128,15 @@ def interpolation(matrix: Array, left: float, first: Sequence[int] = ()) -> tupl
 
     matrix: (m, n); result: (r,).
     """
-    rows, rest = list(first), matrix
+    rows, residual = list(first), matrix
     if rows:
         basis = qr(matrix[rows].T, mode="economic")[0]
-        rest = matrix - (matrix @ basis) @ basis.T
-    triangle, order = qr(rest.T, mode="r", pivoting=True)
+        residual = matrix - (matrix @ basis) @ basis.T
+    triangle, order = qr(residual.T, mode="r", pivoting=True)
     size = np.abs(np.diagonal(triangle)) > left * np.sqrt(matrix.shape[1])
     size[min(len(size), matrix.shape[1] - len(rows)) :] = False
-    more = [row for row in order[: int(np.count_nonzero(size))].tolist() if row not in rows]
-    rows += more or ([] if rows else [int(order[0])])
+    additional = [row for row in order[: int(np.count_nonzero(size))].tolist() if row not in rows]
+    rows += additional or ([] if rows else [int(order[0])])
     basis, triangle = qr(matrix[rows].T, mode="economic")
     weights = solve_triangular(triangle, basis.T @ matrix.T).T
     weights[rows] = np.eye(len(rows))

@@ -112,7 +112,10 @@ class CrossGP(GridGP):
             return xr.Dataset({"error": error}, {"output": self._names(X)})
         columns = [(self._input(name), index) for name, index in zip(self.crossed, np.asarray(crossed).T, strict=True)]
         return xr.Dataset(
-            {own.name: (PLACE, own.levels(self.levels[own.name])[index], own.attrs) for own, index in columns}
+            {
+                input_.name: (PLACE, input_.levels(self.levels[input_.name])[index], input_.attrs)
+                for input_, index in columns
+            }
         )
 
     def fit(self, X: xr.Dataset) -> Self:
@@ -177,9 +180,9 @@ class CrossGP(GridGP):
         axis = self._input(name)
         levels, unit = axis.to_unit(axis.levels(self.levels[name])), axis.to_unit(values)
         nearest = np.abs(unit[:, None] - levels).argmin(axis=1)
-        away = np.abs(unit - levels[nearest]) > LEVEL_TOLERANCE
-        if away.any():
-            raise ValueError(f"input {name!r}: {values[away][0]:.10g} is none of its {self.levels[name]} levels")
+        mismatched = np.abs(unit - levels[nearest]) > LEVEL_TOLERANCE
+        if mismatched.any():
+            raise ValueError(f"input {name!r}: {values[mismatched][0]:.10g} is none of its {self.levels[name]} levels")
         return np.asarray(nearest, dtype=np.intp)
 
     def _train(self, crossed: Crossed) -> TensorTrain:
@@ -187,12 +190,12 @@ class CrossGP(GridGP):
         bases = [cosine_basis(self.levels[name])[0] for name in (*self.crossed, *self.whole)]
         cores = [np.einsum("rns,nm->rms", core, basis) for core, basis in zip(crossed.cores[:-1], bases, strict=False)]
         last = crossed.cores[-1]
-        rest: Any = last.reshape(*last.shape[:2], *(self.levels[name] for name in self.whole), last.shape[-1])
+        block: Any = last.reshape(*last.shape[:2], *(self.levels[name] for name in self.whole), last.shape[-1])
         for k, basis in enumerate(bases[len(cores) :], start=1):
-            rest = np.moveaxis(np.tensordot(rest, basis, (k, 0)), -1, k)
+            block = np.moveaxis(np.tensordot(block, basis, (k, 0)), -1, k)
         # rows before the last core interpolate, so that an error of its entries is about one of all
         small = SMALL * self.compression
-        split = compress(rest.reshape(-1, *rest.shape[2:]), small * float(np.sqrt(last.size))).cores
+        split = compress(block.reshape(-1, *block.shape[2:]), small * float(np.sqrt(last.size))).cores
         first = split[0].reshape(*last.shape[:2], -1)
         whole = TensorTrain((*cores, first, *split[1:]))
         return whole.only(range(last.shape[-1]), small * float(np.sqrt(self._places())))
@@ -214,7 +217,7 @@ class CrossGP(GridGP):
         for gram, size in zip(grams, sizes, strict=True):
             gram /= (spread**2 * (self._places() / size))[:, None, None]
         back = np.argsort(self.order_)
-        points = [own.to_unit(levels) for own, levels in zip(self.inputs_, self.levels_, strict=True)]
+        points = [input_.to_unit(levels) for input_, levels in zip(self.inputs_, self.levels_, strict=True)]
         self._choose(points, [grams[k] for k in back])
         whole = TensorTrain((*train.cores[:-1], train.cores[-1] / spread))
         self.train_ = whole.scaled([self.factors_[k].weights for k in self.order_])

@@ -12,7 +12,7 @@ from sklearn.gaussian_process.kernels import Kernel, Sum
 from typing_extensions import override
 
 from approximation.arrays import Array
-from surrogate.face.posterior import Posterior
+from surrogate.face.core import Posterior
 from surrogate.gp.kernels import kernel_slopes, kernel_steepness, whole
 
 ITERATIONS = 25  # of the search for the most likely parameters
@@ -32,7 +32,7 @@ class Exact(Posterior):
         self.kernels, self.regressors, self.widened = list(kernels), list(regressors), widened
         # of named kernels, and in files of former releases, deviations are those of the likelihood
         self.stretch = np.array(
-            [_stretch(own) if widened and isinstance(own.kernel_, Sum) else 1.0 for own in regressors]
+            [_stretch(fitted) if widened and isinstance(fitted.kernel_, Sum) else 1.0 for fitted in regressors]
         )
 
     @override

@@ -19,7 +19,7 @@ from typing_extensions import override
 
 from approximation import products
 from approximation.arrays import Array, Indices, blocks
-from surrogate.face.posterior import Posterior
+from surrogate.face.core import Posterior
 from surrogate.gp.exact import regressor
 from surrogate.gp.hyperparameters import least
 from surrogate.gp.kernels import Chebyshev
@@ -63,13 +63,13 @@ class FiniteRank(Posterior):
         offset, scale = values.mean(axis=0), values.std(axis=0)
         scale = np.where(scale > 0, scale, 1.0)
         y = (values - offset) / scale
-        some = np.random.default_rng(seed).permutation(t.shape[1])[:SUBSET]
-        varies = y[some].std(axis=0) > 0
+        sample_index = np.random.default_rng(seed).permutation(t.shape[1])[:SUBSET]
+        varies = y[sample_index].std(axis=0) > 0
         kernel = Chebyshev(*np.full((2, len(t)), 0.5))
         if varies.any():
-            sample = t[:, some].T, y[some][:, varies]
+            sample = t[:, sample_index].T, y[sample_index][:, varies]
             kernel = regressor(
-                "chebyshev", *sample, None, 0.0, weights=root_weight[some] ** 2, noisy=True
+                "chebyshev", *sample, None, 0.0, weights=root_weight[sample_index] ** 2, noisy=True
             ).kernel_.k1.k2
         indices, sizes = largest(kernel, rank)
         y = y * root_weight[:, None]
@@ -80,14 +80,14 @@ class FiniteRank(Posterior):
         spectrum[spectrum < ROUNDING * spectrum[-1]] = 0.0
         directions = root[:, None] * vectors
         known = _along(directions, spectrum, seen)
-        rest = Rest(np.zeros_like(known), known, np.einsum("np,np->p", y, y))
-        variances = [rest.variances(spectrum, p, t.shape[1]) for p in range(y.shape[1])]
+        remainder = Rest(np.zeros_like(known), known, np.einsum("np,np->p", y, y))
+        variances = [remainder.variances(spectrum, p, t.shape[1]) for p in range(y.shape[1])]
         # products of features know squares of the outputs to rounding only; what is left after a first fit knows more
-        first = rest.weights(spectrum, np.array([noise / signal for signal, noise in variances]))
+        first = remainder.weights(spectrum, np.array([noise / signal for signal, noise in variances]))
         seen, energy = _left(t, y, indices, directions @ first, root_weight)
-        rest = Rest(first, _along(directions, spectrum, seen), energy)
-        signal, noise = np.array([rest.variances(spectrum, p, t.shape[1]) for p in range(y.shape[1])]).T
-        coefficients = directions @ rest.weights(spectrum, noise / signal)
+        remainder = Rest(first, _along(directions, spectrum, seen), energy)
+        signal, noise = np.array([remainder.variances(spectrum, p, t.shape[1]) for p in range(y.shape[1])]).T
+        coefficients = directions @ remainder.weights(spectrum, noise / signal)
         return cls(indices, coefficients, directions, spectrum, signal, noise, offset, scale)
 
     @override
@@ -164,19 +164,19 @@ def largest(kernel: Chebyshev, count: int) -> tuple[Indices, Array]:
     indices, weights = np.zeros((1, 0), dtype=np.intp), np.ones(1)
     for first, rho in zip(np.atleast_1d(kernel.first), np.atleast_1d(kernel.rho), strict=True):
         coefficients = np.append(1.0, first * rho ** np.arange(DEGREES))
-        every = np.multiply.outer(weights, coefficients)
-        order = np.argsort(-every, axis=None, kind="stable")[:count]
-        before, degree = np.unravel_index(order, every.shape)
-        indices, weights = np.column_stack([indices[before], degree]), every[before, degree]
+        products_ = np.multiply.outer(weights, coefficients)
+        order = np.argsort(-products_, axis=None, kind="stable")[:count]
+        before, degree = np.unravel_index(order, products_.shape)
+        indices, weights = np.column_stack([indices[before], degree]), products_[before, degree]
     return indices, weights
 
 
 def _weighted(t: Array, y: Array, indices: Indices, root_weight: Array) -> Iterator[tuple[Array, Array]]:
     """Weighted features of the cases and their outputs, (r, B) and (B, p), block by block."""
-    for some in blocks(t.shape[1], BLOCK):
-        features = products.values(indices, t[:, some])
-        features *= root_weight[some]
-        yield features, y[some]
+    for sample_index in blocks(t.shape[1], BLOCK):
+        features = products.values(indices, t[:, sample_index])
+        features *= root_weight[sample_index]
+        yield features, y[sample_index]
 
 
 def _gathered(t: Array, y: Array, indices: Indices, root_weight: Array) -> tuple[Array, Array]:

@@ -122,7 +122,9 @@ class GridGP(GaussianProcess):
     def _choose(self, points: Sequence[Array], grams: Sequence[Array]) -> None:
         """Choose the factors' kernels and the variance, from the coefficients' Gram matrices, a case at a level."""
         self.factors_ = tuple(self._factor(k, t, grams[k]) for k, t in enumerate(points))
-        self.hyperparameters_ = {own.name: f.parameter for own, f in zip(self.inputs_, self.factors_, strict=True)}
+        self.hyperparameters_ = {
+            input_.name: f.parameter for input_, f in zip(self.inputs_, self.factors_, strict=True)
+        }
         self.amplitude_, self.variance_ = amplitudes(self.factors_, grams)
 
     def _coefficients(self, data: Factorial, points: Sequence[Array]) -> tuple[list[Array], list[Array]]:
@@ -134,14 +136,14 @@ class GridGP(GaussianProcess):
         bases = [cosine_basis(len(t))[0] for t in points]
         self.offset_, self.scale_ = np.empty(len(data.outputs)), np.empty(len(data.outputs))
         grams = [np.empty((len(data.outputs), len(t), len(t))) for t in points]
-        kept = []
+        significant_coefficients = []
         for p, values in enumerate(data.outputs.values()):
-            own = [gram[p] for gram in grams]
-            coefficients, self.offset_[p], self.scale_[p] = standardised(values, bases, own)
-            kept.append(significant(coefficients, own, self._allowed() / len(points)))
+            output_grams = [gram[p] for gram in grams]
+            coefficients, self.offset_[p], self.scale_[p] = standardised(values, bases, output_grams)
+            significant_coefficients.append(significant(coefficients, output_grams, self._allowed() / len(points)))
         for gram, t in zip(grams, points, strict=True):
             gram /= self._places() / len(t)
-        return kept, grams
+        return significant_coefficients, grams
 
     def _places(self) -> int:
         """Number of places of the grid."""
@@ -190,7 +192,7 @@ class GridGP(GaussianProcess):
         check_levels(inputs, model.levels_)
         parameters = stored["hyperparameter"].values.tolist()
         model.factors_ = tuple(Factor(len(levels), rho) for levels, rho in zip(model.levels_, parameters, strict=True))
-        model.hyperparameters_ = {own.name: f.parameter for own, f in zip(inputs, model.factors_, strict=True)}
+        model.hyperparameters_ = {input_.name: f.parameter for input_, f in zip(inputs, model.factors_, strict=True)}
         model.order_ = tuple(int(k) for k in stored["contraction_order"].values)
         if sorted(model.order_) != list(range(d)):
             raise ValueError(f"contraction_order {model.order_} is no order of {d} inputs")
@@ -219,8 +221,8 @@ class GridGP(GaussianProcess):
 
     @override
     def thinned(self, errors: Mapping[str, float]) -> Self:
-        own = zip(self.outputs_, self.scale_, strict=True)
-        allowed = np.array([max(self.compression, errors.get(name, 0.0) / scale) for name, scale in own])
+        scales = zip(self.outputs_, self.scale_, strict=True)
+        allowed = np.array([max(self.compression, errors.get(name, 0.0) / scale) for name, scale in scales])
         part = copy(self)
         part._thin(range(len(allowed)), allowed)
         return part
@@ -254,7 +256,7 @@ class GridGP(GaussianProcess):
     def single(self) -> Single | None:
         """Return the short way of one query alone."""
         made_of = self.train_, self.correction_, self.calibration_
-        if not all(now is then for now, then in zip(made_of, self._laid_out[0], strict=True)):
+        if not all(current is then for current, then in zip(made_of, self._laid_out[0], strict=True)):
             process = Process(
                 self.inputs_, self.factors_, self.order_, self.train_, self.offset_, self.scale_, self.amplitude_,
                 self._size, self.correction_, self.calibration_,

@@ -81,9 +81,9 @@ def amplitudes(factors: Sequence[Factor], grams: Sequence[Array]) -> tuple[Array
             # two levels carry no error to learn from: take the share of the slope
             ratios[f] = gram[:, 1, 1] / np.maximum(np.trace(gram, axis1=1, axis2=2), np.finfo(float).tiny) / sizes[f]
     share = ratios * sizes[:, None]
-    kept = np.minimum(share, SHARE_LIMIT)
-    amplitude = kept / (1 - kept) / sizes[:, None]
+    limited = np.minimum(share, SHARE_LIMIT)
+    amplitude = limited / (1 - limited) / sizes[:, None]
     # an output that does not vary at all has no share anywhere
-    excess = np.divide(share, kept, out=np.ones_like(share), where=kept > 0)
+    excess = np.divide(share, limited, out=np.ones_like(share), where=limited > 0)
     variance = excess.max(axis=0) / np.prod(1 + amplitude * sizes[:, None], axis=0)
     return amplitude, variance

@@ -74,11 +74,11 @@ def expected(factors: Sequence[Factor], values: Array, missing: Flags) -> Array:
 
     values: (n_1, ..., n_d, p); missing: (n_1, ..., n_d); result: (m, p).
     """
-    own = [k for k in range(missing.ndim) if (missing != np.take(missing, [0], axis=k)).any()]
-    rest = [k for k in range(missing.ndim) if k not in own]
-    order = [*own, *rest]
+    dependent = [k for k in range(missing.ndim) if (missing != np.take(missing, [0], axis=k)).any()]
+    independent = [k for k in range(missing.ndim) if k not in dependent]
+    order = [*dependent, *independent]
     flags = missing.transpose(order)
-    inner = flags.reshape(*flags.shape[: len(own)], -1)[..., 0]
+    inner = flags.reshape(*flags.shape[: len(dependent)], -1)[..., 0]
     if np.count_nonzero(inner) > MOST:
         raise ValueError(
             f"{np.count_nonzero(inner)} places of the factors on which it depends that some are missing: at most "
@@ -87,7 +87,7 @@ def expected(factors: Sequence[Factor], values: Array, missing: Flags) -> Array:
     moved = values.transpose(*order, -1)
     columns = moved.reshape(*inner.shape, -1)
     known = np.where(inner[..., None], 0.0, columns)
-    parts = [factors[k] for k in own]
+    parts = [factors[k] for k in dependent]
     filling = _of_modes(parts, known, inner)
     whole = np.zeros(columns.shape)
     whole[inner] = filling

@@ -129,9 +129,9 @@ def kernel_slopes(correlation: Kernel, X: Array, Y: Array) -> list[Array]:
     if isinstance(correlation, Chebyshev):
         return correlation.slopes(X, Y)
     lengths = np.atleast_1d(correlation.length_scale) * np.ones(X.shape[1])
-    apart = (X[:, None] - Y) / lengths
-    steep = _steep(correlation, np.sqrt((apart**2).sum(axis=-1)))
-    return [-apart[..., j] * steep / length for j, length in enumerate(lengths)]
+    differences = (X[:, None] - Y) / lengths
+    steep = _steep(correlation, np.sqrt((differences**2).sum(axis=-1)))
+    return [-differences[..., j] * steep / length for j, length in enumerate(lengths)]
 
 
 def kernel_steepness(correlation: Kernel, X: Array) -> Array:
@@ -188,8 +188,8 @@ def sum_curvature(x: Array, rho: float) -> Array:
     below, above, squared, by_below, by_above = _quotient(inside, inside, rho)
     value = above / below / 2
     slope = (by_above / 2 - value * by_below) / below
-    both = (2 * rho * rho + squared) - by_above / 2 * by_below / below  # the numerator's slope by both, halved
-    curvature = (both - slope * by_below + 4 * rho * squared * value + value * by_below**2 / below) / below
+    by_both = (2 * rho * rho + squared) - by_above / 2 * by_below / below  # the numerator's slope by both, halved
+    curvature = (by_both - slope * by_below + 4 * rho * squared * value + value * by_below**2 / below) / below
     return np.asarray(curvature)
 
 

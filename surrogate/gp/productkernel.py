@@ -45,15 +45,15 @@ def standardised(values: Array, bases: Sequence[Array], grams: Sequence[Array]) 
     are written; result: (n_1, ..., n_d).
     """
     offset = float(values.mean())
-    rest: Any = values - offset
-    spread = float(np.sqrt(np.vdot(rest, rest) / values.size))
+    residual: Any = values - offset
+    spread = float(np.sqrt(np.vdot(residual, residual) / values.size))
     scale = spread if spread > 0 else 1.0
     # each product transforms the leading axis and moves it to the end, so after all of them the order is the old one
     for basis, gram in zip(bases, grams, strict=True):
-        rest = rest.reshape(len(basis), -1).T @ (basis / scale)
-        gram[...] = rest.T @ rest
+        residual = residual.reshape(len(basis), -1).T @ (basis / scale)
+        gram[...] = residual.T @ residual
         scale = 1.0
-    return rest.reshape(values.shape), offset, spread if spread > 0 else 1.0
+    return residual.reshape(values.shape), offset, spread if spread > 0 else 1.0
 
 
 def significant(coefficients: Array, grams: Sequence[Array], allowed: float) -> Array:
@@ -74,9 +74,11 @@ def joined(coefficients: Sequence[Array]) -> tuple[tuple[int, ...], Array]:
 
     Contracting the largest factors first keeps the ranks of its tensor train, hence the cost of a query, small.
     """
-    modes = tuple(max(sizes) for sizes in zip(*(own.shape for own in coefficients), strict=True))
+    modes = tuple(
+        max(sizes) for sizes in zip(*(output_coefficients.shape for output_coefficients in coefficients), strict=True)
+    )
     order = tuple(int(k) for k in np.argsort([-size for size in modes], kind="stable"))
     tensor = np.zeros((*modes, len(coefficients)))
-    for p, own in enumerate(coefficients):
-        tensor[..., p][tuple(map(slice, own.shape))] = own
+    for p, output_coefficients in enumerate(coefficients):
+        tensor[..., p][tuple(map(slice, output_coefficients.shape))] = output_coefficients
     return order, tensor.transpose(*order, len(modes))

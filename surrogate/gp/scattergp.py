@@ -157,8 +157,8 @@ class ScatterGP(GaussianProcess):
             return self.process_.state().assign_attrs(attrs)
         thetas = [regressor.kernel_.theta for regressor in self.process_.regressors]
         theta = np.zeros((len(thetas), max(map(len, thetas))))  # kernels have unequally many parameters
-        for row, own in zip(theta, thetas, strict=True):
-            row[: len(own)] = own
+        for row, parameters in zip(theta, thetas, strict=True):
+            row[: len(parameters)] = parameters
         weights = np.ones(len(self.points_)) if self.weights_ is None else self.weights_
         return xr.Dataset(
             {
@@ -203,8 +203,8 @@ class ScatterGP(GaussianProcess):
             raise ValueError(f"theta has {theta.shape[1]} columns for {len(inputs)} inputs")
         X = unit_coordinates(inputs, model.points_).T / model._reach
         how = model.nugget, 0, model.random_state, model.weights_, noisy
-        every = zip(kernels, model.values_.T, theta, counts, strict=True)
-        regressors = [regressor(kernel, X, y, own[:count], *how) for kernel, y, own, count in every]
+        columns = zip(kernels, model.values_.T, theta, counts, strict=True)
+        regressors = [regressor(kernel, X, y, parameters[:count], *how) for kernel, y, parameters, count in columns]
         model.process_ = Exact(kernels, regressors, model._reach > 1)
         return model
 

@@ -68,8 +68,8 @@ class SinglePoint:
         features = T[self._mean_rows]
         features -= self._damping * T[self._nodal_rows] * T[self._mirror_rows]
         state = features[self._slices[0]] @ self._cores[0]
-        for core, own in zip(self._cores[1:], self._slices[1:], strict=True):
-            state = (state[:, None] * features[own]).ravel() @ core
+        for core, place in zip(self._cores[1:], self._slices[1:], strict=True):
+            state = (state[:, None] * features[place]).ravel() @ core
         mean = state * self._scale
         mean += self._offset
         if self._correction is not None:
@@ -85,12 +85,12 @@ class SinglePoint:
         self._cores, self._slices, start = [], [], 0
         mean, mirror, nodal, damping = [], [], [], []
         for factor, core in zip(process.order, process.train.cores, strict=True):
-            own, first = process.factors[factor], self._rows.first[factor]
+            factor_kernel, first = process.factors[factor], self._rows.first[factor]
             m = np.arange(core.shape[1])
             mean.append(first + m)
-            mirror.append(first + np.maximum(own.levels - m, 0))
-            nodal.append(np.full(len(m), first + own.levels))
-            damping.append(2 * own.damping[: len(m)])
+            mirror.append(first + np.maximum(factor_kernel.levels - m, 0))
+            nodal.append(np.full(len(m), first + factor_kernel.levels))
+            damping.append(2 * factor_kernel.damping[: len(m)])
             self._slices.append(slice(start, start := start + len(m)))
             self._cores.append(np.ascontiguousarray(core.reshape(-1, core.shape[2])))
         self._mean_rows, self._mirror_rows = np.concatenate(mean), np.concatenate(mirror)
@@ -109,12 +109,12 @@ class SinglePoint:
     def _variance(self, T: Array) -> Array:
         """As `productkernel.unit_variance`, with running products in place of the loop."""
         squares = T * T
-        both = self._shares @ squares
-        d = len(both) // 2
-        both[d:] *= squares[self._rows.nodal]
-        known = self._amplitude * both[:d, None]
+        contributions = self._shares @ squares
+        d = len(contributions) // 2
+        contributions[d:] *= squares[self._rows.nodal]
+        known = self._amplitude * contributions[:d, None]
         known += 1.0
-        unknown = self._amplitude * both[d:, None]
+        unknown = self._amplitude * contributions[d:, None]
         after = np.multiply.accumulate(known[:0:-1])[::-1]
         known -= unknown
         before = np.multiply.accumulate(known[:-1])
@@ -199,21 +199,21 @@ class SingleGuard:
         slab = []
         for x, (_, _, way, width) in zip(point, self._inputs, strict=True):
             slab.append(min(max(int(way(x) / width * SLABS), 0), SLABS - 1))
-        cells = [SLABS * k + own for k, own in enumerate(slab)]
-        outer = [k for k, own in enumerate(slab) if own in (0, SLABS - 1)]
+        cells = [SLABS * k + number for k, number in enumerate(slab)]
+        outer = [k for k, number in enumerate(slab) if number in (0, SLABS - 1)]
         if len(outer) > 1:
-            edge = [2 if own else 0 for own in slab]
+            edge = [2 if number else 0 for number in slab]
             cells += [self._pairs[i, j] + 3 * edge[i] + edge[j] for i, j in combinations(outer, 2)]
             cells.append(-1)
         return np.asarray(np.maximum.reduce(self._cells[cells]))
 
 
-def mapping(own: Input) -> tuple[float, float, Callable[[float], float], float]:
+def mapping(input_: Input) -> tuple[float, float, Callable[[float], float], float]:
     """The ends of an input; on its scale, the distance of a value from the lower end, and that of the upper end."""
-    low, high = own.low, own.high
-    if own.scale == "log":
+    low, high = input_.low, input_.high
+    if input_.scale == "log":
         return low, high, lambda x: log(x / low), log(high / low)
-    if own.scale == "logit":
+    if input_.scale == "logit":
         start = log(low / (1 - low))
         return low, high, lambda x: log(x / (1 - x)) - start, log(high / (1 - high)) - start
     return low, high, lambda x: x - low, high - low

@@ -64,9 +64,9 @@ class TensorTrain:
             half = np.einsum("amb,pbc->pamc", core, behind[-1], optimize=True)
             behind.append(np.einsum("pamc,dmc->pad", half, core, optimize=True))
         before, grams = np.ones((1, 1)), []
-        for core, rest in zip(self.cores, reversed(behind), strict=True):
+        for core, gram in zip(self.cores, reversed(behind), strict=True):
             half = np.einsum("ad,dnc->anc", before, core, optimize=True)
-            grams.append(np.einsum("amb,pbc,anc->pmn", core, rest, half, optimize=True))
+            grams.append(np.einsum("amb,pbc,anc->pmn", core, gram, half, optimize=True))
             before = np.einsum("amb,amc->bc", core, half, optimize=True)
         return grams
 
@@ -81,17 +81,17 @@ class TensorTrain:
         """
         cores = [*self.cores[:-1], self.cores[-1][..., list(outputs)]]
         for k in range(len(cores) - 1, 0, -1):
-            rank, *rest = cores[k].shape
+            rank, *trailing = cores[k].shape
             q, r = np.linalg.qr(cores[k].reshape(rank, -1).T)
-            cores[k] = q.T.reshape(-1, *rest)
+            cores[k] = q.T.reshape(-1, *trailing)
             cores[k - 1] = cores[k - 1] @ r.T
         allowed = error**2 / max(len(cores) - 1, 1)
         for k in range(len(cores) - 1):
             rank, size, _ = cores[k].shape
             left, values, right = np.linalg.svd(cores[k].reshape(rank * size, -1), full_matrices=False)
-            kept = _kept(values, allowed)
-            cores[k] = np.ascontiguousarray(left[:, :kept]).reshape(rank, size, kept)
-            cores[k + 1] = np.tensordot(values[:kept, None] * right[:kept], cores[k + 1], 1)
+            rank_kept = _kept(values, allowed)
+            cores[k] = np.ascontiguousarray(left[:, :rank_kept]).reshape(rank, size, rank_kept)
+            cores[k + 1] = np.tensordot(values[:rank_kept, None] * right[:rank_kept], cores[k + 1], 1)
         return TensorTrain(tuple(cores))
 
 
@@ -102,17 +102,19 @@ def compress(tensor: Array, error: float) -> TensorTrain:
     """
     *modes, outputs = tensor.shape
     allowed = error**2 / max(len(modes) - 1, 1)
-    cores, rest, rank = [], tensor, 1
+    cores, remainder, rank = [], tensor, 1
     for size in modes[:-1]:
-        rest = rest.reshape(rank * size, -1)
+        remainder = remainder.reshape(rank * size, -1)
         # the left singular vectors need only the triangle of the short side
-        short = np.asarray(np.linalg.qr(rest.T, mode="r")).T if rest.shape[1] > rest.shape[0] else rest
+        short = (
+            np.asarray(np.linalg.qr(remainder.T, mode="r")).T if remainder.shape[1] > remainder.shape[0] else remainder
+        )
         left, values, _ = np.linalg.svd(short, full_matrices=False)
-        kept = _kept(values, allowed)
-        left = left[:, :kept]
-        cores.append(np.ascontiguousarray(left).reshape(rank, size, kept))
-        rest, rank = left.T @ rest, kept
-    cores.append(np.ascontiguousarray(rest).reshape(rank, modes[-1], outputs))
+        new_rank = _kept(values, allowed)
+        left = left[:, :new_rank]
+        cores.append(np.ascontiguousarray(left).reshape(rank, size, new_rank))
+        remainder, rank = left.T @ remainder, new_rank
+    cores.append(np.ascontiguousarray(remainder).reshape(rank, modes[-1], outputs))
     return TensorTrain(tuple(cores))
 
 

@@ -9,7 +9,9 @@ import numpy as np
 from approximation.arrays import Array
 from solver import Material, MaterialError, find, limiting_speed, materials
 from solver.halfplane.surface import HalfPlane
+from solver.material import datasheet
 from solver.material.constants import UNITS
+from solver.material.datasheet import strain_charge, stress_matrices
 from solver.names import COMPOSITES, FACTORS, LIMITS
 from workflow.language.numbers import shown
 from workflow.study.reading import InputError, read_material
@@ -83,6 +85,7 @@ def _described(material: Material, half: HalfPlane) -> str:
     for variant, other in zip(material.variants(), material.alternatives, strict=True):
         values = ", ".join(f"{name} = {shown(value, _units(name), _DIGITS)}" for name, value in other.constants.items())
         lines.append(_filled(f"{_in_line(variant.name)}:", f"{values}: {other.source}"))
+    lines += _strain_form(material)
     lines += ["limits"] if material.limits else []
     for name, limit in material.limits.items():
         lines.append(_filled(f"  {name:16s}  {shown(limit.value, LIMITS[name].units, _DIGITS):11s}", limit.source))
@@ -112,6 +115,21 @@ def _constant(material: Material, name: str) -> str:
         return line
     low, high = (shown(end, units, _DIGITS) for end in material.spread[name])
     return f"{line:31s} {low} to {high} by source"
+
+
+def _strain_form(material: Material) -> list[str]:
+    """Lines with compliance, charge constants, free permittivity and coupling factors, as a data sheet has them."""
+    values = {name: float(getattr(material, name)) for name in UNITS}
+    if np.isnan(values["c12"]) or material.conductor or not (values["e33"] or values["e31"] or values["e15"]):
+        return []
+    c, e, eps = stress_matrices(values)
+    form = strain_charge(c, e, eps)
+    units = {**datasheet.UNITS, "kt": "1"}
+    lines = [
+        f"  {name:8s} {f'{value * 1e12:.4g}e-12 m²/N' if name[0] == 's' else shown(value, units[name], 4)}"
+        for name, value in form.items()
+    ]
+    return ["strain-charge form, as data sheets print it", *lines]
 
 
 def _units(name: str) -> str:

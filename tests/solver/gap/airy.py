@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 import solver
-from solver.gap.coupled import AirContact
+from solver.gap.airline import AirContact
 from solver.gap.table import AirTable, farthest
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import RIGID_PUNCH, Punch

@@ -7,8 +7,8 @@ import pytest
 
 import solver
 from solver.arrays import Array
-from solver.gap.coupled import AirContact
-from solver.gap.equilibration import solved
+from solver.gap.airline import AirContact
+from solver.gap.newton import solved
 from solver.gap.table import AirTable
 from solver.stack.layers import Layer, Stack
 from tests.solver.gap.airy import airy, half_plane

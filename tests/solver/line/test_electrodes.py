@@ -21,28 +21,28 @@ COVERS = {"rubber": Layer(PDMS, 1e-3, "grounded"), "ceramic": Layer(FIBROUS, 2e-
 ACTIVE = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4, "grounded"), Layer(FIBROUS, 2e-4)], SILICON)
 
 
-def charge(found: xr.Dataset, name: str = "electrode_charge_per_force") -> Array:
-    return np.asarray(found[name].values)
+def charge(solution: xr.Dataset, name: str = "electrode_charge_per_force") -> Array:
+    return np.asarray(solution[name].values)
 
 
 @pytest.mark.parametrize("cover", COVERS)
 @pytest.mark.parametrize("punch", [BALL, ROLLER], ids=["ball", "roller"])
 def test_full_electrodes_have_e33_over_c33_under_any_cover(cover: str, punch: dict[str, Any]) -> None:
-    own = punch | ({"load": 1e3} if cover == "rubber" and "load" in punch else {})
+    case = punch | ({"load": 1e3} if cover == "rubber" and "load" in punch else {})
     body = Stack([COVERS[cover], Layer(PVDF, 5e-5)])
-    found = solver.solve(own | {"body": body, "collector": [1, 2]}).transpose(..., "collector")
+    solution = solver.solve(case | {"body": body, "collector": [1, 2]}).transpose(..., "collector")
     exact = float(PVDF.e33 / PVDF.c33)
-    assert charge(found).size
-    np.testing.assert_allclose(charge(found) / [exact, -exact], 1.0, rtol=1e-12)
+    assert charge(solution).size
+    np.testing.assert_allclose(charge(solution) / [exact, -exact], 1.0, rtol=1e-12)
 
 
 @pytest.mark.parametrize("punch", [BALL, ROLLER], ids=["ball", "roller"])
 def test_a_bare_film_between_electrodes_has_it_too(punch: dict[str, Any]) -> None:
     film = {"material": "PZT-4", "thickness": 2e-4, "base": "rigid", "electrode": "top", "collector": [1, 2]}
-    found = solver.solve(punch | film).transpose(..., "collector")
+    solution = solver.solve(punch | film).transpose(..., "collector")
     exact = float(PZT.e33 / PZT.c33)
-    np.testing.assert_allclose(charge(found) / [exact, -exact], 1.0, rtol=1e-12)
-    assert "voltage" not in found
+    np.testing.assert_allclose(charge(solution) / [exact, -exact], 1.0, rtol=1e-12)
+    assert "voltage" not in solution
 
 
 @pytest.mark.parametrize("punch", [BALL, ROLLER], ids=["ball", "roller"])
@@ -64,11 +64,11 @@ def test_electrodes_and_punch_have_no_charge_together() -> None:
     """The punch's charge, whatever it is, stands on the electrodes with the other sign."""
     body = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4), Layer(COPPER, 2e-5), Layer(PZT, 1e-4)], SILICON)
     assert electrodes(body) == [(0,), (1, 2), (3,)]
-    for case, own in ((BALL | {"force": 1.0}, "total_charge"), (ROLLER, "charge")):
+    for case, name in ((BALL | {"force": 1.0}, "total_charge"), (ROLLER, "charge")):
         q = 1e-11 * float(case.get("load", 1.0))
-        found = charge(solver.solve(case | {own: q, "body": body, "collector": [1, 2, 3]}))
-        assert np.sum(found) == pytest.approx(-1e-11, rel=1e-10)
-        assert np.min(np.abs(found)) > 1e-13
+        charges = charge(solver.solve(case | {name: q, "body": body, "collector": [1, 2, 3]}))
+        assert np.sum(charges) == pytest.approx(-1e-11, rel=1e-10)
+        assert np.min(np.abs(charges)) > 1e-13
 
 
 def test_what_small_waves_carry_tends_to_the_whole() -> None:
@@ -89,9 +89,9 @@ def test_strips_sum_to_the_electrode(punch: dict[str, Any]) -> None:
     case = punch | {"body": body, "collector": 2, "patch": "strip"}
     places = width * np.arange(-20, 21)
     parts = charge(solver.solve(case | {"patch_size": width, "patch_position": places}), "patch_charge_per_force")
-    one = solver.solve(case | {"patch_size": 41 * width})
-    assert np.sum(parts) == pytest.approx(float(one["patch_charge_per_force"]), rel=1e-10)
-    assert float(one["patch_charge_per_force"]) == pytest.approx(float(one["electrode_charge_per_force"]), rel=1e-3)
+    wide = solver.solve(case | {"patch_size": 41 * width})
+    assert np.sum(parts) == pytest.approx(float(wide["patch_charge_per_force"]), rel=1e-10)
+    assert float(wide["patch_charge_per_force"]) == pytest.approx(float(wide["electrode_charge_per_force"]), rel=1e-3)
     endless = solver.solve(case | {"patch_size": 0.02})
     assert charge(endless, "patch_charge_per_force") == pytest.approx(charge(endless), rel=1e-10)
 
@@ -107,11 +107,11 @@ def test_strips_below_a_roller_collect_the_jump_of_the_field_inside() -> None:
         inside = solver.solve_interior(ROLLER | {"body": ACTIVE}, along, sides, fields=["electric_displacement_y"])
         above, below = inside["electric_displacement_y"].values
         read = {"collector": number, "patch_size": size, "patch_position": place}
-        found = solver.solve(ROLLER | {"body": ACTIVE} | read)
+        solution = solver.solve(ROLLER | {"body": ACTIVE} | read)
         expected = weights @ (above - below) * size / 2 / 2e4
-        assert float(found["patch_charge_per_force"]) == pytest.approx(expected, rel=1e-7)
+        assert float(solution["patch_charge_per_force"]) == pytest.approx(expected, rel=1e-7)
         middle = solver.solve_interior(ROLLER | {"body": ACTIVE}, [0.0], sides[:1], fields=["stress_yy"])
-        assert float(found["electrode_pressure"]) == pytest.approx(-float(middle["stress_yy"].squeeze()), rel=1e-7)
+        assert float(solution["electrode_pressure"]) == pytest.approx(-float(middle["stress_yy"].squeeze()), rel=1e-7)
 
 
 @pytest.mark.sampled(1)
@@ -123,9 +123,9 @@ def test_discs_below_a_ball_that_slides_collect_the_jump_of_the_field_inside(num
     radius = float(plain["contact_radius"])
     x, w = np.polynomial.legendre.leggauss(16)
     turn = 2 * np.pi * (np.arange(32) + 0.5) / 32
-    own = size / 4 * (1 + x)
-    across = np.hypot(place + own[:, None] * np.cos(turn), own[:, None] * np.sin(turn))
-    cosine = (place + own[:, None] * np.cos(turn)) / across
+    ring = size / 4 * (1 + x)
+    across = np.hypot(place + ring[:, None] * np.cos(turn), ring[:, None] * np.sin(turn))
+    cosine = (place + ring[:, None] * np.cos(turn)) / across
     ends = np.linspace(place - size / 2, place + size / 2, 2)
     r = (ends[1] + ends[0]) / 2 + (ends[1] - ends[0]) / 2 * np.cos(np.pi * (np.arange(14) + 0.5) / 14)
     along = np.concatenate([-r[::-1], r[::-1]])
@@ -136,13 +136,13 @@ def test_discs_below_a_ball_that_slides_collect_the_jump_of_the_field_inside(num
     above, below = inside["electric_displacement_y"].values
     behind, ahead = np.split(above - below, 2)
     even, odd = (ahead + behind[::-1]) / 2, (ahead - behind[::-1]) / 2
-    at = np.sort(r)
-    density = sum(BarycentricInterpolator(at, part)(across) * share for part, share in ((even, 1.0), (odd, cosine)))
-    expected = np.sum(w[:, None] * own[:, None] * density) * size / 4 * 2 * np.pi / 32 / 4.0
+    radii = np.sort(r)
+    density = sum(BarycentricInterpolator(radii, part)(across) * share for part, share in ((even, 1.0), (odd, cosine)))
+    expected = np.sum(w[:, None] * ring[:, None] * density) * size / 4 * 2 * np.pi / 32 / 4.0
     read = {"collector": number, "patch_size": size, "patch_position": [place, -place]}
-    found = charge(solver.solve(ball | {"body": ACTIVE} | read), "patch_charge_per_force")
-    assert abs(found[0] / found[1] - 1) > 1e-3
-    assert found[0] == pytest.approx(expected, rel=1e-6)
+    charges = charge(solver.solve(ball | {"body": ACTIVE} | read), "patch_charge_per_force")
+    assert abs(charges[0] / charges[1] - 1) > 1e-3
+    assert charges[0] == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_patch_s_charge_is_reciprocal_to_what_its_voltage_moves() -> None:
@@ -167,7 +167,7 @@ def test_discs_strips_and_neighbours_below_a_ball() -> None:
     step, pitch = 1e-6, 3e-4
     read = {"patch_size": 2e-4, "patch_pitch": pitch}
     for patch in ("disc", "strip"):
-        found = solver.solve(case | read | {"patch": patch})
+        solution = solver.solve(case | read | {"patch": patch})
         near = charge(
             solver.solve(
                 case
@@ -179,8 +179,8 @@ def test_discs_strips_and_neighbours_below_a_ball() -> None:
             ),
             "patch_charge_per_force",
         )
-        assert float(found["crosstalk"]) == pytest.approx(near[1] / near[0], rel=1e-9)
-        assert float(found["patch_charge_gradient"]) == pytest.approx((near[2] - near[3]) / step, rel=1e-4)
+        assert float(solution["crosstalk"]) == pytest.approx(near[1] / near[0], rel=1e-9)
+        assert float(solution["patch_charge_gradient"]) == pytest.approx((near[2] - near[3]) / step, rel=1e-4)
     # rings of discs about the middle against the strip: int over the strip of the density by discs' differences
     radii = np.linspace(1e-7, 3e-3, 4001)
     inside = charge(solver.solve(case | {"patch_size": 2 * radii}), "patch_charge_per_force")
@@ -201,7 +201,7 @@ def test_what_a_base_stretches_leads_on_to_the_free_slab_s_d33() -> None:
     free = float(2 * PZT.e31 * along + PZT.e33 * across)
     assert free == pytest.approx(291e-12, rel=2e-3)  # of the printed set
     stiff = [Stack([Layer(PZT, 1e-4)], base, electroded=True) for base in ("rigid", GLASS, solver.find("polyimide"))]
-    charges = [-float(Electrode(one, 2).whole[0]) * one.scale[1] / one.scale[2] for one in stiff]
+    charges = [-float(Electrode(body, 2).whole[0]) * body.scale[1] / body.scale[2] for body in stiff]
     stretch = np.array([0.0, *(-1 / float(base.c11 + base.c12) for base in (GLASS, solver.find("polyimide")))])
     slopes = np.diff(charges) / np.diff(stretch)
     assert slopes[1] == pytest.approx(slopes[0], rel=1e-9)
@@ -212,10 +212,10 @@ def test_what_a_base_stretches_leads_on_to_the_free_slab_s_d33() -> None:
 def test_aluminium_nitride_on_silicon_nearly_stands_still() -> None:
     """e33/c33 less what the film's pull along itself, e31 - e33 c13/c33, does to a half-space: 1/(c11 + c12) of it."""
     film, case = solver.find("AlN"), {"material": "AlN", "thickness": 1e-6, "base": "silicon", "electrode": "top"}
-    found = solver.solve(BALL | case | {"force": 0.1, "collector": 1})["electrode_stroke_per_volt"]
+    stroke = solver.solve(BALL | case | {"force": 0.1, "collector": 1})["electrode_stroke_per_volt"]
     pull = float(film.e31 - film.e33 * film.c13 / film.c33)
     exact = float(film.e33 / film.c33) + pull / float(SILICON.c11 + SILICON.c12)
-    assert float(found) == pytest.approx(exact, rel=1e-10)
+    assert float(stroke) == pytest.approx(exact, rel=1e-10)
     assert 1e12 * exact == pytest.approx(-0.26, abs=0.005)
 
 

@@ -33,12 +33,12 @@ def charge(factors: dict[str, Any], name: str = "patch_charge_per_force") -> Arr
 )
 def test_a_patch_that_covers_all_has_the_charge_of_the_electrode(punch: dict[str, Any], patch: dict[str, Any]) -> None:
     """e33/c33 in closed form, of what is local and of waves together; magnetoelectric under a magnetic punch too."""
-    for film, more in ((PZT, {}), (FIBROUS, {"magnetic": "conducting"})):
-        case = punch | TOP | more | patch | {"body": Stack([Layer(film, 2e-4)]), "patch_size": 0.05}
-        found = solver.solve(case)
-        whole = float(found["electrode_charge_per_force"])
-        assert float(found["patch_charge_per_force"]) == pytest.approx(whole, rel=1e-10)
-        if not more:
+    for film, magnetic in ((PZT, {}), (FIBROUS, {"magnetic": "conducting"})):
+        case = punch | TOP | magnetic | patch | {"body": Stack([Layer(film, 2e-4)]), "patch_size": 0.05}
+        solution = solver.solve(case)
+        whole = float(solution["electrode_charge_per_force"])
+        assert float(solution["patch_charge_per_force"]) == pytest.approx(whole, rel=1e-10)
+        if not magnetic:
             assert whole == pytest.approx(float(film.e33 / film.c33), rel=1e-12)
 
 
@@ -49,10 +49,10 @@ def test_patches_side_by_side_are_one_and_have_its_gradient(punch: dict[str, Any
     parts = charge(case | {"patch_size": width, "patch_position": width * np.arange(-10, 11)})
     assert np.sum(parts) == pytest.approx(float(charge(case | {"patch_size": 21 * width})), rel=1e-10)
     step, pitch = 1e-8, 1.3e-4
-    found = solver.solve(case | {"patch_size": 1e-4, "patch_pitch": pitch})
+    solution = solver.solve(case | {"patch_size": 1e-4, "patch_pitch": pitch})
     near = charge(case | {"patch_size": 1e-4, "patch_position": [0.0, pitch, pitch / 2 - step, pitch / 2 + step]})
-    assert float(found["crosstalk"]) == pytest.approx(near[1] / near[0], rel=1e-12)
-    assert float(found["patch_charge_gradient"]) == pytest.approx((near[2] - near[3]) / step, rel=1e-5)
+    assert float(solution["crosstalk"]) == pytest.approx(near[1] / near[0], rel=1e-12)
+    assert float(solution["patch_charge_gradient"]) == pytest.approx((near[2] - near[3]) / step, rel=1e-5)
 
 
 def test_the_charge_is_reciprocal_to_what_its_voltage_moves() -> None:
@@ -85,10 +85,10 @@ def test_a_cover_that_grows_thin_leads_there(punch: dict[str, Any], patch: dict[
         charge(read | {"electric": "insulating", "body": Stack([Layer(PZT, t, "grounded"), Layer(PZT, 2e-4)], SILICON)})
         for t in (4e-6, 2e-6)
     ]
-    found = charge(read | TOP | {"body": Stack([Layer(PZT, 2e-4)], SILICON)})
-    size = np.max(np.abs(found))
-    assert np.max(np.abs(covered[1] - found)) > 5e-3 * size  # that far away is the thinner one
-    np.testing.assert_allclose(2 * covered[1] - covered[0], found, atol=5e-3 * size)
+    charges = charge(read | TOP | {"body": Stack([Layer(PZT, 2e-4)], SILICON)})
+    size = np.max(np.abs(charges))
+    assert np.max(np.abs(covered[1] - charges)) > 5e-3 * size  # that far away is the thinner one
+    np.testing.assert_allclose(2 * covered[1] - covered[0], charges, atol=5e-3 * size)
 
 
 def test_covered_parts_of_the_contact_are_what_geometry_says() -> None:

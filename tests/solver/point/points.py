@@ -61,7 +61,7 @@ def of_coats(coats: tuple[Coat, ...], base: Material | None = None) -> Kind:
 
 
 def on_film(
-    of: Kind,
+    layers: Kind,
     thickness: float,
     exponent: float,
     coefficient: float,
@@ -71,6 +71,6 @@ def on_film(
     punch: float = 0.0,
 ) -> Pressed:
     """Contacts on films of a top layer's thickness [m]; ``punch`` is N_p [1/Pa]."""
-    kind, P = PointKind(of, conducts, Shape(exponent), punch), _cases(force)
+    kind, P = PointKind(layers, conducts, Shape(exponent), punch), _cases(force)
     body = Film(kind, np.full(P.shape, thickness))
     return Pressed(body, kind.scale, np.full(P.shape, coefficient), P, _charges(charges, P), np.array(conducts))

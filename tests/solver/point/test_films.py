@@ -50,11 +50,11 @@ def by_abel(kind: Kind, a: float, exponent: float, points: int = 200) -> tuple[A
 @pytest.mark.parametrize("kind", [film(BTO), film(FIBROUS, STEEL), BONDED, TWO_LAYERS], ids="abcd")
 @pytest.mark.parametrize(("a", "exponent"), list(product([0.01, 0.7, 4.0, 9.5], [2.0, 1.0, 0.0])))
 def test_loads_and_edges_are_those_of_abel_s_equation(kind: Kind, a: float, exponent: float) -> None:
-    own = PointKind(kind, (True, True), Shape(exponent))
-    window = Window(own, int(np.floor(2 * np.log10(a))))
-    found = own.stiffness(window.read(np.array([np.log(a)])))
+    point_kind = PointKind(kind, (True, True), Shape(exponent))
+    window = Window(point_kind, int(np.floor(2 * np.log10(a))))
+    stiffness = point_kind.stiffness(window.read(np.array([np.log(a)])))
     loads, edges = by_abel(kind, a, exponent)
-    for ours, exact in ((a * found.loads[0], loads), (found.edges[0], edges)):
+    for ours, exact in ((a * stiffness.loads[0], loads), (stiffness.edges[0], edges)):
         size = np.max(np.abs(exact), 0)
         np.testing.assert_allclose(ours / size, exact / size, atol=1e-9 if exponent == 1.0 else 1e-11)
 

@@ -22,27 +22,27 @@ def inside(case: dict[str, Any], x: list[float], y: list[float], fields: list[st
 
 
 @pytest.mark.parametrize(
-    "more", [{}, {"thickness": 1.2e-4, "surroundings": "insulated", "base": "steel"}], ids=["half-space", "film"]
+    "body", [{}, {"thickness": 1.2e-4, "surroundings": "insulated", "base": "steel"}], ids=["half-space", "film"]
 )
-def test_fields_are_in_balance_and_obey_the_material(more: dict[str, Any]) -> None:
-    """Differences: what does not depend on the angle balances in space; stresses and fields obey the material in both.
+def test_fields_are_in_balance_and_obey_the_material(body: dict[str, Any]) -> None:
+    """Differences: parts that do not depend on the angle balance in space; stresses and fields obey the material.
 
-    The parts of 1 and of cos(angle) are told apart by mirrored points.
+    Mirrored points separate the parts of 1 and of cos(angle).
     """
     step, X, Y = 5e-4, 0.7, -0.6
-    case = BALL | {"friction": 0.3} | more
-    at = [-X - step, -X, -X + step, X - step, X, X + step]
-    found = inside(case, at, [Y - step, Y, Y + step])
+    case = BALL | {"friction": 0.3} | body
+    positions = [-X - step, -X, -X + step, X - step, X, X + step]
+    fields = inside(case, positions, [Y - step, Y, Y + step])
 
     def parts(name: str) -> tuple[Any, Any]:
         """Parts of 1 and of cos(angle) over (y, x) about X, as components along r."""
-        own = found[name].values.squeeze()
-        right, left = own[:, 3:], own[:, 2::-1]
+        values = fields[name].values.squeeze()
+        right, left = values[:, 3:], values[:, 2::-1]
         return (right + left) / 2, (right - left) / 2
 
     def along_r(name: str) -> tuple[Any, Any]:
-        own = found[name].values.squeeze()
-        right, left = own[:, 3:], -own[:, 2::-1]
+        values = fields[name].values.squeeze()
+        right, left = values[:, 3:], -values[:, 2::-1]
         return (right + left) / 2, (right - left) / 2
 
     def dr(values: Any) -> float:
@@ -53,7 +53,7 @@ def test_fields_are_in_balance_and_obey_the_material(more: dict[str, Any]) -> No
 
     radial, hoop, normal = (parts(f"stress_{name}") for name in ("xx", "zz", "yy"))
     shear, displacement = along_r("stress_xy"), along_r("electric_displacement_x")
-    size = float(np.abs(found["stress_yy"]).max())
+    size = float(np.abs(fields["stress_yy"]).max())
     first = 0  # without friction nothing depends on the angle
     assert abs(dr(radial[first]) + dy(shear[first]) + (radial[first] - hoop[first])[1, 1] / X) < 1e-4 * size
     assert abs(dr(shear[first]) + dy(normal[first]) + shear[first][1, 1] / X) < 1e-4 * size
@@ -64,14 +64,14 @@ def test_fields_are_in_balance_and_obey_the_material(more: dict[str, Any]) -> No
     for part in (0, 1):  # the curl of the electric field is zero in both
         assert abs(dy(field_r[part]) - dr(field_y[part])) < 1e-4 * float(np.abs(field_y[part]).max())
     m = solver.find("BaTiO3")
-    at = [0.7, -0.3]
+    positions = [0.7, -0.3]
     strained = ["strain_xx", "strain_yy", "strain_xy"]
-    here = inside(case, at, [Y], strained).squeeze(), inside(case, at, [Y]).squeeze()
-    xx, yy, xy = (here[0][name].values for name in strained)
-    stress, E, D = here[1], here[1]["electric_field_y"].values, here[1]["electric_displacement_y"]
+    at_points = inside(case, positions, [Y], strained).squeeze(), inside(case, positions, [Y]).squeeze()
+    xx, yy, xy = (at_points[0][name].values for name in strained)
+    stress, E, D = at_points[1], at_points[1]["electric_field_y"].values, at_points[1]["electric_displacement_y"]
     zz = (stress["stress_yy"].values - m.c33 * yy + m.e33 * E) / m.c13 - xx
-    for name, one, other in (("stress_xx", xx, zz), ("stress_zz", zz, xx)):
-        np.testing.assert_allclose(stress[name], m.c11 * one + m.c12 * other + m.c13 * yy - m.e31 * E, rtol=1e-9)
+    for name, along, other in (("stress_xx", xx, zz), ("stress_zz", zz, xx)):
+        np.testing.assert_allclose(stress[name], m.c11 * along + m.c12 * other + m.c13 * yy - m.e31 * E, rtol=1e-9)
     np.testing.assert_allclose(D, m.e31 * (xx + zz) + m.e33 * yy + m.eps33 * E, rtol=1e-9, atol=1e-9 * flux)
     along = stress["electric_field_x"].values
     np.testing.assert_allclose(stress["stress_xy"], 2 * m.c44 * xy - m.e15 * along, rtol=1e-9)
@@ -80,12 +80,12 @@ def test_fields_are_in_balance_and_obey_the_material(more: dict[str, Any]) -> No
 def test_closed_integrals_meet_those_over_the_wavenumbers(monkeypatch: pytest.MonkeyPatch) -> None:
     """Spheres and cones, sliding: all of it closed against as much over k as there is."""
     for case in (BALL, BALL | {"profile": "cone", "slope": 0.01, "radius": None}):
-        own = {name: value for name, value in case.items() if value is not None} | {"friction": 0.2}
+        complete = {name: value for name, value in case.items() if value is not None} | {"friction": 0.2}
         x, y = [-2.0, 0.0, 0.6], [-0.06, -0.5, -3.0]
-        usual = inside(own, x, y)
+        usual = inside(complete, x, y)
         with monkeypatch.context() as changed:
             changed.setattr("solver.point.inside._NEAR", 100.0)
-            closed = inside(own, x, y)
+            closed = inside(complete, x, y)
         for name in usual:
             np.testing.assert_allclose(closed[name], usual[name], atol=1e-10 * float(np.abs(usual[name]).max()), rtol=0)
 
@@ -110,15 +110,15 @@ def test_stresses_of_a_film_are_integrals_of_its_system() -> None:
     k, weights = np.polynomial.legendre.leggauss(120)
     k, weights = 20 * (1 + k), 20 * weights  # over h: beyond, exponentials of the reference lose their digits
     transform = jv(0, np.outer(k, s) * a / h) @ (shares * np.cos(angle) * s * pressure)
-    depth, found = -y * a / h, 0.0
+    depth, integral = -y * a / h, 0.0
     for q, weight, t in zip(k, weights, transform, strict=True):
         down = expm(-q * medium.system)  # of [k u; t] from the surface to the base: u = 0 there
         traction = np.array([0.0, -t * medium.scale[1], 0.0, 0.0])
         surface = np.concatenate([np.linalg.solve(down[:4, :4], -down[:4, 4:] @ traction), traction])
         state = expm(-q * depth * medium.system) @ surface
-        found += weight * q * (a / h) ** 2 * state[5] / medium.scale[1] * jv(0, q * x * a / h)
+        integral += weight * q * (a / h) ** 2 * state[5] / medium.scale[1] * jv(0, q * x * a / h)
     solved = float(inside(case, [x], [y], ["stress_yy"])["stress_yy"].squeeze())
-    assert solved == pytest.approx(found, rel=2e-8)
+    assert solved == pytest.approx(integral, rel=2e-8)
 
 
 FIBROUS = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
@@ -141,9 +141,9 @@ def test_potentials_fall_as_the_fields_say_and_are_the_punch_s_on_the_contact(ca
         potential, along, across = f"{kind}_potential", f"{kind}_field_x", f"{kind}_field_y"
         for X, Y in ((-0.4, -0.02), (1.4, -0.02), (0.6, -0.3)):
             points = [X - step, X, X + step], [Y - step, Y, Y + step]
-            found = inside(case, *points, [potential, along, across])
-            values = found[potential].values.squeeze() / (2 * step * a)
-            field = [found[name].values.squeeze()[1, 1] for name in (along, across)]
+            fields = inside(case, *points, [potential, along, across])
+            values = fields[potential].values.squeeze() / (2 * step * a)
+            field = [fields[name].values.squeeze()[1, 1] for name in (along, across)]
             falls = [values[1, 0] - values[1, 2], values[0, 1] - values[2, 1]]
             np.testing.assert_allclose(falls, field, atol=1e-5 * float(np.hypot(*field)), rtol=0)
         surface = inside(case, [-0.7, 0.0, 0.95], [0.0], [potential])[potential].values.ravel()

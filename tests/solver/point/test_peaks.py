@@ -17,13 +17,13 @@ FILM = BALL | {"thickness": 1e-4, "surroundings": "insulated", "base": "steel", 
 
 def test_von_mises_below_a_ball_is_huber_s() -> None:
     """On the axis, where sigma_rr and sigma_yy are closed; the depth is that of the top."""
-    found = solver.solve(BALL | {"material": Material.isotropic(200e9, NU, name="isotropic")}, peaks=True)
+    solution = solver.solve(BALL | {"material": Material.isotropic(200e9, NU, name="isotropic")}, peaks=True)
     top = minimize_scalar(
         lambda z: -abs(1.5 / (1 + z**2) - (1 + NU) * (1 - z * np.arctan(1 / z))),
         bounds=(0.3, 0.7), method="bounded", options={"xatol": 1e-9},
     )  # fmt: skip
-    assert float(found["peak_von_mises"] / found["peak_pressure"]) == pytest.approx(-top.fun, rel=1e-9)
-    assert float(found["peak_von_mises_depth"] / found["contact_radius"]) == pytest.approx(top.x, rel=1e-6)
+    assert float(solution["peak_von_mises"] / solution["peak_pressure"]) == pytest.approx(-top.fun, rel=1e-9)
+    assert float(solution["peak_von_mises_depth"] / solution["contact_radius"]) == pytest.approx(top.x, rel=1e-6)
 
 
 def test_a_film_so_thin_that_nothing_is_below_a_tenth_of_the_radius_is_refused() -> None:
@@ -35,9 +35,9 @@ def test_a_film_so_thin_that_nothing_is_below_a_tenth_of_the_radius_is_refused()
 
 def test_peaks_need_c12_and_are_given_on_request_only() -> None:
     assert not any("peak_von" in name for name in map(str, solver.solve(FILM)))
-    some = solver.solve(FILM | {"base": "rigid"}, peaks=["interface_shear", "base_peak_von_mises"])
-    assert "interface_shear" in some
-    assert "base_peak_von_mises" not in some
+    requested = solver.solve(FILM | {"base": "rigid"}, peaks=["interface_shear", "base_peak_von_mises"])
+    assert "interface_shear" in requested
+    assert "base_peak_von_mises" not in requested
     bare = replace(solver.find("BaTiO3"), c12=np.array(np.nan), name="bare")
     with pytest.raises(solver.MaterialError, match=r"^bare: c12: missing; largest stresses under a point need it"):
         solver.solve(BALL | {"material": bare}, peaks=True)

@@ -22,7 +22,7 @@ STEEL_PUNCH = 2 * (1 - 0.3**2) / 210e9
 @pytest.mark.parametrize("conducts", [(True, True), (True, False), (False, True), (False, False)])
 def test_every_quantity_to_1e_13(exponent: float, coefficient: float, conducts: Conducts) -> None:
     charges = np.where(conducts, (3e-10, -2e-8), 0.0)
-    found = quantities(on_halfspace(FIBROUS, exponent, coefficient, 10.0, charges, conducts, STEEL_PUNCH))
+    values = quantities(on_halfspace(FIBROUS, exponent, coefficient, 10.0, charges, conducts, STEEL_PUNCH))
     exact = point.quantities(
         constants(FIBROUS), exponent=exponent, coefficient=coefficient, force=10.0, charge=float(charges[0]),
         magnetic_charge=float(charges[1]), conducted=tuple(i for i in (1, 2) if conducts[i - 1]),
@@ -30,18 +30,18 @@ def test_every_quantity_to_1e_13(exponent: float, coefficient: float, conducts: 
     )  # fmt: skip
     if exponent > 2:
         exact.pop("peak_pressure")  # not at the centre
-    assert set(exact) <= set(found)
+    assert set(exact) <= set(values)
     for name, value in exact.items():
-        assert found[name][0] == pytest.approx(value, rel=1e-13), name
+        assert values[name][0] == pytest.approx(value, rel=1e-13), name
 
 
 @pytest.mark.parametrize("name", ["PZT-4", "steel", "PVDF"])
 def test_every_material_to_1e_12(name: str) -> None:
     material = solver.find(name)
-    found = quantities(on_halfspace(material, 2.0, 100.0, 10.0))
+    values = quantities(on_halfspace(material, 2.0, 100.0, 10.0))
     exact = point.quantities(constants(material), exponent=2.0, coefficient=100.0, force=10.0)
     for key, value in exact.items():
-        assert found[key][0] == pytest.approx(value, rel=1e-12, abs=1e-60), key
+        assert values[key][0] == pytest.approx(value, rel=1e-12, abs=1e-60), key
 
 
 @pytest.mark.parametrize("exponent", [4, 6, 10])

@@ -16,14 +16,14 @@ BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-
 def test_half_space_shifts_by_half_the_plane_s_angle(punch: str) -> None:
     """c = -(a/pi) eta kappa/lambda."""
     case = BALL | {"friction": 0.3, "punch": punch}
-    found = solver.solve(case)
+    solution = solver.solve(case)
     half = HalfPlane(solver.find("BaTiO3"))
     steel = punch == "steel"
     N = half.compliance + steel * np.diag([2 * (1 - 0.3**2) / 210e9, 0.0, 0.0])
     k = half.friction_coupling + steel * np.array([1.3 * 0.4 / 210e9, 0.0, 0.0])
     inverse = np.linalg.inv(N)
     angle = 0.3 * float(inverse[0] @ k)
-    offset = float(found["contact_offset"] / found["contact_radius"])
+    offset = float(solution["contact_offset"] / solution["contact_radius"])
     assert offset == pytest.approx(-angle / np.pi, rel=1e-3 if steel else 1e-12)  # the library's steel is near that
 
 
@@ -31,22 +31,22 @@ def test_below_an_electrode_it_shifts_as_a_body_whose_surface_is_grounded() -> N
     """phi = 0 on the surface takes D_y out of N and k; half-spaces are films of the base's own material."""
     titanate = solver.find("BaTiO3")
     bonded = {"thickness": 4e-5, "surroundings": "insulated", "base": "BaTiO3", "interface_electric": "bonded"}
-    found = solver.solve(BALL | bonded | {"friction": 0.3, "electrode": "top", "magnetic": "insulating"})
+    solution = solver.solve(BALL | bonded | {"friction": 0.3, "electrode": "top", "magnetic": "insulating"})
     half = HalfPlane(titanate)
     (N, k), phi = (half.compliance, half.friction_coupling), 1
     turned = k[0] - k[phi] * N[0, phi] / N[phi, phi]
     angle = 0.3 * turned / (N[0, 0] - N[0, phi] ** 2 / N[phi, phi])
-    assert float(found["contact_offset"] / found["contact_radius"]) == pytest.approx(-angle / np.pi, rel=1e-12)
+    assert float(solution["contact_offset"] / solution["contact_radius"]) == pytest.approx(-angle / np.pi, rel=1e-12)
 
 
 def test_tension_beside_the_trailing_edge_is_that_of_the_fields_inside() -> None:
-    for more in ({}, {"thickness": 1e-4, "surroundings": "insulated", "base": "steel"}):
-        case = BALL | {"friction": 0.3} | more
+    for body in ({}, {"thickness": 1e-4, "surroundings": "insulated", "base": "steel"}):
+        case = BALL | {"friction": 0.3} | body
         edge = float(solver.solve(case)["trailing_tension"])
         gaps = np.array([1e-3, 2e-3, 4e-3, 8e-3])
-        beside = solver.solve_interior(case, 1 + gaps, [0.0], fields=["stress_xx"])["stress_xx"].values.ravel()
+        outside = solver.solve_interior(case, 1 + gaps, [0.0], fields=["stress_xx"])["stress_xx"].values.ravel()
         rows = gaps[:, None] ** np.array([0.0, 0.5, 1.0, 1.5])  # what friction adds falls as a root
-        assert np.linalg.solve(rows, beside)[0] == pytest.approx(edge, rel=2e-4)
+        assert np.linalg.solve(rows, outside)[0] == pytest.approx(edge, rel=2e-4)
 
 
 def test_films_do_not_hang_on_the_number_of_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -55,9 +55,9 @@ def test_films_do_not_hang_on_the_number_of_nodes(monkeypatch: pytest.MonkeyPatc
     names = ["contact_offset", "electric_edge_intensity_trailing", "magnetic_edge_intensity_leading"]
     usual = solver.solve(case)[names]
     monkeypatch.setattr(slidingtable, "_FIRST", 36)
-    slidingtable.sliding_window.cache_clear()
+    slidingtable.sliding_window.clear()
     finer = solver.solve(case)[names]
-    slidingtable.sliding_window.cache_clear()
+    slidingtable.sliding_window.clear()
     for name in names:
         np.testing.assert_allclose(usual[name], finer[name], rtol=1e-9, atol=0)
 

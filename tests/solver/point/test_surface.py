@@ -28,9 +28,9 @@ COATED = {"thickness": 1e-4, "surroundings": "insulated", "base": "rigid"}
 
 def solved(case: dict[str, Any], positions: Array) -> dict[str, Array]:
     """Quantities and fields; tractions as (sigma_yy, D_y, B_y) besides."""
-    found = {str(name): value.values for name, value in solver.solve(case, positions).items()}
+    values = {str(name): value.values for name, value in solver.solve(case, positions).items()}
     names = ("contact_pressure", "electric_displacement", "magnetic_induction")
-    return found | {"tractions": np.stack([-found[names[0]], found[names[1]], found[names[2]]])}
+    return values | {"tractions": np.stack([-values[names[0]], values[names[1]], values[names[2]]])}
 
 
 @pytest.mark.sampled(4)
@@ -41,9 +41,9 @@ def test_tractions_carry_the_loads(punch: dict[str, Any], body: dict[str, Any]) 
     nodes, weights = np.polynomial.legendre.leggauss(80)
     angle = np.pi / 2 * ((nodes + 1) / 2) ** 2
     weights = weights * np.pi / 4 * (nodes + 1)
-    found = solved({"material": FIBROUS} | punch | body | CHARGED, np.sin(angle))
-    ring = 2 * np.pi * found["contact_radius"] ** 2 * np.sin(angle) * np.cos(angle) * weights
-    loads = -found["tractions"] @ ring / np.array([CHARGED[name] for name in ("force", "total_charge", "total_flux")])
+    fields = solved({"material": FIBROUS} | punch | body | CHARGED, np.sin(angle))
+    ring = 2 * np.pi * fields["contact_radius"] ** 2 * np.sin(angle) * np.cos(angle) * weights
+    loads = -fields["tractions"] @ ring / np.array([CHARGED[name] for name in ("force", "total_charge", "total_flux")])
     np.testing.assert_allclose(loads, 1.0, rtol=1e-12)
 
 
@@ -51,7 +51,7 @@ def test_tractions_carry_the_loads(punch: dict[str, Any], body: dict[str, Any]) 
 def test_strains_are_hankel_s_integrals(punch: dict[str, Any]) -> None:
     """u_r = int_0^inf k . t(k) J1(kr) dk with t(k) by quadrature; sigma_rr and sigma_tt follow by Hooke's law."""
     places = np.array([0.3, 0.8, 1.7, 3.0])
-    found = solved({"material": BTO} | punch | {"force": 10.0}, places)
+    fields = solved({"material": BTO} | punch | {"force": 10.0}, places)
     nodes, weights = np.polynomial.legendre.leggauss(400)
     angle, weights = np.pi / 4 * (nodes + 1), np.pi / 4 * weights
     inside = solved({"material": BTO} | punch | {"force": 10.0}, np.sin(angle))["tractions"]
@@ -63,13 +63,13 @@ def test_strains_are_hankel_s_integrals(punch: dict[str, Any]) -> None:
     spectrum = (sources @ j0(np.sin(angle)[:, None] * k)) * fade * rule
     hoop = -j1(places[:, None] * k) @ spectrum / places
     dilation = -j0(places[:, None] * k) @ (spectrum * k)
-    pressed = half.in_plane_share @ found["tractions"]
+    pressed = half.in_plane_share @ fields["tractions"]
     shear = BTO.c11 - BTO.c12
     radial = half.in_plane_stiffness * dilation - shear * hoop + pressed
     tangential = (half.in_plane_stiffness - shear) * dilation + shear * hoop + pressed
     size = np.max(np.abs(radial))
-    np.testing.assert_allclose(found["radial_stress"] / size, radial / size, atol=2e-5)
-    np.testing.assert_allclose(found["hoop_stress"] / size, tangential / size, atol=2e-5)
+    np.testing.assert_allclose(fields["radial_stress"] / size, radial / size, atol=2e-5)
+    np.testing.assert_allclose(fields["hoop_stress"] / size, tangential / size, atol=2e-5)
 
 
 def test_isotropic_sphere_is_the_textbook_s() -> None:
@@ -77,12 +77,12 @@ def test_isotropic_sphere_is_the_textbook_s() -> None:
     nu, body = 0.3, Material.isotropic(2.1e11, 0.3)
     r = np.array([-0.9, -0.2, 0.5, 1.2, 4.0])
     case = {"material": body, "electric": "insulating", "magnetic": "insulating"} | PUNCHES[0] | {"force": 10.0}
-    found = solved(case, r)
-    p0, w = found["peak_pressure"], r**2
+    fields = solved(case, r)
+    p0, w = fields["peak_pressure"], r**2
     x = np.sqrt(np.maximum(1 - w, 0.0))
-    one = (1 - 2 * nu) / 3 * np.where(w < 1, (1 - x**3) / w, 1 / w)
-    np.testing.assert_allclose(found["radial_stress"] / p0, one - np.where(w < 1, x, 0.0), atol=1e-12)
-    np.testing.assert_allclose(found["hoop_stress"] / p0, -one - np.where(w < 1, 2 * nu * x, 0.0), atol=1e-12)
+    common = (1 - 2 * nu) / 3 * np.where(w < 1, (1 - x**3) / w, 1 / w)
+    np.testing.assert_allclose(fields["radial_stress"] / p0, common - np.where(w < 1, x, 0.0), atol=1e-12)
+    np.testing.assert_allclose(fields["hoop_stress"] / p0, -common - np.where(w < 1, 2 * nu * x, 0.0), atol=1e-12)
 
 
 @pytest.mark.parametrize("punch", PUNCHES[:3], ids=lambda punch: punch["profile"])
@@ -95,10 +95,10 @@ def test_stresses_on_a_film_are_those_inside_it(punch: dict[str, Any]) -> None:
         | CHARGED
     )
     del case["total_flux"]
-    found, inside = solver.solve(case, places), solver.solve_interior(case, places, [0.0])
+    fields, inside = solver.solve(case, places), solver.solve_interior(case, places, [0.0])
     for name, other in zip(stresses, ("stress_xx", "stress_zz"), strict=True):
-        size = float(np.abs(found[name]).max())
-        np.testing.assert_allclose(found[name], inside[other].squeeze(), atol=1e-9 * size, rtol=0)
+        size = float(np.abs(fields[name]).max())
+        np.testing.assert_allclose(fields[name], inside[other].squeeze(), atol=1e-9 * size, rtol=0)
 
 
 def test_fields_are_those_that_a_body_has() -> None:

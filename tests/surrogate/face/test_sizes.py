@@ -16,7 +16,7 @@ from storage.sealed import FormatError
 from surrogate import GridGP, Input
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.face import persistence
-from surrogate.face.sizes import MOST, check_sizes
+from surrogate.face.persistence import MOST, check_sizes
 
 ONE = Input("a", 0, 1)
 pytestmark = pytest.mark.usefixtures("quarantined")

@@ -14,8 +14,7 @@ from approximation.chebyshev import gauss_points
 from approximation.measure import Measure
 from approximation.panels import Panels
 from surrogate import CurveGP, GridGP
-from surrogate.face.engines import ENGINES
-from surrogate.face.persistence import nested, restored
+from surrogate.face.persistence import ENGINES, nested, restored
 from surrogate.transforms.curves.basis import Basis
 from surrogate.transforms.curves.landscape import Landscape
 from surrogate.transforms.outputs import Scaling

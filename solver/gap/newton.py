@@ -1,4 +1,4 @@
-"""Systems of equations whose unknowns and rows are of very different sizes."""
+"""Newton's iteration of contacts with air, along lines and at points: scaled systems, and gaps that a step shuts."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -34,10 +34,24 @@ class Factored:
 
     def solve(self, right: Array) -> Array:
         """The solution; right (n,) or (n, m)."""
-        found = lu_solve(self.factors, (right.T * self.rows).T, check_finite=False)
-        return np.asarray((found.T * self.columns).T)
+        result = lu_solve(self.factors, (right.T * self.rows).T, check_finite=False)
+        return np.asarray((result.T * self.columns).T)
 
 
 def solved(matrix: Array, right: Array) -> Array:
     """The solution of one system (:class:`Factored`)."""
     return Factored.of(matrix).solve(right)
+
+
+MOST = 3  # times at most that such a gap is opened
+
+
+def reopened(densities: Array, gap: Array) -> Array:
+    """Densities that are those of the first open place from there up to the edge, where the gap is closed next to it.
+
+    A density that draws the gap shut solves the gap's law too, with a potential of the other sign: Newton's iteration
+    may come to it, and from here comes to the contact whose gap is open.
+    """
+    closed = np.flatnonzero(gap <= 0)
+    first = min(int(closed[-1]) + 1, gap.size - 1) if closed.size else 0
+    return np.where(np.arange(gap.size) < first, densities[:, first][:, None], densities)

@@ -1,4 +1,9 @@
-"""A contact with air beside it at given unknowns: residual, linear system, tangents, outputs (theory section 10)."""
+"""A line contact with air beside it: Newton's iteration on extent, charges and densities (theory section 10).
+
+Beside the contact D (profile - depth - u_y) = eps0 (phi - V), and the same with B, mu0 and psi. Unknowns are log h,
+c/h, T, J and the densities at the nodes; a charge is given, or the potential that it makes zero. Tangents follow from
+the same linear system.
+"""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -6,13 +11,47 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
-from solver.gap.equilibration import Factored, solved
-from solver.gap.opening import reopened
+from solver.gap.newton import MOST, Factored, reopened, solved
 from solver.gap.operators import BALANCE, DISPLACEMENT, LOAD
-from solver.gap.problem import Problem
-from solver.gap.refusal import require_open
-from solver.gap.table import SOLVING, Near
-from solver.line.contact import mean_power
+from solver.gap.refusal import GapError, require_open
+from solver.gap.table import SOLVING, AirTable, Near
+from solver.line.contact import FilmContact, mean_power
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A contact under one punch, air beside it; units of the stack but where SI is said."""
+
+    table: AirTable
+    contact: FilmContact
+    permittivity: Array
+    held: tuple[bool, bool] = (False, False)
+
+    @property
+    def fields(self) -> tuple[int, ...]:
+        """Conducted fields."""
+        return self.table.table.system.fields
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes of a field beside the contact."""
+        return self.table.operators.beside
+
+    @cached_property
+    def media(self) -> Array:
+        """eps0 and mu0 in the units of the stack, of the conducted fields; (field,)."""
+        scale = self.contact.scale
+        return np.array([self.permittivity[f] * scale[2 + f] ** 2 / scale[1] for f in self.fields])
+
+    @cached_property
+    def powers(self) -> tuple[Array, Array]:
+        """Integrals of X^m from the edge to the nodes (n, degree + 1), and densities over the unknowns (n,)."""
+        operators = self.table.operators
+        m = np.arange(1, self.contact.loading.slope.shape[-1] + 1)
+        risen = np.expm1(m * np.log1p(2 * np.sinh(operators.grid.theta / 2) ** 2)[:, None]) / m
+        both = np.concatenate([risen, (-1.0) ** m * risen])[: operators.beside]
+        return both, np.tile(operators.grid.size, operators.sides)
+
 
 _FIELDS = ("voltage", "magnetic potential")
 _EXTENT = 2  # unknowns before the charges: log h, c/h
@@ -22,13 +61,13 @@ _EXTENT = 2  # unknowns before the charges: log h, c/h
 class State:
     """Residual, tangents and outputs of ``Problem`` at unknowns (log h, c/h, T, J, densities)."""
 
-    of: Problem
+    problem: Problem
     unknowns: Array
     known: Near | None = None
 
     def moved(self, unknowns: Array) -> "State":
         """The same contact at other unknowns."""
-        return State(self.of, unknowns, self.near)
+        return State(self.problem, unknowns, self.near)
 
     @property
     def half(self) -> float:
@@ -43,23 +82,23 @@ class State:
     @property
     def _densities(self) -> Array:
         """Unknowns of the densities; (field, n)."""
-        return self.unknowns[_EXTENT + 2 :].reshape(len(self.of.fields), -1)
+        return self.unknowns[_EXTENT + 2 :].reshape(len(self.problem.fields), -1)
 
     @cached_property
     def loads(self) -> Array:
         """P, T, J; (3,)."""
-        return np.array([self.of.contact.loading.loads[0, 0], *self.unknowns[_EXTENT : _EXTENT + 2]])
+        return np.array([self.problem.contact.loading.loads[0, 0], *self.unknowns[_EXTENT : _EXTENT + 2]])
 
     @cached_property
     def near(self) -> Near:
         """Operators about the half-length."""
         log_half = float(self.unknowns[0])
-        return self.known if self.known and self.known.holds(log_half) else self.of.table.near(log_half)
+        return self.known if self.known and self.known.holds(log_half) else self.problem.table.near(log_half)
 
     @cached_property
     def _causes(self) -> tuple[Array, Array]:
         """Slope a_0, causes, and their derivatives in log h and c/h; (3, m) and (3, cause)."""
-        loading = replace(self.of.contact.loading, loads=self.loads[None])
+        loading = replace(self.problem.contact.loading, loads=self.loads[None])
         c = loading.at(np.array([self.half]), np.array([self.centre]))
         values = np.stack([c.values[0], c.by_width[0], c.by_centre[0]])
         constants = np.array([c.constant[0], c.constant_by_width[0], c.constant_by_centre[0]])
@@ -74,7 +113,7 @@ class State:
     @cached_property
     def outputs(self) -> Array:
         """Rows of :mod:`solver.gap.operators`; (row,)."""
-        return self.of.table.outputs(float(self.unknowns[0]), self._columns)
+        return self.problem.table.outputs(float(self.unknowns[0]), self._columns)
 
     @cached_property
     def _columns(self) -> Array:
@@ -95,46 +134,46 @@ class State:
 
     def _beside(self, rows: Array) -> tuple[Array, Array]:
         """u_y and potentials beside the contact, from rows (row, ...): (n, ...) and (field, n, ...)."""
-        n, count = self.of.nodes, len(self.of.fields)
+        n, count = self.problem.nodes, len(self.problem.fields)
         part = rows[SOLVING : SOLVING + n * (1 + count)].reshape(1 + count, n, *rows.shape[1:])
         return part[0], part[1:]
 
     @cached_property
     def gap(self) -> Array:
         """Gap over h at the nodes; (n,)."""
-        return np.asarray(self.of.powers[0] @ self._causes[0][0] - self._beside(self._solved[0])[0])
+        return np.asarray(self.problem.powers[0] @ self._causes[0][0] - self._beside(self._solved[0])[0])
 
     @cached_property
     def _gap_rates(self) -> Array:
         rates = -self._beside(self._rates)[0]
-        rates[:, :_EXTENT] += self.of.powers[0] @ self._causes[0][1:].T
+        rates[:, :_EXTENT] += self.problem.powers[0] @ self._causes[0][1:].T
         return rates
 
     @property
     def densities(self) -> Array:
         """D_y and B_y at the nodes; (field, n)."""
-        return self._densities * self.of.powers[1]
+        return self._densities * self.problem.powers[1]
 
     @property
     def densities_at_its_gap(self) -> Array:
         """Densities that potentials make where the gap does not move; (field n,)."""
-        n, fields = self.of.nodes, len(self.of.fields)
+        n, fields = self.problem.nodes, len(self.problem.fields)
         potentials = self._beside(self._solved[0])[1]
         by_density = self._beside(self.near.matrix(float(self.unknowns[0])))[1][..., self._causes[1].shape[1] :]
-        size = self.of.powers[1]
+        size = self.problem.powers[1]
         matrix = (
-            -(self.of.media[:, None, None] * by_density).reshape(n * fields, n * fields)
+            -(self.problem.media[:, None, None] * by_density).reshape(n * fields, n * fields)
             / np.tile(size, fields)[:, None]
         )
         matrix[np.diag_indices(n * fields)] += np.tile(self.gap, fields)
-        right = (self.of.media[:, None] * potentials / size).ravel()
+        right = (self.problem.media[:, None] * potentials / size).ravel()
         return solved(matrix, right)
 
     @property
     def reopened(self) -> Array:
         """Unknowns with densities that open a gap which is closed next to an edge; (unknown,)."""
-        sides, start = self.of.table.operators.sides, _EXTENT + 2
-        densities = self.unknowns[start:].reshape(len(self.of.fields), sides, -1)
+        sides, start = self.problem.table.operators.sides, _EXTENT + 2
+        densities = self.unknowns[start:].reshape(len(self.problem.fields), sides, -1)
         gaps = self.gap.reshape(sides, -1)
         opened = np.stack([reopened(densities[:, side], gap) for side, gap in enumerate(gaps)], 1)
         return np.concatenate([self.unknowns[:start], opened.ravel()])
@@ -142,11 +181,11 @@ class State:
     @property
     def unknowns_of_held_potentials(self) -> Array:
         """Those with the charges that make held potentials zero where neither the contact nor a density changes."""
-        held = [f for f in self.of.fields if self.of.held[f]]
+        held = [f for f in self.problem.fields if self.problem.held[f]]
         rows, columns = [1 + f for f in held], [_EXTENT + f for f in held]
-        found = np.array(self.unknowns)
-        found[columns] -= np.linalg.solve(self.response_rates[np.ix_(rows, columns)], self.response[rows])
-        return found
+        result = np.array(self.unknowns)
+        result[columns] -= np.linalg.solve(self.response_rates[np.ix_(rows, columns)], self.response[rows])
+        return result
 
     @cached_property
     def sizes(self) -> Array:
@@ -154,7 +193,7 @@ class State:
         largest_density = np.max(np.abs(self._densities), 1, initial=1e-300)
         largest_density = np.maximum(largest_density, 1e-4 * self.loads[0] / self.half)
         charge = np.maximum(np.abs(self.loads[1:]), np.max(largest_density) * self.half)
-        return np.concatenate([np.ones(_EXTENT), charge, np.repeat(largest_density, self.of.nodes)])
+        return np.concatenate([np.ones(_EXTENT), charge, np.repeat(largest_density, self.problem.nodes)])
 
     @cached_property
     def residual(self) -> Array:
@@ -163,18 +202,18 @@ class State:
         balance = self._causes[0][0, 0] - self._solved[0][BALANCE]
         closings = [self._closing(f) for f in (0, 1)]
         potentials = self._beside(self._solved[0])[1]
-        law = self._densities * self.gap - self.of.media[:, None] * potentials / self.of.powers[1]
+        law = self._densities * self.gap - self.problem.media[:, None] * potentials / self.problem.powers[1]
         return np.concatenate([[load, balance], closings, (law / self._reference).ravel()])
 
     def _closing(self, f: int) -> float:
-        if f in self.of.fields and self.of.held[f]:
+        if f in self.problem.fields and self.problem.held[f]:
             return float(self.response[1 + f])
-        return float(self.loads[1 + f] - self.of.contact.loading.loads[0, 1 + f])
+        return float(self.loads[1 + f] - self.problem.contact.loading.loads[0, 1 + f])
 
     @cached_property
     def _reference(self) -> Array:
         """Gap of the profile alone, which scales the law; (n,)."""
-        X = np.cosh(np.tile(self.of.table.operators.grid.theta, self.of.table.operators.sides))
+        X = np.cosh(np.tile(self.problem.table.operators.grid.theta, self.problem.table.operators.sides))
         return np.asarray((X - 1) ** 1.5 / np.sqrt(X) * np.max(np.abs(self._causes[0][0])))
 
     @cached_property
@@ -187,12 +226,12 @@ class State:
         matrix[1] = -self._rates[BALANCE]
         matrix[1, :_EXTENT] += self._causes[0][1:, 0]
         matrix[_EXTENT, _EXTENT] = matrix[_EXTENT + 1, _EXTENT + 1] = 1.0
-        n = self.of.nodes
+        n = self.problem.nodes
         potentials = self._beside(self._rates)[1]
-        for place in range(len(self.of.fields)):
+        for place in range(len(self.problem.fields)):
             rows = slice(_EXTENT + 2 + place * n, _EXTENT + 2 + (place + 1) * n)
             law = self._densities[place][:, None] * self._gap_rates
-            law -= self.of.media[place] * potentials[place] / self.of.powers[1][:, None]
+            law -= self.problem.media[place] * potentials[place] / self.problem.powers[1][:, None]
             law[:, rows][np.diag_indices(n)] += self.gap
             matrix[rows] = law / self._reference[:, None]
         return matrix
@@ -205,7 +244,7 @@ class State:
     @property
     def held(self) -> list[int]:
         """Fields whose potentials are held."""
-        return [f for f in self.of.fields if self.of.held[f]]
+        return [f for f in self.problem.fields if self.problem.held[f]]
 
     @property
     def open(self) -> bool:
@@ -214,34 +253,34 @@ class State:
 
     def require_gap(self) -> None:
         """Refuse a gap that closes, as :func:`solver.gap.refusal.require_open`."""
-        of = self.of.table.operators
-        X = np.concatenate([of.grid.distance, -of.grid.distance])[: of.beside]
-        held = " and ".join(name for name, is_held in zip(_FIELDS, self.of.held, strict=True) if is_held)
+        operators = self.problem.table.operators
+        X = np.concatenate([operators.grid.distance, -operators.grid.distance])[: operators.beside]
+        held = " and ".join(name for name, is_held in zip(_FIELDS, self.problem.held, strict=True) if is_held)
         require_open(self.gap, self._reference, X, "(x - c)/h", held)
 
     # -- outputs -------------------------------------------------------------------------------------------------------
     @cached_property
     def response(self) -> Array:
         """Depth, V and Psi in the units of the stack; (3,)."""
-        u = self.half * self._solved[0][DISPLACEMENT] - self.of.contact.far[0] @ self.loads
+        u = self.half * self._solved[0][DISPLACEMENT] - self.problem.contact.far[0] @ self.loads
         return np.concatenate([[self._rise[0] - u[0]], u[1:]])
 
     @cached_property
     def _rise(self) -> Array:
         """Mean of g over the contact and its derivatives in log h and c/h; (3,)."""
-        slope, centre = self.of.contact.loading.slope[0], np.array([self.centre])
-        found = np.zeros(3)
+        slope, centre = self.problem.contact.loading.slope[0], np.array([self.centre])
+        result = np.zeros(3)
         for i, coefficient in enumerate(slope):
             size, mean = coefficient * self.half ** (i + 1), float(mean_power(centre, i + 1)[0])
-            found += size * np.array([mean / (i + 1), mean, float(mean_power(centre, i)[0])])
-        return found
+            result += size * np.array([mean / (i + 1), mean, float(mean_power(centre, i)[0])])
+        return result
 
     @cached_property
     def response_rates(self) -> Array:
         """Derivatives of depth, V and Psi in the unknowns, P held; (3, unknown)."""
         rates = self.half * self._rates_of(DISPLACEMENT)
         rates[:, 0] += self.half * self._solved[0][DISPLACEMENT]
-        rates[:, _EXTENT : _EXTENT + 2] -= self.of.contact.far[0][:, 1:]
+        rates[:, _EXTENT : _EXTENT + 2] -= self.problem.contact.far[0][:, 1:]
         rates[0] *= -1
         rates[0, :_EXTENT] += self._rise[1:]
         return rates
@@ -253,13 +292,13 @@ class State:
         moved[:, 0] *= self.half * self._solved[0][LOAD] / self.loads[0] ** 2
         whole = self.response_rates @ moved
         whole[:, 0] += self._by_load
-        scale = self.of.contact.scale[1:]
+        scale = self.problem.contact.scale[1:]
         return np.asarray(whole * scale[:, None] * scale)
 
     @property
     def _by_load(self) -> Array:
         """What P adds to depth, V and Psi by the datum; (3,)."""
-        own = -self.of.contact.far[0][:, 0]
+        own = -self.problem.contact.far[0][:, 0]
         return np.asarray(own * np.array([-1.0, 1.0, 1.0]))
 
     @cached_property
@@ -269,7 +308,7 @@ class State:
         load = -causes[0, 1:] / causes[0, 0]  # that keeps log h
         moved = causes[:, 1:] + causes[:, :1] * load
         whole = self.response_rates @ moved + self._by_load[:, None] * (self.loads[0] * load)
-        scale = self.of.contact.scale[1:]
+        scale = self.problem.contact.scale[1:]
         return np.asarray(whole * scale[:, None] * scale[1:])
 
 
@@ -299,3 +338,74 @@ class Chord:
             by_charge = self.causes[:, [1 + f for f in held]]
             step += by_charge @ np.linalg.solve(own @ by_charge, asked - own @ step)
         return step
+
+
+_STEPS = 40
+_CLOSE = 1e-11
+_STALLED = 1e-7  # steps below it that no longer shrink are rounding
+_MOST = 0.3  # of log h and c/h in a step
+_SLOW = 0.1  # of a step that the next one is below, or its equations are those of another state
+_ROUNDED = 1e-9  # steps below it are slow by rounding: new equations would make them no faster
+
+
+@dataclass(frozen=True, eq=False)
+class AirContact(Problem):
+    """One that is solved."""
+
+    idle: State | None = None
+
+    @cached_property
+    def state(self) -> State:
+        """The solution."""
+        result = self._from_idle
+        if not (result and result.open):
+            result = self._sought(self._start)
+        for _ in range(MOST):
+            if result is None or result.open:
+                break
+            result = self._sought(State(self, result.reopened, result.near)) or result
+        if result is None:
+            raise GapError("surroundings: no contact with air beside it is found for this load and these charges")
+        result.require_gap()
+        return result
+
+    @property
+    def _from_idle(self) -> State | None:
+        """What held potentials come to from the same contact with its charges given, the nearest start there is.
+
+        It may have a closed gap all the same: that of a half-plane at zero volts, where no charge is left beside it.
+        """
+        if self.idle is None or not any(self.held):
+            return None
+        return self._sought(State(self, self.idle.unknowns, self.idle.near), self.idle.chord)
+
+    @property
+    def _start(self) -> State:
+        """The contact without air, with the densities that its potentials make at its gap."""
+        contact = self.contact
+        start = np.array([np.log(contact.half_width[0]), contact.centre[0], *contact.loading.loads[0, 1:]])
+        start[_EXTENT:][list(self.held)] = 0.0
+        state = State(self, np.concatenate([start, np.zeros(self.nodes * len(self.fields))]))
+        if any(self.held):
+            state = state.moved(state.unknowns_of_held_potentials)
+        return state.moved(np.concatenate([state.unknowns[: start.size], state.densities_at_its_gap]))
+
+    def _sought(self, state: State, chord: Chord | None = None) -> State | None:
+        """What Newton's iteration comes to, its gap open or not; None where it comes to nothing.
+
+        The equations of one state serve the next ones as long as they make steps shrink.
+        """
+        last = np.inf
+        for _ in range(_STEPS):
+            step = (chord or state.chord).step(state)
+            if chord and last > _ROUNDED and not np.max(np.abs(step) / state.sizes) < _SLOW * last:
+                chord = None
+                step = state.chord.step(state)
+            chord = chord or state.chord
+            step /= max(1.0, float(np.max(np.abs(step[:_EXTENT]))) / _MOST)
+            size = float(np.max(np.abs(step) / state.sizes))
+            state = state.moved(state.unknowns - step)
+            if size < _CLOSE or (size < _STALLED and size > last / 2):
+                return state
+            last = size
+        return None

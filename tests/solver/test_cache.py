@@ -1,0 +1,80 @@
+"""Results that the solver keeps are bounded by their bytes together, and no allocation by a case's numbers."""
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solver
+from solver import cache
+from solver.arrays import Array
+
+FILM: dict[str, Any] = {"material": "PZT-4", "thickness": 1e-4, "base": "steel", "magnetic": "insulating"}
+
+
+class _Table:
+    """A table that fills itself when it is read."""
+
+    def __init__(self, size: int) -> None:
+        self.size = size
+
+    @cached_property
+    def values(self) -> Array:
+        return np.zeros(self.size)
+
+
+@cache.cached
+def _table(number: int, size: int) -> _Table:
+    return _Table(size)
+
+
+@cache.cached
+def _view(number: int) -> Array:
+    return _table(number, 1_000_000).values[: 10 + number]
+
+
+def test_results_are_dropped_by_their_bytes_the_least_recently_used_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cache, "LARGEST", 20e6)
+    for number in range(6):
+        table = _table(number, 1_000_000)  # 8 MB when it is read, nothing when it is stored
+        assert table.values.size == 1_000_000
+        assert _table(number, 1_000_000) is table
+    assert cache.trim() <= 20e6
+    misses = _table.misses
+    assert _table(5, 1_000_000).size == _table(4, 1_000_000).size
+    assert _table.misses == misses
+    _table(0, 1_000_000)
+    assert _table.misses == misses + 1
+
+
+def test_what_results_share_counts_once_and_a_view_as_its_whole_array(monkeypatch: pytest.MonkeyPatch) -> None:
+    _table.clear()
+    _view.clear()
+    before = cache.trim()
+    _view(0)
+    assert 8e6 < cache.trim() - before < 8.1e6
+    _table.clear()
+    assert 8e6 < cache.trim() - before < 8.1e6
+    _view.clear()
+    monkeypatch.setattr(cache, "LARGEST", 1e6)
+    assert _table(7, 10_000_000).values.size  # larger than the bound: kept as long as it is the newest
+    assert cache.trim() > 1e6
+    _table(8, 1)
+    assert cache.trim() <= 1e6
+
+
+@pytest.mark.parametrize(
+    "case", [{"radius": 0.01, "load": 1e4}, {"profile": "sphere", "radius": 0.01, "force": 1.0}], ids=["line", "point"]
+)
+def test_a_gap_permittivity_that_no_medium_has_is_refused(case: dict[str, Any]) -> None:
+    for value in (1e300, 1.1e6):
+        with pytest.raises(solver.FactorError, match=r"gap_permittivity: .* and <= 1e\+06"):
+            solver.solve(FILM | case | {"gap_permittivity": value})
+
+
+def test_charges_that_spread_without_end_are_refused_before_their_table_is_made() -> None:
+    weak = {name: float(getattr(solver.find("PZT-4"), name)) for name in ("c11", "c12", "c13", "c33", "c44")}
+    film = solver.Material.from_mapping(weak | {"name": "weak", "eps11": "1e-300 F/m", "eps33": "1e-300 F/m"})
+    with pytest.raises(solver.FactorError, match="surroundings: "):
+        solver.solve(FILM | {"material": film, "radius": 0.01, "load": 1e4})
