@@ -4,10 +4,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from solver.face.curves import solve_curves
-    from solver.face.interior import solve_interior
     from solver.face.refusal import CaseError, FactorError
-    from solver.face.solution import solve
+    from solver.face.solution import solve, solve_curves, solve_interior
     from solver.halfplane.precision import PrecisionWarning
     from solver.halfplane.profile import Profile
     from solver.halfplane.speed import limiting_speed
@@ -57,8 +55,8 @@ _MODULES = {
     "limiting_speed": "halfplane.speed",
     "materials": "material.library",
     "solve": "face.solution",
-    "solve_curves": "face.curves",
-    "solve_interior": "face.interior",
+    "solve_curves": "face.solution",
+    "solve_interior": "face.solution",
 }
 
 

@@ -83,7 +83,7 @@ PULL = Measure(np.array([[0.0, 1.0], [0.0, 0.0]]), np.zeros((2, 1, 2)))
 
 _BODY = (-2.0, -1.5, -1.2, -1.0, -0.8, -0.5, 0.5, 0.8, 1.0, 1.2, 1.5, 2.0)
 # narrow beside the edges: a tenth of the contact below these, tension is as narrow
-# 1 to 3 is beside an edge, 3 to 5 as far as anything can be largest, even in the logarithm (solver/line/stressnets.py)
+# 1 to 3 is next to an edge, 3 to 5 up to eight half-lengths and thicknesses from it (solver/line/stressnets.py)
 _FILM = (-5.0, -4.0, -3.0, -2.0, -1.0, -0.75, -0.4, 0.4, 0.75, 1.0, 2.0, 3.0, 4.0, 5.0)
 _ACROSS = (10, 10, 10, 11, 11, 11, 14, 11, 11, 11, 10, 10, 10)
 

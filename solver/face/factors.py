@@ -9,18 +9,30 @@ import xarray as xr
 from solver.arrays import is_finite, shown, unmasked
 from solver.described import Contact
 from solver.face.electrodes import check_electrodes
-from solver.face.filmfactors import absent, among, bare, check_elasticity, check_films, check_gaps, refuse
+from solver.face.filmfactors import absent, among, bare, check_elasticity, check_films, check_gaps, refuse, settled
 from solver.face.refusal import FactorError
 from solver.face.rows import Factors, by_name
-from solver.face.surroundings import settled
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
 from solver.material.usual import question
-from solver.names import BODY, CHOICES, COMPOSITES, CONTACTS, FACTORS, MATERIALS, OF_A_FILM, OF_A_LINE, PROFILES
+from solver.names import (
+    BODY,
+    CHOICES,
+    COMPOSITES,
+    CONTACTS,
+    FACTORS,
+    MATERIALS,
+    OF_A_FILM,
+    OF_A_GAP,
+    OF_A_LINE,
+    OF_AN_ELECTRODE,
+    PROFILES,
+)
 from solver.stack.layers import Stack
 from solver.units import in_si
 
 _STEEPEST = 1.0  # slope of a cone or wedge beyond which a theory of small slopes says nothing
+_OF_LAYERS = {BODY, "surroundings", *OF_A_FILM, *OF_A_GAP, *OF_AN_ELECTRODE}
 _MAY_BE_EMPTY = (*OF_A_FILM, "surroundings")
 _OUTPUT_DIMS = ("position", "x", "y")
 _CHARGES = {
@@ -59,8 +71,13 @@ def checked(factors: Factors) -> dict[str, xr.DataArray]:
     except ValueError as error:
         raise FactorError(f"factors: dimensions do not fit each other: {str(error).splitlines()[0]}") from error
     _check_charges(arrays)
-    check_films(arrays)
     check_elasticity(arrays, "punch")
+    return _with_layers(arrays) if arrays.keys() & _OF_LAYERS else arrays
+
+
+def _with_layers(arrays: dict[str, xr.DataArray]) -> dict[str, xr.DataArray]:
+    """Checked factors of which some belong to films, gaps or electrodes, with the surroundings of every case."""
+    check_films(arrays)
     arrays = settled(arrays)
     check_gaps(arrays)
     check_electrodes(arrays)

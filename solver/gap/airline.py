@@ -46,11 +46,11 @@ class Problem:
     @cached_property
     def powers(self) -> tuple[Array, Array]:
         """Integrals of X^m from the edge to the nodes (n, degree + 1), and densities over the unknowns (n,)."""
-        of = self.table.operators
+        operators = self.table.operators
         m = np.arange(1, self.contact.loading.slope.shape[-1] + 1)
-        risen = np.expm1(m * np.log1p(2 * np.sinh(of.grid.theta / 2) ** 2)[:, None]) / m
-        both = np.concatenate([risen, (-1.0) ** m * risen])[: of.beside]
-        return both, np.tile(of.grid.size, of.sides)
+        risen = np.expm1(m * np.log1p(2 * np.sinh(operators.grid.theta / 2) ** 2)[:, None]) / m
+        both = np.concatenate([risen, (-1.0) ** m * risen])[: operators.beside]
+        return both, np.tile(operators.grid.size, operators.sides)
 
 
 _FIELDS = ("voltage", "magnetic potential")
@@ -61,13 +61,13 @@ _EXTENT = 2  # unknowns before the charges: log h, c/h
 class State:
     """Residual, tangents and outputs of ``Problem`` at unknowns (log h, c/h, T, J, densities)."""
 
-    of: Problem
+    problem: Problem
     unknowns: Array
     known: Near | None = None
 
     def moved(self, unknowns: Array) -> "State":
         """The same contact at other unknowns."""
-        return State(self.of, unknowns, self.near)
+        return State(self.problem, unknowns, self.near)
 
     @property
     def half(self) -> float:
@@ -82,23 +82,23 @@ class State:
     @property
     def _densities(self) -> Array:
         """Unknowns of the densities; (field, n)."""
-        return self.unknowns[_EXTENT + 2 :].reshape(len(self.of.fields), -1)
+        return self.unknowns[_EXTENT + 2 :].reshape(len(self.problem.fields), -1)
 
     @cached_property
     def loads(self) -> Array:
         """P, T, J; (3,)."""
-        return np.array([self.of.contact.loading.loads[0, 0], *self.unknowns[_EXTENT : _EXTENT + 2]])
+        return np.array([self.problem.contact.loading.loads[0, 0], *self.unknowns[_EXTENT : _EXTENT + 2]])
 
     @cached_property
     def near(self) -> Near:
         """Operators about the half-length."""
         log_half = float(self.unknowns[0])
-        return self.known if self.known and self.known.holds(log_half) else self.of.table.near(log_half)
+        return self.known if self.known and self.known.holds(log_half) else self.problem.table.near(log_half)
 
     @cached_property
     def _causes(self) -> tuple[Array, Array]:
         """Slope a_0, causes, and their derivatives in log h and c/h; (3, m) and (3, cause)."""
-        loading = replace(self.of.contact.loading, loads=self.loads[None])
+        loading = replace(self.problem.contact.loading, loads=self.loads[None])
         c = loading.at(np.array([self.half]), np.array([self.centre]))
         values = np.stack([c.values[0], c.by_width[0], c.by_centre[0]])
         constants = np.array([c.constant[0], c.constant_by_width[0], c.constant_by_centre[0]])
@@ -113,7 +113,7 @@ class State:
     @cached_property
     def outputs(self) -> Array:
         """Rows of :mod:`solver.gap.operators`; (row,)."""
-        return self.of.table.outputs(float(self.unknowns[0]), self._columns)
+        return self.problem.table.outputs(float(self.unknowns[0]), self._columns)
 
     @cached_property
     def _columns(self) -> Array:
@@ -134,46 +134,46 @@ class State:
 
     def _beside(self, rows: Array) -> tuple[Array, Array]:
         """u_y and potentials beside the contact, from rows (row, ...): (n, ...) and (field, n, ...)."""
-        n, count = self.of.nodes, len(self.of.fields)
+        n, count = self.problem.nodes, len(self.problem.fields)
         part = rows[SOLVING : SOLVING + n * (1 + count)].reshape(1 + count, n, *rows.shape[1:])
         return part[0], part[1:]
 
     @cached_property
     def gap(self) -> Array:
         """Gap over h at the nodes; (n,)."""
-        return np.asarray(self.of.powers[0] @ self._causes[0][0] - self._beside(self._solved[0])[0])
+        return np.asarray(self.problem.powers[0] @ self._causes[0][0] - self._beside(self._solved[0])[0])
 
     @cached_property
     def _gap_rates(self) -> Array:
         rates = -self._beside(self._rates)[0]
-        rates[:, :_EXTENT] += self.of.powers[0] @ self._causes[0][1:].T
+        rates[:, :_EXTENT] += self.problem.powers[0] @ self._causes[0][1:].T
         return rates
 
     @property
     def densities(self) -> Array:
         """D_y and B_y at the nodes; (field, n)."""
-        return self._densities * self.of.powers[1]
+        return self._densities * self.problem.powers[1]
 
     @property
     def densities_at_its_gap(self) -> Array:
         """Densities that potentials make where the gap does not move; (field n,)."""
-        n, fields = self.of.nodes, len(self.of.fields)
+        n, fields = self.problem.nodes, len(self.problem.fields)
         potentials = self._beside(self._solved[0])[1]
         by_density = self._beside(self.near.matrix(float(self.unknowns[0])))[1][..., self._causes[1].shape[1] :]
-        size = self.of.powers[1]
+        size = self.problem.powers[1]
         matrix = (
-            -(self.of.media[:, None, None] * by_density).reshape(n * fields, n * fields)
+            -(self.problem.media[:, None, None] * by_density).reshape(n * fields, n * fields)
             / np.tile(size, fields)[:, None]
         )
         matrix[np.diag_indices(n * fields)] += np.tile(self.gap, fields)
-        right = (self.of.media[:, None] * potentials / size).ravel()
+        right = (self.problem.media[:, None] * potentials / size).ravel()
         return solved(matrix, right)
 
     @property
     def reopened(self) -> Array:
         """Unknowns with densities that open a gap which is closed next to an edge; (unknown,)."""
-        sides, start = self.of.table.operators.sides, _EXTENT + 2
-        densities = self.unknowns[start:].reshape(len(self.of.fields), sides, -1)
+        sides, start = self.problem.table.operators.sides, _EXTENT + 2
+        densities = self.unknowns[start:].reshape(len(self.problem.fields), sides, -1)
         gaps = self.gap.reshape(sides, -1)
         opened = np.stack([reopened(densities[:, side], gap) for side, gap in enumerate(gaps)], 1)
         return np.concatenate([self.unknowns[:start], opened.ravel()])
@@ -181,11 +181,11 @@ class State:
     @property
     def unknowns_of_held_potentials(self) -> Array:
         """Those with the charges that make held potentials zero where neither the contact nor a density changes."""
-        held = [f for f in self.of.fields if self.of.held[f]]
+        held = [f for f in self.problem.fields if self.problem.held[f]]
         rows, columns = [1 + f for f in held], [_EXTENT + f for f in held]
-        found = np.array(self.unknowns)
-        found[columns] -= np.linalg.solve(self.response_rates[np.ix_(rows, columns)], self.response[rows])
-        return found
+        result = np.array(self.unknowns)
+        result[columns] -= np.linalg.solve(self.response_rates[np.ix_(rows, columns)], self.response[rows])
+        return result
 
     @cached_property
     def sizes(self) -> Array:
@@ -193,7 +193,7 @@ class State:
         largest_density = np.max(np.abs(self._densities), 1, initial=1e-300)
         largest_density = np.maximum(largest_density, 1e-4 * self.loads[0] / self.half)
         charge = np.maximum(np.abs(self.loads[1:]), np.max(largest_density) * self.half)
-        return np.concatenate([np.ones(_EXTENT), charge, np.repeat(largest_density, self.of.nodes)])
+        return np.concatenate([np.ones(_EXTENT), charge, np.repeat(largest_density, self.problem.nodes)])
 
     @cached_property
     def residual(self) -> Array:
@@ -202,18 +202,18 @@ class State:
         balance = self._causes[0][0, 0] - self._solved[0][BALANCE]
         closings = [self._closing(f) for f in (0, 1)]
         potentials = self._beside(self._solved[0])[1]
-        law = self._densities * self.gap - self.of.media[:, None] * potentials / self.of.powers[1]
+        law = self._densities * self.gap - self.problem.media[:, None] * potentials / self.problem.powers[1]
         return np.concatenate([[load, balance], closings, (law / self._reference).ravel()])
 
     def _closing(self, f: int) -> float:
-        if f in self.of.fields and self.of.held[f]:
+        if f in self.problem.fields and self.problem.held[f]:
             return float(self.response[1 + f])
-        return float(self.loads[1 + f] - self.of.contact.loading.loads[0, 1 + f])
+        return float(self.loads[1 + f] - self.problem.contact.loading.loads[0, 1 + f])
 
     @cached_property
     def _reference(self) -> Array:
         """Gap of the profile alone, which scales the law; (n,)."""
-        X = np.cosh(np.tile(self.of.table.operators.grid.theta, self.of.table.operators.sides))
+        X = np.cosh(np.tile(self.problem.table.operators.grid.theta, self.problem.table.operators.sides))
         return np.asarray((X - 1) ** 1.5 / np.sqrt(X) * np.max(np.abs(self._causes[0][0])))
 
     @cached_property
@@ -226,12 +226,12 @@ class State:
         matrix[1] = -self._rates[BALANCE]
         matrix[1, :_EXTENT] += self._causes[0][1:, 0]
         matrix[_EXTENT, _EXTENT] = matrix[_EXTENT + 1, _EXTENT + 1] = 1.0
-        n = self.of.nodes
+        n = self.problem.nodes
         potentials = self._beside(self._rates)[1]
-        for place in range(len(self.of.fields)):
+        for place in range(len(self.problem.fields)):
             rows = slice(_EXTENT + 2 + place * n, _EXTENT + 2 + (place + 1) * n)
             law = self._densities[place][:, None] * self._gap_rates
-            law -= self.of.media[place] * potentials[place] / self.of.powers[1][:, None]
+            law -= self.problem.media[place] * potentials[place] / self.problem.powers[1][:, None]
             law[:, rows][np.diag_indices(n)] += self.gap
             matrix[rows] = law / self._reference[:, None]
         return matrix
@@ -244,7 +244,7 @@ class State:
     @property
     def held(self) -> list[int]:
         """Fields whose potentials are held."""
-        return [f for f in self.of.fields if self.of.held[f]]
+        return [f for f in self.problem.fields if self.problem.held[f]]
 
     @property
     def open(self) -> bool:
@@ -253,34 +253,34 @@ class State:
 
     def require_gap(self) -> None:
         """Refuse a gap that closes, as :func:`solver.gap.refusal.require_open`."""
-        of = self.of.table.operators
-        X = np.concatenate([of.grid.distance, -of.grid.distance])[: of.beside]
-        held = " and ".join(name for name, is_held in zip(_FIELDS, self.of.held, strict=True) if is_held)
+        operators = self.problem.table.operators
+        X = np.concatenate([operators.grid.distance, -operators.grid.distance])[: operators.beside]
+        held = " and ".join(name for name, is_held in zip(_FIELDS, self.problem.held, strict=True) if is_held)
         require_open(self.gap, self._reference, X, "(x - c)/h", held)
 
     # -- outputs -------------------------------------------------------------------------------------------------------
     @cached_property
     def response(self) -> Array:
         """Depth, V and Psi in the units of the stack; (3,)."""
-        u = self.half * self._solved[0][DISPLACEMENT] - self.of.contact.far[0] @ self.loads
+        u = self.half * self._solved[0][DISPLACEMENT] - self.problem.contact.far[0] @ self.loads
         return np.concatenate([[self._rise[0] - u[0]], u[1:]])
 
     @cached_property
     def _rise(self) -> Array:
         """Mean of g over the contact and its derivatives in log h and c/h; (3,)."""
-        slope, centre = self.of.contact.loading.slope[0], np.array([self.centre])
-        found = np.zeros(3)
+        slope, centre = self.problem.contact.loading.slope[0], np.array([self.centre])
+        result = np.zeros(3)
         for i, coefficient in enumerate(slope):
             size, mean = coefficient * self.half ** (i + 1), float(mean_power(centre, i + 1)[0])
-            found += size * np.array([mean / (i + 1), mean, float(mean_power(centre, i)[0])])
-        return found
+            result += size * np.array([mean / (i + 1), mean, float(mean_power(centre, i)[0])])
+        return result
 
     @cached_property
     def response_rates(self) -> Array:
         """Derivatives of depth, V and Psi in the unknowns, P held; (3, unknown)."""
         rates = self.half * self._rates_of(DISPLACEMENT)
         rates[:, 0] += self.half * self._solved[0][DISPLACEMENT]
-        rates[:, _EXTENT : _EXTENT + 2] -= self.of.contact.far[0][:, 1:]
+        rates[:, _EXTENT : _EXTENT + 2] -= self.problem.contact.far[0][:, 1:]
         rates[0] *= -1
         rates[0, :_EXTENT] += self._rise[1:]
         return rates
@@ -292,13 +292,13 @@ class State:
         moved[:, 0] *= self.half * self._solved[0][LOAD] / self.loads[0] ** 2
         whole = self.response_rates @ moved
         whole[:, 0] += self._by_load
-        scale = self.of.contact.scale[1:]
+        scale = self.problem.contact.scale[1:]
         return np.asarray(whole * scale[:, None] * scale)
 
     @property
     def _by_load(self) -> Array:
         """What P adds to depth, V and Psi by the datum; (3,)."""
-        own = -self.of.contact.far[0][:, 0]
+        own = -self.problem.contact.far[0][:, 0]
         return np.asarray(own * np.array([-1.0, 1.0, 1.0]))
 
     @cached_property
@@ -308,7 +308,7 @@ class State:
         load = -causes[0, 1:] / causes[0, 0]  # that keeps log h
         moved = causes[:, 1:] + causes[:, :1] * load
         whole = self.response_rates @ moved + self._by_load[:, None] * (self.loads[0] * load)
-        scale = self.of.contact.scale[1:]
+        scale = self.problem.contact.scale[1:]
         return np.asarray(whole * scale[:, None] * scale[1:])
 
 
@@ -357,17 +357,17 @@ class AirContact(Problem):
     @cached_property
     def state(self) -> State:
         """The solution."""
-        found = self._from_idle
-        if not (found and found.open):
-            found = self._sought(self._start)
+        result = self._from_idle
+        if not (result and result.open):
+            result = self._sought(self._start)
         for _ in range(MOST):
-            if found is None or found.open:
+            if result is None or result.open:
                 break
-            found = self._sought(State(self, found.reopened, found.near)) or found
-        if found is None:
+            result = self._sought(State(self, result.reopened, result.near)) or result
+        if result is None:
             raise GapError("surroundings: no contact with air beside it is found for this load and these charges")
-        found.require_gap()
-        return found
+        result.require_gap()
+        return result
 
     @property
     def _from_idle(self) -> State | None:

@@ -61,28 +61,28 @@ class AirPoint:
     @cached_property
     def state(self) -> "PointState":
         """The solution."""
-        found = self._solution
-        if found is None:
+        result = self._solution
+        if result is None:
             raise GapError("surroundings: no contact with air beside it is found for this force and these charges")
-        found.require_gap()
-        return found
+        result.require_gap()
+        return result
 
     @property
     def within(self) -> "PointState | None":
         """The solution, where there is one and the operators were made for its radius."""
-        found = self._solution
-        return found if found and found.open and self.operators.holds(float(found.unknowns[0])) else None
+        result = self._solution
+        return result if result and result.open and self.operators.holds(float(result.unknowns[0])) else None
 
     @cached_property
     def _solution(self) -> "PointState | None":
-        found = None if self.near is None else self._sought(PointState(self, self.near))
-        if found is None or not found.open:  # from afar Newton's iteration may come to a gap that is closed
-            found = self._sought(PointState(self, self._first))
+        result = None if self.near is None else self._sought(PointState(self, self.near))
+        if result is None or not result.open:  # from afar Newton's iteration may come to a gap that is closed
+            result = self._sought(PointState(self, self._first))
         for _ in range(MOST):
-            if found is None or found.open:
+            if result is None or result.open:
                 break
-            found = self._sought(PointState(self, found.reopened)) or found
-        return found
+            result = self._sought(PointState(self, result.reopened)) or result
+        return result
 
     def _sought(self, state: "PointState") -> "PointState | None":
         """What Newton's iteration comes to, its gap open or not; None where it comes to nothing."""
@@ -115,7 +115,7 @@ class AirPoint:
 class PointState:
     """Residual, tangents and outputs of :class:`AirPoint` at unknowns (log a, u0 over C a^e, densities over size)."""
 
-    of: AirPoint
+    problem: AirPoint
     unknowns: Array
 
     @property
@@ -126,33 +126,33 @@ class PointState:
     @cached_property
     def size(self) -> float:
         """C a^e."""
-        return float(self.of.coefficient * self.radius**self.of.shape.exponent)
+        return float(self.problem.coefficient * self.radius**self.problem.shape.exponent)
 
     @property
     def displacement(self) -> Array:
         """(-depth, V, Psi) over C a^e of the channels; (channel,)."""
-        return self.unknowns[1 : self.of.rows.causes]
+        return self.unknowns[1 : self.problem.rows.causes]
 
     @property
     def densities(self) -> Array:
         """D_y and B_y over C a^(e-1) at the nodes; (field, n)."""
-        return self.over_size * self.of.rings.size
+        return self.over_size * self.problem.rings.size
 
     @property
     def over_size(self) -> Array:
         """The same over their size; (field, n)."""
-        rows = self.of.rows
+        rows = self.problem.rows
         return self.unknowns[rows.causes :].reshape(len(rows.fields), rows.nodes)
 
     @property
     def columns(self) -> Array:
         """u0, the profile and the densities over their size: what operators answer; (column,)."""
-        first = self.of.rows.causes
+        first = self.problem.rows.causes
         return np.concatenate([self.unknowns[1:first], [1.0], self.unknowns[first:]])
 
     @cached_property
     def _read(self) -> tuple[Array, Array]:
-        return self.of.operators.read(float(self.unknowns[0]))
+        return self.problem.operators.read(float(self.unknowns[0]))
 
     @cached_property
     def outputs(self) -> Array:
@@ -162,50 +162,50 @@ class PointState:
     @cached_property
     def inside(self) -> Array:
         """The rows from the pressures on; (row,)."""
-        return np.asarray(self.of.operators.read_inside(float(self.unknowns[0])) @ self.columns)
+        return np.asarray(self.problem.operators.read_inside(float(self.unknowns[0])) @ self.columns)
 
     @cached_property
     def _rates(self) -> Array:
         """Derivatives of the rows in the unknowns; (row, unknown)."""
         value, rate = self._read
-        first = self.of.rows.causes
+        first = self.problem.rows.causes
         return np.concatenate([(rate @ self.columns)[:, None], value[:, : first - 1], value[:, first:]], 1)
 
     def _beside(self, rows: Array) -> tuple[Array, Array]:
         """u_y and the potentials beside the contact less those at the edge; (n, ...) and (field, n, ...)."""
-        own = self.of.rows
+        own = self.problem.rows
         part = rows[own.raised : own.pressure.start].reshape(len(own.channels), own.nodes, *rows.shape[1:])
         return part[0], part[1:]
 
     @cached_property
     def gap(self) -> Array:
         """Gap over C a^e at the nodes; (n,)."""
-        return np.asarray(self.of.profile - self._beside(self.outputs)[0])
+        return np.asarray(self.problem.profile - self._beside(self.outputs)[0])
 
     @cached_property
     def thinned(self) -> Array:
         """What the end of the punch leaves of the gap's field; (n,)."""
-        return 1 / (1 + (self.of.rings.grid.distance * self.radius / self.of.end) ** 2)
+        return 1 / (1 + (self.problem.rings.grid.distance * self.radius / self.problem.end) ** 2)
 
     @cached_property
     def conductance(self) -> Array:
         """Density over its size per potential, times the gap over the profile's; (field, n)."""
-        share = self.thinned / (self.of.rings.size * self.of.profile) * self.radius / self.size
-        return np.asarray(self.of.media[:, None] * share)
+        share = self.thinned / (self.problem.rings.size * self.problem.profile) * self.radius / self.size
+        return np.asarray(self.problem.media[:, None] * share)
 
     @cached_property
     def residual(self) -> Array:
         """Zero where it is a contact: force, smooth edge, charges or potentials, and the gap's law at the nodes."""
-        rows, load = self.of.rows, self.size * self.radius
-        force = load * self.outputs[0] / self.of.force + 1
+        rows, load = self.problem.rows, self.size * self.radius
+        force = load * self.outputs[0] / self.problem.force + 1
         closings = [self._closing(place) for place in range(len(rows.fields))]
-        law = self.over_size * self.gap / self.of.profile - self.conductance * self._beside(self.outputs)[1]
+        law = self.over_size * self.gap / self.problem.profile - self.conductance * self._beside(self.outputs)[1]
         return np.concatenate([[force, self.outputs[rows.edges][0], *closings], law.ravel()])
 
     def _closing(self, place: int) -> float:
-        if self.of.held[place]:
-            return float(self.displacement[1 + place] - self.of.given[place] / self.size)
-        return float(self.outputs[1 + place] + self.of.given[place] / (self.size * self.radius))
+        if self.problem.held[place]:
+            return float(self.displacement[1 + place] - self.problem.given[place] / self.size)
+        return float(self.outputs[1 + place] + self.problem.given[place] / (self.size * self.radius))
 
     @cached_property
     def jacobian(self) -> Array:
@@ -218,27 +218,27 @@ class PointState:
         return self._linearised(moved=False)
 
     def _linearised(self, *, moved: bool) -> Array:
-        rows, e, load = self.of.rows, self.of.shape.exponent, self.size * self.radius
+        rows, e, load = self.problem.rows, self.problem.shape.exponent, self.size * self.radius
         matrix = np.zeros((self.unknowns.size, self.unknowns.size))
-        matrix[0] = load * self._rates[0] / self.of.force
-        matrix[0, 0] += (e + 1) * load * self.outputs[0] / self.of.force
+        matrix[0] = load * self._rates[0] / self.problem.force
+        matrix[0, 0] += (e + 1) * load * self.outputs[0] / self.problem.force
         matrix[1] = self._rates[rows.edges][0]
         potentials = self._beside(self._rates)[1]
         n, first = rows.nodes, rows.causes
         for place in range(len(rows.fields)):
-            if self.of.held[place]:
+            if self.problem.held[place]:
                 matrix[2 + place, 2 + place] = 1.0
-                matrix[2 + place, 0] = e * self.of.given[place] / self.size
+                matrix[2 + place, 0] = e * self.problem.given[place] / self.size
             else:
                 matrix[2 + place] = self._rates[1 + place]
-                matrix[2 + place, 0] -= (e + 1) * self.of.given[place] / load
+                matrix[2 + place, 0] -= (e + 1) * self.problem.given[place] / load
             own = slice(first + place * n, first + (place + 1) * n)
             conductance = self.conductance[place]
             law = -conductance[:, None] * potentials[place]
             law[:, 0] -= conductance * (1 - e - 2 * (1 - self.thinned)) * self._beside(self.outputs)[1][place]
             if moved:
-                law -= (self.over_size[place] / self.of.profile)[:, None] * self._beside(self._rates)[0]
-            law[:, own][np.diag_indices(n)] += self.gap / self.of.profile
+                law -= (self.over_size[place] / self.problem.profile)[:, None] * self._beside(self._rates)[0]
+            law[:, own][np.diag_indices(n)] += self.gap / self.problem.profile
             matrix[own] = law
         return matrix
 
@@ -247,8 +247,8 @@ class PointState:
         """What steps of the unknowns are small against; (unknown,)."""
         causes = np.maximum(np.abs(self.displacement), 1e-3 * np.max(np.abs(self.displacement)))
         largest = np.max(np.abs(self.over_size), 1, initial=1e-300)
-        largest = np.maximum(largest, 1e-3 * self.of.force / (self.size * self.radius))
-        return np.concatenate([[1.0], causes, np.repeat(largest, self.of.rows.nodes)])
+        largest = np.maximum(largest, 1e-3 * self.problem.force / (self.size * self.radius))
+        return np.concatenate([[1.0], causes, np.repeat(largest, self.problem.rows.nodes)])
 
     @property
     def open(self) -> bool:
@@ -258,25 +258,25 @@ class PointState:
     @property
     def reopened(self) -> Array:
         """Unknowns with densities that open a gap which is closed next to the edge; (unknown,)."""
-        return np.concatenate([self.unknowns[: self.of.rows.causes], reopened(self.over_size, self.gap).ravel()])
+        return np.concatenate([self.unknowns[: self.problem.rows.causes], reopened(self.over_size, self.gap).ravel()])
 
     def require_gap(self) -> None:
         """Refuse a gap that closes, as :func:`solver.gap.refusal.require_open`."""
-        require_open(self.gap, self.of.profile, self.of.rings.grid.distance, "r/a")
+        require_open(self.gap, self.problem.profile, self.problem.rings.grid.distance, "r/a")
 
     # -- outputs, in the units of the body -----------------------------------------------------------------------------
     @property
     def loads(self) -> Array:
         """P and the charges of the fields; (channel,)."""
-        return np.asarray(-self.outputs[self.of.rows.loads] * self.size * self.radius)
+        return np.asarray(-self.outputs[self.problem.rows.loads] * self.size * self.radius)
 
     @cached_property
     def flexibility(self) -> Array:
         """d (-depth, V, Psi) / d (P, T, J) of the channels with the edge moving; (channel, channel)."""
         matrix, load = self._with_charges_given, self.size * self.radius
-        count = len(self.of.rows.channels)
+        count = len(self.problem.rows.channels)
         right = np.zeros((self.unknowns.size, count))
-        right[0, 0] = load * self.outputs[0] / self.of.force**2
+        right[0, 0] = load * self.outputs[0] / self.problem.force**2
         right[2 + np.arange(count - 1), 1 + np.arange(count - 1)] = -1 / load
         return self._moved(np.asarray(np.linalg.solve(matrix, right)))
 
@@ -286,21 +286,23 @@ class PointState:
         matrix, load = np.array(self._with_charges_given), self.size * self.radius
         matrix[0] = 0.0
         matrix[0, 0] = 1.0
-        count = len(self.of.rows.fields)
+        count = len(self.problem.rows.fields)
         right = np.zeros((self.unknowns.size, count))
         right[2 + np.arange(count), np.arange(count)] = -1 / load
         return self._moved(np.asarray(np.linalg.solve(matrix, right)))[1:]
 
     def _moved(self, steps: Array) -> Array:
         """Of -depth, V and Psi, by steps of the unknowns."""
-        inner = self.of.rows.causes
-        return np.asarray(self.size * (steps[1:inner] + self.of.shape.exponent * self.displacement[:, None] * steps[0]))
+        inner = self.problem.rows.causes
+        return np.asarray(
+            self.size * (steps[1:inner] + self.problem.shape.exponent * self.displacement[:, None] * steps[0])
+        )
 
     @cached_property
     def _with_charges_given(self) -> Array:
-        rows = self.of.rows
+        rows = self.problem.rows
         matrix = np.array(self.jacobian)
         for place in range(len(rows.fields)):
             matrix[2 + place] = self._rates[1 + place]
-            matrix[2 + place, 0] += (self.of.shape.exponent + 1) * self.outputs[1 + place]
+            matrix[2 + place, 0] += (self.problem.shape.exponent + 1) * self.outputs[1 + place]
         return matrix

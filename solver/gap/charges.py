@@ -122,13 +122,13 @@ class Charges:
         lines = legval(_NODES, series) if integrated else self._lines[side] * np.sinh(self._u)
         rule = (lines * weights).reshape(2, -1)
         sums = np.stack(self._summed(rule, z))
-        found: ComplexArray = sums[0] + 1j * sums[1]
+        result: ComplexArray = sums[0] + 1j * sums[1]
         if integrated:
-            found = found * root
-        self._mend(found, w, series, weights, integrated)
+            result = result * root
+        self._mend(result, w, series, weights, integrated)
         if integrated:
-            return np.asarray(-(found + rule.sum(1)[:, None]) / np.pi)
-        return np.asarray((found + self._rest[side, :, None]) / (np.pi * root))
+            return np.asarray(-(result + rule.sum(1)[:, None]) / np.pi)
+        return np.asarray((result + self._rest[side, :, None]) / (np.pi * root))
 
     def _summed(self, rule: Array, z: ComplexArray) -> tuple[Array, Array]:
         """Real and imaginary part of the sum of rule / (cosh u - z); (2, point) each."""

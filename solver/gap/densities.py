@@ -56,13 +56,13 @@ class Densities:
         """What the intervals of :attr:`Grid.rules` add where the kernel is not smooth over them; (target, ..., n)."""
         grid = self.grid
         some = np.flatnonzero(rough.any(1))
-        found = []
+        result = []
         for row, panel, start, stop in self._pieces(h, X[some], self.kernel.ends, rough[some]):
             theta, shape = grid.ruled(panel, *spans(start, stop))
             values = far(self.kernel, h * (X[some][row, None] - np.cosh(theta)), mix)
-            found.append((some[row] * grid.panels + panel, np.swapaxes(values, 1, 2) @ shape))
+            result.append((some[row] * grid.panels + panel, np.swapaxes(values, 1, 2) @ shape))
         out = np.zeros((X.size * grid.panels, mix.shape[1], grid.count // grid.panels))
-        for place, own in found:  # pieces of a panel follow each other
+        for place, own in result:  # pieces of a panel follow each other
             first = np.flatnonzero(np.diff(place, prepend=-1))
             if first.size:
                 out[place[first]] = np.add.reduceat(own, first)
@@ -80,15 +80,15 @@ class Densities:
         breaks = X[:, None] + np.concatenate([edges, -edges]) / h
         inner = np.arccosh(np.clip(breaks, 1.0, far))
         inverse = np.exp(-np.arccosh(np.maximum(breaks, far)))
-        found = []
+        result = []
         for own, among, first in ((ends, inner, 0), (grid.infinite_ends, inverse, grid.panels - 1)):
             all_ends = np.sort(np.concatenate([np.tile(own, (X.size, 1)), among], 1), 1)
             start, stop = all_ends[:, :-1], np.minimum(all_ends[:, 1:], own.max())
             interval = np.clip(np.searchsorted(own, (start + stop) / 2) - 1, 0, own.size - 2) + first
             row, place = np.nonzero((stop > start) & np.take_along_axis(rough, interval, 1))
             panel = np.minimum(interval[row, place], grid.panels - 1)
-            found.append((row, panel, start[row, place], stop[row, place]))
-        return found[0], found[1]
+            result.append((row, panel, start[row, place], stop[row, place]))
+        return result[0], result[1]
 
 
 def enough(strip: float, length: float) -> int:

@@ -63,9 +63,9 @@ def fields(films: Films, permittivity: Array, positions: Array) -> dict[str, Arr
     """Surface fields of `solver.fields.FIELDS` at X != +-1, finite; (case, position) each."""
     out = {name: np.empty((films.load.size, positions.size)) for name in FIELDS}
     for place, state in states(films, permittivity):
-        found = surface_fields(state, positions)
+        result = surface_fields(state, positions)
         for name, values in out.items():
-            values[place] = found[name][0]
+            values[place] = result[name][0]
     return out
 
 
@@ -74,7 +74,7 @@ def inside(films: Films, permittivity: Array, x: Array, y: Array, names: tuple[s
     out = np.empty((films.load.size, len(names), y.size, x.size))
     intervals = FAR if set(POTENTIALS) & set(names) else NEAR
     for place, state in states(films, permittivity):
-        tractions, datum = Solved(state, _EDGES, intervals).tractions, state.of.contact.datum
+        tractions, datum = Solved(state, _EDGES, intervals).tractions, state.problem.contact.datum
         for rows, columns in in_blocks(x, y):
             out[place, :, rows, columns] = fields_of(tractions, x[columns], y[rows], names, datum)[0]
     for number, name in enumerate(names):
@@ -104,8 +104,8 @@ def body_peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, 
         shear, pull = (highest(stresses, net.across, measure, _CLOSE) for measure in (VON_MISES, PRINCIPAL))
         depth = net.depth_at(state.half, shear.down) * h * films.thickness[place]
         least = _NOTHING * films.load[place] / (2 * state.half * films.thickness[place])
-        found = (shear.value, depth, np.where(pull.value < least, 0.0, pull.value))
-        for name, value in zip(PEAKS, found, strict=True):
+        result = (shear.value, depth, np.where(pull.value < least, 0.0, pull.value))
+        for name, value in zip(PEAKS, result, strict=True):
             if name in out:
                 out[name][place] = value[0]
     return out
@@ -114,7 +114,7 @@ def body_peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, 
 def body_curves(films: Films, permittivity: Array) -> dict[str, Array]:
     """Sizes of the contacts and the curves of the region ``body`` of half-planes as films; (case, ...) each."""
     X, depth = region_lines()
-    found: dict[str, list[Array]] = {}
+    result: dict[str, list[Array]] = {}
     for place, state in states(films, permittivity):
         half = np.array([state.half]) * films.thickness[place]
         stresses = Interior(_reaching(state, float(np.max(np.abs(X))))).fields(X[None], -depth[None], LINEAR[:4])
@@ -123,8 +123,8 @@ def body_curves(films: Films, permittivity: Array) -> dict[str, Array]:
         below = panels.by_panel(np.broadcast_to(depth[:, None], (depth.size, X.size)))
         own = {"mean_pressure": films.load[[place]] / (2 * half), "half_length": half} | named(by_panel, half, below)
         for name, value in own.items():
-            found.setdefault(name, []).append(value)
-    return {name: np.concatenate(values) for name, values in found.items()}
+            result.setdefault(name, []).append(value)
+    return {name: np.concatenate(values) for name, values in result.items()}
 
 
 def _reaching(state: State, farthest: float) -> AirTractions:
@@ -137,8 +137,8 @@ def _tables(films: Films, permittivity: Array) -> Iterator[tuple[Indices, PeakTa
     for place, state in states(films, permittivity):
         half = np.array([state.half])
         film.require_depth(films.kind, half)
-        table = replace(state.of.contact.table, lower=state.half, upper=state.half)
-        c = state.of.contact
+        table = replace(state.problem.contact.table, lower=state.half, upper=state.half)
+        c = state.problem.contact
         extent = Extent(table, c.profile, c.load, c.charges, c.datum, c.punch_datum, half)
         yield np.array([place]), AirPeaks(table, state), extent
 

@@ -269,7 +269,7 @@ class Grid:
     @cached_property
     def cumulative(self) -> Array:
         """From f sinh(theta) at the nodes to the integral of f dX from the edge to each; (n, n)."""
-        found, before = np.zeros((self.count, self.count)), np.zeros(self.count)
+        result, before = np.zeros((self.count, self.count)), np.zeros(self.count)
         powers = np.arange(_NODES)
         for panel in range(self.panels):
             part, (low, high) = self.slice(panel), self.limits[panel]
@@ -277,17 +277,17 @@ class Grid:
             if panel < self.panels - 1:
                 to_series = np.linalg.inv(np.polynomial.legendre.legvander(local, _NODES - 1))
                 integrated = np.polynomial.legendre.legint(np.eye(_NODES), lbnd=-1) * (high - low) / 2
-                found[part] = before
-                found[part, part] += np.polynomial.legendre.legvander(local, _NODES) @ integrated @ to_series
+                result[part] = before
+                result[part, part] += np.polynomial.legendre.legvander(local, _NODES) @ integrated @ to_series
                 before = np.array(before)
                 before[part] += np.polynomial.legendre.legval(1.0, integrated) @ to_series
             else:  # dX f = (f sinh) d(theta) = -(f sinh) dv / v
                 share = self.u[panel] / high
                 to_series = np.linalg.inv(share[:, None] ** powers)
                 rows = np.concatenate([-np.log(share)[:, None], (1 - share[:, None] ** powers[1:]) / powers[1:]], 1)
-                found[part] = before
-                found[part, part] += rows @ to_series
-        return found
+                result[part] = before
+                result[part, part] += rows @ to_series
+        return result
 
     @property
     def near(self) -> int:

@@ -15,28 +15,28 @@ def peak_pressure(state: State) -> float:
     """Largest contact pressure [Pa]."""
     samples = state.outputs[PRESSURE]
     series = np.polynomial.chebyshev.chebfit(SAMPLES, samples, SAMPLES.size // 2)
-    contact = state.of.contact
+    contact = state.problem.contact
     return float(largest(np.asarray(series[None], dtype=np.float64), contact.exponent)[0] / contact.scale[1])
 
 
 def peak_density(state: State, field: int) -> float:
     """Largest abs(D_y) [C/m2] or abs(B_y) [T] on the contact and beside it."""
-    place = state.of.fields.index(field)
-    start = FIRST + state.of.nodes * (1 + len(state.of.fields)) + place * ANGLES.size
+    place = state.problem.fields.index(field)
+    start = FIRST + state.problem.nodes * (1 + len(state.problem.fields)) + place * ANGLES.size
     within = state.outputs[start : start + ANGLES.size]
     return max(peak_of_panels(within.reshape(-1, WITHIN)), _beside(state, place)) / float(
-        state.of.contact.scale[2 + field]
+        state.problem.contact.scale[2 + field]
     )
 
 
 def gap_field(state: State, field: int) -> float:
     """Largest field in the gap [V/m, A/m]."""
-    density = _beside(state, state.of.fields.index(field)) / float(state.of.contact.scale[2 + field])
-    return density / float(state.of.permittivity[field])
+    density = _beside(state, state.problem.fields.index(field)) / float(state.problem.contact.scale[2 + field])
+    return density / float(state.problem.permittivity[field])
 
 
 def _beside(state: State, place: int) -> float:
-    grid = state.of.table.operators.grid
+    grid = state.problem.table.operators.grid
     nodes = grid.count // grid.panels
     own = state.densities[place].reshape(-1, grid.panels, nodes)
     at_edge = own[:, 0] @ grid.edge[:nodes]

@@ -34,8 +34,8 @@ class Factored:
 
     def solve(self, right: Array) -> Array:
         """The solution; right (n,) or (n, m)."""
-        found = lu_solve(self.factors, (right.T * self.rows).T, check_finite=False)
-        return np.asarray((found.T * self.columns).T)
+        result = lu_solve(self.factors, (right.T * self.rows).T, check_finite=False)
+        return np.asarray((result.T * self.columns).T)
 
 
 def solved(matrix: Array, right: Array) -> Array:

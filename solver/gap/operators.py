@@ -72,10 +72,10 @@ class Operators:
     def at(self, half_lengths: Array) -> Array:
         """Outputs of every cause and density at half-lengths [m]; (half, row, column)."""
         columns = self.system.causes + len(self.system.fields) * self.beside
-        found = np.empty((half_lengths.size, self.rows, columns))
+        result = np.empty((half_lengths.size, self.rows, columns))
         for basis, members in batches(self.system, half_lengths):
-            found[members] = _Assembled(self, basis, half_lengths[members]).outputs
-        return found
+            result[members] = _Assembled(self, basis, half_lengths[members]).outputs
+        return result
 
     def folded(self, values: Array) -> Array:
         """Of columns (..., both sides) those of the unknowns."""
@@ -147,14 +147,14 @@ class _Assembled:
         normal = basis.weight(X)[:, None] * basis.pressure_factor(X)
         series = np.cos(ANGLES[:, None] * np.arange(basis.terms + 1)) / sine[:, None]
         induced = np.concatenate([of.grid.induced(X), of.grid.induced(-X)], 1) / sine[:, None]
-        found = []
+        result = []
         for place, (f, start) in enumerate(system.starts(basis).items()):
             own = series @ unknowns[:, start : start + basis.terms + 1]
             own += system.coefficients.follower[f] * normal @ unknowns[:, : basis.pressures]
             first = system.causes + place * of.beside
             own[..., first : first + of.beside] += of.folded(induced)
-            found.append(own)
-        return np.stack(found, 1)
+            result.append(own)
+        return np.stack(result, 1)
 
     # -- densities -----------------------------------------------------------------------------------------------------
     def _direct(self, number: int) -> tuple[Array, Array, Array, Array]:
@@ -256,23 +256,23 @@ class _Assembled:
             charged = np.where(orders, np.expm1(-orders * theta) / np.maximum(orders, 1), -theta)
         fields = np.array(self._fields, dtype=int)
         M = c.compliance[np.ix_(1 + fields, 1 + fields)]
-        found = np.zeros((1 + fields.size, of.beside, system.unknowns(basis)))
+        result = np.zeros((1 + fields.size, of.beside, system.unknowns(basis)))
         normal = (of.grid.cumulative @ pressed).reshape(of.beside, -1)
-        found[1:, :, : basis.pressures] = (c.lam / c.kap * (M @ c.friction_screening[fields]))[:, None, None] * normal
+        result[1:, :, : basis.pressures] = (c.lam / c.kap * (M @ c.friction_screening[fields]))[:, None, None] * normal
         carried = np.concatenate([charged, (-1.0) ** orders * charged])[: of.beside]
         for place, start in enumerate(system.starts(basis).values()):
-            found[1:, :, start : start + basis.terms + 1] = M[:, place, None, None] * carried
-        found[0] = np.tensordot(c.screening[fields], found[1:], 1)
-        found[0, :, : basis.pressures] += c.lam * normal
-        return found
+            result[1:, :, start : start + basis.terms + 1] = M[:, place, None, None] * carried
+        result[0] = np.tensordot(c.screening[fields], result[1:], 1)
+        result[0, :, : basis.pressures] += c.lam * normal
+        return result
 
     @cached_property
     def _from_contact(self) -> Array:
         """(u_y, phi, psi) / h less those at the edge of every unknown, by the kernels; (half, 3, 2 n, unknown)."""
         of, grid, wide = self.of, self.of.grid, self.of._wide
-        found = np.zeros((self.half_lengths.size, 3, 2 * grid.count, of.system.unknowns(self.basis)))
+        result = np.zeros((self.half_lengths.size, 3, 2 * grid.count, of.system.unknowns(self.basis)))
         if wide is None:
-            return found
+            return result
         beyond = grid.distance[grid.close :]
         beyond = np.concatenate([beyond, -beyond])
         sources = self._assembly.sources()
@@ -292,8 +292,8 @@ class _Assembled:
                 moved = np.moveaxis(self._sides(near[:, :, 3:], outer), 0, 2)
                 slopes = h * np.moveaxis(near[self._near_among, :, :3], 0, 2)
                 for (columns, *_), raised in zip(alike, self._from_edge(moved, slopes), strict=True):
-                    found[number, ..., columns] = raised
-        return found
+                    result[number, ..., columns] = raised
+        return result
 
     def _from_edge(self, differences: Array, slopes: Array) -> Array:
         """Displacements less those at the edges, of both sides, from du/dX at ``_near``; (..., 2 n, c)."""

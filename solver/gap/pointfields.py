@@ -41,9 +41,9 @@ def fields(pressed: Pressed, permittivity: Array, end: Array, positions: Array) 
         raise ContactError(
             f"positions: the pressure of r^{pressed.body.shape.exponent:g} is infinite at 0; leave 0 out"
         )
-    found = np.stack([of.on.at(positions) / of.units[:, None] for _, of in _cases(pressed, permittivity, end)])
-    found[:, 0] = 0.0 - found[:, 0]
-    return {name: found[:, number] for number, name in enumerate(_FIELDS)}
+    result = np.stack([of.on.at(positions) / of.units[:, None] for _, of in _cases(pressed, permittivity, end)])
+    result[:, 0] = 0.0 - result[:, 0]
+    return {name: result[:, number] for number, name in enumerate(_FIELDS)}
 
 
 def inside(
@@ -60,8 +60,10 @@ def inside(
 
 def peaks(pressed: Pressed, permittivity: Array, end: Array, body: Inside, asked: Set[str]) -> dict[str, Array]:
     """Quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and the cases have; (case,) each."""
-    found = [peaks_of(body, of.tractions, np.array([of.radius]), asked) for _, of in _cases(pressed, permittivity, end)]
-    return {name: np.concatenate([case[name] for case in found]) for name in found[0]}
+    result = [
+        peaks_of(body, of.tractions, np.array([of.radius]), asked) for _, of in _cases(pressed, permittivity, end)
+    ]
+    return {name: np.concatenate([case[name] for case in result]) for name in result[0]}
 
 
 def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[int, _Found]]:

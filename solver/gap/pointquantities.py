@@ -104,8 +104,8 @@ class Case:
         at, begin = (start / self.length, None) if near is None else (near.radius, near.unknowns)
         problem = AirPoint(self.operators(at), self._coefficient, self._force, given, (held,) * len(self.fields),
                          self._media, self._end, at, begin)  # fmt: skip
-        if found := problem.within:
-            return found
+        if result := problem.within:
+            return result
         for _ in range(LAST - FIRST):
             problem = replace(problem, operators=self.operators(at, wide=True), start=at, near=begin)
             state = problem.state
@@ -147,7 +147,7 @@ def _of_case(case: Case, contacts: dict[str, Contact], rim: Rim | None) -> dict[
         "contact_stiffness": float(port.closed),
         "contact_stiffness_open": float(port.open),
     }
-    bounded, slid = finite(state.of.shape), case.slid(state)
+    bounded, slid = finite(state.problem.shape), case.slid(state)
     if bounded:
         out["peak_pressure"] = largest_within(slid, None, _peak_pressure(state)) * size / float(case.units[0])
     if slid is not None:
@@ -197,6 +197,6 @@ def _peak_pressure(state: PointState) -> float:
 
 
 def _peak_within(state: PointState, row: int) -> float:
-    first, count = SAMPLES.size, (state.inside.size - SAMPLES.size) // len(state.of.rows.fields)
+    first, count = SAMPLES.size, (state.inside.size - SAMPLES.size) // len(state.problem.rows.fields)
     own = state.inside[first + row * count : first + (row + 1) * count]
     return max(peak_of_panels(own[:-1].reshape(-1, WITHIN)), abs(float(own[-1])))

@@ -95,10 +95,10 @@ class AirPointTractions(Tractions):
 
 def _continued(part: Array, within: BoolArray, beside: Array) -> Array:
     """Densities of (sigma_xy, sigma_yy, D_y, B_y) below the contact, and those beside it; (1, 4, b)."""
-    found = np.zeros((1, 4, within.size))
-    found[..., within] = part
-    found[0][2:, ~within] = beside
-    return found
+    result = np.zeros((1, 4, within.size))
+    result[..., within] = part
+    result[0][2:, ~within] = beside
+    return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,12 +155,12 @@ class SolvedPoint:
         away = np.abs(r)
         within = away < 1
         inner = away[within]
-        found = np.zeros((3, r.size))
+        result = np.zeros((3, r.size))
         x = np.sqrt((1 - inner) * (1 + inner))
-        found[:, within] = self.bounded(inner, self._rings.poisson(x)) + self.left[:, None] / x
+        result[:, within] = self.bounded(inner, self._rings.poisson(x)) + self.left[:, None] / x
         for field_, own in zip(self.operators.rows.fields, self.state.over_size, strict=True):
-            found[1 + field_, ~within] = self._rings.read(away[~within]) @ own
-        return found * self.unit
+            result[1 + field_, ~within] = self._rings.read(away[~within]) @ own
+        return result * self.unit
 
     def bounded(self, r: Array, drawn: Array) -> Array:
         """Below the contact over C a^(e-1), without what is singular at the edge; (3, place).
@@ -168,21 +168,21 @@ class SolvedPoint:
         r: (place,), r/a, 0 to 1; drawn: (place, n), what rings draw there.
         """
         x = np.sqrt((1 - r) * (1 + r))
-        found = self._series @ added_forms(x, self._series.shape[1]).T
-        found += self._form[:, None] * halfspace_form(self.operators.shape, x, r)
-        found[1:] += self.state.over_size @ drawn.T
-        return self._of_channels(found)
+        result = self._series @ added_forms(x, self._series.shape[1]).T
+        result += self._form[:, None] * halfspace_form(self.operators.shape, x, r)
+        result[1:] += self.state.over_size @ drawn.T
+        return self._of_channels(result)
 
     @cached_property
     def left(self) -> Array:
         """Strengths at the edge, over C a^(e-1): none but of the emptiest gaps; (3,)."""
-        found = self._series @ (-1.0) ** np.arange(self._series.shape[1])
-        found[0] = 0.0
-        found[1:] -= 2 / np.pi * self.state.over_size @ self._rings.at_edge
-        return self._of_channels(found)
+        result = self._series @ (-1.0) ** np.arange(self._series.shape[1])
+        result[0] = 0.0
+        result[1:] -= 2 / np.pi * self.state.over_size @ self._rings.at_edge
+        return self._of_channels(result)
 
     def _of_channels(self, values: Array) -> Array:
         """Values of the channels among those of (y, phi, psi), others 0."""
-        found = np.zeros((3, *values.shape[1:]))
-        found[self._channels] = values
-        return found
+        result = np.zeros((3, *values.shape[1:]))
+        result[self._channels] = values
+        return result

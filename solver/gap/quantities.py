@@ -64,13 +64,13 @@ def _in_air(films: Films, permittivity: Array) -> Iterator[tuple[int, AirContact
 
 
 def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[str, float]:
-    h, scale = float(films.thickness[place]), state.of.contact.scale
+    h, scale = float(films.thickness[place]), state.problem.contact.scale
     half, centre = h * state.half, state.centre
     out = {
         "contact_trailing": half * (1 + centre),
         "contact_leading": half * (1 - centre),
         "contact_offset": half * centre,
-        "pressure_exponent": state.of.contact.exponent,
+        "pressure_exponent": state.problem.contact.exponent,
         "depth": h * float(state.response[0] * scale[1]),
         "peak_pressure": peak_pressure(state),
         "trailing_tension": float(state.outputs[EDGE][0] / scale[1]),
@@ -89,7 +89,7 @@ def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[s
 
 
 def _responses(h: float, field: int, state: State, idle: State, bare: AirContact) -> tuple[float, ...]:
-    j, scale = 1 + field, state.of.contact.scale
+    j, scale = 1 + field, state.problem.contact.scale
     port = Compliance.of(state.tangents, field)
     short = replace(bare, held=(field == 0, field == 1), idle=idle).state
     return (

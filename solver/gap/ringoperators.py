@@ -165,26 +165,26 @@ class RingOperators:
         closed = np.einsum("ij,jnc->inc", inverse, self._given(below.nodes))  # S of a half-space
         S, added = self._layered(radius, below, closed, self.rings.grid.distance)
         edge = inverse @ (self._given(np.ones(1))[:, 0] - added[:, count])
-        found = np.empty((rows.count, rows.columns))
+        result = np.empty((rows.count, rows.columns))
         # S of the profile is of_power s^e: of_power (1 - s^e), whose tractions are closed, less than at the edge
         of_power = inverse[:, 0] * self.shape.rise
         closed[..., profile] = of_power[:, None]
         S += closed
-        found[rows.loads] = 4 * np.einsum("n,inc->ic", below.weights, S)
-        found[rows.loads, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
-        found[rows.edges] = edge
+        result[rows.loads] = 4 * np.einsum("n,inc->ic", below.weights, S)
+        result[rows.loads, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
+        result[rows.edges] = edge
         coefficients = below.series @ S
         for place in range(len(self.fields)):
-            found[1 + place, rows.densities(place)] += 4 * self.rings.totals
+            result[1 + place, rows.densities(place)] += 4 * self.rings.totals
         raised = self.rings.raised @ self.chi_beside(added[:, count:], edge)
-        found[rows.raised : rows.pressure.start] = raised.reshape(-1, rows.columns)
-        found[rows.pressure] = -added_forms(SAMPLES, count) @ coefficients[0]
-        found[rows.pressure, profile] += inverse[0, 0] * self._form(SAMPLES)
+        result[rows.raised : rows.pressure.start] = raised.reshape(-1, rows.columns)
+        result[rows.pressure] = -added_forms(SAMPLES, count) @ coefficients[0]
+        result[rows.pressure, profile] += inverse[0, 0] * self._form(SAMPLES)
         for place in range(len(self.fields)):
-            found[rows.within(place)] = added_forms(X_WITHIN, count) @ coefficients[1 + place]
-            found[rows.within(place), rows.densities(place)] += _drawn(self.rings)
-            found[rows.within(place), profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
-        return found
+            result[rows.within(place)] = added_forms(X_WITHIN, count) @ coefficients[1 + place]
+            result[rows.within(place), rows.densities(place)] += _drawn(self.rings)
+            result[rows.within(place), profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
+        return result
 
     def over(self, log_radii: Array) -> Array:
         """The same at several log a (radius,) in the unit of the body's lengths; (radius, row, column)."""
@@ -261,11 +261,11 @@ class RingOperators:
     def _given(self, nodes: Array) -> Array:
         """chi below the contact; (channel, node, column)."""
         rows = self.rows
-        found = np.zeros((len(rows.channels), nodes.size, rows.columns))
+        result = np.zeros((len(rows.channels), nodes.size, rows.columns))
         for place in range(len(rows.channels)):
-            found[place, :, place] = 1.0
-        found[0, :, rows.causes - 1] = self.shape.rise * nodes**self.shape.exponent
-        return found
+            result[place, :, place] = 1.0
+        result[0, :, rows.causes - 1] = self.shape.rise * nodes**self.shape.exponent
+        return result
 
     @cached_property
     def _pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -304,10 +304,10 @@ class RingOperators:
         kernels = self.rings.parity * self._added.at(radius * (targets[:, None, None] + s))
         row, panel = np.nonzero(~broken)
         kernels[row, panel] += self._added.at(radius * np.abs(targets[row, None] - s[panel]))
-        found = np.swapaxes(np.swapaxes(kernels, -1, -2) @ share, -1, -2)  # (target, panel, node, pair)
-        self._add_pieces(found, radius, targets, breaks, broken)
+        result = np.swapaxes(np.swapaxes(kernels, -1, -2) @ share, -1, -2)  # (target, panel, node, pair)
+        self._add_pieces(result, radius, targets, breaks, broken)
         size = self.rings.size.reshape(grid.panels, -1, 1)
-        kernels = self._paired((radius / np.pi * found / size).reshape(targets.size, grid.count, -1))
+        kernels = self._paired((radius / np.pi * result / size).reshape(targets.size, grid.count, -1))
         return [kernels[:, 1 + place] @ self.rings.gathered for place in range(len(self.fields))]
 
     def _breaks(self, radius: float, targets: Array) -> Array:

@@ -72,7 +72,7 @@ class Rings:
     def gathered(self) -> Array:
         """S at the nodes, from densities over their size; (n, n)."""
         grid, theta = self.grid, self.grid.theta
-        found = np.zeros((grid.count, grid.count))
+        result = np.zeros((grid.count, grid.count))
         for panel in range(grid.panels - 1):
             low, high = grid.limits[panel]
             rows = np.flatnonzero(theta < high)
@@ -82,15 +82,15 @@ class Rings:
             share = 2 * weights * np.tanh(other) / np.sqrt(np.sinh(other + at) * _sinhc(tau))
             share *= (np.cosh(at) / np.cosh(other)) ** self.order
             shape = grid.interpolations(np.full(rows.size, panel), other)
-            found[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", share, shape)
+            result[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", share, shape)
         v = np.exp(-theta)[:, None]
         tau, weights = _between(np.sqrt(1 - np.minimum(self._last / v[:, 0], 1)), np.ones(grid.count))
         u = v * (1 - tau**2)
         share = 4 * weights * v * (1 - u**2) / (1 + u**2) / np.sqrt((2 - tau**2) * (1 - (u * v) ** 2))
         share *= ((1 - tau**2) * (1 + v**2) / (1 + u**2)) ** self.order
         shape = grid.interpolations(np.full(grid.count, grid.panels - 1), u)
-        found[:, grid.slice(grid.panels - 1)] = np.einsum("rp,rpn->rn", share, shape)
-        return found
+        result[:, grid.slice(grid.panels - 1)] = np.einsum("rp,rpn->rn", share, shape)
+        return result
 
     @cached_property
     def at_edge(self) -> Array:
@@ -123,11 +123,11 @@ class Rings:
     @cached_property
     def raised(self) -> Array:
         """(2/pi) int_1^r F (s/r)^m ds / sqrt(r^2 - s^2) at the nodes r, from F at the nodes; (n, n)."""
-        grid, found = self.grid, np.zeros((self.grid.count, self.grid.count))
+        grid, result = self.grid, np.zeros((self.grid.count, self.grid.count))
         for panel, rows, other, share in self._rules():
             shape = grid.interpolations_at(np.full(rows.size, panel), other)
-            found[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", share, shape)
-        return found
+            result[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", share, shape)
+        return result
 
     def power(self, exponent: float) -> Array:
         """(2/pi) int_1^r (s^exponent - 1) (s/r)^m ds / sqrt(r^2 - s^2) at the nodes r; (n,)."""
@@ -140,10 +140,10 @@ class Rings:
         return {}
 
     def _power(self, exponent: float) -> Array:
-        found = np.zeros(self.grid.count)
+        result = np.zeros(self.grid.count)
         for _, rows, other, share in self._rules():
-            found[rows] += np.sum(share * np.expm1(exponent * np.log1p(2 * np.sinh(other / 2) ** 2)), -1)
-        return found
+            result[rows] += np.sum(share * np.expm1(exponent * np.log1p(2 * np.sinh(other / 2) ** 2)), -1)
+        return result
 
     def _rules(self) -> Iterator[tuple[int, Indices, Array, Array]]:
         """Of every panel: targets beyond its beginning, theta and weights of their rules; (target, point)."""

@@ -35,9 +35,9 @@ class RingTable:
     @cached_property
     def values(self) -> tuple[Array, Array]:
         """Outputs at the radii, flat: those up to the pressures, and those below the contact; (node, ...)."""
-        found = (self.source or self.exact).over(self.interval.points)
+        result = (self.source or self.exact).over(self.interval.points)
         split = self.exact.rows.pressure.start
-        return found[:, :split].reshape(len(found), -1), found[:, split:].reshape(len(found), -1)
+        return result[:, :split].reshape(len(result), -1), result[:, split:].reshape(len(result), -1)
 
     def holds(self, log_radius: float) -> bool:
         """Whether a radius lies between the ends."""
@@ -46,8 +46,8 @@ class RingTable:
     def over(self, log_radii: Array) -> Array:
         """Outputs of every cause and density at several log a (radius,); (radius, row, column)."""
         local = self.interval.polynomials(log_radii, clipped=False) @ self._series[0]
-        found = np.concatenate([local @ part for part in self.values], 1)
-        return found.reshape(log_radii.size, self.exact.rows.count, -1)
+        result = np.concatenate([local @ part for part in self.values], 1)
+        return result.reshape(log_radii.size, self.exact.rows.count, -1)
 
     def read(self, log_radius: float) -> tuple[Array, Array]:
         """The rows up to the pressures at log a, and their derivatives in it; (row, column) each."""
@@ -65,8 +65,8 @@ class RingTable:
 
     def read_inside(self, log_radius: float) -> Array:
         """The rows below the contact at log a; (row, column)."""
-        found: Array = self._polynomials(log_radius)[0] @ self.values[1]
-        return found.reshape(self.exact.rows.count - self.exact.rows.pressure.start, -1)
+        result: Array = self._polynomials(log_radius)[0] @ self.values[1]
+        return result.reshape(self.exact.rows.count - self.exact.rows.pressure.start, -1)
 
     def _polynomials(self, log_radius: float) -> Array:
         """From values at the radii to those at log a and to derivatives; (2, node)."""

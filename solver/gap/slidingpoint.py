@@ -87,7 +87,7 @@ class SlidingPoint:
     def _weights(self) -> Array:
         """Of the columns, per eta; (column,)."""
         state, of, columns = self._state, self._turned, self._columns
-        rows, profile = self._operators.rows, state.of.profile
+        rows, profile = self._operators.rows, state.problem.profile
         law = np.empty((1 + len(rows.fields) * rows.nodes, of.edges.shape[1]))
         law[0] = of.edges[0]
         for place, at_rest in enumerate(state.over_size):
@@ -98,9 +98,9 @@ class SlidingPoint:
             own[:, SHIFT] += at_rest * state.gap / profile * self._widened
             own[:, columns.densities(place)][np.diag_indices(rows.nodes)] += state.gap / profile
         unknown = np.delete(np.arange(law.shape[1]), RUBBED)
-        found = np.ones(law.shape[1])
-        found[unknown] = np.linalg.solve(law[:, unknown], -law[:, RUBBED])
-        return found
+        result = np.ones(law.shape[1])
+        result[unknown] = np.linalg.solve(law[:, unknown], -law[:, RUBBED])
+        return result
 
     @property
     def _slides(self) -> bool:
@@ -140,7 +140,7 @@ class SlidingPoint:
         """
         N, channels, (_, turned) = self._operators.compliance, self._carried, self.beside
         at_rest = self._state.densities / self._state.thinned
-        yielding = -self.on.unit * N[0, channels] / N[channels, channels] / self._state.of.media
+        yielding = -self.on.unit * N[0, channels] / N[channels, channels] / self._state.problem.media
         return float(max(np.max(yielding[:, None] * (at_rest + sign * turned)) for sign in (1.0, -1.0)))
 
     # -- tractions -----------------------------------------------------------------------------------------------------
@@ -149,10 +149,10 @@ class SlidingPoint:
         """Coefficients of P_n(2 b - 1) in psi but for what is closed, over C a^(e-1); (3, n)."""
         if not self._slides:
             return np.zeros((3, 1))
-        found = np.zeros((3, 2 * self._turned.below.nodes.size))
+        result = np.zeros((3, 2 * self._turned.below.nodes.size))
         S = self._turned.smooth @ (self.friction * self._weights)
-        found[self._operators.rows.channels] = S @ self._turned.below.odd_series.T
-        return found
+        result[self._operators.rows.channels] = S @ self._turned.below.odd_series.T
+        return result
 
     def sines(self, b: Array) -> Array:
         """psi over C a^(e-1) below the contact; (3, b).
@@ -211,17 +211,17 @@ class SlidingPoint:
     def moments(self) -> Array:
         """int_0^1 (t s + t_1 s^2) ds of (sigma_yy, D_y, B_y) below the contact; (3,)."""
         at = hankel.nodes(kinked=True)
-        found = (self.pressed.at(at.b)[0] + 2 * at.b * self.sines(at.b)) @ at.weights
-        found[self._carried] += self._state.over_size @ _held(self.on.operators.rings)
-        found[self._carried] += self.over_size @ _held(self.rings)
-        return np.asarray(found)
+        result = (self.pressed.at(at.b)[0] + 2 * at.b * self.sines(at.b)) @ at.weights
+        result[self._carried] += self._state.over_size @ _held(self.on.operators.rings)
+        result[self._carried] += self.over_size @ _held(self.rings)
+        return np.asarray(result)
 
     @property
     def just_beside(self) -> Array:
         """(0, D_y, B_y) just outside the trailing edge; (3,)."""
-        found = np.zeros(3)
-        found[self._carried] = (self._state.over_size + self.over_size) @ self.rings.grid.edge
-        return found
+        result = np.zeros(3)
+        result[self._carried] = (self._state.over_size + self.over_size) @ self.rings.grid.edge
+        return result
 
 
 @cached
@@ -260,7 +260,7 @@ def largest_beside(state: PointState, slid: SlidingPoint | None, place: int, *, 
     """
     at_rest = state.densities[place] / (state.thinned if gap else 1.0)
     turned = np.zeros_like(at_rest) if slid is None else slid.beside[gap][place]
-    panels = state.of.rings.grid.panels
+    panels = state.problem.rings.grid.panels
     return max(peak_of_panels((at_rest + sign * turned).reshape(panels, -1)[:-1]) for sign in (1.0, -1.0))
 
 
@@ -271,12 +271,12 @@ def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units
     """
     unit = slid.on.unit / units
     first, third = (float(part[0] * slid.friction * unit[0]) for part in edge_sums(slid.pressed))
-    found = rim.tension(slid.moments * unit, (np.array(first), np.array(third))) + rim.charged(slid.just_beside * unit)
+    result = rim.tension(slid.moments * unit, (np.array(first), np.array(third))) + rim.charged(slid.just_beside * unit)
     if isinstance(body, Film):
         b, plain, turned = slid.weighted
         added = added_tension(body.kind.film.stack(), rim, slid.on.state.radius, b, plain, turned)
-        found = found + slid.on.unit * added
-    return float(found)
+        result = result + slid.on.unit * added
+    return float(result)
 
 
 def warn_of_charges(reach: float) -> None:

@@ -59,12 +59,12 @@ class Window:
     @cached_property
     def _bands(self) -> list[tuple[float, float, Array, Array]]:
         """Bands of wavenumbers with the rule of each."""
-        found, most = list[tuple[float, float, Array, Array]](), self.most
+        result, most = list[tuple[float, float, Array, Array]](), self.most
         while most > 0:
             least = most / _BAND if most * self.reach > 1 else -1.0
-            found.append((least, most, *self._rule(most)))
+            result.append((least, most, *self._rule(most)))
             most = least
-        return found
+        return result
 
     def add(self, out: ComplexArray, q: Array) -> None:
         """Add its spectrum (2, wavenumber) at q.

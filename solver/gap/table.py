@@ -70,10 +70,10 @@ class AirTable:
 
         columns: (column,), sizes of causes and densities.
         """
-        weights, found = self._weights(log_half, 1)[0], np.empty(self.operators.rows)
+        weights, result = self._weights(log_half, 1)[0], np.empty(self.operators.rows)
         for part, rows in zip(self._parts, (self._solving, ~self._solving), strict=True):
-            found[rows] = weights @ (part @ columns)
-        return found
+            result[rows] = weights @ (part @ columns)
+        return result
 
     def _weights(self, log_half: float, count: int) -> Array:
         """From values at the half-lengths to coefficients of powers of a change in log h; (count, node)."""

@@ -70,9 +70,9 @@ class AirTractions(Tractions):
     def in_fourier_space(self, k: Array) -> ComplexArray:
         """(i sigma_xy, sigma_yy, D_y, B_y) at the surface at wavenumbers k [1/m]; (1, k, 4, 1)."""
         if (key := k.tobytes()) not in self._known:
-            found = self._whole.in_fourier_space(k)
-            found[0, :, 2:, 0] += self._half * self._spectrum.at(k * self._half).T
-            self._known[key] = found
+            result = self._whole.in_fourier_space(k)
+            result[0, :, 2:, 0] += self._half * self._spectrum.at(k * self._half).T
+            self._known[key] = result
         return self._known[key]
 
     @cached_property
@@ -85,9 +85,9 @@ class AirTractions(Tractions):
 
         z: (1, point), complex, X + iY.
         """
-        found = super().on_plane(z, integrated=integrated)
-        found[2:, 0, :, 0] += self.beside.transforms(z[0], integrated=integrated)
-        return found
+        result = super().on_plane(z, integrated=integrated)
+        result[2:, 0, :, 0] += self.beside.transforms(z[0], integrated=integrated)
+        return result
 
 
 def from_smaller(ends: Array, farthest: float) -> Array:
@@ -108,7 +108,7 @@ class Solved:
     @cached_property
     def system(self) -> System:
         """The contact's, its kernels as far as charges lie."""
-        of = self.state.of.table.operators
+        of = self.state.problem.table.operators
         wide, own = of._wide, of.system.kernel
         if wide is None:  # a half-plane's are zero, as far as they are asked for
             reach = self.state.half * (1 + float(np.max(np.abs(self.points))))
@@ -124,7 +124,7 @@ class Solved:
     @cached_property
     def beside(self) -> Charges:
         """Charges beside the contact."""
-        problem = self.state.of
+        problem = self.state.problem
         grid, unknowns = problem.table.operators.grid, np.zeros((2, 2, problem.table.operators.grid.count))
         densities = self.state.densities / problem.powers[1]
         for place, f in enumerate(problem.fields):
@@ -134,25 +134,25 @@ class Solved:
     @cached_property
     def drawn(self) -> Array:
         """Unknowns of the contact that the charges beside it draw into it; (unknown,)."""
-        basis, found = self.assembly.basis, np.zeros(self.system.unknowns(self.assembly.basis))
+        basis, result = self.assembly.basis, np.zeros(self.system.unknowns(self.assembly.basis))
         terms = self.beside.terms(basis.terms + 1)
         for f, start in self.system.starts(basis).items():
-            found[start : start + basis.terms + 1] = terms[f]
-        return found
+            result[start : start + basis.terms + 1] = terms[f]
+        return result
 
     def carried(self, X: Array) -> Array:
         """du/dX of (y, phi, psi, x) at X that the kernels make of the charges beside the contact; (4, point)."""
-        of = self.state.of.table.operators
-        found = np.zeros((4, X.size))
+        of = self.state.problem.table.operators
+        result = np.zeros((4, X.size))
         if of._wide is None:
-            return found
+            return result
         mix = np.concatenate([mixing(0.0, np.eye(3)[1 + f])[:, :4] for f in self.system.fields], 1)
         both = Densities(of.grid, of._wide).integrals(self.state.half, np.concatenate([X, -X]), mix)
         right, left = both.reshape(2, X.size, len(self.system.fields), 4, -1)
         for place, f in enumerate(self.system.fields):
             unknowns = self.beside.unknowns[:, f]
-            found += self.state.half * (right[:, place] @ unknowns[0] + _MIRRORED * (left[:, place] @ unknowns[1])).T
-        return found
+            result += self.state.half * (right[:, place] @ unknowns[0] + _MIRRORED * (left[:, place] @ unknowns[1])).T
+        return result
 
     @cached_property
     def unknowns(self) -> Array:

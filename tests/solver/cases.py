@@ -38,38 +38,38 @@ def assert_finite(out: xr.Dataset) -> None:
         assert np.isfinite(out[name]).all(), name
 
 
-def assert_agrees(found: xr.Dataset, exact: Solution, rtol: float = 1e-11) -> None:
+def assert_agrees(computed: xr.Dataset, exact: Solution, rtol: float = 1e-11) -> None:
     """Every quantity and field of the oracle, each value to ``rtol`` of itself."""
     for name, value in exact.quantities.items():
-        np.testing.assert_allclose(found[name].item(), float(value), rtol=rtol, atol=_ZERO, err_msg=name)
+        np.testing.assert_allclose(computed[name].item(), float(value), rtol=rtol, atol=_ZERO, err_msg=name)
     for name, values in exact.fields.items():
         reference = np.array(values, dtype=float)
         if reference.size:
-            np.testing.assert_allclose(found[name].values, reference, rtol=rtol, atol=_ZERO, err_msg=name)
+            np.testing.assert_allclose(computed[name].values, reference, rtol=rtol, atol=_ZERO, err_msg=name)
 
 
-def refused(factors: Any, message: str, *more: str, positions: Any = None, **options: Any) -> None:
+def refused(factors: Any, message: str, *extra: str, positions: Any = None, **options: Any) -> None:
     """One line that begins so, and has the other words too."""
     with pytest.raises((solver.FactorError, solver.MaterialError)) as caught:
         solver.solve(factors, positions, **options)
     told = str(caught.value)
     assert told.startswith(message), told
-    assert all(word in told for word in more), told
+    assert all(word in told for word in extra), told
     assert "\n" not in told
 
 
-def assert_alike(found: xr.Dataset, expected: xr.Dataset, share: float, names: Iterable[str] | None = None) -> None:
+def assert_alike(computed: xr.Dataset, expected: xr.Dataset, share: float, names: Iterable[str] | None = None) -> None:
     """Every variable of the second, or those named, in the first: each to a share of its largest value."""
     for name in map(str, expected.data_vars) if names is None else names:
-        one, two = found[name].squeeze().values, expected[name].squeeze().values
+        first, two = computed[name].squeeze().values, expected[name].squeeze().values
         largest = float(np.nanmax(np.abs(two))) if two.size else 0.0
-        np.testing.assert_allclose(one, two, rtol=0, atol=share * largest, err_msg=name)
+        np.testing.assert_allclose(first, two, rtol=0, atol=share * largest, err_msg=name)
 
 
-def assert_same(found: xr.Dataset, expected: xr.Dataset, rtol: float = 1e-14) -> None:
+def assert_same(computed: xr.Dataset, expected: xr.Dataset, rtol: float = 1e-14) -> None:
     """Two results of the solver, each variable to ``rtol`` of its largest value."""
-    assert set(found.data_vars) == set(expected.data_vars)
+    assert set(computed.data_vars) == set(expected.data_vars)
     for name in expected.data_vars:
-        one, two = xr.align(found[name], expected[name], join="exact")
+        first, two = xr.align(computed[name], expected[name], join="exact")
         scale = float(np.max(np.abs(two))) if two.size else 0.0
-        np.testing.assert_allclose(one.values, two.values, rtol=rtol, atol=rtol * scale, err_msg=str(name))
+        np.testing.assert_allclose(first.values, two.values, rtol=rtol, atol=rtol * scale, err_msg=str(name))

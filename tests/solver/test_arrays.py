@@ -16,7 +16,7 @@ from solver.arrays import Array, distinct_rows
     ids=["alike", "one column constant", "one row"],
 )
 def test_distinct_rows_are_those_of_every_column_sorted(rows: Array) -> None:
-    found, which = distinct_rows(rows)
-    every, all_of = np.unique(rows, axis=0, return_inverse=True)
-    np.testing.assert_array_equal(found, every)
+    computed, which = distinct_rows(rows)
+    distinct, all_of = np.unique(rows, axis=0, return_inverse=True)
+    np.testing.assert_array_equal(computed, distinct)
     np.testing.assert_array_equal(which, all_of.ravel())

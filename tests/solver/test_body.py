@@ -43,7 +43,7 @@ CASES = {
 }  # fmt: skip
 CASES |= {
     HALF_SPACE_IN_AIR.name: CASES[HALF_SPACE.name] | {"surroundings": "air"},
-    POINT_FILM_IN_AIR.name: {name: one for name, one in CASES[POINT_FILM.name].items() if name not in READ}
+    POINT_FILM_IN_AIR.name: {name: first for name, first in CASES[POINT_FILM.name].items() if name not in READ}
     | {"surroundings": "air"},
 }
 
@@ -86,7 +86,7 @@ def test_where_air_cannot_be_the_solver_refuses_it(own: dict[str, object]) -> No
     assert airless(case)
     with pytest.raises((solver.FactorError, solver.MaterialError), match=r"surroundings|gap_radius"):
         solver.solve(case)
-    assert all((airless(one) == "") == (not {*READ} & one.keys()) for one in CASES.values())
+    assert all((airless(first) == "") == (not {*READ} & first.keys()) for first in CASES.values())
     assert airless({"profile": "cone", "slope": 0.1, "gap_radius": 1e-3}) == ""
 
 

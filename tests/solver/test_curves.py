@@ -51,9 +51,9 @@ def test_largest_values_at_the_points_are_next_to_the_peaks(case: dict[str, Any]
         peak = FOLLOWS[name]
         if peak.place:
             continue
-        here = list(described(peak.region))[: len(peak.measure.linear[0])]
-        largest = peak.measure.of(np.stack([curves[field].values for field in here], -1)).max(-1)
-        true = exact[name].broadcast_like(curves[here[0]].isel({f"{peak.region}_point": 0}, drop=True)).values
+        within = list(described(peak.region))[: len(peak.measure.linear[0])]
+        largest = peak.measure.of(np.stack([curves[field].values for field in within], -1)).max(-1)
+        true = exact[name].broadcast_like(curves[within[0]].isel({f"{peak.region}_point": 0}, drop=True)).values
         room = 1e-4 * true.max()
         assert (largest <= true * (1 + 2e-4) + room).all(), name
         assert (largest >= 0.9 * true - room).all(), name

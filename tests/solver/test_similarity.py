@@ -32,12 +32,12 @@ def scaled(case: dict[str, Any], size: float, strength: float) -> dict[str, Any]
     }
 
 
-def assert_similar(one: xr.Dataset, two: xr.Dataset, size: float, strength: float, rtol: float) -> None:
+def assert_similar(first: xr.Dataset, two: xr.Dataset, size: float, strength: float, rtol: float) -> None:
     """Every variable of two is that of one times its powers, to ``rtol`` of its largest value."""
-    assert set(one.data_vars) == set(two.data_vars)
-    for name in map(str, one.data_vars):
+    assert set(first.data_vars) == set(two.data_vars)
+    for name in map(str, first.data_vars):
         weight = QUANTITY_WEIGHTS[name]
-        expected = one[name].values * size**weight.size * strength**weight.strength
+        expected = first[name].values * size**weight.size * strength**weight.strength
         largest = float(np.abs(expected).max())
         np.testing.assert_allclose(two[name].values, expected, rtol=rtol, atol=rtol * largest, err_msg=name)
 
@@ -48,9 +48,9 @@ def test_half_planes_scale_with_size_and_strength(
     material: solver.Material, case: dict[str, Any], size: float, strength: float
 ) -> None:
     case = {"material": material, "datum": 1.0, **case}
-    one, two = (solver.solve(c, POSITIONS, regular=True) for c in (case, scaled(case, size, strength)))
+    first, two = (solver.solve(c, POSITIONS, regular=True) for c in (case, scaled(case, size, strength)))
     # potentials are differences of logarithms, sums of these by charges and load
-    assert_similar(one, two, size, strength, 1e-9)
+    assert_similar(first, two, size, strength, 1e-9)
 
 
 LINE: dict[str, Any] = {"composite": "fibrous", "volume_fraction": 0.4, "friction": 0.2, "load": 1e4, "datum": 0.5}
@@ -71,33 +71,35 @@ AIRY: dict[str, Any] = {
     ids=("tilted by a moment", "wedge", "ball on a film"),
 )
 def test_other_profiles_scale_too(case: dict[str, Any], rtol: float) -> None:
-    one, two = (solver.solve(c, POSITIONS, peaks=rtol == 1e-6) for c in (case, scaled(case, 0.3, 1.7)))
-    assert_similar(one, two, 0.3, 1.7, rtol)
+    first, two = (solver.solve(c, POSITIONS, peaks=rtol == 1e-6) for c in (case, scaled(case, 0.3, 1.7)))
+    assert_similar(first, two, 0.3, 1.7, rtol)
 
 
 @pytest.mark.parametrize("base", ["rigid", "steel"])
 def test_films_scale_with_size_and_strength(base: str) -> None:
     """Two scalings at once, of which the tables of unit films know nothing but P R/h^2, T/P and J/P."""
     case = {**FILM, "base": base, "interface_magnetic": "grounded"}
-    one, two = (solver.solve(c, POSITIONS) for c in (case, scaled(case, 4.0, 0.7)))
-    assert_similar(one, two, 4.0, 0.7, 1e-8)
+    first, two = (solver.solve(c, POSITIONS) for c in (case, scaled(case, 4.0, 0.7)))
+    assert_similar(first, two, 4.0, 0.7, 1e-8)
 
 
 def test_films_in_air_scale_with_their_permittivity() -> None:
-    one, two = (solver.solve(c | {"gap_permittivity": of}) for c, of in ((AIRY, 1.0), (scaled(AIRY, 1.7, 0.8), 0.8)))
-    assert_similar(one, two, 1.7, 0.8, 1e-6)
+    first, two = (
+        solver.solve(c | {"gap_permittivity": tabled}) for c, tabled in ((AIRY, 1.0), (scaled(AIRY, 1.7, 0.8), 0.8))
+    )
+    assert_similar(first, two, 1.7, 0.8, 1e-6)
 
 
 def test_stacks_scale_with_their_layers() -> None:
     titanate, ferrite = solver.find("BaTiO3"), solver.find("CoFe2O4")
-    one, two = (
+    first, two = (
         solver.solve(
             {"radius": 0.05 * f, "load": 1e5 * f, "datum": f, "surroundings": "insulated"}
             | {"body": solver.Stack([solver.Layer(titanate, f * 1e-4), solver.Layer(ferrite, f * 2e-4)], base="steel")}
         )
         for f in (1.0, 2.0)
     )
-    assert_similar(one, two, 2.0, 1.0, 1e-11)
+    assert_similar(first, two, 2.0, 1.0, 1e-11)
 
 
 def test_the_table_knows_every_quantity_and_field() -> None:

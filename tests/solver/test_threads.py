@@ -25,11 +25,11 @@ def test_one_thread_while_it_lasts() -> None:
 
 def test_every_solution_is_made_so(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[set[int]] = []
-    made = Cases.labelled
+    original = Cases.labelled
 
-    def labelled(*given: Any, **more: Any) -> dict[str, xr.Variable]:
+    def labelled(*arguments: Any, **options: Any) -> dict[str, xr.Variable]:
         seen.append(threads())
-        return made(*given, **more)
+        return original(*arguments, **options)
 
     monkeypatch.setattr(Cases, "labelled", labelled)
     with threadpool_limits(2, "blas"):

@@ -19,8 +19,7 @@ from tqdm import tqdm
 from approximation.arrays import Indices
 from solver import FactorError, MaterialError
 from solver.face.attributes import of_output, united
-from solver.face.filmfactors import present
-from solver.face.surroundings import settled
+from solver.face.filmfactors import present, settled
 from solver.fields import ACROSS, ALONG, EVERY_INTERIOR
 from solver.names import ALL_QUANTITIES, CHOICES, FACTORS, OF_A_FILM, OF_A_PUNCH
 from storage.files import write_text

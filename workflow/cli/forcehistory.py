@@ -119,8 +119,8 @@ def _read(file: Sheet, rows: Iterator[tuple[int, list[str]]], line: bool, scale:
     path = file.path
     columns, rows = _header(file, rows, scaled=scale is not None)
     factor, per_metre = _force_scale(path, columns, line, scale)
-    texts: list[str] = []
-    values, lines = array("d"), array("q")
+    texts: list[str] = []  # of the times, empty as long as these are plain numbers
+    seconds, values, lines = array("d"), array("d"), array("q")
     stray: tuple[int, str] | None = None
     last = max(columns.time, columns.force)
     for place, row in rows:
@@ -132,8 +132,13 @@ def _read(file: Sheet, rows: Iterator[tuple[int, list[str]]], line: bool, scale:
             and row[0][:1] != "#"
             and "->" not in row[0]
         ):
+            plain = quick_number(row[columns.time])
+            if plain is not None and abs(plain) < _LATE and not texts:
+                seconds.append(plain)
+            else:
+                texts = texts or [repr(time) for time in seconds]
+                texts.append(row[columns.time].strip())
             values.append(value)
-            texts.append(row[columns.time].strip())
             lines.append(place)
             continue
         if row[0].lstrip().startswith("#"):
@@ -157,13 +162,14 @@ def _read(file: Sheet, rows: Iterator[tuple[int, list[str]]], line: bool, scale:
         if len(values) == MOST_ROWS:
             raise InputError(f"{path}: more than {MOST_ROWS} rows; a history has 2 to {MOST_ROWS}")
         values.append(_force(f"{path}: line {place}: {columns.heading}", cells[columns.force].strip(), file))
+        texts = texts or [repr(time) for time in seconds]
         texts.append(cells[columns.time].strip())
         lines.append(place)
     if stray and len(values) < 2:
         raise InputError(f"{path}: line {stray[0]}: {stray[1]!r} is no row of numbers and times; {_NEEDS}")
     if len(values) < 2:
         raise InputError(f"{path}: {len(values)} rows; a history has 2 to {MOST_ROWS}")
-    times, origin = _times(file, texts, lines, columns)
+    times, origin = _times(file, texts, seconds, lines, columns)
     forces = np.frombuffer(values) * factor
     remarks = []
     if columns.time_unit is None and columns.increment is None and not origin and times[0] < _RECENT:
@@ -403,38 +409,21 @@ def _force_scale(path: Path, columns: _Columns, line: bool, scale: str | None) -
     raise InputError(f"{path}: {name}: unit mismatch: {text!r} does not measure a force in N")
 
 
-def _times(file: Sheet, texts: list[str], lines: "array[int]", columns: _Columns) -> tuple[Array, str]:
-    """Ascending times [s], and the first one as it is written where times had to be counted from it."""
+def _times(
+    file: Sheet, texts: list[str], plain: "array[float]", lines: "array[int]", columns: _Columns
+) -> tuple[Array, str]:
+    """Ascending times [s] of texts, or else of plain numbers; the first text where times are counted from it."""
     path = file.path
     unit = (columns.time_unit or "s").strip().rstrip(".").casefold()
     clock = _is_clock(texts[:1])
     if unit not in _TIME_UNITS and not clock and columns.increment is None:
         raise InputError(f"{path}: time: unit mismatch: {columns.time_unit!r} does not measure a time in s")
     scale = 1.0 if clock else _TIME_UNITS.get(unit, 1.0)
-    read: Callable[[str], float] = (
-        _seconds(texts[0]) if clock else lambda text: number(with_point(text, file.separator))
-    )
-    values = array("d")
-    try:
-        for text in texts:
-            values.append(read(text))
-        times = np.frombuffer(values)
-        late = not clock and abs(times[0]) >= _LATE
-        if late:  # digits that a double of a late time does not have
-            first = Decimal(with_point(texts[0], file.separator))
-            times = np.array([float(Decimal(with_point(text, file.separator)) - first) for text in texts])
-    except (ValueError, ArithmeticError) as error:
-        row = len(values) if len(values) < len(texts) else 0
-        where = f"{path}: line {lines[row]}: time"
-        if not texts[row] or missing(texts[row]):
-            raise InputError(f"{where}: {texts[row]!r}: must be a number; remove the row") from None
-        telling = any(word in str(error) for word in ("decimal", "groups", "date changes"))
-        reason = str(error) if telling else f"{texts[row][:40]!r} is no time"
-        raise InputError(f"{where}: {reason}; times are numbers, clock times hh:mm:ss or ISO dates") from None
+    times, late = _read_times(file, texts, lines, clock) if texts else (np.frombuffer(plain), False)
     if not np.isfinite(times).all():
         raise InputError(f"{path}: line {lines[int((~np.isfinite(times)).argmax())]}: time: is not a finite number")
     if columns.time_unit is None and not clock and columns.increment is None:
-        latest = abs(float(times[-1])) if not late else max(abs(float(first)), abs(float(first) + float(times[-1])))
+        latest = abs(float(times[-1]) + (float(with_point(texts[0], file.separator)) if late else 0.0))
         if latest > _UNIX:
             raise InputError(
                 f"{path}: time: has no unit, and {latest:.4g} s are no time; write 'time [ms]' or its like"
@@ -445,14 +434,38 @@ def _times(file: Sheet, texts: list[str], lines: "array[int]", columns: _Columns
     back = np.diff(times) <= 0
     if back.any():
         row = int(back.argmax()) + 1
-        again = "is there twice" if times[row] == times[row - 1] else f"is not after {texts[row - 1]}"
-        raise InputError(f"{path}: line {lines[row]}: time: {texts[row]} {again}; time runs forwards")
+        before, behind = texts[row - 1 : row + 1] or [f"{time:g}" for time in plain[row - 1 : row + 1]]
+        again = "is there twice" if times[row] == times[row - 1] else f"is not after {before}"
+        raise InputError(f"{path}: line {lines[row]}: time: {behind} {again}; time runs forwards")
     if late:
         offset = float(Decimal(with_point(texts[0], file.separator))) * scale
         if np.spacing(abs(offset)) > _RESOLVED * float(np.diff(times).min()):
             return times, texts[0]
         return times + offset, ""
     return times, texts[0] if clock else ""
+
+
+def _read_times(file: Sheet, texts: list[str], lines: "array[int]", clock: bool) -> tuple[Array, bool]:
+    """Times in the unit of their column, and whether they are late ones that are counted from the first."""
+    read: Callable[[str], float] = (
+        _seconds(texts[0]) if clock else lambda text: number(with_point(text, file.separator))
+    )
+    values = array("d")
+    try:
+        for text in texts:
+            values.append(read(text))
+        if clock or abs(values[0]) < _LATE:
+            return np.frombuffer(values), False
+        first = Decimal(with_point(texts[0], file.separator))  # digits that a double of a late time does not have
+        return np.array([float(Decimal(with_point(text, file.separator)) - first) for text in texts]), True
+    except (ValueError, ArithmeticError) as error:
+        row = len(values) if len(values) < len(texts) else 0
+        where = f"{file.path}: line {lines[row]}: time"
+        if not texts[row] or missing(texts[row]):
+            raise InputError(f"{where}: {texts[row]!r}: must be a number; remove the row") from None
+        telling = any(word in str(error) for word in ("decimal", "groups", "date changes"))
+        reason = str(error) if telling else f"{texts[row][:40]!r} is no time"
+        raise InputError(f"{where}: {reason}; times are numbers, clock times hh:mm:ss or ISO dates") from None
 
 
 def _seconds(first: str) -> Callable[[str], float]:

@@ -22,36 +22,36 @@ TABLE: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize("own", [{}, {"speed": 100.0, "punch": "steel", "radius": [0.02, 0.05], "datum": 0.3}])
-def test_a_half_plane_in_no_air_is_the_closed_form(own: dict[str, Any]) -> None:
+@pytest.mark.parametrize("options", [{}, {"speed": 100.0, "punch": "steel", "radius": [0.02, 0.05], "datum": 0.3}])
+def test_a_half_plane_in_no_air_is_the_closed_form(options: dict[str, Any]) -> None:
     """A gap of next to no permittivity; at the edge, where D_y is infinite without it, it is only next to none."""
-    exact, found = solver.solve(LINE | own), solver.solve(LINE | AIR | own | {"gap_permittivity": 1e-16})
+    exact, computed = solver.solve(LINE | options), solver.solve(LINE | AIR | options | {"gap_permittivity": 1e-16})
     gone = {f"{field}_edge_intensity_{edge}" for field in ("electric", "magnetic") for edge in ("trailing", "leading")}
-    assert set(found.data_vars) - gone == set(exact.data_vars) - gone | GAP_QUANTITIES.keys() | {
+    assert set(computed.data_vars) - gone == set(exact.data_vars) - gone | GAP_QUANTITIES.keys() | {
         "capacitance_per_length"
     }
     for name in set(exact.data_vars) - gone - {"trailing_tension", "leading_compression"}:
-        np.testing.assert_allclose(found[name], exact[name], rtol=1e-11, err_msg=str(name))
+        np.testing.assert_allclose(computed[name], exact[name], rtol=1e-11, err_msg=str(name))
 
 
 def test_air_changes_neither_pressure_nor_charge_per_load_of_a_half_plane() -> None:
     """The theorem of docs/theory.md, 10: both by the closed form; capacitances at fixed contact and load are one."""
-    exact, found = solver.solve(LINE), solver.solve(LINE | AIR)
+    exact, computed = solver.solve(LINE), solver.solve(LINE | AIR)
     for name in ("contact_trailing", "peak_pressure", "charge_per_force", "stroke_per_volt"):
-        assert float(found[name]) == pytest.approx(float(exact[name]), rel=1e-9), name
-    assert abs(float(found["voltage"] / exact["voltage"])) < 0.95
-    assert float(found["capacitance_at_load"]) == pytest.approx(float(found["capacitance_per_length"]), rel=1e-9)
+        assert float(computed[name]) == pytest.approx(float(exact[name]), rel=1e-9), name
+    assert abs(float(computed["voltage"] / exact["voltage"])) < 0.95
+    assert float(computed["capacitance_at_load"]) == pytest.approx(float(computed["capacitance_per_length"]), rel=1e-9)
 
 
 def test_a_table_holds_both_and_each_case_is_the_case_alone() -> None:
-    both = solver.solve(FILM | {"surroundings": ["air", "insulated"], "load": [1e4, 2e4], "gap_permittivity": 1.0})
-    assert "capacitance_at_load" not in both
-    assert "electric_edge_intensity_trailing" not in both
+    pair = solver.solve(FILM | {"surroundings": ["air", "insulated"], "load": [1e4, 2e4], "gap_permittivity": 1.0})
+    assert "capacitance_at_load" not in pair
+    assert "electric_edge_intensity_trailing" not in pair
     for around in ("air", "insulated"):
         alone = solver.solve(FILM | {"surroundings": around, "load": 1e4})
         for name in ("contact_trailing", "voltage", "capacitance_per_length", "charge_per_force"):
-            at = both[name].sel(surroundings=around).isel(load=0)
-            assert float(at) == pytest.approx(float(alone[name]), rel=1e-9), name
+            chosen = pair[name].sel(surroundings=around).isel(load=0)
+            assert float(chosen) == pytest.approx(float(alone[name]), rel=1e-9), name
 
 
 BALL: dict[str, Any] = {
@@ -89,13 +89,13 @@ def test_films_are_in_air_by_default_bit_for_bit_and_half_planes_are_not(case: d
 
 def test_what_cases_have_beside_them_may_differ_along_two_dimensions() -> None:
     conducts = {"electric": ["conducting", "insulating"], "magnetic": ["insulating", "conducting"]}
-    found = solver.solve(FILM | conducts)
-    assert found["surroundings"].transpose("electric", "magnetic").values.tolist() == [
+    computed = solver.solve(FILM | conducts)
+    assert computed["surroundings"].transpose("electric", "magnetic").values.tolist() == [
         ["air", "air"],
         ["insulated", "air"],
     ]
     alone = solver.solve(FILM | {"electric": "insulating"})
-    assert float(found["depth"].sel(electric="insulating", magnetic="insulating")) == float(alone["depth"])
+    assert float(computed["depth"].sel(electric="insulating", magnetic="insulating")) == float(alone["depth"])
     named = solver.solve(FILM | {"surroundings": xr.DataArray(["", "insulated"], dims="case")})
     assert named["surroundings"].values.tolist() == ["air", "insulated"]
 
@@ -106,10 +106,10 @@ def test_the_table_of_films_with_air_is_the_solver_s() -> None:
     for line, case in zip(lines, TABLE, strict=True):
         bare, air = solver.solve(case | {"surroundings": "insulated"}), solver.solve(case)
         stored, volts, charge = (cell.strip() for cell in line.strip("|").split("|")[1:])
-        nano = [f"{float(each['capacitance_per_length']) * 1e9:.3g}" for each in (bare, air)]
+        nano = [f"{float(answer['capacitance_per_length']) * 1e9:.3g}" for answer in (bare, air)]
         assert stored == ", air ".join(nano)
         assert volts == f"x {float(air['voltage'] / bare['voltage']):.2g}"
-        pico = [float(one["charge_per_force"]) * 1e12 for one in (bare, air)]
+        pico = [float(first["charge_per_force"]) * 1e12 for first in (bare, air)]
         assert charge == f"{pico[0]:.3g}, air {pico[1]:.3g}"
 
 
@@ -118,9 +118,9 @@ def test_fields_in_no_air_are_those_without() -> None:
     positions, x, y = [-20.0, -2.0, -0.5, 0.3, 1.4], [-1.5, 0.2, 3.0], [-0.1, -0.7]
     bare, none = {"surroundings": "insulated"}, AIR | {"gap_permittivity": 1e-16}
     for case in (LINE, FILM | {"friction": 0.2, "load": 1e4}):
-        exact, found = (solver.solve(case | own, positions, regular=True) for own in (bare, none))
-        assert_alike(found, exact, 1e-8, [name for name in map(str, exact) if exact[name].ndim])
-        inside = [solver.solve_interior(case | own, x, y) for own in (bare, none)]
+        exact, computed = (solver.solve(case | options, positions, regular=True) for options in (bare, none))
+        assert_alike(computed, exact, 1e-8, [name for name in map(str, exact) if exact[name].ndim])
+        inside = [solver.solve_interior(case | options, x, y) for options in (bare, none)]
         assert_alike(inside[1], inside[0], 1e-8)
 
 
@@ -134,18 +134,18 @@ ELASTIC: dict[str, Any] = BALL | {"material": "BaTiO3", "force": 10.0, "punch": 
     [
         (TITANATE, PEAKS, "body"),
         *(
-            pytest.param(*own, marks=pytest.mark.soak)
-            for own in ((SLIDES, FILM_PEAKS, "interface"), (ELASTIC, PEAKS, ""))
+            pytest.param(*options, marks=pytest.mark.soak)
+            for options in ((SLIDES, FILM_PEAKS, "interface"), (ELASTIC, PEAKS, ""))
         ),
     ],
 )
 def test_peaks_in_no_air_are_those_without(case: dict[str, Any], names: Mapping[str, Any], region: str) -> None:
     around = {"surroundings": "insulated"}, AIR | {"gap_permittivity": 1e-16}
-    exact, found = (solver.solve(case | own, peaks=True) for own in around)
-    assert_alike(found, exact, 1e-6, names)
+    exact, computed = (solver.solve(case | options, peaks=True) for options in around)
+    assert_alike(computed, exact, 1e-6, names)
     if region:
-        exact, found = (solver.solve_curves(case | own, [region]) for own in around)
-        assert_alike(found, exact, 1e-6)
+        exact, computed = (solver.solve_curves(case | options, [region]) for options in around)
+        assert_alike(computed, exact, 1e-6)
 
 
 TITANATE_FILM = BALL | {"material": "BaTiO3", "thickness": 1e-4, "base": "steel", "force": 37.0}
@@ -155,19 +155,19 @@ FIBROUS = BALL | {"radius": 5e-3, "force": 10.0, "composite": "fibrous", "volume
 @pytest.mark.parametrize("case", [TITANATE_FILM, FIBROUS], ids=["film", "half-space"])
 def test_points_in_no_air_are_those_without(case: dict[str, Any]) -> None:
     """At rest and sliding: quantities, fields on the surface and inside."""
-    own = {name: value for name, value in case.items() if value is not None} | {"total_charge": 2e-10}
+    options = {name: value for name, value in case.items() if value is not None} | {"total_charge": 2e-10}
     x, y = [-3.0, -1.05, -0.5, 0.3, 0.95, 2.0], [-0.02, -0.7, -2.5]
     for slides in ({}, {"friction": 0.3}):
-        exact, found = (
-            (solver.solve(own | slides | around, x), solver.solve_interior(own | slides | around, x, y))
+        exact, computed = (
+            (solver.solve(options | slides | around, x), solver.solve_interior(options | slides | around, x, y))
             for around in ({"surroundings": "insulated"}, AIR | {"gap_permittivity": 1e-15})
         )
         gone = {name for name in map(str, exact[0].data_vars) if "edge_intensity" in name}
-        assert set(found[0].data_vars) == set(exact[0].data_vars) - gone | POINT_GAP_QUANTITIES.keys()
-        kept = set(map(str, exact[0].data_vars)) - gone - {"magnetic_induction"}  # which is rounding alone
-        assert_alike(found[0], exact[0], 1e-10, {name for name in kept if not exact[0][name].ndim})
-        assert_alike(found[0], exact[0], 1e-9, kept)
-        assert_alike(found[1], exact[1], 1e-9)
+        assert set(computed[0].data_vars) == set(exact[0].data_vars) - gone | POINT_GAP_QUANTITIES.keys()
+        names_left = set(map(str, exact[0].data_vars)) - gone - {"magnetic_induction"}  # which is rounding alone
+        assert_alike(computed[0], exact[0], 1e-10, {name for name in names_left if not exact[0][name].ndim})
+        assert_alike(computed[0], exact[0], 1e-9, names_left)
+        assert_alike(computed[1], exact[1], 1e-9)
 
 
 def test_what_is_not_given_of_points_in_air_is_refused() -> None:
@@ -177,7 +177,7 @@ def test_what_is_not_given_of_points_in_air_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    "own",
+    "options",
     [
         {"radius": 0.02, "thickness": 3e-4, "base": "steel", "punch": "steel", "load": [1.9e4, 2e4, 2.1e4]},
         {"radius": 0.02, "friction": 0.2, "load": [7.9e3, 8e3, 8.1e3]},
@@ -194,7 +194,7 @@ def test_what_is_not_given_of_points_in_air_is_refused() -> None:
         },
     ],
 )
-def test_a_held_potential_is_not_that_of_a_closed_gap(own: dict[str, Any]) -> None:
+def test_a_held_potential_is_not_that_of_a_closed_gap(options: dict[str, Any]) -> None:
     """Newton's iteration once ended at a gap below zero next to an edge, at some loads or at all of them."""
-    found = solver.solve(LINE | AIR | own)["charge_per_force"].values
-    assert found[1] == pytest.approx((found[0] + found[2]) / 2, rel=1e-4)
+    computed = solver.solve(LINE | AIR | options)["charge_per_force"].values
+    assert computed[1] == pytest.approx((computed[0] + computed[2]) / 2, rel=1e-4)

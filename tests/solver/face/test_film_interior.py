@@ -34,10 +34,10 @@ def test_published_figures_are_hit(name: str) -> None:
     factors, (half_way, shear, normal) = FIGURES[name][0], INSIDE[name]
     out = solver.solve(factors)
     depth = factors["thickness"] / float(out["contact_trailing"] + out["contact_leading"]) * 2
-    found = solver.solve_interior(factors, [0.0, 1.0], [-depth / 2, -depth], fields=[*_HALF_WAY, "stress_xy"])
-    np.testing.assert_allclose([float(found[key][0, 0]) for key in _HALF_WAY], half_way, rtol=1e-9)
-    np.testing.assert_allclose(found["stress_xy"][1], shear, rtol=1e-9, atol=1e-3)
-    np.testing.assert_allclose(found["stress_yy"][1], normal, rtol=1e-9)
+    computed = solver.solve_interior(factors, [0.0, 1.0], [-depth / 2, -depth], fields=[*_HALF_WAY, "stress_xy"])
+    np.testing.assert_allclose([float(computed[key][0, 0]) for key in _HALF_WAY], half_way, rtol=1e-9)
+    np.testing.assert_allclose(computed["stress_xy"][1], shear, rtol=1e-9, atol=1e-3)
+    np.testing.assert_allclose(computed["stress_yy"][1], normal, rtol=1e-9)
 
 
 def test_a_mixed_table_and_rigid_bases_and_similarity() -> None:

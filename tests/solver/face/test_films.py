@@ -68,15 +68,15 @@ def test_published_figures_are_hit(name: str) -> None:
     factors, scalars, fields = FIGURES[name]
     out = solver.solve(factors, POSITIONS)
     np.testing.assert_allclose([float(out[key]) for key in _SCALARS], scalars, rtol=1e-8)
-    found = np.concatenate([out[key].values[at] for key, at in _VECTORS.items()])
-    np.testing.assert_allclose(found, fields, rtol=1e-8)
+    index = np.concatenate([out[key].values[index] for key, index in _VECTORS.items()])
+    np.testing.assert_allclose(index, fields, rtol=1e-8)
 
 
 def test_every_quantity_has_its_unit_and_film_answers_all_but_the_peaks() -> None:
     out = solver.solve(FILM)
     assert set(out.data_vars) == {*QUANTITIES, *FILM_QUANTITIES}
-    for name, one in (EVERY_QUANTITY | EVERY_FILM_QUANTITY).items():
-        assert name not in out or out[name].attrs["units"] == one.units
+    for name, quantity in (EVERY_QUANTITY | EVERY_FILM_QUANTITY).items():
+        assert name not in out or out[name].attrs["units"] == quantity.units
     assert "film" in out.attrs["title"]
     assert "absolute above a grounded interface" in out["voltage"].attrs["comment"]
 
@@ -97,9 +97,9 @@ def test_table_of_short_circuited_films_is_hit_to_every_digit() -> None:
         stiffness, expected = np.array([row[number] for row in SHORT_CIRCUIT.values()]).T
         load = stiffness * half**2 / radius
         film = FILM | {"material": material, "thickness": thickness, "load": xr.DataArray(load, dims="case")}
-        found = solver.solve(film)["charge_per_force"].values * 1e12
-        assert np.all(np.abs(found - expected) < [6e-5, 6e-5, 6e-5, 6e-4])
-        held = solver.solve(film | {"charge": xr.DataArray(found * 1e-12 * load, dims="case")})
+        computed = solver.solve(film)["charge_per_force"].values * 1e12
+        assert np.all(np.abs(computed - expected) < [6e-5, 6e-5, 6e-5, 6e-4])
+        held = solver.solve(film | {"charge": xr.DataArray(computed * 1e-12 * load, dims="case")})
         np.testing.assert_allclose(held["contact_trailing"], half, rtol=1e-6)
         if material == "PZT-4":
             depth = [row[2] for row in SHORT_CIRCUIT.values()]
@@ -110,10 +110,10 @@ def test_many_cases_and_positions_are_those_of_one_each() -> None:
     X = np.linspace(-2, 2, 600)
     loads = np.geomspace(1e3, 1e6, 300)
     many = solver.solve(FILM | {"load": loads}, X)
-    one = solver.solve(FILM | {"load": loads[290]}, X[[5, 580]])
+    first = solver.solve(FILM | {"load": loads[290]}, X[[5, 580]])
     for name in ("contact_pressure", "stress_xx", "electric_displacement_y"):
         np.testing.assert_allclose(
-            many[name][290, [5, 580]], one[name], rtol=1e-7, atol=1e-9 * float(np.max(many[name]))
+            many[name][290, [5, 580]], first[name], rtol=1e-7, atol=1e-9 * float(np.max(many[name]))
         )
 
 
@@ -178,9 +178,9 @@ def test_peaks_of_film_and_interface() -> None:
     assert float(out["interface_shear"]) > 3.3e7  # section 9, at X = 1
     assert abs(float(out["interface_shear_position"])) > 0.6
     assert float(out["film_peak_von_mises"]) > 1.829406836e08  # section 9, at half the thickness
-    some = solver.solve(FILM, peaks=["interface_tension", "peak_von_mises"])  # a half-plane's: no film has it
-    assert set(some.data_vars) & set(ALL_PEAKS) == {"interface_tension"}
-    assert float(some["interface_tension"]) == float(out["interface_tension"])
+    part = solver.solve(FILM, peaks=["interface_tension", "peak_von_mises"])  # a half-plane's: no film has it
+    assert set(part.data_vars) & set(ALL_PEAKS) == {"interface_tension"}
+    assert float(part["interface_tension"]) == float(out["interface_tension"])
     half = solver.solve({"material": "BaTiO3", "radius": 0.05, "load": 1e4}, peaks=["peak_von_mises_depth"])
     assert set(half.data_vars) & set(ALL_PEAKS) == {"peak_von_mises_depth"}
     with pytest.raises(solver.FactorError, match="peaks: 'shear' is unknown; known are peak_von_mises"):

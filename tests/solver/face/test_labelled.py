@@ -173,23 +173,23 @@ def test_a_composite_is_fibrous_titanate_in_ferrite_unless_said_otherwise() -> N
     plain = solver.solve({"volume_fraction": 0.4, **contact}, POSITIONS)
     named = solver.solve({"volume_fraction": 0.4, "composite": "fibrous", **contact}, POSITIONS)
     material = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.4)
-    own = solver.solve({"material": material, **contact}, POSITIONS)
+    alone = solver.solve({"material": material, **contact}, POSITIONS)
     assert_same(plain, named, rtol=0)
-    assert_same(plain, own, rtol=1e-15)
+    assert_same(plain, alone, rtol=1e-15)
 
 
 @pytest.mark.parametrize("composite", ["fibrous", "laminate"])
 def test_phases_by_name_and_by_material(composite: str) -> None:
-    one, two = solver.find("PZT-4"), solver.find("steel")
+    first, two = solver.find("PZT-4"), solver.find("steel")
     factors = {"composite": composite, "volume_fraction": [0.2, 0.6], "radius": 0.05, "load": 1e5, "friction": 0.2}
     mix = {"fibrous": solver.fibrous, "laminate": solver.laminate}[composite]
     by_name = solver.solve(factors, POSITIONS, phases=("PZT-4", "steel"))
-    by_material = solver.solve(factors, POSITIONS, phases=(one, two))
-    own = solver.solve(factors, POSITIONS, phases=("mine", "steel"), materials={"mine": one})
+    by_material = solver.solve(factors, POSITIONS, phases=(first, two))
+    alone = solver.solve(factors, POSITIONS, phases=("mine", "steel"), materials={"mine": first})
     assert_same(by_name, by_material, rtol=0)
-    assert_same(by_name, own, rtol=0)
+    assert_same(by_name, alone, rtol=0)
     for i, fraction in enumerate((0.2, 0.6)):
-        case = {"material": mix(one, two, fraction), "radius": 0.05, "load": 1e5, "friction": 0.2}
+        case = {"material": mix(first, two, fraction), "radius": 0.05, "load": 1e5, "friction": 0.2}
         assert_same(by_name.isel(volume_fraction=i), solver.solve(case, POSITIONS))
 
 
@@ -197,12 +197,12 @@ def test_own_materials_by_object_and_by_name() -> None:
     mine = solver.Material.isotropic(70e9, 0.3, name="aluminium")
     by_object = solver.solve({**ONE, "material": mine}, POSITIONS)
     by_name = solver.solve({**ONE, "material": "light"}, POSITIONS, materials={"light": mine})
-    both = solver.solve({**ONE, "material": ["steel", mine]}, POSITIONS)
+    pair = solver.solve({**ONE, "material": ["steel", mine]}, POSITIONS)
     assert by_object.coords["material"].item() == "aluminium"
     assert by_name.coords["material"].item() == "light"
-    assert list(both.coords["material"].values) == ["steel", "aluminium"]
+    assert list(pair.coords["material"].values) == ["steel", "aluminium"]
     assert_same(by_object, by_name, rtol=0)
-    assert_same(both.isel(material=1), by_object)
+    assert_same(pair.isel(material=1), by_object)
 
 
 def test_an_own_material_takes_precedence_over_a_built_in_one_of_its_name() -> None:
@@ -216,10 +216,10 @@ def test_a_material_from_a_mapping_and_from_keywords_is_the_same() -> None:
     entries = {name: float(getattr(titanate, name)) for name in ("c11", "c13", "c33", "c44", "e31", "e33", "e15")}
     entries |= {name: float(getattr(titanate, name)) for name in ("eps11", "eps33", "mu11", "mu33")}
     arrays: dict[str, Any] = {name: np.array(value) for name, value in entries.items()}
-    one, two = solver.Material.from_mapping(entries), solver.Material(**arrays)
-    found = [solver.solve({**ONE, "material": m}, POSITIONS) for m in (one, two)]
-    assert_same(found[0], found[1], rtol=0)
-    assert_same(solver.solve({**ONE, "material": one}), solver.solve(ONE), rtol=0)
+    first, two = solver.Material.from_mapping(entries), solver.Material(**arrays)
+    computed = [solver.solve({**ONE, "material": m}, POSITIONS) for m in (first, two)]
+    assert_same(computed[0], computed[1], rtol=0)
+    assert_same(solver.solve({**ONE, "material": first}), solver.solve(ONE), rtol=0)
 
 
 def test_the_input_is_left_as_it_was() -> None:
@@ -249,7 +249,7 @@ def test_what_is_marked_as_hanging_on_the_datum_is_what_changes_with_it() -> Non
             values = array.transpose("datum", ...).values.reshape(3, -1)
             if np.any(np.ptp(values, axis=0) > 1e-9 * np.abs(values).max()):
                 changed.add(name)
-        assert changed == {name for name, one in known.items() if one.on_datum}
+        assert changed == {name for name, quantity in known.items() if quantity.on_datum}
         assert set(out.data_vars) == set(known)
 
 

@@ -42,8 +42,8 @@ X, Y = np.array([-30.0, -1.2, -1.001, -0.99, -0.5, 0.1, 0.9, 1.01, 2.5]), np.arr
 def told(factors: dict[str, Any], conducts: tuple[bool, bool], charges: tuple[str, str]) -> dict[str, Any]:
     """The case of a punch that conducts what it is told to, with charges where it does."""
     sizes = {"charge": 2e-6, "magnetic_charge": 1e-3, "total_charge": 3e-10, "total_flux": -2e-8}
-    for field, charge, one in zip(("electric", "magnetic"), charges, conducts, strict=True):
-        factors = factors | ({charge: sizes[charge]} if one else {field: "insulating"})
+    for field, charge, first in zip(("electric", "magnetic"), charges, conducts, strict=True):
+        factors = factors | ({charge: sizes[charge]} if first else {field: "insulating"})
     return factors
 
 
@@ -59,7 +59,7 @@ def test_lines(name: str, conducts: tuple[bool, bool]) -> None:
     case = told(LINE | LINES[name], conducts, ("charge", "magnetic_charge"))
     film = bonded(case, 3e-4)
     assert_alike(solver.solve(film, X, regular=True), solver.solve(case, X, regular=True), 3e-11)
-    inside, exact = (solver.solve_interior(own, X, Y, fields=list(EVERY_INTERIOR)) for own in (film, case))
+    inside, exact = (solver.solve_interior(problem, X, Y, fields=list(EVERY_INTERIOR)) for problem in (film, case))
     assert_alike(inside, exact, 3e-10)
 
 
@@ -85,5 +85,5 @@ def test_points_that_slide_in_air(charge: float) -> None:
     case |= {"material": "BaTiO3", "surroundings": "air", "total_charge": charge}
     turned = ["contact_offset", "trailing_tension", "peak_pressure", "peak_displacement", "gap_field"]
     film = case | {"thickness": 6e-5, "base": "BaTiO3", "interface_electric": "bonded"}
-    found, exact = solver.solve(film), solver.solve(case)
-    np.testing.assert_allclose([found[name] for name in turned], [exact[name] for name in turned], rtol=1e-8)
+    computed, exact = solver.solve(film), solver.solve(case)
+    np.testing.assert_allclose([computed[name] for name in turned], [exact[name] for name in turned], rtol=1e-8)

@@ -15,73 +15,73 @@ COATED = BALL | {"thickness": 1e-4, "surroundings": "insulated", "base": "steel"
 
 
 def test_ball_on_a_half_space_has_the_figures_of_the_theory() -> None:
-    found = solver.solve(BALL | {"material": ["PZT-4", "BaTiO3"]})
-    np.testing.assert_allclose(found["contact_radius"], [75.826e-6, 66.220e-6], rtol=1e-5)
-    np.testing.assert_allclose(found["peak_pressure"], [830.4e6, 1088.9e6], rtol=1e-4)
-    np.testing.assert_allclose(found["voltage"], [-728.16, -417.98], rtol=1e-5)
-    np.testing.assert_allclose(found["charge_per_force"], [250.1001e-12, 168.2812e-12], rtol=1e-6)
+    computed = solver.solve(BALL | {"material": ["PZT-4", "BaTiO3"]})
+    np.testing.assert_allclose(computed["contact_radius"], [75.826e-6, 66.220e-6], rtol=1e-5)
+    np.testing.assert_allclose(computed["peak_pressure"], [830.4e6, 1088.9e6], rtol=1e-4)
+    np.testing.assert_allclose(computed["voltage"], [-728.16, -417.98], rtol=1e-5)
+    np.testing.assert_allclose(computed["charge_per_force"], [250.1001e-12, 168.2812e-12], rtol=1e-6)
 
 
 def test_every_quantity_has_its_unit_and_none_hangs_on_a_datum() -> None:
-    found = solver.solve(COATED)
-    assert set(found.data_vars) == {*POINT_QUANTITIES, "nominal_field"}
-    for name, value in found.items():
+    computed = solver.solve(COATED)
+    assert set(computed.data_vars) == {*POINT_QUANTITIES, "nominal_field"}
+    for name, value in computed.items():
         assert "datum" not in f"{value.attrs}", name
         assert name == "nominal_field" or value.attrs["units"] == POINT_QUANTITIES[str(name)].units
     assert "half-space" in solver.solve(BALL).attrs["title"]
-    assert "datum" not in found.attrs["defaults"]
-    assert "charge = 0 C m-1" not in found.attrs["defaults"]
+    assert "datum" not in computed.attrs["defaults"]
+    assert "charge = 0 C m-1" not in computed.attrs["defaults"]
 
 
 def test_profiles_and_films_may_be_mixed_along_one_dimension() -> None:
     dims = {"profile": ["sphere", "cone"], "force": [1.0, 10.0]}
     mixed = solver.solve(COATED | dims | {"slope": 0.1})
     for name in ("sphere", "cone"):
-        own = {"slope": 0.1} if name == "cone" else {"radius": 5e-3}
-        rest = {key: value for key, value in COATED.items() if key != "radius"}
-        alone = solver.solve(rest | own | {"profile": name, "force": [1.0, 10.0]})
+        options = {"slope": 0.1} if name == "cone" else {"radius": 5e-3}
+        others = {key: value for key, value in COATED.items() if key != "radius"}
+        alone = solver.solve(others | options | {"profile": name, "force": [1.0, 10.0]})
         np.testing.assert_array_equal(mixed["depth"].sel(profile=name), alone["depth"])
-    both = solver.solve(
+    pair = solver.solve(
         {"material": "BaTiO3", "profile": ["sphere", "cylinder"], "radius": 0.01, "force": 1.0, "load": 1e4}
     )
-    assert both["depth"].shape == (2,)
+    assert pair["depth"].shape == (2,)
 
 
 def test_a_power_of_2_is_a_sphere_and_a_conduction_of_cases_is_told_apart() -> None:
     power = {key: value for key, value in COATED.items() if key != "radius"}
     kinds = {"electric": ["conducting", "insulating"]}
-    one = solver.solve(COATED | kinds)
+    first = solver.solve(COATED | kinds)
     other = solver.solve(power | kinds | {"profile": "power", "exponent": 2.0, "coefficient": 100.0})
-    assert "voltage" not in one
-    np.testing.assert_allclose(one["contact_radius"], other["contact_radius"], rtol=1e-13)
+    assert "voltage" not in first
+    np.testing.assert_allclose(first["contact_radius"], other["contact_radius"], rtol=1e-13)
 
 
 def test_what_friction_adds_is_given_where_it_is_a_factor() -> None:
     """Zero at rest, in proportion to friction; trailing and leading edge lie about their mean."""
-    found = solver.solve(COATED | {"friction": [0.0, 0.2, 0.4]})
-    assert set(found.data_vars) == {*POINT_QUANTITIES, *POINT_SLIDING, "nominal_field"}
-    assert found["contact_offset"][0] == 0
-    mean, trailing, leading = (found[f"electric_edge_intensity{end}"] for end in ("", "_trailing", "_leading"))
+    computed = solver.solve(COATED | {"friction": [0.0, 0.2, 0.4]})
+    assert set(computed.data_vars) == {*POINT_QUANTITIES, *POINT_SLIDING, "nominal_field"}
+    assert computed["contact_offset"][0] == 0
+    mean, trailing, leading = (computed[f"electric_edge_intensity{end}"] for end in ("", "_trailing", "_leading"))
     np.testing.assert_allclose(trailing + leading, 2 * mean, rtol=1e-12)
     assert np.all(np.abs(trailing - leading)[1:] > 0.01 * np.abs(mean)[1:])
     for name in ("contact_offset", "trailing_tension"):
-        steps = np.diff(found[name].values)
+        steps = np.diff(computed[name].values)
         assert steps[1] == pytest.approx(steps[0], rel=1e-9)
     assert set(solver.solve(COATED).data_vars) == {*POINT_QUANTITIES, "nominal_field"}
 
 
 def test_what_is_even_in_friction_is_given_of_discs_and_below_electrodes() -> None:
     """By reflection it is what it is at rest; a disc stays where it is, but its pressure does not."""
-    rest = {name: value for name, value in COATED.items() if name != "radius"} | {"friction": [0.0, 0.3]}
-    disc = rest | {"profile": "disc", "width": 1e-4}
-    covered = COATED | rest | {"electrode": "top", "magnetic": "insulating"}
-    for case, more in ((disc, set[str]()), (covered, {"contact_offset"})):
-        found = solver.solve(case)
-        for name in set(found.data_vars) - {"contact_offset", "peak_pressure"}:
-            np.testing.assert_array_equal(found[name][0], found[name][1])
-        if "peak_pressure" in found:  # of the first order where it is not largest at the centre
-            np.testing.assert_allclose(found["peak_pressure"][1], found["peak_pressure"][0], rtol=2e-3)
-        assert set(POINT_SLIDING) & set(found.data_vars) == more
+    others = {name: value for name, value in COATED.items() if name != "radius"} | {"friction": [0.0, 0.3]}
+    disc = others | {"profile": "disc", "width": 1e-4}
+    covered = COATED | others | {"electrode": "top", "magnetic": "insulating"}
+    for case, extra in ((disc, set[str]()), (covered, {"contact_offset"})):
+        computed = solver.solve(case)
+        for name in set(computed.data_vars) - {"contact_offset", "peak_pressure"}:
+            np.testing.assert_array_equal(computed[name][0], computed[name][1])
+        if "peak_pressure" in computed:  # of the first order where it is not largest at the centre
+            np.testing.assert_allclose(computed["peak_pressure"][1], computed["peak_pressure"][0], rtol=2e-3)
+        assert set(POINT_SLIDING) & set(computed.data_vars) == extra
     assert "charge_per_force" in solver.solve(disc)
     slid = solver.solve(disc, [-0.5, 0.5, 1.5])["contact_pressure"].values
     assert slid[0, 0] == slid[0, 1]
@@ -110,11 +110,11 @@ def test_fields_inside_follow_their_cases() -> None:
 
 def test_a_rigid_base_has_no_fields_and_others_their_own() -> None:
     film = COATED | {"base": ["rigid", "steel"]}
-    found = solver.solve_interior(film, [0.0], [-0.5, -3.0], fields=["stress_yy", "electric_displacement_y"])
-    below = found.isel(y=1).sel(base="rigid")
+    computed = solver.solve_interior(film, [0.0], [-0.5, -3.0], fields=["stress_yy", "electric_displacement_y"])
+    below = computed.isel(y=1).sel(base="rigid")
     assert np.isnan(below["stress_yy"]).all()
-    assert found["stress_yy"].sel(base="steel")[..., 0].max() < 0
-    assert abs(found["electric_displacement_y"].sel(base="steel")[..., 1, 0]) < 1e-12
+    assert computed["stress_yy"].sel(base="steel")[..., 0].max() < 0
+    assert abs(computed["electric_displacement_y"].sel(base="steel")[..., 1, 0]) < 1e-12
 
 
 @pytest.mark.parametrize(

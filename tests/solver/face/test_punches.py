@@ -34,8 +34,8 @@ def test_steel_makes_contacts_wider_by_the_published_shares() -> None:
     """The plane by two programs that share no code; balls by Hertz's formula with N11 of Willis."""
     body = [solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5), solver.find("BaTiO3")]
     plane = {"material": xr.DataArray(np.array(body, dtype=object), dims="kind"), "radius": 0.05, "load": 1e5}
-    found = width(solver.solve(plane | {"friction": 0.3, "punch": ["rigid", "steel"]}))
-    np.testing.assert_allclose(found.sel(punch="steel") / found.sel(punch="rigid") - 1, [0.289, 0.248], atol=5e-4)
+    computed = width(solver.solve(plane | {"friction": 0.3, "punch": ["rigid", "steel"]}))
+    np.testing.assert_allclose(computed.sel(punch="steel") / computed.sel(punch="rigid") - 1, [0.289, 0.248], atol=5e-4)
     ball = BALL | {"material": plane["material"], "punch": ["rigid", "steel"]}
     radius = solver.solve(ball)["contact_radius"]
     np.testing.assert_allclose(radius.sel(punch="steel") / radius.sel(punch="rigid") - 1, [0.185, 0.160], atol=5e-4)
@@ -43,19 +43,19 @@ def test_steel_makes_contacts_wider_by_the_published_shares() -> None:
 
 @pytest.mark.parametrize("profile", PROFILES)
 def test_the_face_gives_what_the_room_gives(profile: dict[str, Any]) -> None:
-    found = solver.solve(BARE | profile | {"punch": "steel"})
-    made = {
+    computed = solver.solve(BARE | profile | {"punch": "steel"})
+    original = {
         "half_cylinder": Profile.half_cylinder(np.array(0.05), "leading"),
         "wedge": Profile.wedge(np.array(1e-3), "leading"),
         "flat": Profile.flat(np.array(1e-3), np.array(0.0)),
     }.get(profile.get("profile", ""), Profile.cylinder(np.array(0.05)))
     body = HalfPlane(solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5))
     sliding = Sliding(body, np.array(0.3), np.array([True, True]), Punch.isotropic(210e9, 0.3))
-    own = np.array(profile.get("radius", profile.get("width", 0.2)))  # a wedge has no length of its own
-    direct = quantities(Contact(sliding, made, np.array(1e5), np.zeros(2)), np.array(0.2), own)
-    assert set(found.data_vars) == set(direct)
+    punch_datum = np.array(profile.get("radius", profile.get("width", 0.2)))  # a wedge has no length of its own
+    direct = quantities(Contact(sliding, original, np.array(1e5), np.zeros(2)), np.array(0.2), punch_datum)
+    assert set(computed.data_vars) == set(direct)
     for name, value in direct.items():
-        np.testing.assert_allclose(found[name], value, rtol=1e-12, err_msg=name)
+        np.testing.assert_allclose(computed[name], value, rtol=1e-12, err_msg=name)
 
 
 @pytest.mark.parametrize(
@@ -64,24 +64,24 @@ def test_the_face_gives_what_the_room_gives(profile: dict[str, Any]) -> None:
 def test_rigid_is_the_default_and_the_limit(case: dict[str, Any]) -> None:
     default, rigid = solver.solve(case), solver.solve(case | {"punch": "rigid"})
     hard = solver.solve(case | {"punch_modulus": 1e25, "punch_poisson": 0.3})
-    named, given = solver.solve(case | {"punch": "steel"}), solver.solve(case | STEEL)
+    named, stated = solver.solve(case | {"punch": "steel"}), solver.solve(case | STEEL)
     for name in default:
         np.testing.assert_array_equal(rigid[name], default[name], err_msg=str(name))
         np.testing.assert_allclose(hard[name], default[name], rtol=1e-9, err_msg=str(name))
-        np.testing.assert_array_equal(named[name], given[name], err_msg=str(name))
+        np.testing.assert_array_equal(named[name], stated[name], err_msg=str(name))
     assert float(abs(named["peak_pressure"] / default["peak_pressure"])) < 0.99
 
 
 def test_a_material_of_the_library_and_one_s_own_may_be_punches() -> None:
-    own = solver.Material.isotropic(70e9, 0.22, name="mine")
-    cases = LINE | {"punch": np.array(["silicon", own, "mine", ""], dtype=object)}
+    material = solver.Material.isotropic(70e9, 0.22, name="mine")
+    cases = LINE | {"punch": np.array(["silicon", material, "mine", ""], dtype=object)}
     for case in (cases, FILM | {"punch": cases["punch"]}):
         if "silicon" not in solver.materials():
             pytest.fail("the library has no silicon")
         with pytest.raises(solver.MaterialError, match=r"^punch: 'silicon' is not isotropic"):
-            solver.solve(case, materials={"mine": own})
-    punches = np.array(["glass", own, "mine", "", "copper"], dtype=object)
-    depth = width(solver.solve(LINE | {"punch": punches}, materials={"mine": own})).values
+            solver.solve(case, materials={"mine": material})
+    punches = np.array(["glass", material, "mine", "", "copper"], dtype=object)
+    depth = width(solver.solve(LINE | {"punch": punches}, materials={"mine": material})).values
     assert depth[0] == pytest.approx(depth[1], rel=1e-12)
     assert depth[1] == depth[2]
     assert depth[3] == float(width(solver.solve(LINE)))
@@ -89,8 +89,8 @@ def test_a_material_of_the_library_and_one_s_own_may_be_punches() -> None:
 
 
 def test_the_depth_says_where_the_punch_is_at_rest() -> None:
-    one, two = (solver.solve(LINE | STEEL | {"radius": R}) for R in (0.05, 0.1))
-    assert "an elastic punch's own: its radius" in one["depth"].attrs["comment"]
+    first, two = (solver.solve(LINE | STEEL | {"radius": R}) for R in (0.05, 0.1))
+    assert "an elastic punch's own: its radius" in first["depth"].attrs["comment"]
     assert "elastic punch" not in solver.solve(LINE)["depth"].attrs.get("comment", "")
     on_rigid = {
         "material": "PZT-4",
@@ -102,4 +102,4 @@ def test_the_depth_says_where_the_punch_is_at_rest() -> None:
     }
     assert "an elastic punch's own: its radius" in solver.solve(on_rigid | STEEL)["depth"].attrs["comment"]
     assert "elastic punch" not in solver.solve(BALL | STEEL)["depth"].attrs.get("comment", "")
-    assert float(two["depth"]) != float(one["depth"])
+    assert float(two["depth"]) != float(first["depth"])

@@ -35,16 +35,16 @@ FILMS: dict[str, dict[str, Any]] = {
 NETS = {"in air": (61, 60.0, 12, 0.05), "ball": (31, 3.0, 12, 0.05), "ball in air": (31, 3.0, 12, 0.05)}
 
 
-def half_length(found: xr.Dataset) -> float:
-    if "contact_radius" in found:
-        return float(found["contact_radius"])
-    return float(found["contact_trailing"] + found["contact_leading"]) / 2
+def half_length(computed: xr.Dataset) -> float:
+    if "contact_radius" in computed:
+        return float(computed["contact_radius"])
+    return float(computed["contact_trailing"] + computed["contact_leading"]) / 2
 
 
 def scanned(edge: float, count: int, farthest: float) -> Array:
     """X under the contact and beside it as far as many thicknesses, over h."""
-    beside = 1 + np.geomspace(1e-3 * min(edge, 1.0), farthest * edge, count)
-    return np.unique(np.concatenate([-beside, np.linspace(-0.999, 0.999, count), beside]))
+    outside = 1 + np.geomspace(1e-3 * min(edge, 1.0), farthest * edge, count)
+    return np.unique(np.concatenate([-outside, np.linspace(-0.999, 0.999, count), outside]))
 
 
 @pytest.mark.sampled(3)
@@ -53,8 +53,8 @@ def test_films(name: str) -> None:
     """Bare lines to sixty thicknesses beside the contact, the others to three."""
     case = FILMS[name]
     count, farthest, layers, within = NETS.get(name, (161, 60.0, 24, 0.02))
-    found = solver.solve(case, peaks=True)
-    h, deep = half_length(found), case["thickness"]
+    computed = solver.solve(case, peaks=True)
+    h, deep = half_length(computed), case["thickness"]
     X = scanned(deep / h, count, farthest)
     on = solver.solve_interior(case, X, [-deep / h], fields=["stress_xy", "stress_yy"])
     largest = {"interface_shear": float(abs(on["stress_xy"]).max()), "interface_tension": float(on["stress_yy"].max())}
@@ -63,23 +63,25 @@ def test_films(name: str) -> None:
         inside = solver.solve_interior(case, X, -np.geomspace(top, bottom, layers) / h, fields=fields)
         largest |= {f"{body}_peak_{field}": float(inside[field].max()) for field in fields}
     for peak, value in largest.items():
-        assert max(value, 0.0) <= float(found[peak]) * (1 + 1e-7), peak
-        least = 1e-6 * float(found["interface_shear"])  # far away some pull is left of nothing
-        assert max(value, 0.0) >= float(found[peak]) * (1 - within) - least, peak  # the net's points lie beside the top
+        assert max(value, 0.0) <= float(computed[peak]) * (1 + 1e-7), peak
+        least = 1e-6 * float(computed["interface_shear"])  # far away some pull is left of nothing
+        assert max(value, 0.0) >= float(computed[peak]) * (1 - within) - least, (
+            peak
+        )  # the net's points lie beside the top
     if name == "BaTiO3 on steel":  # six thicknesses beside the contact; -0.46 MPa where two half-lengths were searched
-        assert float(found["base_peak_principal_tension"]) == pytest.approx(20.96e6, rel=5e-4)
-    place = float(found["interface_shear_position"])
-    there = abs(float(solver.solve_interior(case, [place], [-deep / h], fields=["stress_xy"])["stress_xy"].squeeze()))
-    assert there == pytest.approx(float(found["interface_shear"]), rel=1e-6)
+        assert float(computed["base_peak_principal_tension"]) == pytest.approx(20.96e6, rel=5e-4)
+    place = float(computed["interface_shear_position"])
+    stress = abs(float(solver.solve_interior(case, [place], [-deep / h], fields=["stress_xy"])["stress_xy"].squeeze()))
+    assert stress == pytest.approx(float(computed["interface_shear"]), rel=1e-6)
 
 
 def test_half_planes_in_air() -> None:
     """Charges beside a contact that slides lower its von Mises stress and move it; tension is at the least depth."""
     case = LINE | AIR | {"material": "BaTiO3", "friction": 0.05, "load": 2e4}
-    found, fields = solver.solve(case, peaks=True), ["von_mises", "principal_tension"]
+    computed, fields = solver.solve(case, peaks=True), ["von_mises", "principal_tension"]
     inside = solver.solve_interior(case, np.linspace(-3.0, 3.0, 121) * 1.001, -np.linspace(0.1, 1.2, 23), fields=fields)
     for name in fields:
         largest = float(inside[name].max())
-        assert largest <= float(found[f"peak_{name}"]) * (1 + 1e-9) < largest * 1.01, name
+        assert largest <= float(computed[f"peak_{name}"]) * (1 + 1e-9) < largest * 1.01, name
     bare = solver.solve(case | BARE, peaks=["peak_von_mises"])
-    assert float(found["peak_von_mises"]) < 0.999 * float(bare["peak_von_mises"])
+    assert float(computed["peak_von_mises"]) < 0.999 * float(bare["peak_von_mises"])

@@ -9,7 +9,7 @@ BALL = {"material": "AlN", "profile": "sphere", "punch": "steel"}
 
 def test_a_text_with_a_unit_is_its_number() -> None:
     forces = ["1 mN", 0.01, "1e-1N"]
-    found = solver.solve(
+    computed = solver.solve(
         BALL | {"radius": "5 mm", "force": forces, "thickness": "20 um", "surroundings": "insulated", "base": "silicon"}
     )
     same = solver.solve(
@@ -22,7 +22,7 @@ def test_a_text_with_a_unit_is_its_number() -> None:
             "base": "silicon",
         }
     )
-    xr.testing.assert_identical(found, same)
+    xr.testing.assert_identical(computed, same)
     named = xr.DataArray(["5 mm", "2 cm"], dims="punch_radius")
     several = solver.solve(BALL | {"radius": named, "force": 1e-3})
     assert several["radius"].values.tolist() == [5e-3, 2e-2]

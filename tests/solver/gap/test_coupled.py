@@ -35,7 +35,7 @@ def test_finite_elements_of_body_gap_and_punch_agree(elastic: bool) -> None:
     )  # fmt: skip
     assert other.load == pytest.approx(2e4, rel=2e-5)
     assert other.centre == pytest.approx(state.centre * state.half * THICKNESS, rel=1e-4)
-    voltage = state.response[1] * state.of.contact.scale[2] * THICKNESS
+    voltage = state.response[1] * state.problem.contact.scale[2] * THICKNESS
     assert other.potential(ELECTRIC) == pytest.approx(voltage, rel=1e-4)
     X, phi = other.beside(ELECTRIC)
     tractions, datum = Solved(state, np.array([1.0, -1.0]), FAR).tractions, contact.contact.datum

@@ -67,7 +67,7 @@ def test_kernels_and_waves_meet_at_the_surface_and_the_gap_has_its_law(name: str
         )
     V, within = state.response[1] * scale[2], np.abs(X) < 1
     np.testing.assert_allclose(interior[-1, within], V, rtol=3e-9)
-    operators = state.of.table.operators
+    operators = state.problem.table.operators
     nodes = [30, 60]
     exterior = operators.grid.distance[nodes]
     phi = inside(contact, exterior, np.zeros(1), ("electric_potential",))[0, 0]
@@ -108,7 +108,7 @@ def test_tractions_balance_load_and_charges(name: str) -> None:
 def test_edge_stresses_are_limits_of_the_fields_and_even_without_friction() -> None:
     """Of the charges on one side the stretch at the other edge had the wrong sign: 14 % here, and two edges unlike."""
     state = made("steel").state
-    edge = state.outputs[EDGE] / state.of.contact.scale[1]
+    edge = state.outputs[EDGE] / state.problem.contact.scale[1]
     near = surface_fields(state, np.array([1 + 1e-7, -1 - 1e-7]))["stress_xx"][0]
     np.testing.assert_allclose(edge[0], edge[1], rtol=1e-9)
     np.testing.assert_allclose(edge, near, rtol=1e-4)

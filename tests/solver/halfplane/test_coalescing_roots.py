@@ -77,5 +77,5 @@ def test_nearly_incompressible_elasticity() -> None:
 def check(material: dict[str, float]) -> None:
     constants = {name: value for name, value in material.items() if name != "rho"}
     exact = precise.solve(constants, positions=POSITIONS, **CHARGED)
-    found = solver.solve({"material": solver.Material.from_mapping(constants), **CHARGED}, POSITIONS)
-    assert_agrees(found, exact)
+    computed = solver.solve({"material": solver.Material.from_mapping(constants), **CHARGED}, POSITIONS)
+    assert_agrees(computed, exact)

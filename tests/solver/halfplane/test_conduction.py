@@ -22,15 +22,17 @@ def test_conduction_agrees_with_50_digits(name: str, friction: float, electric: 
     case: dict[str, Any] = {"radius": 0.03, "load": 4e4, "friction": friction, "datum": 0.2}
     case |= {"charge": 1e-6 * (electric == KINDS[0]), "magnetic_charge": -2e-3 * (magnetic == KINDS[0])}
     kinds: dict[str, Any] = {"electric": electric, "magnetic": magnetic}
-    found = solver.solve({"material": name, **case, **kinds}, POSITIONS)
+    computed = solver.solve({"material": name, **case, **kinds}, POSITIONS)
     exact = precise.solve(constants(solver.find(name)), **case, **kinds, positions=POSITIONS)
     for quantity, value in exact.quantities.items():
         if isnan(value):
-            assert quantity not in found
+            assert quantity not in computed
         else:
-            np.testing.assert_allclose(found[quantity].item(), float(value), rtol=2e-13, atol=1e-70, err_msg=quantity)
+            np.testing.assert_allclose(
+                computed[quantity].item(), float(value), rtol=2e-13, atol=1e-70, err_msg=quantity
+            )
     for field, values in exact.fields.items():
-        np.testing.assert_allclose(found[field], np.array(values, float), rtol=2e-12, atol=1e-30, err_msg=field)
+        np.testing.assert_allclose(computed[field], np.array(values, float), rtol=2e-12, atol=1e-30, err_msg=field)
 
 
 def test_conduction_along_an_axis_is_that_of_each_case() -> None:
@@ -40,18 +42,18 @@ def test_conduction_along_an_axis_is_that_of_each_case() -> None:
     assert "magnetic_potential" not in whole
     for electric in KINDS:
         for magnetic in KINDS:
-            one = solver.solve(case | {"electric": electric, "magnetic": magnetic}, POSITIONS)
+            first = solver.solve(case | {"electric": electric, "magnetic": magnetic}, POSITIONS)
             part = whole.sel(electric=electric, magnetic=magnetic)
             for name in whole.data_vars:
-                np.testing.assert_allclose(part[name], one[name], rtol=1e-14, atol=1e-30, err_msg=str(name))
+                np.testing.assert_allclose(part[name], first[name], rtol=1e-14, atol=1e-30, err_msg=str(name))
 
 
 def test_a_field_that_the_punch_insulates_does_not_leave_the_body() -> None:
     case = {"material": SIH_SONG, "radius": 0.05, "load": 1e5, "friction": 0.5, "electric": "insulating"}
-    found = solver.solve(case, POSITIONS)
-    assert np.all(found["electric_displacement_y"] == 0)
-    assert found["electric_edge_intensity_trailing"] == 0
-    assert np.any(found["magnetic_induction_y"] != 0)
+    computed = solver.solve(case, POSITIONS)
+    assert np.all(computed["electric_displacement_y"] == 0)
+    assert computed["electric_edge_intensity_trailing"] == 0
+    assert np.any(computed["magnetic_induction_y"] != 0)
 
 
 @pytest.mark.parametrize(("charge", "field"), [("charge", "electric"), ("magnetic_charge", "magnetic")])

@@ -29,22 +29,22 @@ def tractions(case: dict[str, Any]) -> tuple[Array, Array, Array]:
     return t[:, : _RULE.X.size], t[:, _RULE.X.size :] / np.sqrt(1 - _INSIDE**2), x
 
 
-def transforms_inside(regular: Array, here: Array) -> Array:
+def transforms_inside(regular: Array, within: Array) -> Array:
     """(1/pi) PV int t(s)/(s - X) ds at ``_INSIDE``, the singularity taken out."""
-    quotient = (regular[:, None, :] - here[:, :, None] * _RULE.root) / (_RULE.X - _INSIDE[:, None])
-    return np.asarray((quotient @ _RULE.weight + here * np.log((1 - _INSIDE) / (1 + _INSIDE))) / np.pi)
+    quotient = (regular[:, None, :] - within[:, :, None] * _RULE.root) / (_RULE.X - _INSIDE[:, None])
+    return np.asarray((quotient @ _RULE.weight + within * np.log((1 - _INSIDE) / (1 + _INSIDE))) / np.pi)
 
 
 @property_based
 @given(c=constants(), case=loads())
 def test_the_integral_equations_hold(c: dict[str, float], case: dict[str, Any]) -> None:
     surface = surface_response({"g11": 0.0, "g33": 0.0} | c)
-    regular, here, x = tractions({"material": solver.Material.from_mapping(c), **case})
-    transform = transforms_inside(regular, here)
+    regular, within, x = tractions({"material": solver.Material.from_mapping(c), **case})
+    transform = transforms_inside(regular, within)
     N, k = surface.normal_compliance, surface.shear_coupling
-    residual = np.outer(k, here[0]) + N @ transform[1:]
+    residual = np.outer(k, within[0]) + N @ transform[1:]
     residual[0] -= x / case["radius"]
-    size = np.abs(N) @ np.max(np.abs(here[1:]), axis=1) + np.abs(k) * np.max(np.abs(here[0]))
+    size = np.abs(N) @ np.max(np.abs(within[1:]), axis=1) + np.abs(k) * np.max(np.abs(within[0]))
     assert np.all(np.abs(residual) <= 1e-11 * size[:, None])
 
 
@@ -54,10 +54,10 @@ def test_fields_along_the_surface_follow_from_the_tractions(c: dict[str, float],
     """sigma_xx, D_x and B_x by (2.1), a quadrature and the constitutive law alone, under the punch and beside it."""
     surface = surface_response({"g11": 0.0, "g33": 0.0} | c)
     material = solver.Material.from_mapping(c)
-    regular, here, _ = tractions({"material": material, **case})
-    beside = (regular * _RULE.weight) @ (1 / (_RULE.X[:, None] - _OUTSIDE)) / np.pi
-    t = np.concatenate([here, np.zeros_like(beside)], axis=1)
-    along = surface.along_surface(t, np.concatenate([transforms_inside(regular, here), beside], axis=1))
+    regular, within, _ = tractions({"material": material, **case})
+    outside = (regular * _RULE.weight) @ (1 / (_RULE.X[:, None] - _OUTSIDE)) / np.pi
+    t = np.concatenate([within, np.zeros_like(outside)], axis=1)
+    along = surface.along_surface(t, np.concatenate([transforms_inside(regular, within), outside], axis=1))
     out = solver.solve({"material": material, **case}, np.concatenate([_INSIDE, _OUTSIDE]))
     for name, row in (("stress_xx", 0), ("electric_displacement_x", 2), ("magnetic_induction_x", 3)):
         size = float(np.max(np.abs(out[name])))

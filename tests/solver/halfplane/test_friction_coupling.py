@@ -60,8 +60,10 @@ def test_values_at_and_about_the_crossing(offset: float) -> None:
 def test_everything_is_smooth_across_the_crossing() -> None:
     """On a Chebyshev grid about the crossing every output is a polynomial of low degree to rounding."""
     t = np.cos(np.pi * (np.arange(40) + 0.5) / 40)
-    own = {f"m{i}": solver.Material.from_mapping(MADE | {"c44": crossing() * (1 + 0.05 * x)}) for i, x in enumerate(t)}
-    out = solver.solve({"material": list(own), **CONTACT}, POSITIONS, materials=own)
+    materials = {
+        f"m{i}": solver.Material.from_mapping(MADE | {"c44": crossing() * (1 + 0.05 * x)}) for i, x in enumerate(t)
+    }
+    out = solver.solve({"material": list(materials), **CONTACT}, POSITIONS, materials=materials)
     assert_smooth(out.transpose("material", ...), t, 1e-13)
 
 

@@ -24,7 +24,7 @@ def at_points(factors: dict[str, Any], points: list[tuple[float, float]], **opti
     return xr.concat(parts, "point")
 
 
-def assert_close(found: xr.Dataset, expected: dict[str, Any], rtol: float) -> None:
+def assert_close(computed: xr.Dataset, expected: dict[str, Any], rtol: float) -> None:
     """Each component at each point to rtol of the largest of its kind there, or of its largest anywhere in rounding."""
     for group in GROUPS:
         names = [name for name in expected if name.startswith(group)]
@@ -32,7 +32,7 @@ def assert_close(found: xr.Dataset, expected: dict[str, Any], rtol: float) -> No
             continue
         sizes = np.max(np.abs([np.asarray(expected[name]) for name in names]), axis=0)
         for name in names:
-            error = np.abs(found[name].values - np.asarray(expected[name]))
+            error = np.abs(computed[name].values - np.asarray(expected[name]))
             assert np.all(error <= rtol * sizes + 1e-300), (name, error / (sizes + 1e-300))
 
 
@@ -66,10 +66,10 @@ def test_fields_agree_with_50_digit_eigenvectors(name: str) -> None:
     case |= {"charge": 1e-6 * (1 in conducted), "magnetic_charge": 1e-3 * (2 in conducted), "speed": speed}
     exact = interior.solve(constants(material), POINTS, **case, conducted=conducted)
     kinds = {field: "conducting" if i in conducted else "insulating" for i, field in ((1, "electric"), (2, "magnetic"))}
-    found = at_points({"material": material, **case, **kinds}, POINTS, fields=ALL)
+    computed = at_points({"material": material, **case, **kinds}, POINTS, fields=ALL)
     if name in ("isotropic", "moving, isotropic"):  # nothing couples: what is not loaded is zero
-        exact = {field: values for field, values in exact.items() if np.any(found[field])}
-    assert_close(found, exact, 2e-11 if speed > 1900 else 1e-12)
+        exact = {field: values for field, values in exact.items() if np.any(computed[field])}
+    assert_close(computed, exact, 2e-11 if speed > 1900 else 1e-12)
 
 
 @pytest.mark.parametrize("corner", ["leading", "trailing"])
@@ -210,22 +210,22 @@ def test_cases_do_not_see_each_other() -> None:
     assert whole["stress_xx"].dims == ("case", "load", "friction", "y", "x")
     assert set(whole.data_vars) == set(INTERIOR)
     for i, name in enumerate(MATERIALS):
-        one = solver.solve_interior(case | {"material": name}, x, y)
+        first = solver.solve_interior(case | {"material": name}, x, y)
         for field in INTERIOR:
-            scale = float(np.max(np.abs(one[field])))
+            scale = float(np.max(np.abs(first[field])))
             got = whole[field].isel(case=i)
-            np.testing.assert_allclose(got, one[field].transpose(*got.dims), rtol=1e-11, atol=1e-12 * scale)
+            np.testing.assert_allclose(got, first[field].transpose(*got.dims), rtol=1e-11, atol=1e-12 * scale)
             assert whole[field].attrs["units"] == INTERIOR[field].units
 
 
 def test_invariants_are_those_of_the_stress_tensor() -> None:
-    found = solver.solve_interior(CASE | {"material": SIH_SONG}, [0.3], [-0.6, -2.0], fields=ALL).squeeze("x")
+    computed = solver.solve_interior(CASE | {"material": SIH_SONG}, [0.3], [-0.6, -2.0], fields=ALL).squeeze("x")
     for k in range(2):
-        xx, yy, xy, zz = (found[f"stress_{axes}"].values[k] for axes in ("xx", "yy", "xy", "zz"))
+        xx, yy, xy, zz = (computed[f"stress_{axes}"].values[k] for axes in ("xx", "yy", "xy", "zz"))
         tensor = np.array([[xx, xy, 0], [xy, yy, 0], [0, 0, zz]])
         deviator = tensor - np.trace(tensor) / 3 * np.eye(3)
-        assert found["von_mises"].values[k] == pytest.approx(np.sqrt(1.5 * np.sum(deviator**2)), rel=1e-13)
-        assert found["principal_tension"].values[k] == pytest.approx(np.linalg.eigvalsh(tensor)[-1], rel=1e-12)
+        assert computed["von_mises"].values[k] == pytest.approx(np.sqrt(1.5 * np.sum(deviator**2)), rel=1e-13)
+        assert computed["principal_tension"].values[k] == pytest.approx(np.linalg.eigvalsh(tensor)[-1], rel=1e-12)
 
 
 def test_without_c12_what_needs_it_is_left_out_or_refused() -> None:

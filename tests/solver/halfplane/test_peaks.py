@@ -45,33 +45,35 @@ def searched(case: dict[str, Any], field: str) -> tuple[float, float]:
     net = solver.solve_interior(factors(case), across, -0.1 * 1.3 ** np.arange(14), fields=[field])[field]
     flat = net.stack(point=("x", "y"))
     best = flat.isel(point=np.argsort(-flat.values)[:40:13])
-    found = []
+    computed = []
     for x, y in best["point"].values:
         start = np.array([x, np.sqrt(max(-0.1 - y, 0.0))])
         simplex = start + np.array([[0.0, 0.0], [0.02, 0.0], [0.0, 0.05]])
         small = 1e-13 * float(np.max(np.abs(net)))
         top = fmin(lowered, start, xtol=1e-9, ftol=small, maxiter=2000, disp=False, initial_simplex=simplex)
-        found.append((-lowered(top), 0.1 + float(top[1]) ** 2))
-    return max(found)
+        computed.append((-lowered(top), 0.1 + float(top[1]) ** 2))
+    return max(computed)
 
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: "-".join(map(str, case.values())))
 def test_peaks_are_those_of_a_search(case: dict[str, Any]) -> None:
-    found = solver.solve(factors(case), peaks=True)
-    half = (found["contact_trailing"] + found["contact_leading"]).item() / 2
+    computed = solver.solve(factors(case), peaks=True)
+    half = (computed["contact_trailing"] + computed["contact_leading"]).item() / 2
     largest, depth = searched(case, "von_mises")
-    assert found["peak_von_mises"].item() == pytest.approx(largest, rel=1e-10)
-    assert found["peak_von_mises_depth"].item() == pytest.approx(depth * half, rel=2e-6)
+    assert computed["peak_von_mises"].item() == pytest.approx(largest, rel=1e-10)
+    assert computed["peak_von_mises_depth"].item() == pytest.approx(depth * half, rel=2e-6)
     if case.get("friction"):
-        assert found["peak_principal_tension"].item() == pytest.approx(searched(case, "principal_tension")[0], rel=1e-9)
+        assert computed["peak_principal_tension"].item() == pytest.approx(
+            searched(case, "principal_tension")[0], rel=1e-9
+        )
 
 
 def test_frictionless_isotropic_contact_has_no_tension_and_the_peak_of_hertz() -> None:
     """Johnson, Contact Mechanics (1985), section 4.2: 0.300 p0 of shear at 0.786 a, from the fields on the axis."""
     steel = solver.Material.isotropic(200e9, 0.3)
-    found = solver.solve({"material": steel, **BASE}, peaks=True)
-    p0, a = found["peak_pressure"].item(), found["contact_trailing"].item()
+    computed = solver.solve({"material": steel, **BASE}, peaks=True)
+    p0, a = computed["peak_pressure"].item(), computed["contact_trailing"].item()
 
     def on_axis(z: float) -> float:
         root = np.hypot(1, z)
@@ -80,19 +82,19 @@ def test_frictionless_isotropic_contact_has_no_tension_and_the_peak_of_hertz() -
         return float(np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2))
 
     depth = minimize_scalar(lambda z: -on_axis(z), bounds=(0.1, 2.0), options={"xatol": 1e-10}).x
-    assert found["peak_von_mises"].item() == pytest.approx(p0 * on_axis(float(depth)), rel=1e-10)
-    assert found["peak_von_mises_depth"].item() == pytest.approx(float(depth) * a, rel=1e-5)
-    assert found["peak_principal_tension"].item() == 0
+    assert computed["peak_von_mises"].item() == pytest.approx(p0 * on_axis(float(depth)), rel=1e-10)
+    assert computed["peak_von_mises_depth"].item() == pytest.approx(float(depth) * a, rel=1e-5)
+    assert computed["peak_principal_tension"].item() == 0
 
 
 @pytest.mark.parametrize("friction", [1e-2, 1e-3, 1e-4])
 def test_little_friction_pulls_far_behind_the_punch(friction: float) -> None:
     """Flamant: (2 P/pi r)(eta cos - sin) at depth 0.1 h is largest at r = 0.2 h/eta, where it is 5 P eta^2/(pi h)."""
     steel = solver.Material.isotropic(200e9, 0.3)
-    found = solver.solve({"material": steel, **BASE, "friction": friction}, peaks=True)
-    half = (found["contact_trailing"] + found["contact_leading"]).item() / 2
+    computed = solver.solve({"material": steel, **BASE, "friction": friction}, peaks=True)
+    half = (computed["contact_trailing"] + computed["contact_leading"]).item() / 2
     expected = 5e5 * friction**2 / (np.pi * half)
-    assert found["peak_principal_tension"].item() == pytest.approx(expected, rel=20 * friction)
+    assert computed["peak_principal_tension"].item() == pytest.approx(expected, rel=20 * friction)
 
 
 def test_each_case_of_a_factorial_is_found_by_itself() -> None:
@@ -101,10 +103,10 @@ def test_each_case_of_a_factorial_is_found_by_itself() -> None:
     stacked = whole.stack(case=("volume_fraction", "friction", "charge", "load"))
     for k in range(0, stacked.sizes["case"], 5):
         case = stacked.isel(case=k)
-        one = solver.solve({name: case[name].item() for name in ("radius", *grid)}, peaks=True)
+        first = solver.solve({name: case[name].item() for name in ("radius", *grid)}, peaks=True)
         for name in PEAKS:
             tolerance = 1e-7 if name.endswith("depth") else 1e-11
-            assert case[name].item() == pytest.approx(one[name].item(), rel=tolerance), name
+            assert case[name].item() == pytest.approx(first[name].item(), rel=tolerance), name
             assert whole[name].attrs["units"] == PEAKS[name].units
 
 
@@ -135,10 +137,10 @@ def test_no_point_of_a_dense_net_is_above_the_peak(seed: int) -> None:
     across = np.concatenate([np.linspace(-8, 8, 161), 1 + near, -1 + near])
     fields = ["von_mises", "principal_tension"]
     net = solver.solve_interior(case, across, -0.1 * 1.15 ** np.arange(27), fields=fields)
-    found = solver.solve(case, peaks=True)
+    computed = solver.solve(case, peaks=True)
     for field, peak in zip(fields, ("peak_von_mises", "peak_principal_tension"), strict=True):
         highest = max(float(net[field].max()), 0.0)
-        assert highest * (1 - 1e-12) <= found[peak].item() <= 1.2 * highest + 1e-6 * float(net["von_mises"].max())
+        assert highest * (1 - 1e-12) <= computed[peak].item() <= 1.2 * highest + 1e-6 * float(net["von_mises"].max())
 
 
 def test_a_search_does_not_depend_on_the_cases_solved_with_it() -> None:

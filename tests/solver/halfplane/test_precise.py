@@ -32,10 +32,10 @@ MIXES = [("fibrous", 0.0), ("fibrous", 0.6), ("fibrous", 1.0), ("laminate", 0.0)
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize(("composite", "fraction"), MIXES)
 def test_composites(composite: str, fraction: float) -> None:
-    one, two = (constants(phase) for phase in (solver.find("BaTiO3"), solver.find("CoFe2O4")))
+    first, two = (constants(phase) for phase in (solver.find("BaTiO3"), solver.find("CoFe2O4")))
     mix = micromechanics.fibrous if composite == "fibrous" else micromechanics.laminate
     factors = {"composite": composite, "volume_fraction": fraction, **CHARGED, "charge": -1e-6}
-    exact = {name: float(value) if abs(value) > 1e-30 else 0.0 for name, value in mix(one, two, fraction).items()}
+    exact = {name: float(value) if abs(value) > 1e-30 else 0.0 for name, value in mix(first, two, fraction).items()}
     check(factors, exact, POSITIONS)
 
 

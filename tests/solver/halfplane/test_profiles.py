@@ -71,22 +71,22 @@ def collocated(shape: profile.Profile, friction: float, conducted: tuple[int, ..
 @pytest.mark.parametrize("name", CASES)
 def test_profile_agrees_with_collocation(name: str, friction: float, conducted: tuple[int, ...]) -> None:
     factors, shape = CASES[name]
-    found, surface = collocated(shape, friction, conducted, 1e5)
+    computed, surface = collocated(shape, friction, conducted, 1e5)
     kinds = {field: "conducting" if i in conducted else "insulating" for i, field in ((1, "electric"), (2, "magnetic"))}
-    charges = {"charge": found.problem.charge, "magnetic_charge": found.problem.magnetic_charge}
+    charges = {"charge": computed.problem.charge, "magnetic_charge": computed.problem.magnetic_charge}
     solved = solver.solve(BASE | factors | kinds | charges | {"friction": friction}, POSITIONS)
-    expected = quantities(found, surface, 0.2)
+    expected = quantities(computed, surface, 0.2)
     expected["pressure_exponent"] += shape.sharp_trailing is not None  # of the smooth edge, not of the corner
     if "peak_pressure" in solved:
-        expected["peak_pressure"] = -np.min(found.tractions(np.linspace(-0.9999, 0.9999, 400_001))[0])
+        expected["peak_pressure"] = -np.min(computed.tractions(np.linspace(-0.9999, 0.9999, 400_001))[0])
     compared = set(expected) & set(solved.data_vars)
     assert {"contact_trailing", "contact_leading", "depth"} <= compared
     for quantity in compared:
-        scale = found.half_width if quantity.startswith("contact") else 0.0
+        scale = computed.half_width if quantity.startswith("contact") else 0.0
         value = solved[quantity].item()
         tolerance = 1e-9 if quantity == "peak_pressure" else 1e-11  # a peak read from a fine grid
         assert value == pytest.approx(expected[quantity], rel=tolerance, abs=1e-12 * scale), quantity
-    for field, values in fields(found, surface, POSITIONS).items():
+    for field, values in fields(computed, surface, POSITIONS).items():
         scale = float(np.max(np.abs(values)))
         np.testing.assert_allclose(solved[field], values, rtol=1e-10, atol=1e-11 * scale, err_msg=field)
 
@@ -100,19 +100,19 @@ def test_tangents_are_those_of_the_response(name: str) -> None:
     def response(charges: dict[str, float]) -> xr.Dataset:
         return solver.solve(case | charges | {"load": loads})
 
-    def by_load(of: xr.DataArray) -> float:
-        return float(of[2] - of[0]) / (2 * step * 1e5)
+    def by_load(tabled: xr.DataArray) -> float:
+        return float(tabled[2] - tabled[0]) / (2 * step * 1e5)
 
-    bare, at = response({}), {"charge": 1e-6, "magnetic_charge": -2e-3}
+    bare, charged = response({}), {"charge": 1e-6, "magnetic_charge": -2e-3}
     assert bare["voltage_per_load"][1].item() == pytest.approx(by_load(bare["voltage"]), rel=1e-7)
     assert bare["magnetic_potential_per_load"][1].item() == pytest.approx(by_load(bare["magnetic_potential"]), rel=1e-7)
-    loaded = response(at)
+    loaded = response(charged)
     for source, potential, blocked, short in (
         ("charge", "voltage", "blocked_load_per_volt", "charge_per_force"),
         ("magnetic_charge", "magnetic_potential", "blocked_load_per_ampere", "flux_per_force"),
     ):
-        more = response(at | {source: at[source] * 2})
-        by_source = {n: float(more[n][1] - loaded[n][1]) / at[source] for n in ("depth", potential)}
+        extra = response(charged | {source: charged[source] * 2})
+        by_source = {n: float(extra[n][1] - loaded[n][1]) / charged[source] for n in ("depth", potential)}
         depth_rate, potential_rate = by_load(loaded["depth"]), by_load(loaded[potential])
         expected = by_source["depth"] / (potential_rate * by_source["depth"] - by_source[potential] * depth_rate)
         assert loaded[blocked][1].item() == pytest.approx(expected, rel=1e-6)
@@ -127,8 +127,8 @@ def test_flat_punch_tilts_as_the_moment_asks(friction: float) -> None:
     nodes, weights = np.polynomial.legendre.leggauss(400)
     angle = np.pi * (nodes + 1) / 2  # X = cos(angle) takes the singular edges away
     X, w = np.cos(angle), weights * np.pi / 2 * np.sin(angle)
-    given = solver.solve(case | {"moment": moment}, X)
-    pressure = given["contact_pressure"].values
+    stated = solver.solve(case | {"moment": moment}, X)
+    pressure = stated["contact_pressure"].values
     tolerance = 1e-10 if friction == 0 else 1e-3  # edges of other powers than -1/2
     assert 2e-4 * w @ pressure == pytest.approx(1e5, rel=tolerance)
     assert 2e-4**2 * w @ (X * pressure) == pytest.approx(moment, rel=10 * tolerance)
@@ -136,7 +136,7 @@ def test_flat_punch_tilts_as_the_moment_asks(friction: float) -> None:
     low, high = (solver.solve(case | {"slope": s}, X)["contact_pressure"].values @ (X * w) * 4e-8 for s in (0.0, 1e-4))
     tilt = 1e-4 * (4e-8 * (X * w) @ pressure - low) / (high - low)
     same = solver.solve(case | {"slope": tilt}, X)
-    np.testing.assert_allclose(given["contact_pressure"], same["contact_pressure"], rtol=1e-9)
+    np.testing.assert_allclose(stated["contact_pressure"], same["contact_pressure"], rtol=1e-9)
 
 
 def test_profiles_along_an_axis_are_solved_each_by_itself() -> None:
@@ -147,10 +147,10 @@ def test_profiles_along_an_axis_are_solved_each_by_itself() -> None:
     assert "peak_pressure" not in whole
     for i, kind in enumerate(kinds):
         needed = {"cylinder": ["radius"], "flat": ["width", "slope"], "wedge": ["slope"], "half_cylinder": ["radius"]}
-        own = {k: v for k, v in case.items() if k not in ("radius", "width", "slope") or k in needed[kind]}
-        one = solver.solve(own | {"profile": kind}, [0.5, 2.0])
+        options = {k: v for k, v in case.items() if k not in ("radius", "width", "slope") or k in needed[kind]}
+        first = solver.solve(options | {"profile": kind}, [0.5, 2.0])
         for name in whole.data_vars:
-            np.testing.assert_array_equal(whole[name].isel(profile=i).transpose(*one[name].dims), one[name])
+            np.testing.assert_array_equal(whole[name].isel(profile=i).transpose(*first[name].dims), first[name])
 
 
 def test_a_flat_punch_may_tilt_until_the_pressure_leaves_an_edge() -> None:

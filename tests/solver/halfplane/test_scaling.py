@@ -40,10 +40,10 @@ def test_potentials_move_by_a_logarithm_when_the_datum_does(
         np.testing.assert_allclose(first, second, rtol=1e-11, atol=1e-12 * spread(one, name))
 
 
-def spread(one: xr.Dataset, name: str) -> float:
+def spread(first: xr.Dataset, name: str) -> float:
     """A size of a potential that its own cancellation does not make small."""
     tangent = {"voltage": "voltage_per_load", "magnetic_potential": "magnetic_potential_per_load"}
-    return float(abs(one[name])) + (float(abs(one[tangent[name]])) * 1e6 if name in tangent else 0.0)
+    return float(abs(first[name])) + (float(abs(first[tangent[name]])) * 1e6 if name in tangent else 0.0)
 
 
 @property_based
@@ -55,16 +55,16 @@ def test_charges_enter_affinely_and_leave_the_pressure_alone(
         charges = {name: share * case[name] for name in ("charge", "magnetic_charge")}
         return solver.solve({"material": material, **case, **charges}, POSITIONS, regular=True)
 
-    none, one, some = at(0.0), at(1.0), at(times)
-    kept = [*MECHANICAL, *RATIOS]
-    for name in kept:
-        np.testing.assert_array_equal(one[name], none[name], err_msg=name)
-    for name in set(closed_form(none)) - set(kept):
+    none, first, part = at(0.0), at(1.0), at(times)
+    names_left = [*MECHANICAL, *RATIOS]
+    for name in names_left:
+        np.testing.assert_array_equal(first[name], none[name], err_msg=name)
+    for name in set(closed_form(none)) - set(names_left):
         if name.startswith("blocked"):
             continue  # a ratio of two affine functions
-        sizes = [float(np.max(np.abs(values[name]))) for values in (none, one)]
-        expected = none[name].values + times * (one[name].values - none[name].values)
-        np.testing.assert_allclose(some[name], expected, rtol=1e-11, atol=1e-13 * max(sizes), err_msg=name)
+        sizes = [float(np.max(np.abs(values[name]))) for values in (none, first)]
+        expected = none[name].values + times * (first[name].values - none[name].values)
+        np.testing.assert_allclose(part[name], expected, rtol=1e-11, atol=1e-13 * max(sizes), err_msg=name)
 
 
 @property_based

@@ -31,14 +31,14 @@ def test_moving_punch_agrees_with_50_digits(name: str, share: float) -> None:
         "magnetic_charge": -2e-3,
         "datum": 0.2,
     }
-    found = solver.solve({"material": name, **case, "speed": speed}, POSITIONS)
+    computed = solver.solve({"material": name, **case, "speed": speed}, POSITIONS)
     exact = precise.solve(constants(solver.find(name)), **case, speed=speed, positions=POSITIONS)
     for quantity, value in exact.quantities.items():
-        np.testing.assert_allclose(found[quantity].item(), float(value), rtol=1e-10, err_msg=quantity)
+        np.testing.assert_allclose(computed[quantity].item(), float(value), rtol=1e-10, err_msg=quantity)
     for field, values in exact.fields.items():
         reference = np.array(values, float)
         scale = float(np.max(np.abs(reference)))
-        np.testing.assert_allclose(found[field], reference, rtol=1e-9, atol=1e-13 * scale, err_msg=field)
+        np.testing.assert_allclose(computed[field], reference, rtol=1e-9, atol=1e-13 * scale, err_msg=field)
 
 
 def test_limiting_speed_of_isotropic_solids_is_that_of_rayleigh_waves() -> None:

@@ -65,14 +65,14 @@ def assert_images(
     reversed_charges: dict[str, float],
     signs: dict[str, int],
 ) -> None:
-    one, two = (
+    first, two = (
         solver.solve({"material": solver.Material.from_mapping(m), **k}, POSITIONS)
         for m, k in ((c, case), (c | reversed_constants, case | reversed_charges))
     )
-    for name in closed_form(one):
-        size = float(np.max(np.abs(one[name])))
+    for name in closed_form(first):
+        size = float(np.max(np.abs(first[name])))
         sign = signs["electric"] if electric(name) else signs["magnetic"] if magnetic(name) else 1
-        np.testing.assert_allclose(two[name], sign * one[name], rtol=1e-10, atol=1e-12 * size, err_msg=name)
+        np.testing.assert_allclose(two[name], sign * first[name], rtol=1e-10, atol=1e-12 * size, err_msg=name)
 
 
 def electric(name: str) -> bool:
@@ -95,17 +95,17 @@ PARTNERS |= {f"electric_edge_intensity_{edge}": f"magnetic_edge_intensity_{edge}
 @given(c=constants(), case=loads())
 def test_electric_and_magnetic_fields_may_change_places(c: dict[str, float], case: dict[str, Any]) -> None:
     partners = dict(zip(("e31", "e33", "e15", "eps11", "eps33"), ("f31", "f33", "f15", "mu11", "mu33"), strict=True))
-    partners |= {two: one for one, two in partners.items()}
+    partners |= {two: first for first, two in partners.items()}
     swapped = {partners.get(name, name): value for name, value in c.items()}
-    one = solver.solve({"material": solver.Material.from_mapping(c), **case}, POSITIONS)
+    first = solver.solve({"material": solver.Material.from_mapping(c), **case}, POSITIONS)
     case = case | {"charge": case["magnetic_charge"], "magnetic_charge": case["charge"]}
     arrays: dict[str, Any] = {name: np.array(value) for name, value in swapped.items()}
     two = solver.solve({"material": solver.Material(**arrays, any_size=ANY_SIZE), **case}, POSITIONS)
-    names = PARTNERS | {two: one for one, two in PARTNERS.items()}
-    assert_renamed(one, two, names)
+    names = PARTNERS | {two: first for first, two in PARTNERS.items()}
+    assert_renamed(first, two, names)
 
 
-def assert_renamed(one: xr.Dataset, two: xr.Dataset, names: dict[str, str]) -> None:
-    for name in closed_form(one):
-        size = float(np.max(np.abs(one[name])))
-        np.testing.assert_allclose(two[names.get(name, name)], one[name], rtol=1e-10, atol=1e-12 * size, err_msg=name)
+def assert_renamed(first: xr.Dataset, two: xr.Dataset, names: dict[str, str]) -> None:
+    for name in closed_form(first):
+        size = float(np.max(np.abs(first[name])))
+        np.testing.assert_allclose(two[names.get(name, name)], first[name], rtol=1e-10, atol=1e-12 * size, err_msg=name)

@@ -33,12 +33,12 @@ def test_sensitivities_are_derivatives_and_balances_null_the_potential(
 ) -> None:
     case = {"material": material, **case, "datum": datum}
     bare = case | {"charge": 0.0, "magnetic_charge": 0.0}
-    at, at_bare, along = solver.solve(case), solver.solve(bare), solver.solve(bare | {"load": around(case)})
+    centre, at_bare, along = solver.solve(case), solver.solve(bare), solver.solve(bare | {"load": around(case)})
     for charge, potential, sensitivity, balance, _, _ in FIELDS:
         size = float(abs(along[potential]).max()) / case["load"]
         slope = derivative(along[potential], case["load"])
-        assert at[sensitivity].item() == pytest.approx(slope, rel=1e-11, abs=1e-11 * size), sensitivity
-        nulled = solver.solve(bare | {charge: at[balance].item() * case["load"]})
+        assert centre[sensitivity].item() == pytest.approx(slope, rel=1e-11, abs=1e-11 * size), sensitivity
+        nulled = solver.solve(bare | {charge: centre[balance].item() * case["load"]})
         assert abs(nulled[potential].item()) <= 1e-13 * abs(at_bare[potential].item()), balance
 
 
@@ -48,18 +48,21 @@ def test_strokes_and_blocked_loads_are_derivatives(
     material: solver.Material, case: dict[str, Any], datum: float
 ) -> None:
     case = {"material": material, **case, "datum": datum}
-    at, along = solver.solve(case), solver.solve(case | {"load": around(case)})
+    centre, along = solver.solve(case), solver.solve(case | {"load": around(case)})
     for charge, potential, _, _, stroke, blocked in FIELDS:
         moved = solver.solve(case | {charge: case[charge] + 1.0})  # affine in the charges: any step is exact
         jacobian = np.array(
-            [[derivative(along[name], case["load"]), (moved[name] - at[name]).item()] for name in ("depth", potential)]
+            [
+                [derivative(along[name], case["load"]), (moved[name] - centre[name]).item()]
+                for name in ("depth", potential)
+            ]
         )
-        noise = 1e-14 * abs(at.depth.item() / jacobian[1, 1])
-        assert at[stroke].item() == pytest.approx(jacobian[0, 1] / jacobian[1, 1], rel=1e-10, abs=noise), stroke
+        noise = 1e-14 * abs(centre.depth.item() / jacobian[1, 1])
+        assert centre[stroke].item() == pytest.approx(jacobian[0, 1] / jacobian[1, 1], rel=1e-10, abs=noise), stroke
         # (d depth, d potential) = jacobian (d load, d charge) with d depth = 0
         per_volt = -jacobian[0, 1] / np.linalg.det(jacobian)
-        noise = 1e-13 * abs(at.depth.item() / np.linalg.det(jacobian))
-        assert at[blocked].item() == pytest.approx(per_volt, rel=1e-9, abs=noise), blocked
+        noise = 1e-13 * abs(centre.depth.item() / np.linalg.det(jacobian))
+        assert centre[blocked].item() == pytest.approx(per_volt, rel=1e-9, abs=noise), blocked
 
 
 def derivative(values: xr.DataArray, load: float) -> float:

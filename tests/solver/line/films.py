@@ -29,12 +29,12 @@ def cases(values: ArrayLike) -> Array:
 
 
 def contact(
-    of: Table, profile: Profile, load: float, charges: ArrayLike = (0.0, 0.0), datum: float = 1.0
+    tabled: Table, profile: Profile, load: float, charges: ArrayLike = (0.0, 0.0), datum: float = 1.0
 ) -> FilmContact:
     """One contact by a table of its own about its half-length: as exact as the system."""
     charge = np.asarray(charges, dtype=np.float64)[None]
-    half = FilmContact(of, profile, cases(load), charge, np.array(datum)).half_width
-    return FilmContact(of.narrowed(float(half[0])), profile, cases(load), charge, np.array(datum))
+    half = FilmContact(tabled, profile, cases(load), charge, np.array(datum)).half_width
+    return FilmContact(tabled.narrowed(float(half[0])), profile, cases(load), charge, np.array(datum))
 
 
 def cylinder(
@@ -46,8 +46,8 @@ def cylinder(
     accuracy: float = 1.0,
 ) -> FilmContact:
     """A cylinder of radius 50 mm that conducts both fields."""
-    of = table(stack, friction, least=0.05, most=12.0, nodes=24, accuracy=accuracy)
-    return contact(of, Profile.cylinder(np.array(0.05)), load, charges, datum)
+    tabled = table(stack, friction, least=0.05, most=12.0, nodes=24, accuracy=accuracy)
+    return contact(tabled, Profile.cylinder(np.array(0.05)), load, charges, datum)
 
 
 def surface_fields(contact: FilmContact, positions: Array) -> dict[str, Array]:

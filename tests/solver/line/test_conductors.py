@@ -32,12 +32,12 @@ def test_what_is_said_of_an_interface_to_a_metal_has_no_part() -> None:
     def on(electric: str | None) -> solver.Stack:
         return Stack([Layer(PZT, 2e-4, electric), Layer(solver.find("copper"), 2e-5, electric)], SILICON)
 
-    found = [
+    computed = [
         solver.solve(BALL | {"surroundings": "insulated", "body": on(electric)})
         for electric in (None, "bonded", "grounded")
     ]
-    for one in found[1:]:
-        np.testing.assert_array_equal(one["charge_per_force"], found[0]["charge_per_force"])
+    for first in computed[1:]:
+        np.testing.assert_array_equal(first["charge_per_force"], computed[0]["charge_per_force"])
     by_factors = BALL | {"material": "PZT-4", "thickness": 2e-4, "surroundings": "insulated", "base": "steel"}
     kinds = solver.solve(by_factors | {"interface_electric": ["grounded", "bonded"]})
     assert np.ptp(kinds["charge_per_force"].values) == 0
@@ -74,12 +74,12 @@ def test_flux_passes_through_a_metal_by_its_permeability() -> None:
 def test_a_metal_on_top_has_the_potential_itself() -> None:
     """What touches it presses, and nothing more: a punch that conducts is one that insulates."""
     stack = Stack([Layer(solver.find("aluminium"), 1e-6), Layer(PZT, 2e-5)], SILICON)
-    both = [
+    pair = [
         solver.solve(BALL | {"surroundings": "insulated", "body": stack, "electric": kind})
         for kind in ("conducting", "insulating")
     ]
-    assert "voltage" not in both[0]
-    np.testing.assert_array_equal(both[0]["contact_radius"], both[1]["contact_radius"])
+    assert "voltage" not in pair[0]
+    np.testing.assert_array_equal(pair[0]["contact_radius"], pair[1]["contact_radius"])
     for case in (BALL | {"total_charge": 1e-12}, LINE | {"charge": 1e-9}):
         with pytest.raises(solver.FactorError, match="charge: 1e-"):
             solver.solve(case | {"surroundings": "insulated", "body": stack})

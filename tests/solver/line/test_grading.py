@@ -69,9 +69,9 @@ def test_exponential_grading_has_its_exact_exponents() -> None:
     medium = GradedMedium(stack.top, stack.scale)  # type: ignore[arg-type]
     surface = Medium(FIBROUS, stack.scale)
     k = np.array([0.03, 0.3, 1.0, 3.0])
-    found = surface.compliance + medium.difference(k, np.zeros((k.size, 4, 4)))
+    computed = surface.compliance + medium.difference(k, np.zeros((k.size, 4, 4)))
     bend = 0.4 * np.diag([1.0] * 4 + [-1.0] * 4)
-    for wavenumber, Y in zip(k, found, strict=True):
+    for wavenumber, Y in zip(k, computed, strict=True):
         whole = expm(wavenumber * surface.system + bend)
         exact = whole[:4, 4:] @ np.linalg.inv(whole[4:, 4:])
         np.testing.assert_allclose(Y, exact, atol=1e-8 * np.max(np.abs(exact)))
@@ -83,16 +83,16 @@ def test_electrodes_get_what_exact_exponents_say(*, covered: bool) -> None:
     stack, k = FALLING[covered], np.array([0.03, 0.3, 1.0, 3.0])
     rows, response = Electrode(stack, 1 + covered).rows(k), graded_response(stack).difference(k) + surface_of(stack)
     surface, bend = Medium(FIBROUS, stack.scale), 0.4 * np.diag([1.0] * 4 + [-1.0] * 4)
-    for wavenumber, row, found in zip(k, rows, response, strict=True):
+    for wavenumber, row, computed in zip(k, rows, response, strict=True):
         whole = expm(wavenumber * surface.system + bend)
         down, exact = np.exp(-0.4) * np.linalg.inv(whole[4:, 4:]), whole[:4, 4:] @ np.linalg.inv(whole[4:, 4:])
         if covered:  # D_y at the surface is what keeps phi at zero
             onto = np.eye(4)
             onto[2] = np.where(np.arange(4) == 2, 0.0, -exact[2] / exact[2, 2])
             down, exact = down @ onto, held(exact, (2,))
-            found[2, 2] = 0.0  # kept apart
+            computed[2, 2] = 0.0  # kept apart
         np.testing.assert_allclose(row, down[[2, 1]], atol=1e-8 * np.max(np.abs(down)))
-        np.testing.assert_allclose(found, exact, atol=1e-8 * np.max(np.abs(exact)))
+        np.testing.assert_allclose(computed, exact, atol=1e-8 * np.max(np.abs(exact)))
 
 
 def test_electrodes_without_end_have_what_the_depth_averages() -> None:
@@ -116,11 +116,11 @@ def test_a_roller_on_a_film_graded_by_nothing_has_all_that_one_on_a_layer_has(ow
     film: dict[str, object] = {"radius": 0.05, "load": 2e4, "friction": 0.3, "datum": 0.1, "thickness": 2e-4}
     film |= {"volume_fraction": 0.5, "base": "steel", "surroundings": "insulated"} | own
     X = None if own is COVER else [-9.0, -1.3, -1.0001, -0.999, 0.4, 0.9, 1.02, 4.0]
-    exact, found = solver.solve(film, X), solver.solve(film | {"base_volume_fraction": 0.5}, X)
-    assert set(exact) == set(found)
+    exact, computed = solver.solve(film, X), solver.solve(film | {"base_volume_fraction": 0.5}, X)
+    assert set(exact) == set(computed)
     quantities = [name for name in map(str, exact) if not exact[name].ndim]
-    assert_alike(found, exact, 1e-9, quantities)
-    assert_alike(found, exact, 1e-8)
+    assert_alike(computed, exact, 1e-9, quantities)
+    assert_alike(computed, exact, 1e-8)
 
 
 @pytest.mark.parametrize("covered", [False, True])
@@ -139,14 +139,14 @@ def test_surface_fields_of_a_graded_film_are_nearly_those_of_a_staircase() -> No
     middles = (np.arange(count) + 0.5) / count
     stairs = tuple(Layer(linear(np.array(z)), 2e-4 / count, *(END if z == middles[-1] else ())) for z in middles)
     graded = contact(narrow(ON_STEEL), CYLINDER, 1e5)
-    one = surface_fields(graded, X)
-    of = narrow(Stack(stairs, STEEL), count)
-    other = surface_fields(contact(of, CYLINDER, 1e5), X)
+    first = surface_fields(graded, X)
+    tabled = narrow(Stack(stairs, STEEL), count)
+    other = surface_fields(contact(tabled, CYLINDER, 1e5), X)
     for field in FIELDS:
         values = other[field][0]
         # the layer at the top is not the surface, by the first order: e15/c44 of 24 layers differs there by 6 %
         size = 24 / count * (5e-2 if field.endswith("_x") else 6e-3) * np.max(np.abs(values))
-        np.testing.assert_allclose(one[field][0], values, atol=size, err_msg=field)
+        np.testing.assert_allclose(first[field][0], values, atol=size, err_msg=field)
     stretch = surface_fields(graded, 1 + np.array([1e-12, 1e-4]))["stress_xx"][0]
     # beside the edge the field is that of M terms, at the edge that of all
     assert stretch[0] == pytest.approx(graded.edge_stress(1.0)[0], rel=5e-4)
@@ -154,13 +154,13 @@ def test_surface_fields_of_a_graded_film_are_nearly_those_of_a_staircase() -> No
 
 def test_linear_grading_converges() -> None:
     half = np.array([0.3, 1.0])
-    found, finer = at_half_lengths(LINEAR, half), at_half_lengths(LINEAR, half, 1.4)
-    np.testing.assert_allclose(found[:, [0, 3, 4], 0], finer[:, [0, 3, 4], 0], rtol=1e-8)
-    np.testing.assert_allclose(found[:, [0, 3, 4], 1:], finer[:, [0, 3, 4], 1:], rtol=5e-7)  # their small couplings
+    computed, finer = at_half_lengths(LINEAR, half), at_half_lengths(LINEAR, half, 1.4)
+    np.testing.assert_allclose(computed[:, [0, 3, 4], 0], finer[:, [0, 3, 4], 0], rtol=1e-8)
+    np.testing.assert_allclose(computed[:, [0, 3, 4], 1:], finer[:, [0, 3, 4], 1:], rtol=5e-7)  # their small couplings
     size = np.max(np.abs(finer[:, 6:10]), axis=1, keepdims=True)
-    assert np.all(np.abs(found - finer)[:, 6:10] < 5e-7 * size)  # edge intensities
+    assert np.all(np.abs(computed - finer)[:, 6:10] < 5e-7 * size)  # edge intensities
     size = np.max(np.abs(finer[:, 10:12]), axis=1, keepdims=True)
-    miss = np.max(np.abs(found - finer)[:, 10:12] / size, axis=(0, 1))  # edge stress, by slope, T and J
+    miss = np.max(np.abs(computed - finer)[:, 10:12] / size, axis=(0, 1))  # edge stress, by slope, T and J
     assert np.all(miss < [5e-7, 1e-5, 5e-7]), miss
 
 
@@ -176,7 +176,7 @@ def test_edge_intensity_of_a_graded_dielectric_is_that_of_bessel_functions() -> 
     half = np.array([0.3, 1.0])
     stack = Stack((Graded(uncoupled, 1.0),))
     sliding = Sliding(HalfPlane(stack.top.material), np.array(0.0), np.array([True, True]))
-    found = at(System(kernel(stack, 2.1), sliding, (True, True), 1), half)[:, 6, 1]
+    computed = at(System(kernel(stack, 2.1), sliding, (True, True), 1), half)[:, 6, 1]
     ratio = float(BTO.eps33 / BTO.eps11)
     x, w = np.polynomial.legendre.leggauss(12)
     starts = np.concatenate([np.arange(8) / 4, np.arange(2.0, 300.0)])
@@ -186,7 +186,7 @@ def test_edge_intensity_of_a_graded_dielectric_is_that_of_bessel_functions() -> 
     m, n = np.arange(1, 201)[:, None], np.arange(201)
     # int J_2m J_2n z^-2 dz
     tail = np.exp(gammaln(m + n - 0.5) - gammaln(m + n + 1.5)) * (-1.0) ** (m - n) / (4 * np.pi * (0.25 - (m - n) ** 2))
-    for h, intensity in zip(half, found, strict=True):
+    for h, intensity in zip(half, computed, strict=True):
         root = np.sqrt(0.64 + 4 * (z / h) ** 2 / ratio)
         fall = np.exp(-root)
         response = z / h * (1 - fall) / ((root - 0.8) / 2 + (root + 0.8) / 2 * fall)
@@ -248,11 +248,11 @@ def test_rough_integrals_are_those_of_quadrature(smooth: tuple[bool, bool]) -> N
         return float(source(s, j, charged=charged) * (0.3 - s) ** power * kernels[number](0.3 - s))
 
     rough = Rough(basis)
-    found = rough.pressures(X, 1 - X, 1 + X), rough.charges(1 - X, 1 + X)
+    computed = rough.pressures(X, 1 - X, 1 + X), rough.charges(1 - X, 1 + X)
     for j, charged, number, power in product((0, 3), (False, True), range(3), range(3)):
         source_of = (j, charged, number, power)
         exact = quad(integrand, -1.0, 0.3, source_of)[0] + quad(integrand, 0.3, 1.0, source_of)[0]
-        assert found[charged][3 * number + power, 0, j] == pytest.approx(exact, abs=2e-7)
+        assert computed[charged][3 * number + power, 0, j] == pytest.approx(exact, abs=2e-7)
 
 
 @pytest.mark.parametrize(
@@ -268,7 +268,7 @@ def test_rough_integrals_are_those_of_quadrature(smooth: tuple[bool, bool]) -> N
 def test_bad_gradings_are_refused_by_name(make: object, said: str | None) -> None:
     assert callable(make)
     with pytest.raises(solver.MaterialError, match=said or "volume_fraction: .* is not within 0 to 1"):
-        kernel(Stack((made,)) if isinstance(made := make(), Layer) else made, 1.0)
+        kernel(Stack((original,)) if isinstance(original := make(), Layer) else original, 1.0)
 
 
 def test_what_is_not_given_of_graded_layers_is_refused() -> None:

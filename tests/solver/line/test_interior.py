@@ -26,17 +26,19 @@ def test_fields_meet_the_surface_and_both_sides_of_interfaces() -> None:
     film = cylinder(LAYERED, 0.4, 1e5, (2e-5, 1e-3))
     h = float(film.half_width[0])
     X = np.array([-1.5, -0.4, 0.2, 0.8, 1.3])
-    at = interior_fields(film, X, np.array([-1e-9]), ("stress_yy", "stress_xx", "electric_displacement_y"))[0][:, 0]
+    at_points = interior_fields(film, X, np.array([-1e-9]), ("stress_yy", "stress_xx", "electric_displacement_y"))[0][
+        :, 0
+    ]
     surface = surface_fields(film, X)
     expected = (-surface["contact_pressure"][0], surface["stress_xx"][0], surface["electric_displacement_y"][0])
-    for one, other in zip(at, expected, strict=True):
-        np.testing.assert_allclose(one, other, atol=2e-7 * np.max(np.abs(other)))
+    for first, other in zip(at_points, expected, strict=True):
+        np.testing.assert_allclose(first, other, atol=2e-7 * np.max(np.abs(other)))
     mechanical = ("stress_xy", "stress_yy", "strain_xx")
     fluxes = ("electric_displacement_y", "electric_field_x", "magnetic_induction_y", "magnetic_field_x")
     for depth in (1e-4, 2e-4, 3e-4):
         Y = -np.array([depth * (1 - 1e-13), depth * (1 + 1e-9)]) / h
-        both = interior_fields(film, X, Y, mechanical + fluxes)[0]
-        for name, values in zip(mechanical + fluxes, both, strict=True):
+        pair = interior_fields(film, X, Y, mechanical + fluxes)[0]
+        for name, values in zip(mechanical + fluxes, pair, strict=True):
             size = np.max(np.abs(values))
             if depth == 1e-4 and name.startswith("electric"):
                 continue  # an electrode
@@ -65,22 +67,22 @@ def test_stresses_and_fluxes_are_in_equilibrium() -> None:
 def test_a_rigid_base_has_no_fields_and_an_interface_belongs_to_the_film() -> None:
     film = cylinder(Stack((Layer(BTO, 0.5e-3),)))
     edge = 0.5e-3 / film.half_width[0]
-    found = interior_fields(film, np.zeros(1), -edge * np.array([1.0, 1 + 1e-9, 3.0]), ("stress_xx", "von_mises"))[0]
-    assert np.all(np.isfinite(found[:, 0]))
-    assert np.all(np.isnan(found[:, 1:]))
+    computed = interior_fields(film, np.zeros(1), -edge * np.array([1.0, 1 + 1e-9, 3.0]), ("stress_xx", "von_mises"))[0]
+    assert np.all(np.isfinite(computed[:, 0]))
+    assert np.all(np.isnan(computed[:, 1:]))
 
 
 def test_many_cases_are_those_of_one_each() -> None:
     """Of all sizes beside a layered film, whose members have different layers at one y/h."""
-    of = table(LAYERED, 0.4, least=0.5, most=6.0, nodes=8)
+    tabled = table(LAYERED, 0.4, least=0.5, most=6.0, nodes=8)
     loads = np.array([2e4, 3e4, 2e5])
     charges = loads[:, None] * np.array([1e-10, 1e-8])
     X, Y, names = np.array([-1.3, 0.2]), np.array([0.0, -0.4, -0.9, -1.9]), ("stress_xx", "electric_potential")
-    many = FilmContact(of, Profile.cylinder(np.array(0.05)), loads, charges, np.array(1.0))
-    found = interior_fields(many, X, Y, names)
+    many = FilmContact(tabled, Profile.cylinder(np.array(0.05)), loads, charges, np.array(1.0))
+    computed = interior_fields(many, X, Y, names)
     for case in range(3):
-        one = FilmContact(of, many.profile, loads[[case]], charges[[case]], many.datum)
-        np.testing.assert_allclose(found[case], interior_fields(one, X, Y, names)[0], rtol=1e-9, atol=1e-9)
+        first = FilmContact(tabled, many.profile, loads[[case]], charges[[case]], many.datum)
+        np.testing.assert_allclose(computed[case], interior_fields(first, X, Y, names)[0], rtol=1e-9, atol=1e-9)
 
 
 BONDED = Stack((Layer(FIBROUS, 0.2e-3, "bonded", "bonded"),), CFO)
@@ -92,22 +94,22 @@ def test_potentials_are_the_punch_s_on_it_meet_at_interfaces_and_have_the_fields
     film = cylinder(stack, 0.3, 1e5, (2e-5, 1e-2), 0.01)
     h, X, step = float(film.half_width[0]), np.array([-0.9, 0.0, 0.5]), 1e-3
     names = ("electric_potential", "magnetic_potential")
-    at = interior_fields(film, X, np.array([0.0, -0.1 * stack.thickness / h]), names)[0]
+    at_points = interior_fields(film, X, np.array([0.0, -0.1 * stack.thickness / h]), names)[0]
     for field in (0, 1):
-        np.testing.assert_allclose(at[field, 0], film.response[0, 1 + field], rtol=1e-9)
-    size = np.max(np.abs(at), axis=(1, 2))
+        np.testing.assert_allclose(at_points[field, 0], film.response[0, 1 + field], rtol=1e-9)
+    size = np.max(np.abs(at_points), axis=(1, 2))
     ends = np.cumsum([layer.thickness for layer in stack.layers]) / h
     for end in ends:
-        both = interior_fields(film, X, -end * np.array([1.0, 1 + 1e-9]), names)[0]
-        assert np.all(np.max(np.abs(both[:, 0] - both[:, 1]), 1) < 1e-8 * size)
+        pair = interior_fields(film, X, -end * np.array([1.0, 1 + 1e-9]), names)[0]
+        assert np.all(np.max(np.abs(pair[:, 0] - pair[:, 1]), 1) < 1e-8 * size)
     fields = ("electric_field_x", "electric_field_y", "magnetic_field_x", "magnetic_field_y")
     for y in (-0.4 * ends[0], -(ends[-1] + 0.4)):
         stencil, offsets = np.array([1, -8, 0, 8, -1]) / (12 * step), np.linspace(-2 * step, 2 * step, 5)
         around = interior_fields(film, 0.4 + offsets, y + offsets, names)[0] / h
-        own = interior_fields(film, np.array([0.4]), np.array([y]), fields)[0, :, 0, 0]
+        fields_there = interior_fields(film, np.array([0.4]), np.array([y]), fields)[0, :, 0, 0]
         for field in (0, 1):
             gradient = np.array([around[field, 2] @ stencil, around[field, :, 2] @ stencil])
-            np.testing.assert_allclose(gradient, -own[2 * field : 2 * field + 2], atol=1e-7 * size[field] / h)
+            np.testing.assert_allclose(gradient, -fields_there[2 * field : 2 * field + 2], atol=1e-7 * size[field] / h)
 
 
 def test_what_is_not_resolved_is_refused() -> None:

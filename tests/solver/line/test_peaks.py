@@ -24,10 +24,10 @@ FILM: dict[str, Any] = {"surroundings": "insulated", "thickness": THICKNESS, "ra
 @pytest.fixture(scope="module", params=["steel", pytest.param("rigid", marks=pytest.mark.soak)])
 def read(request: pytest.FixtureRequest) -> tuple[PeakTable, FilmContact]:
     stack = Stack((Layer(FIBROUS, THICKNESS),)) if request.param == "rigid" else ON_STEEL
-    of = table(stack, 0.3, least=0.5, most=1.2, nodes=8)
+    tabled = table(stack, 0.3, least=0.5, most=1.2, nodes=8)
     loads = np.array([4e4, 1e5])
     charges = np.stack([loads * 1e-10, loads * -3e-8], -1)
-    return PeakTable(of), FilmContact(of, Profile.cylinder(np.array(0.05)), loads, charges, np.array(1.0))
+    return PeakTable(tabled), FilmContact(tabled, Profile.cylinder(np.array(0.05)), loads, charges, np.array(1.0))
 
 
 def one(film: FilmContact, case: int) -> FilmContact:
@@ -65,29 +65,29 @@ def test_a_sweep_of_the_load_has_no_steps_where_tables_change(material: str, bas
 
 def test_interface_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
     peaks, film = read
-    found = peaks.peaks(film, "interface")
+    computed = peaks.peaks(film, "interface")
     for case in (0, 1):
         state, h = one(film, case), film.half_width[case]
         edge = THICKNESS / h
         X = np.concatenate([np.linspace(-1, 1, 201), 1 + np.geomspace(1e-3, 10 * edge, 200)])
         X = np.unique(np.concatenate([X, -X]))
         shear, normal = interior_fields(state, X, np.array([-edge]), ("stress_xy", "stress_yy"))[0][:, 0]
-        at = int(np.argmax(np.abs(shear)))
-        largest = zoomed(state, "stress_xy", np.sign(shear[at]), float(X[at]), np.array([edge]))
-        assert found["interface_shear"][case] == pytest.approx(largest, rel=1e-6)
-        assert found["interface_shear_position"][case] == pytest.approx(X[at], abs=0.02)
+        place = int(np.argmax(np.abs(shear)))
+        largest = zoomed(state, "stress_xy", np.sign(shear[place]), float(X[place]), np.array([edge]))
+        assert computed["interface_shear"][case] == pytest.approx(largest, rel=1e-6)
+        assert computed["interface_shear_position"][case] == pytest.approx(X[place], abs=0.02)
         if np.max(normal) > 0:
-            at = int(np.argmax(normal))
-            pulled = zoomed(state, "stress_yy", 1.0, float(X[at]), np.array([edge]))
-            assert found["interface_tension"][case] == pytest.approx(pulled, rel=1e-4, abs=1e-6 * largest)
+            place = int(np.argmax(normal))
+            pulled = zoomed(state, "stress_yy", 1.0, float(X[place]), np.array([edge]))
+            assert computed["interface_tension"][case] == pytest.approx(pulled, rel=1e-4, abs=1e-6 * largest)
         else:
-            assert found["interface_tension"][case] == 0.0
-            assert np.isnan(found["interface_tension_position"][case])
+            assert computed["interface_tension"][case] == 0.0
+            assert np.isnan(computed["interface_tension_position"][case])
 
 
 def test_film_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
     peaks, film = read
-    found = peaks.peaks(film, "film")
+    computed = peaks.peaks(film, "film")
     state, h = one(film, 1), film.half_width[1]
     edge = THICKNESS / h
     X, Y = np.linspace(-1.6, 1.6, 161), -DEPTH * (edge / DEPTH) ** np.linspace(0, 1, 25)
@@ -95,7 +95,7 @@ def test_film_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
     for name, values in zip(("von_mises", "principal_tension"), fields, strict=True):
         depth, across = np.unravel_index(np.argmax(values), values.shape)
         near: Array = np.clip(-Y[depth] * np.linspace(0.95, 1.05, 41), DEPTH, edge)
-        assert found[f"film_peak_{name}"][1] == pytest.approx(
+        assert computed[f"film_peak_{name}"][1] == pytest.approx(
             zoomed(state, name, 1.0, float(X[across]), near), rel=3e-5
         )
 
@@ -120,17 +120,17 @@ def test_the_base_is_searched_as_far_as_its_tension_rises(case: dict[str, Any], 
     depths = np.geomspace(top * (1 + 1e-9), 2 + 2 * top, 8)
     inside = solver.solve_interior(factors, x, -depths, fields=["principal_tension"])
     tension = inside["principal_tension"].values.squeeze()
-    found = float(answer["base_peak_principal_tension"])
-    assert np.max(tension) * (1 - 1e-6) <= found <= np.max(tension) * 1.03
+    computed = float(answer["base_peak_principal_tension"])
+    assert np.max(tension) * (1 - 1e-6) <= computed <= np.max(tension) * 1.03
     if largest is not None:
-        assert found == pytest.approx(largest, rel=1e-3)
+        assert computed == pytest.approx(largest, rel=1e-3)
 
 
 def test_contacts_without_a_film_below_the_least_depth_are_refused() -> None:
-    of = table(ON_STEEL, least=1.0, most=12.0, nodes=4)
-    film = FilmContact(of, Profile.cylinder(np.array(0.05)), cases(1e6), np.zeros((1, 2)), np.array(1.0))
+    tabled = table(ON_STEEL, least=1.0, most=12.0, nodes=4)
+    film = FilmContact(tabled, Profile.cylinder(np.array(0.05)), cases(1e6), np.zeros((1, 2)), np.array(1.0))
     with pytest.raises(RangeError, match="wider than 10 thicknesses"):
-        PeakTable(of).peaks(film, "film")
+        PeakTable(tabled).peaks(film, "film")
     rigid = table(Stack((Layer(FIBROUS, THICKNESS),)), least=1.0, most=12.0, nodes=4)
     with pytest.raises(StackError, match="a rigid base has no stresses"):
         PeakTable(rigid).peaks(replace(film, table=rigid), "base")

@@ -40,10 +40,10 @@ def test_default_resolution_is_1e_8_up_to_30_thicknesses(name: str, friction: fl
     """Load, displacement and potentials; edge intensities 3e-8, edge stresses 1e-6; at steep roots 100 times that."""
     slack = 100.0 if name == STEEP else 1.0
     half = np.array([0.01, 0.3, 30.0])
-    found, finer = (at(system(STACKS[name], friction, 30.0, accuracy), half) for accuracy in (1.0, 1.5))
+    computed, finer = (at(system(STACKS[name], friction, 30.0, accuracy), half) for accuracy in (1.0, 1.5))
     for which, error in ((slice(0, 1), 1e-9), (outputs.DISPLACEMENT, 1e-9), (outputs.INTENSITY, 3e-8),
                          (outputs.EDGE_STRESS, 1e-6)):  # fmt: skip
-        miss = np.max(np.abs(found[:, which, 0] - finer[:, which, 0]), -1)
+        miss = np.max(np.abs(computed[:, which, 0] - finer[:, which, 0]), -1)
         assert np.all(miss <= slack * error * np.max(np.abs(finer[:, which, 0]), -1)), (which, miss)
 
 
@@ -51,10 +51,10 @@ def test_default_resolution_is_1e_8_up_to_30_thicknesses(name: str, friction: fl
 @pytest.mark.parametrize("most", [30.0, 3.0])
 def test_default_tables_are_read_to_1e_8(most: float) -> None:
     """Between the half-lengths of the table, against the system itself; load to 1e-9, the others over their range."""
-    of = table(STACKS["fibrous on rigid"], 0.3, most=most)
+    tabled = table(STACKS["fibrous on rigid"], 0.3, most=most)
     half = np.exp(np.linspace(np.log(0.0102), np.log(0.98 * most), 7))
-    read = np.tensordot(of.polynomials(np.log(half)), of.series, 1)
-    exact = at(of.system, half)
+    read = np.tensordot(tabled.polynomials(np.log(half)), tabled.series, 1)
+    exact = at(tabled.system, half)
     size = np.max(np.abs(exact), axis=0)
     assert np.all(np.abs(read - exact)[:, : outputs.EDGE_STRESS.start] <= 3e-8 * size[: outputs.EDGE_STRESS.start])
     assert np.max(np.abs(read[:, 0, 0] / exact[:, 0, 0] - 1)) < 1e-9
@@ -69,10 +69,10 @@ def test_stack_beyond_what_is_resolved_is_refused() -> None:
 @pytest.mark.parametrize(("material", "half"), [("PMN-PT 67:33", 9.0), ("PMN-PT 67:33", 30.0), ("LiNbO3", 30.0)])
 def test_tractions_of_wide_contacts_are_those_of_many_more_terms(material: str, half: float) -> None:
     """D_y and the pressure at 1e-8 of the largest, whatever the roots of the film's material."""
-    of = table(Stack((Layer(solver.find(material), 1.0),), STEEL), 0.2, least=half / 2, most=half, accuracy=1.25)
+    tabled = table(Stack((Layer(solver.find(material), 1.0),), STEEL), 0.2, least=half / 2, most=half, accuracy=1.25)
     X: Array = np.array([-0.97, -0.6, 0.0, 0.3, 0.8, 0.99])
     tractions = []
-    for system in (of.system, replace(of.system, accuracy=2 * of.system.accuracy)):
+    for system in (tabled.system, replace(tabled.system, accuracy=2 * tabled.system.accuracy)):
         assembly = Assembly(system, system.basis(half), np.array([half]), X)
         tractions.append(np.einsum("hfpu,huc->fpc", local_fields(assembly)[:, :2], assembly.unknowns)[..., 0])
     few, many = tractions

@@ -25,7 +25,7 @@ def moving_layer(E: float, nu: float, rho: float, speed: float, k: Array) -> Arr
     G = E / (2 * (1 + nu))
     long_ = np.sqrt(2 * G * (1 - nu) / (1 - 2 * nu) / rho)
     a, b = np.sqrt(1 - (speed / long_) ** 2), np.sqrt(1 - speed**2 * rho / G)
-    found = []
+    computed = []
     for q in k:
         # phi = A cosh qa(y+1) + B sinh, i psi = C cosh qb(y+1) + D sinh;  i u_x = -q phi - d(i psi)/dy
         rows = []
@@ -38,8 +38,8 @@ def moving_layer(E: float, nu: float, rho: float, speed: float, k: Array) -> Arr
             rows.append((across, along, shear, normal))
         (bottom, under, _, _), (_, top, shear, normal) = rows
         terms = np.linalg.solve(np.array([bottom, under, shear, normal]), [0.0, 0.0, 0.0, 1.0])
-        found.append(q * top @ terms)
-    return np.array(found)
+        computed.append(q * top @ terms)
+    return np.array(computed)
 
 
 @pytest.mark.parametrize("speed", [300.0, 1500.0, 2800.0])
@@ -62,8 +62,8 @@ def test_forces_inside_are_those_of_the_inertia() -> None:
     """d sigma_xx/dx + d sigma_xy/dy = rho V^2 d(strain_xx)/dx in film and base; D_y stays free of it."""
     speed, step = 1800.0, 1e-3
     stack = Stack((Layer(BTO, 2e-4, "bonded"),), STEEL, speed)
-    of = table(stack, 0.3, least=0.5, most=2.0, nodes=8)
-    film = FilmContact(of, Profile.cylinder(np.array(0.05)), cases(1e5), np.zeros((1, 2)), np.array(1.0))
+    tabled = table(stack, 0.3, least=0.5, most=2.0, nodes=8)
+    film = FilmContact(tabled, Profile.cylinder(np.array(0.05)), cases(1e5), np.zeros((1, 2)), np.array(1.0))
     offsets, stencil = np.linspace(-2 * step, 2 * step, 5), np.array([1, -8, 0, 8, -1]) / (12 * step)
     names = ("stress_xx", "stress_xy", "strain_xx", "electric_displacement_x", "electric_displacement_y")
     edge = 2e-4 / float(film.half_width[0])

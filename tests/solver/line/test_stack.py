@@ -30,18 +30,18 @@ def test_materials_are_batched() -> None:
     batch = solver.fibrous(BTO, solver.find("CoFe2O4"), fractions)
     scale = Stack((Layer(FIBROUS, 1.0),)).scale
     whole = falling(Medium(batch, scale).decay, np.array([0.3, 1.0, 4.0]))
-    one = falling(Medium(FIBROUS, scale).decay, np.array(1.0))
-    np.testing.assert_allclose(whole[1], one, atol=1e-14)
+    decay = falling(Medium(FIBROUS, scale).decay, np.array(1.0))
+    np.testing.assert_allclose(whole[1], decay, atol=1e-14)
 
 
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.49])
 def test_isotropic_layer_on_a_rigid_base_is_the_closed_multiplier(poisson: float) -> None:
     stack = Stack((Layer(solver.Material.isotropic(7e10, poisson), 1.0),))
-    own = stack.media[0].compliance[1, 1]
-    found = 1 + waves(stack, K)[0].difference[:, 1, 1] / own
+    compliance = stack.media[0].compliance[1, 1]
+    computed = 1 + waves(stack, K)[0].difference[:, 1, 1] / compliance
     kappa, u = 3 - 4 * poisson, K
     exact = (2 * kappa * np.sinh(2 * u) - 4 * u) / (2 * kappa * np.cosh(2 * u) + 1 + kappa**2 + 4 * u**2)
-    np.testing.assert_allclose(found, exact, rtol=1e-11)
+    np.testing.assert_allclose(computed, exact, rtol=1e-11)
 
 
 def test_exponentials_by_series_and_by_eigenvectors_agree() -> None:
@@ -74,11 +74,13 @@ def test_difference_keeps_its_relative_accuracy_where_it_has_decayed() -> None:
     reflection = waves(stack, k)[0].reflection[0]
     E = falling(medium.decay, k)
     mirror = np.diag([-1.0, 1.0, 1.0, 1.0])
-    own = medium.compliance
-    exact = -(own + mirror @ own @ mirror) @ mirror @ E @ mirror @ reflection @ E  # first order: the rest is e^-160
-    found = waves(stack, k)[0].difference
-    np.testing.assert_allclose(found[:, 1, 1], exact[:, 1, 1], rtol=1e-12)
-    assert abs(found[1, 1, 1]) < 1e-40
+    compliance = medium.compliance
+    exact = (
+        -(compliance + mirror @ compliance @ mirror) @ mirror @ E @ mirror @ reflection @ E
+    )  # first order: the rest is e^-160
+    computed = waves(stack, k)[0].difference
+    np.testing.assert_allclose(computed[:, 1, 1], exact[:, 1, 1], rtol=1e-12)
+    assert abs(computed[1, 1, 1]) < 1e-40
 
 
 def test_held_components_answer_to_nothing() -> None:
@@ -125,7 +127,7 @@ def test_bad_stacks_are_refused_by_name(make: object, said: str) -> None:
 
 
 def test_layers_and_bases_may_be_named_and_thicknesses_bear_units() -> None:
-    named, given = Stack([Layer("copper", "20 um")], "silicon"), Stack([Layer(find("copper"), 20e-6)], find("silicon"))
-    assert named.name == given.name
+    named, stated = Stack([Layer("copper", "20 um")], "silicon"), Stack([Layer(find("copper"), 20e-6)], find("silicon"))
+    assert named.name == stated.name
     assert replace(named.layers[0], thickness=1e-4).material is find("copper")
     assert Graded(lambda depth: solver.fibrous(BTO, find("CoFe2O4"), 0.5), "200 um").thickness == 2e-4

@@ -46,23 +46,23 @@ def test_stores_are_those_between_two_states_of_one_width(
     """
 
     def width(load: float, charged: float) -> float:
-        found = solver.solve({**body, "load": load, charge: charged})
-        return float(found["contact_trailing"] + found["contact_leading"])
+        computed = solver.solve({**body, "load": load, charge: charged})
+        return float(computed["contact_trailing"] + computed["contact_leading"])
 
-    asked = width(load, 0.0)
-    other = brentq(lambda load: width(load, size) / asked - 1, 0.9 * load, 1.1 * load, xtol=1e-9 * load, rtol=1e-13)
-    one = solver.solve({**body, "load": load})
+    required = width(load, 0.0)
+    other = brentq(lambda load: width(load, size) / required - 1, 0.9 * load, 1.1 * load, xtol=1e-9 * load, rtol=1e-13)
+    first = solver.solve({**body, "load": load})
     two = solver.solve({**body, "load": other, charge: size})
-    secant = size / float(two[potential] - one[potential])
-    assert float(one[store]) == pytest.approx(secant, rel=1e-7, abs=0)
+    secant = size / float(two[potential] - first[potential])
+    assert float(first[store]) == pytest.approx(secant, rel=1e-7, abs=0)
 
 
 def test_figures_that_others_found() -> None:
     """Of an independent check, four digits: dT/dV between two states of one contact, and an insulated base's exact."""
     assert float(solver.solve(ACTIVE | {"load": 3e6})["capacitance_per_length"]) == pytest.approx(9.888e-9, rel=5e-5)
     layers = Layer(solver.find("PZT-5H"), 10e-6), Layer(solver.find("polyimide"), 0.2e-3, magnetic="insulated")
-    found = solver.solve({"surroundings": "insulated", "body": Stack(layers), "radius": 0.05, "load": 1e4})
-    assert float(found["permeance_per_length"]) == pytest.approx(-6.960e-6, rel=1e-4)
+    computed = solver.solve({"surroundings": "insulated", "body": Stack(layers), "radius": 0.05, "load": 1e4})
+    assert float(computed["permeance_per_length"]) == pytest.approx(-6.960e-6, rel=1e-4)
 
 
 @pytest.mark.parametrize(("thin", "load"), [(10e-6, 1e4), (50e-6, 1e3)])
@@ -73,9 +73,9 @@ def test_permeance_above_an_insulated_base_is_that_of_a_strip(thin: float, load:
     dielectric lie below: what long waves lose was 9e-4.
     """
     body = Stack((Layer(solver.find("PZT-5H"), thin), Layer(solver.find("polyimide"), 0.2e-3, magnetic="insulated")))
-    found = solver.solve({"surroundings": "insulated", "body": body, "radius": 0.05, "load": load})
+    computed = solver.solve({"surroundings": "insulated", "body": body, "radius": 0.05, "load": load})
     thickness, mu = body.thickness, float(solver.find("PZT-5H").mu11)
-    n, count, half = np.arange(60), 60, float(found["contact_trailing"])
+    n, count, half = np.arange(60), 60, float(computed["contact_trailing"])
     angle = np.pi * (n + 0.5) / count
     phase = np.pi * half / (2 * thickness) * (np.cos(angle)[:, None] - np.cos(angle))
     np.fill_diagonal(phase, 1e-9)  # the smooth part is 0 there
@@ -84,4 +84,4 @@ def test_permeance_above_an_insulated_base_is_that_of_a_strip(thin: float, load:
     logs[:, 0] = np.pi * np.log(np.pi * half / (2 * thickness))
     smooth = np.log(np.sinh(phase) / phase) @ terms * np.pi / count
     charge = np.pi * np.linalg.solve(logs + smooth, np.ones(count))[0]
-    assert float(found["permeance_per_length"]) == pytest.approx(-np.pi * mu * charge / (1 - charge), rel=1e-6)
+    assert float(computed["permeance_per_length"]) == pytest.approx(-np.pi * mu * charge / (1 - charge), rel=1e-6)

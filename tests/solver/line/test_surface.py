@@ -29,8 +29,8 @@ CASES = {
 @pytest.fixture(scope="module", params=CASES)
 def state(request: pytest.FixtureRequest) -> tuple[FilmContact, dict[str, Array]]:
     stack, friction, charges = CASES[request.param]
-    found = cylinder(stack, friction, 1e5, charges)
-    return found, surface_fields(found, rule().X)
+    computed = cylinder(stack, friction, 1e5, charges)
+    return computed, surface_fields(computed, rule().X)
 
 
 def test_integral_equations_hold_by_another_quadrature(state: tuple[FilmContact, dict[str, Array]]) -> None:
@@ -38,23 +38,23 @@ def test_integral_equations_hold_by_another_quadrature(state: tuple[FilmContact,
     film, fields = state
     stack, h = film.table.system.kernel.stack, film.half_width[0]
     points = np.array([-0.83, -0.31, 0.12, 0.77])
-    at = surface_fields(film, points)
+    at_points = surface_fields(film, points)
     half, scale = film.table.system.sliding.halfplane, film.scale
     nodes = rule()
 
-    def tractions(of: dict[str, Array]) -> Array:
+    def tractions(tabled: dict[str, Array]) -> Array:
         rows = (
-            of["shear_traction"],
-            -of["contact_pressure"],
-            of["electric_displacement_y"],
-            of["magnetic_induction_y"],
+            tabled["shear_traction"],
+            -tabled["contact_pressure"],
+            tabled["electric_displacement_y"],
+            tabled["magnetic_induction_y"],
         )
         return np.array([row[0] for row in rows]) * scale[:, None]
 
     root = np.sqrt((1 - nodes.X) * (1 + nodes.X))  # rounded as that by which the fields were divided
-    t, own = tractions(fields) * root, tractions(at) * np.sqrt(1 - points**2)
+    t, regular = tractions(fields) * root, tractions(at_points) * np.sqrt(1 - points**2)
     gap = nodes.X - points[:, None]
-    H = np.einsum("s,jps->jp", nodes.weight / np.pi, (t[:, None] - own[..., None]) / gap)
+    H = np.einsum("s,jps->jp", nodes.weight / np.pi, (t[:, None] - regular[..., None]) / gap)
     far = 40 / (2 * stack.top.thickness * float(stack.media[0].slowest))
     x, w = np.polynomial.legendre.leggauss(40)
     edges = np.concatenate([[0.0], np.geomspace(1e-7, 1e-3, 12), np.linspace(1e-3, 1.0, 60)[1:]]) * far
@@ -62,18 +62,18 @@ def test_integral_equations_hold_by_another_quadrature(state: tuple[FilmContact,
     weights = ((edges[1:] - edges[:-1])[:, None] / 2 * w).ravel()
     Delta = waves(stack, k)[0].difference[:, 1:] * weights[:, None, None]
     residual, size = np.zeros((3, points.size)), np.zeros(3)
-    both = scale[1:, None] * scale[1:]
+    pair = scale[1:, None] * scale[1:]
     for p, X0 in enumerate(points):
         kx = k[:, None] * h * (X0 - nodes.X)
         total = h * nodes.weight
         sines, cosines = np.sin(kx) @ (total * t[1:]).T, np.cos(kx) @ (total * t[0])
         smooth = -(np.einsum("koj,kj->o", Delta[..., 1:], sines) + Delta[..., 0].T @ cosines) / np.pi
-        local = half.compliance / both @ H[1:, p] + half.friction_coupling / (scale[1:] * scale[0]) * (
-            own[0, p] / np.sqrt(1 - X0**2)
+        local = half.compliance / pair @ H[1:, p] + half.friction_coupling / (scale[1:] * scale[0]) * (
+            regular[0, p] / np.sqrt(1 - X0**2)
         )
         slope = np.array([(film.offset[0] + h * X0) / 0.05 / scale[1], 0.0, 0.0])
         residual[:, p] = local + smooth - slope
-        size = np.maximum(size, np.abs(half.compliance / both) @ np.abs(H[1:, p]))
+        size = np.maximum(size, np.abs(half.compliance / pair) @ np.abs(H[1:, p]))
     error = np.max(np.abs(residual) / size[:, None])
     assert error < 1e-9, error
 

@@ -119,11 +119,11 @@ def _contact(answer: Answer) -> Figure:
     along, down = ("r/a", "y/a") if point else ("(x - c)/h", "y/h")
     for name, ax in zip(surface, above.subplots(1, len(surface), squeeze=False).flat, strict=True):
         values = fields[f"field_{name}"].values
-        inside = (np.abs(np.abs(X) - 1) > NEAR_EDGE) & (np.abs(X) < 3)
-        size, words = field_label(fields[f"field_{name}"].rename(name), float(np.abs(values[inside]).max()))
+        regular = (np.abs(np.abs(X) - 1) > NEAR_EDGE) & (np.abs(X) < 3)
+        size, words = field_label(fields[f"field_{name}"].rename(name), float(np.abs(values[regular]).max()))
         for part in (X < -1, np.abs(X) < 1, X > 1):
             ax.plot(X[part], values[part] / size, color=BLUE, lw=1.5)
-        ends = np.array([min(values[inside].min(), 0.0), max(values[inside].max(), 0.0)]) / size
+        ends = np.array([min(values[regular].min(), 0.0), max(values[regular].max(), 0.0)]) / size
         ax.set_ylim(*(ends + np.array([-0.06, 0.06]) * (np.ptp(ends) or 1.0)))
         ax.set_xlim(-3, 3)
         ax.set_title(words)
