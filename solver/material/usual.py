@@ -81,10 +81,10 @@ def question(name: str, values: float | Array, units: str) -> str:
 
 def questions(values: Mapping[str, Array], units: Mapping[str, str], bare: Collection[str]) -> dict[str, str]:
     """Questions about `bare` constants whose size, alone or together with others, no material has; by name."""
-    asked = {name: text for name in bare if name in values and (text := question(name, values[name], units[name]))}
+    texts = {name: text for name in bare if name in values and (text := question(name, values[name], units[name]))}
     for coupling, stiffness, store in _COUPLED:
         names = (coupling, stiffness, store)
-        if any(name in bare for name in names) and all(name in values and name not in asked for name in names):
+        if any(name in bare for name in names) and all(name in values and name not in texts for name in names):
             e, c, eps = np.broadcast_arrays(*(values[name] for name in names))
             odd = np.flatnonzero(np.abs(e) > np.sqrt(_MOST_COUPLED) * np.sqrt(np.abs(c)) * np.sqrt(np.abs(eps)))
             if odd.size:
@@ -92,9 +92,9 @@ def questions(values: Mapping[str, Array], units: Mapping[str, str], bare: Colle
                     f"{name} = {array.flat[odd[0]]:g} {units[name]}"
                     for name, array in zip(names, (e, c, eps), strict=True)
                 ]
-                asked |= dict.fromkeys(
+                texts |= dict.fromkeys(
                     names,
                     f"{sizes[0]} couples {sizes[1]} and {sizes[2]} more than any material does; did one of them lose "
                     "its unit? Numbers with a unit are read as they stand",
                 )
-    return asked
+    return texts

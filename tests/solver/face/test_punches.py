@@ -7,23 +7,11 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.halfplane.contact import Contact
-from solver.halfplane.profile import Profile
-from solver.halfplane.quantities import quantities
-from solver.halfplane.sliding import Punch, Sliding
-from solver.halfplane.surface import HalfPlane
 
 STEEL = {"punch_modulus": 210e9, "punch_poisson": 0.3}
 LINE: dict[str, Any] = {"volume_fraction": 0.5, "radius": 0.05, "load": 1e5, "friction": 0.3, "datum": 0.2}
 FILM = LINE | {"thickness": 2e-4, "surroundings": "insulated", "base": "steel", "interface_magnetic": "grounded"}
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
-PROFILES: list[dict[str, Any]] = [
-    {"radius": 0.05},
-    {"profile": "half_cylinder", "radius": 0.05},
-    {"profile": "wedge", "slope": 1e-3},
-    {"profile": "flat", "width": 1e-3},
-]
-BARE = {key: value for key, value in LINE.items() if key != "radius"}
 
 
 def width(out: xr.Dataset) -> xr.DataArray:
@@ -39,23 +27,6 @@ def test_steel_makes_contacts_wider_by_the_published_shares() -> None:
     ball = BALL | {"material": plane["material"], "punch": ["rigid", "steel"]}
     radius = solver.solve(ball)["contact_radius"]
     np.testing.assert_allclose(radius.sel(punch="steel") / radius.sel(punch="rigid") - 1, [0.185, 0.160], atol=5e-4)
-
-
-@pytest.mark.parametrize("profile", PROFILES)
-def test_the_face_gives_what_the_room_gives(profile: dict[str, Any]) -> None:
-    computed = solver.solve(BARE | profile | {"punch": "steel"})
-    original = {
-        "half_cylinder": Profile.half_cylinder(np.array(0.05), "leading"),
-        "wedge": Profile.wedge(np.array(1e-3), "leading"),
-        "flat": Profile.flat(np.array(1e-3), np.array(0.0)),
-    }.get(profile.get("profile", ""), Profile.cylinder(np.array(0.05)))
-    body = HalfPlane(solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5))
-    sliding = Sliding(body, np.array(0.3), np.array([True, True]), Punch.isotropic(210e9, 0.3))
-    punch_datum = np.array(profile.get("radius", profile.get("width", 0.2)))  # a wedge has no length of its own
-    direct = quantities(Contact(sliding, original, np.array(1e5), np.zeros(2)), np.array(0.2), punch_datum)
-    assert set(computed.data_vars) == set(direct)
-    for name, value in direct.items():
-        np.testing.assert_allclose(computed[name], value, rtol=1e-12, err_msg=name)
 
 
 @pytest.mark.parametrize(

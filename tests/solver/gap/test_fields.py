@@ -89,7 +89,8 @@ def test_tractions_balance_load_and_charges(name: str) -> None:
     share = (np.diff(ends)[:, None] / 2 * weights * np.sinh(theta)).ravel()
     distances = np.cosh(theta.ravel())
     densities = (
-        Solved(state, EDGES, FAR).beside.at(np.concatenate([distances, -distances])) / contact.contact.scale[2:, None]
+        Solved(state, EDGES, FAR).exterior_charges.density(np.concatenate([distances, -distances]))
+        / contact.contact.scale[2:, None]
     )
     surface = surface_fields(state, distances[-900:-500])
     for density, other in zip(

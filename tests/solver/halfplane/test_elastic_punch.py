@@ -42,12 +42,6 @@ def test_isotropic_bodies_are_those_of_the_textbooks(friction: float) -> None:
     assert 2 * float(computed.half_width) == pytest.approx(float(whole), rel=1e-13)
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.7])
-def test_equal_materials_have_no_coupling(friction: float) -> None:
-    computed = contact(Material.isotropic(210e9, 0.3), friction, STEEL)
-    assert float(computed.exponent) == pytest.approx(0.5, abs=1e-13)
-
-
 @pytest.mark.parametrize("name", ["cylinder", "wedge", "half cylinder", "cubic"])
 def test_both_surfaces_fit_by_quadrature(name: str) -> None:
     """Slopes of body and punch, each from the Stroh eigenvectors of its own material, differ by that of the profile."""
@@ -70,17 +64,6 @@ def test_both_surfaces_fit_by_quadrature(name: str) -> None:
     required = sum(float(np.ravel(g)[0]) * x**k for k, g in enumerate(profile.slope))
     lost = 1e-11 if all(profile.smooth) else 1e-6  # of the rule, where a corner leaves the pressure unbounded
     np.testing.assert_allclose(slope, required, rtol=0, atol=lost * np.max(np.abs(required)))
-
-
-def test_tangents_are_those_of_neighbouring_loads() -> None:
-    def depth(load: float) -> float:
-        return float(Response(contact(FIBROUS, 0.3, STEEL, load=load), np.array(0.2), RADIUS).depth)
-
-    # reciprocity without charges is not asked for: the blocked load follows from depth and voltage by their tangents
-    response = Response(contact(FIBROUS, 0.3, STEEL), np.array(0.2), RADIUS)
-    step = 1e5 * 1e-4
-    slope = (8 * (depth(1e5 + step) - depth(1e5 - step)) - (depth(1e5 + 2 * step) - depth(1e5 - 2 * step))) / 12 / step
-    assert float(response._depth_tangent) == pytest.approx(slope, rel=1e-9)
 
 
 def test_datum_of_the_punch_moves_the_depth_by_a_logarithm() -> None:

@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 import solver
@@ -55,29 +53,6 @@ def test_values_at_and_about_the_crossing(offset: float) -> None:
     exact = precise.solve(MADE | {"c44": c44}, positions=POSITIONS, **CONTACT)
     material = solver.Material.from_mapping(MADE | {"c44": c44})
     assert_agrees(solver.solve({"material": material, **CONTACT}, POSITIONS), exact)
-
-
-def test_everything_is_smooth_across_the_crossing() -> None:
-    """On a Chebyshev grid about the crossing every output is a polynomial of low degree to rounding."""
-    t = np.cos(np.pi * (np.arange(40) + 0.5) / 40)
-    materials = {
-        f"m{i}": solver.Material.from_mapping(MADE | {"c44": crossing() * (1 + 0.05 * x)}) for i, x in enumerate(t)
-    }
-    out = solver.solve({"material": list(materials), **CONTACT}, POSITIONS, materials=materials)
-    assert_smooth(out.transpose("material", ...), t, 1e-13)
-
-
-def test_everything_is_smooth_in_friction_from_zero_on() -> None:
-    t = np.cos(np.pi * (np.arange(60) + 0.5) / 60)
-    out = solver.solve({"material": SIH_SONG, **CHARGED, "friction": (1 + t) / 2}, POSITIONS)
-    assert_smooth(out.transpose("friction", ...), t, 1e-13)
-
-
-def assert_smooth(out: xr.Dataset, t: NDArray[np.float64], limit: float) -> None:
-    """The last third of the Chebyshev coefficients over the first dimension is below ``limit`` of the largest."""
-    for name in closed_form(out):
-        c = np.abs(np.polynomial.chebyshev.chebfit(t, out[name].values.reshape(len(t), -1), len(t) - 1))
-        assert np.all(c[2 * len(t) // 3 :] <= limit * np.max(c)), name
 
 
 @pytest.mark.parametrize("friction", [1e-300, 1e-100, 1e-16, 1e-9])

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import solver
-from solver.halfplane.surface import HalfPlane
 
 BOTH = ("electric", "magnetic")
 POTENTIALS = [f"{field}_potential" for field in BOTH]
@@ -62,15 +61,3 @@ def test_differences_are_line_integrals_of_the_fields(name: str, path: tuple[tup
         first, last = (float(one[f"{field}_potential"]) for one in ends)
         size = max(abs(first), abs(last), 1e-30)
         assert last - first == pytest.approx(-half_width * integral, rel=1e-9, abs=1e-11 * size)
-
-
-def test_far_away_they_are_logarithms_of_the_totals() -> None:
-    case = factors("cylinder")
-    half_width = float(sum(solver.solve(case)[name] for name in ("contact_trailing", "contact_leading"))) / 2
-    mix = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
-    totals = np.array([case["load"], case["charge"], case["magnetic_charge"]])
-    rate = HalfPlane(mix).compliance[1:] @ totals / np.pi  # theory 6: u = -(1/pi) N int t log|x/L|, int t = -totals
-    near, far = (solver.solve_interior(case, [x], [0.0], fields=POTENTIALS).squeeze(drop=True) for x in (1e6, 1e9))
-    assert half_width > 0
-    for k, name in enumerate(POTENTIALS):
-        assert float(far[name] - near[name]) == pytest.approx(rate[k] * np.log(1e3), rel=1e-6)

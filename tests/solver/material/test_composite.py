@@ -81,13 +81,6 @@ def test_published_transverse_coupling_follows_from_the_wrong_sign_of_mu11() -> 
 
 
 @BOTH
-def test_ends_are_the_phases_themselves(kind: str) -> None:
-    first, second = solver.find("BaTiO3"), solver.find("CoFe2O4")
-    for fraction, phase in ((0.0, second), (1.0, first)):
-        assert_is(MIX[kind](first, second, fraction), phase)
-
-
-@BOTH
 @pytest.mark.parametrize("fraction", [0.0, 0.3, 1.0])
 def test_equal_phases_give_themselves(kind: str, fraction: float) -> None:
     phase = solver.find("BaTiO3-CoFe2O4 50:50")

@@ -73,14 +73,6 @@ def test_figures_of_the_theory() -> None:
     )
 
 
-def test_potentials_held_are_those_that_the_charges_make() -> None:
-    pressed = on_film(film(FIBROUS, STEEL), 1e-4, 2.0, 100.0, [1.0, 10.0], (2e-10, 1e-9))
-    charged = pressed.charged
-    held = pressed.contact(charged.displacement[:, 1:], (True, True))
-    np.testing.assert_allclose(held.radius, charged.radius, rtol=1e-12)
-    np.testing.assert_allclose(held.loads, charged.loads, rtol=1e-10)
-
-
 @pytest.mark.parametrize("charge", [-1e-7, 3e-9, 8e-9, 1e-6])
 def test_charged_contacts_carry_their_force_and_charges(charge: float) -> None:
     loads = on_film(film(FIBROUS, ELASTIC), 1e-4, 2.0, 100.0, 1e-3, (charge, 1e-9)).charged.loads
