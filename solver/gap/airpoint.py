@@ -31,7 +31,7 @@ class AirPoint:
     operators: RingsByRadius
     coefficient: float
     force: float
-    given: Array
+    prescribed: Array
     held: tuple[bool, ...]
     media: Array
     end: float
@@ -171,16 +171,16 @@ class PointState:
         first = self.problem.rows.causes
         return np.concatenate([(rate @ self.columns)[:, None], value[:, : first - 1], value[:, first:]], 1)
 
-    def _beside(self, rows: Array) -> tuple[Array, Array]:
+    def _exterior(self, rows: Array) -> tuple[Array, Array]:
         """u_y and the potentials beside the contact less those at the edge; (n, ...) and (field, n, ...)."""
-        own = self.problem.rows
-        part = rows[own.raised : own.pressure.start].reshape(len(own.channels), own.nodes, *rows.shape[1:])
+        layout = self.problem.rows
+        part = rows[layout.raised : layout.pressure.start].reshape(len(layout.channels), layout.nodes, *rows.shape[1:])
         return part[0], part[1:]
 
     @cached_property
     def gap(self) -> Array:
         """Gap over C a^e at the nodes; (n,)."""
-        return np.asarray(self.problem.profile - self._beside(self.outputs)[0])
+        return np.asarray(self.problem.profile - self._exterior(self.outputs)[0])
 
     @cached_property
     def thinned(self) -> Array:
@@ -199,13 +199,13 @@ class PointState:
         rows, load = self.problem.rows, self.size * self.radius
         force = load * self.outputs[0] / self.problem.force + 1
         closings = [self._closing(place) for place in range(len(rows.fields))]
-        law = self.over_size * self.gap / self.problem.profile - self.conductance * self._beside(self.outputs)[1]
+        law = self.over_size * self.gap / self.problem.profile - self.conductance * self._exterior(self.outputs)[1]
         return np.concatenate([[force, self.outputs[rows.edges][0], *closings], law.ravel()])
 
     def _closing(self, place: int) -> float:
         if self.problem.held[place]:
-            return float(self.displacement[1 + place] - self.problem.given[place] / self.size)
-        return float(self.outputs[1 + place] + self.problem.given[place] / (self.size * self.radius))
+            return float(self.displacement[1 + place] - self.problem.prescribed[place] / self.size)
+        return float(self.outputs[1 + place] + self.problem.prescribed[place] / (self.size * self.radius))
 
     @cached_property
     def jacobian(self) -> Array:
@@ -223,23 +223,23 @@ class PointState:
         matrix[0] = load * self._rates[0] / self.problem.force
         matrix[0, 0] += (e + 1) * load * self.outputs[0] / self.problem.force
         matrix[1] = self._rates[rows.edges][0]
-        potentials = self._beside(self._rates)[1]
+        potentials = self._exterior(self._rates)[1]
         n, first = rows.nodes, rows.causes
         for place in range(len(rows.fields)):
             if self.problem.held[place]:
                 matrix[2 + place, 2 + place] = 1.0
-                matrix[2 + place, 0] = e * self.problem.given[place] / self.size
+                matrix[2 + place, 0] = e * self.problem.prescribed[place] / self.size
             else:
                 matrix[2 + place] = self._rates[1 + place]
-                matrix[2 + place, 0] -= (e + 1) * self.problem.given[place] / load
-            own = slice(first + place * n, first + (place + 1) * n)
+                matrix[2 + place, 0] -= (e + 1) * self.problem.prescribed[place] / load
+            block = slice(first + place * n, first + (place + 1) * n)
             conductance = self.conductance[place]
             law = -conductance[:, None] * potentials[place]
-            law[:, 0] -= conductance * (1 - e - 2 * (1 - self.thinned)) * self._beside(self.outputs)[1][place]
+            law[:, 0] -= conductance * (1 - e - 2 * (1 - self.thinned)) * self._exterior(self.outputs)[1][place]
             if moved:
-                law -= (self.over_size[place] / self.problem.profile)[:, None] * self._beside(self._rates)[0]
-            law[:, own][np.diag_indices(n)] += self.gap / self.problem.profile
-            matrix[own] = law
+                law -= (self.over_size[place] / self.problem.profile)[:, None] * self._exterior(self._rates)[0]
+            law[:, block][np.diag_indices(n)] += self.gap / self.problem.profile
+            matrix[block] = law
         return matrix
 
     @cached_property

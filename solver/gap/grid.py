@@ -135,7 +135,7 @@ class Grid:
         infinite = (panels == self.panels - 1)[:, None]
         return self.interpolations(panels, np.where(infinite, np.exp(-theta), theta))
 
-    def at(self, theta: Array) -> Array:
+    def interpolation(self, theta: Array) -> Array:
         """From values at all nodes to those at theta; (place, n)."""
         panels = np.minimum(np.searchsorted(self.ends[1:], theta), self.panels - 1)
         whole = np.zeros((theta.size, self.panels, _NODES))
@@ -206,14 +206,14 @@ class Grid:
         """Of every panel, theta and weights of a rule that is graded towards the edge and towards infinity."""
         return [self._ruled(panel, 0.0 if panel == 0 else None)[1:] for panel in range(self.panels)]
 
-    def _ruled(self, panel: int, at: float | None) -> tuple[Array, Array, Array]:
+    def _ruled(self, panel: int, singular: float | None) -> tuple[Array, Array, Array]:
         """Nodes u, theta and weights as of :meth:`ruled` of one panel, graded towards u = at; (point, ...) each."""
         low, high = self.limits[panel]
         ends = [low, high]
         if panel == self.panels - 1:
             ends += list(high * _RATIO ** np.arange(1, 10))
-        if at is not None:
-            inner = min(max(at, low), high)
+        if singular is not None:
+            inner = min(max(singular, low), high)
             for side, far in ((-1.0, inner - low), (1.0, high - inner)):
                 if far > 0:
                     ends += list(inner + side * far * _RATIO ** np.arange(1, 10))
@@ -222,9 +222,9 @@ class Grid:
         theta, shape = self.ruled(np.array([panel]), u[None], weights[None])
         return u, theta[0], shape[0]
 
-    def integrated(self, of: Callable[[Array], Array]) -> Array:
+    def integrated(self, function: Callable[[Array], Array]) -> Array:
         """Integrals of functions of theta, (..., point), times the density over X; (..., n)."""
-        return np.concatenate([of(theta) @ shape for theta, shape in self._whole], -1)
+        return np.concatenate([function(theta) @ shape for theta, shape in self._whole], -1)
 
     def induced_terms(self, count: int) -> Array:
         """Coefficients of T_n / sqrt(1 - X^2) in the charge within the contact that the density draws; (count, n)."""
@@ -243,9 +243,9 @@ class Grid:
 
     def induced(self, X: Array) -> Array:
         """Charge within the contact, times sqrt(1 - X^2), that the density draws; (point, n)."""
-        away = (1 - X)[:, None]
+        distance = (1 - X)[:, None]
         # sinh / (cosh - X), without a difference next to the edge
-        return self.integrated(lambda theta: np.sinh(theta) / (2 * np.sinh(theta / 2) ** 2 + away)) / -np.pi
+        return self.integrated(lambda theta: np.sinh(theta) / (2 * np.sinh(theta / 2) ** 2 + distance)) / -np.pi
 
     @cached_property
     def green(self) -> tuple[Array, Array]:
@@ -255,14 +255,14 @@ class Grid:
             for panel in range(self.panels):
                 low, high = self.limits[panel]
                 infinite = panel == self.panels - 1
-                at = np.exp(-theta) if infinite else theta
-                near = low - (high - low) < at < high + (high - low)
-                u, other, shape = self._ruled(panel, at if near else None)
-                distance = np.log(u / at) if infinite else u - at
+                target = np.exp(-theta) if infinite else theta
+                near = low - (high - low) < target < high + (high - low)
+                u, other, shape = self._ruled(panel, target if near else None)
+                distance = np.log(u / target) if infinite else u - target
                 with np.errstate(divide="ignore"):
-                    beside = np.log(np.abs(np.sinh((theta + other) / 2) / np.sinh(distance / 2)))
+                    same_side = np.log(np.abs(np.sinh((theta + other) / 2) / np.sinh(distance / 2)))
                 opposite = np.log(np.cosh((theta + other) / 2) / np.cosh((theta - other) / 2))
-                same[row, self.slice(panel)] = beside @ shape
+                same[row, self.slice(panel)] = same_side @ shape
                 across[row, self.slice(panel)] = opposite @ shape
         return same, across
 
@@ -303,7 +303,7 @@ class Grid:
     @cached_property
     def edge(self) -> Array:
         """The density at the edge; (n,)."""
-        return np.asarray(self.at(np.zeros(1))[0])
+        return np.asarray(self.interpolation(np.zeros(1))[0])
 
 
 @cached_small

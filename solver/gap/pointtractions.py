@@ -30,7 +30,7 @@ from solver.stack.wavenumbers import on_panels, panels
 class AirPointTractions(Tractions):
     """Those of one contact, one column."""
 
-    beside: Charges = field(kw_only=True)
+    exterior_charges: Charges = field(kw_only=True)
 
     def part(self, columns: Indices) -> Self:
         """The one column: what is known of it is kept."""
@@ -42,7 +42,7 @@ class AirPointTractions(Tractions):
 
     @cached_property
     def _ends(self) -> list[float]:
-        return [float(end) for end in np.cosh(self.beside.ends[1:])]
+        return [float(end) for end in np.cosh(self.exterior_charges.ends[1:])]
 
     def vectors(self, b: Array, columns: Indices) -> tuple[Array, Array | None]:
         """As without air, and at b > 1; (1, 4, b) each.
@@ -50,7 +50,7 @@ class AirPointTractions(Tractions):
         b: (b,), over a.
         """
         within = b <= 1
-        right, left = self.beside.at(b[~within]), self.beside.at(-b[~within])
+        right, left = self.exterior_charges.density(b[~within]), self.exterior_charges.density(-b[~within])
         first, second = super().vectors(b[within], columns)
         plain = _continued(first, within, right + left)
         return plain, None if second is None else _continued(second, within, right - left)
@@ -60,15 +60,15 @@ class AirPointTractions(Tractions):
 
         phases: (k,), k a.
         """
-        at = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
-        first, second = super().vectors(at.b, columns)
-        spectrum = self._spectrum(float(np.max(phases))).at(phases)
-        cosines = np.cos(phases[:, None] * at.b) * at.weights
+        rule = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
+        first, second = super().vectors(rule.b, columns)
+        spectrum = self._spectrum(float(np.max(phases))).values(phases)
+        cosines = np.cos(phases[:, None] * rule.b) * rule.weights
         plain = cosines @ first[0].T
         plain[:, 2:] += spectrum.real.T
         if second is None:
             return plain[..., None], None
-        sines = np.sin(phases[:, None] * at.b) * at.weights
+        sines = np.sin(phases[:, None] * rule.b) * rule.weights
         turned = np.concatenate([cosines @ second[0, :1].T, sines @ second[0, 1:].T], 1)
         turned[:, 2:] -= spectrum.imag.T
         return plain[..., None], turned[..., None]
@@ -85,7 +85,7 @@ class AirPointTractions(Tractions):
         """One that reaches a wavenumber, shared by all of a power of two."""
         power = int(np.ceil(np.log2(most)))
         if power not in self._spectra:
-            self._spectra[power] = Spectrum(self.beside, 2.0**power)
+            self._spectra[power] = Spectrum(self.exterior_charges, 2.0**power)
         return self._spectra[power]
 
     @cached_property
@@ -93,11 +93,11 @@ class AirPointTractions(Tractions):
         return {}
 
 
-def _continued(part: Array, within: BoolArray, beside: Array) -> Array:
+def _continued(part: Array, within: BoolArray, exterior: Array) -> Array:
     """Densities of (sigma_xy, sigma_yy, D_y, B_y) below the contact, and those beside it; (1, 4, b)."""
     result = np.zeros((1, 4, within.size))
     result[..., within] = part
-    result[0][2:, ~within] = beside
+    result[0][2:, ~within] = exterior
     return result
 
 
@@ -148,18 +148,18 @@ class SolvedPoint:
         odd = np.zeros_like(S) if turned is None else turned @ rings(1).gathered.T
         sides = np.zeros((2, 2, grid.count))
         sides[:, list(self.operators.rows.fields)] = np.stack([S + odd, S - odd]) / grid.size * (self.unit / np.pi)
-        return AirPointTractions(np.array([ratio]), density, np.zeros(1), beside=Charges(grid, sides))
+        return AirPointTractions(np.array([ratio]), density, np.zeros(1), exterior_charges=Charges(grid, sides))
 
-    def at(self, r: Array) -> Array:
+    def surface_tractions(self, r: Array) -> Array:
         """sigma_yy, D_y and B_y at r/a, never 1; (3, place)."""
-        away = np.abs(r)
-        within = away < 1
-        inner = away[within]
+        distance = np.abs(r)
+        within = distance < 1
+        inner = distance[within]
         result = np.zeros((3, r.size))
         x = np.sqrt((1 - inner) * (1 + inner))
         result[:, within] = self.bounded(inner, self._rings.poisson(x)) + self.left[:, None] / x
-        for field_, own in zip(self.operators.rows.fields, self.state.over_size, strict=True):
-            result[1 + field_, ~within] = self._rings.read(away[~within]) @ own
+        for field_, over_size in zip(self.operators.rows.fields, self.state.over_size, strict=True):
+            result[1 + field_, ~within] = self._rings.read(distance[~within]) @ over_size
         return result * self.unit
 
     def bounded(self, r: Array, drawn: Array) -> Array:

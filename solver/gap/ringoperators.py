@@ -70,8 +70,8 @@ class ContactRule:
         count = 2 * self.nodes.size
         x, w = np.polynomial.legendre.leggauss(count)
         b, orders = (1 + x) / 2, np.arange(1, count, 2)
-        own, there = (np.polynomial.legendre.legvander(s, count - 1)[:, 1::2] for s in (self.nodes, b))
-        values = there * (2 * orders + 1) @ own.T * self.weights
+        at_nodes, at_points = (np.polynomial.legendre.legvander(s, count - 1)[:, 1::2] for s in (self.nodes, b))
+        values = at_points * (2 * orders + 1) @ at_nodes.T * self.weights
         series = (2 * np.arange(count)[:, None] + 1) * (legendre(b, count).T * w / 2)
         return np.asarray(2 / np.pi * series @ values)
 
@@ -157,7 +157,7 @@ class RingOperators:
         """Places of the outputs."""
         return Rows(self.fields, self.rings.grid.count)
 
-    def at(self, radius: float) -> Array:
+    def matrix(self, radius: float) -> Array:
         """Outputs of every cause and density; (row, column)."""
         rows = self.rows
         below = ContactRule.of(radius / self.width)
@@ -188,7 +188,7 @@ class RingOperators:
 
     def over(self, log_radii: Array) -> Array:
         """The same at several log a (radius,) in the unit of the body's lengths; (radius, row, column)."""
-        return np.stack([self.at(float(np.exp(at))) for at in log_radii])
+        return np.stack([self.matrix(float(np.exp(log_radius))) for log_radius in log_radii])
 
     def series(self, radius: float) -> Array:
         """Coefficients in f_n (points, 4) of the tractions but for the profile's closed part; (channel, n, column)."""
@@ -213,15 +213,15 @@ class RingOperators:
         if self.layers is None:
             return np.zeros_like(closed), added
         targets = np.concatenate([below.nodes, [1.0], beside_it])
-        for place, beside in enumerate(self.beside(radius, targets)):
-            added[..., rows.densities(place)] = beside
-        own = self.within(radius, targets, below)
-        added += summed(own, closed)
+        for place, by_density in enumerate(self.from_exterior(radius, targets)):
+            added[..., rows.densities(place)] = by_density
+        kernels = self.within(radius, targets, below)
+        added += summed(kernels, closed)
         if self.shape.exponent % 2:
             fine = ContactRule.of(radius / self.width, even=False)
             power = self.inverse[:, :1] * self._given(fine.nodes)[0, :, rows.causes - 1]
             added[..., rows.causes - 1] = np.einsum("ijtn,jn->it", self.within(radius, targets, fine), power)
-        return self.settled(own, added)
+        return self.settled(kernels, added)
 
     def chi_beside(self, added: Array, edges: Array) -> Array:
         """Chi at the nodes beside the contact less that at the edge; (channel, n, column), densities the last columns.
@@ -236,17 +236,19 @@ class RingOperators:
             densities[1 + place, :, place] += self.rings.gathered
         return np.asarray(added[:, 1:] - added[:, :1] + np.tensordot(self.channel_compliance, S, 1))
 
-    def settled(self, own: Array, added: Array) -> tuple[Array, Array]:
+    def settled(self, kernels: Array, added: Array) -> tuple[Array, Array]:
         """S that makes up for what layers add at the nodes below the contact, and what they then add in all.
 
         own: (channel, channel, target, node), from S at the nodes to targets, these nodes first; added: (channel,
         target, column), at the targets without that S.
         """
-        size, count = len(own), own.shape[-1]
-        matrix = np.einsum("ij,mn->imjn", self.channel_compliance, np.eye(count)) + np.moveaxis(own[:, :, :count], 1, 2)
+        size, count = len(kernels), kernels.shape[-1]
+        matrix = np.einsum("ij,mn->imjn", self.channel_compliance, np.eye(count)) + np.moveaxis(
+            kernels[:, :, :count], 1, 2
+        )
         S = np.linalg.solve(matrix.reshape(size * count, -1), -added[:, :count].reshape(size * count, -1))
         S = S.reshape(size, count, -1)
-        return S, added + summed(own, S)
+        return S, added + summed(kernels, S)
 
     @cached_property
     def inverse(self) -> Array:
@@ -288,11 +290,11 @@ class RingOperators:
 
         targets: (target,), s.
         """
-        apart = np.stack([np.abs(targets[:, None] - below.nodes), targets[:, None] + below.nodes])
-        near, far = self._added.at(radius * apart)
+        distances = np.stack([np.abs(targets[:, None] - below.nodes), targets[:, None] + below.nodes])
+        near, far = self._added.at(radius * distances)
         return self._paired(radius / np.pi * (near + self.rings.parity * far) * below.weights[:, None])
 
-    def beside(self, radius: float, targets: Array) -> list[Array]:
+    def from_exterior(self, radius: float, targets: Array) -> list[Array]:
         """The same from densities over their size beside the contact, of every field; (channel, target, node) each.
 
         One rule a panel serves where kernels are smooth over it, and everywhere those of the opposite place.
@@ -300,7 +302,7 @@ class RingOperators:
         grid, (s, share) = self.rings.grid, self.rings.rule
         breaks = self._breaks(radius, targets)
         ends = np.cosh(self.rings.ends)
-        broken = np.diff([np.searchsorted(own, ends, side="right") for own in breaks], axis=1) > 0
+        broken = np.diff([np.searchsorted(row, ends, side="right") for row in breaks], axis=1) > 0
         kernels = self.rings.parity * self._added.at(radius * (targets[:, None, None] + s))
         row, panel = np.nonzero(~broken)
         kernels[row, panel] += self._added.at(radius * np.abs(targets[row, None] - s[panel]))
@@ -318,12 +320,12 @@ class RingOperators:
         far = float(np.cosh(self.rings.ends[-1]))
         gaps = self.width / radius * _APART ** np.arange(-1, 40.0)
         gaps = np.concatenate([[0.0], gaps[gaps < far]])
-        both = np.concatenate([-gaps[1:], gaps])
-        there = targets[:, None] + both
-        used = (np.abs(both) < np.maximum(targets, 1.0)[:, None]) & (there > 1) & (there < far)
-        return np.sort(np.where(used, there, 1.0), 1)
+        offsets = np.concatenate([-gaps[1:], gaps])
+        places = targets[:, None] + offsets
+        used = (np.abs(offsets) < np.maximum(targets, 1.0)[:, None]) & (places > 1) & (places < far)
+        return np.sort(np.where(used, places, 1.0), 1)
 
-    def _add_pieces(self, found: Array, radius: float, targets: Array, breaks: Array, broken: BoolArray) -> None:
+    def _add_pieces(self, integrals: Array, radius: float, targets: Array, breaks: Array, broken: BoolArray) -> None:
         """Add panels that break, piece by piece."""
         grid = self.rings.grid
         ends = self.rings.ends
@@ -331,11 +333,11 @@ class RingOperators:
         start, stop = all_ends[:, :-1], all_ends[:, 1:]
         panel = np.clip(np.searchsorted(ends, (start + stop) / 2) - 1, 0, grid.panels - 1)
         row, place = np.nonzero((stop > start) & np.take_along_axis(broken, panel, 1))
-        own = panel[row, place]
-        s, share = self.rings.ruled(own, start[row, place], stop[row, place])
+        panels = panel[row, place]
+        s, share = self.rings.ruled(panels, start[row, place], stop[row, place])
         pieces = np.swapaxes(share, 1, 2) @ self._added.at(radius * np.abs(targets[row, None] - s))
-        first = np.flatnonzero(np.diff(row * grid.panels + own, prepend=-1))
-        found[row[first], own[first]] += np.add.reduceat(pieces, first)
+        first = np.flatnonzero(np.diff(row * grid.panels + panels, prepend=-1))
+        integrals[row[first], panels[first]] += np.add.reduceat(pieces, first)
 
 
 def summed(kernels: Array, S: Array) -> Array:

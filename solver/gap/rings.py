@@ -76,11 +76,11 @@ class Rings:
         for panel in range(grid.panels - 1):
             low, high = grid.limits[panel]
             rows = np.flatnonzero(theta < high)
-            at = theta[rows, None]
+            target = theta[rows, None]
             tau, weights = _between(np.sqrt(np.maximum(low - theta[rows], 0)), np.sqrt(high - theta[rows]))
-            other = at + tau**2
-            share = 2 * weights * np.tanh(other) / np.sqrt(np.sinh(other + at) * _sinhc(tau))
-            share *= (np.cosh(at) / np.cosh(other)) ** self.order
+            other = target + tau**2
+            share = 2 * weights * np.tanh(other) / np.sqrt(np.sinh(other + target) * _sinhc(tau))
+            share *= (np.cosh(target) / np.cosh(other)) ** self.order
             shape = grid.interpolations(np.full(rows.size, panel), other)
             result[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", share, shape)
         v = np.exp(-theta)[:, None]
@@ -104,21 +104,21 @@ class Rings:
 
     def poisson(self, x: Array) -> Array:
         """What densities add to that below the contact at x = sqrt(1 - r^2) beside what S within makes; (x, n)."""
-        at, r = x[:, None], np.sqrt((1 - x) * (1 + x))[:, None]
+        height, r = x[:, None], np.sqrt((1 - x) * (1 + x))[:, None]
 
         def drawn(theta: Array) -> Array:
-            own = 2 / np.pi * at / (np.sinh(theta) * (np.sinh(theta) ** 2 + at**2))
-            return np.asarray(own * (r / np.cosh(theta)) ** self.order)
+            kernel = 2 / np.pi * height / (np.sinh(theta) * (np.sinh(theta) ** 2 + height**2))
+            return np.asarray(kernel * (r / np.cosh(theta)) ** self.order)
 
         return self._integrated(drawn)
 
     def read(self, r: Array) -> Array:
         """Densities at r > 1, from those over their size; (place, n)."""
-        return np.asarray(self.grid.at(np.arccosh(r)) / r[:, None] ** 2)
+        return np.asarray(self.grid.interpolation(np.arccosh(r)) / r[:, None] ** 2)
 
-    def _integrated(self, of: Callable[[Array], Array]) -> Array:
+    def _integrated(self, function: Callable[[Array], Array]) -> Array:
         """int f D r dr of functions f of theta, (..., point); (..., n)."""
-        return self.grid.integrated(lambda theta: of(theta) / (np.cosh(theta) * self.grid.size_at(theta)))
+        return self.grid.integrated(lambda theta: function(theta) / (np.cosh(theta) * self.grid.size_at(theta)))
 
     @cached_property
     def raised(self) -> Array:
@@ -152,11 +152,11 @@ class Rings:
         for panel in range(grid.panels):
             low, high = ends[panel], ends[panel + 1]
             rows = np.flatnonzero(theta > low)
-            at = theta[rows, None]
+            target = theta[rows, None]
             tau, weights = _between(np.sqrt(np.maximum(theta[rows] - high, 0)), np.sqrt(theta[rows] - low))
-            other = at - tau**2
-            share = 4 / np.pi * weights * np.sinh(other) / np.sqrt(np.sinh(at + other) * _sinhc(tau))
-            yield panel, rows, other, share * (np.cosh(other) / np.cosh(at)) ** self.order
+            other = target - tau**2
+            share = 4 / np.pi * weights * np.sinh(other) / np.sqrt(np.sinh(target + other) * _sinhc(tau))
+            yield panel, rows, other, share * (np.cosh(other) / np.cosh(target)) ** self.order
 
 
 @cached_small

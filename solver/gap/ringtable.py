@@ -86,7 +86,7 @@ class RingsOnHalfSpace:
 
     @cached_property
     def _values(self) -> Array:
-        return self.exact.at(1.0)
+        return self.exact.matrix(1.0)
 
     def holds(self, _log_radius: float) -> bool:
         """Whatever the radius."""
@@ -118,8 +118,8 @@ def _half_decade(kind: PointKind, number: int) -> RingTable:
 @cached
 def _part(kind: PointKind, place: int, number: int | None) -> RingTable:
     """The part of a place in log a, from the table of half a decade or else by itself."""
-    own = Interval(place * _STEP - _BEYOND, (place + 1) * _STEP + _BEYOND, FEW)
-    return RingTable(_operators(kind), own, None if number is None else _half_decade(kind, number))
+    part = Interval(place * _STEP - _BEYOND, (place + 1) * _STEP + _BEYOND, FEW)
+    return RingTable(_operators(kind), part, None if number is None else _half_decade(kind, number))
 
 
 @cached
@@ -150,10 +150,10 @@ class RingWindows:
 
         ratios: (...), contact radii over the thickness.
         """
-        asked: dict[int, set[int]] = {}
+        places_of: dict[int, set[int]] = {}
         for ratio in np.unique(ratios).tolist():
-            asked.setdefault(_number(ratio), set()).add(_place(ratio))
-        return cls(kind, frozenset(number for number, places in asked.items() if len(places) > _MOST))
+            places_of.setdefault(_number(ratio), set()).add(_place(ratio))
+        return cls(kind, frozenset(number for number, places in places_of.items() if len(places) > _MOST))
 
     def narrow(self, ratio: float) -> RingTable:
         """About a radius over the thickness."""

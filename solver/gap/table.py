@@ -41,23 +41,28 @@ class AirTable:
     @cached_property
     def _parts(self) -> tuple[Array, Array]:
         """Outputs at the half-lengths: rows that the equations need, and the others; (node, row, column) each."""
-        of = self.operators
-        size = 8.0 * self.table.half_lengths.size * of.rows * (of.system.causes + len(of.system.fields) * of.beside)
+        operators = self.operators
+        size = (
+            8.0
+            * self.table.half_lengths.size
+            * operators.rows
+            * (operators.system.causes + len(operators.system.fields) * operators.density_nodes)
+        )
         if size > _LARGEST:
             raise GapError(
                 "surroundings: charges spread so far beside the contact that their table would take "
                 f"{size / 1e9:.3g} GB; at most {_LARGEST / 1e9:g} GB; must be insulated"
             )
-        values = of.at(self.table.half_lengths)
+        values = operators.matrices(self.table.half_lengths)
         solving = self._solving
         return np.ascontiguousarray(values[:, solving]), np.ascontiguousarray(values[:, ~solving])
 
     @property
     def _solving(self) -> BoolArray:
         """Whether the equations need a row; (row,)."""
-        of = self.operators
-        needed: BoolArray = np.zeros(of.rows, dtype=bool)
-        needed[:SOLVING] = needed[FIRST : FIRST + of.beside * (1 + len(of.system.fields))] = True
+        operators = self.operators
+        needed: BoolArray = np.zeros(operators.rows, dtype=bool)
+        needed[:SOLVING] = needed[FIRST : FIRST + operators.density_nodes * (1 + len(operators.system.fields))] = True
         return needed
 
     def near(self, log_half: float) -> "Near":

@@ -83,10 +83,10 @@ def question(name: str, values: float | Array, units: str) -> str:
 
 def questions(values: Mapping[str, Array], units: Mapping[str, str]) -> dict[str, str]:
     """Questions about the constants whose size, alone or beside another, no material has; by name."""
-    asked = {name: text for name, value in values.items() if (text := question(name, value, units[name]))}
+    texts = {name: text for name, value in values.items() if (text := question(name, value, units[name]))}
     for coupling, stiffness, store in _COUPLED:
         names = (coupling, stiffness, store)
-        if all(name in values and name not in asked for name in names):
+        if all(name in values and name not in texts for name in names):
             e, c, eps = np.broadcast_arrays(*(values[name] for name in names))
             odd = np.flatnonzero(np.abs(e) > np.sqrt(_MOST_COUPLED) * np.sqrt(np.abs(c)) * np.sqrt(np.abs(eps)))
             if odd.size:
@@ -94,9 +94,9 @@ def questions(values: Mapping[str, Array], units: Mapping[str, str]) -> dict[str
                     f"{name} = {array.flat[odd[0]]:g} {units[name]}"
                     for name, array in zip(names, (e, c, eps), strict=True)
                 ]
-                asked |= dict.fromkeys(
+                texts |= dict.fromkeys(
                     names,
                     f"{sizes[0]} couples {sizes[1]} and {sizes[2]} more than any material does; did one of them lose "
                     "its unit? Numbers with a unit are read as they stand",
                 )
-    return asked
+    return texts

@@ -148,6 +148,6 @@ def test_loads_are_those_of_the_galerkin_tables(ratio: float, exponent: float) -
     kind = PointKind(film(BTO), (True, False), Shape(exponent))
     stack = kind.film.stack()
     operators = RingOperators(rings(), (0,), kind.compliance, kind.shape, normal_kernel(stack), strip(stack))
-    loads = operators.at(ratio)[operators.rows.loads, : operators.rows.causes]
+    loads = operators.matrix(ratio)[operators.rows.loads, : operators.rows.causes]
     read = kind.stiffness(window(kind, int(number_of(np.array([ratio]))[0])).read(np.log([ratio]))).loads[0]
     np.testing.assert_allclose(loads, read[np.ix_([0, 1], [0, 1, 3])], rtol=1e-10)
