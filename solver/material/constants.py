@@ -303,7 +303,7 @@ class Material:
         }
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: every constant that is not zero, a range where there are cases, and its source."""
+        """Table for a notebook: every nonzero constant, as a range if there are cases, and its source."""
         import pandas as pd  # slow to import, and notebooks only
 
         constants = {name: getattr(self, name) for name in UNITS}

@@ -1,4 +1,4 @@
-"""What is known of a material beside its constants: other published values, and what it bears, each with its source."""
+"""Evidence on a material beyond its constants: other published values and limits, each with its source."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ _MOST_ALTERNATIVES = 20
 
 @dataclass(frozen=True)
 class Limit:
-    """What a material bears: a value in the unit of ``solver.names.LIMITS``, the lowest where sources differ."""
+    """Limit of a material in the unit of ``solver.names.LIMITS``; the lowest if sources differ."""
 
     value: float
     source: str

@@ -97,7 +97,7 @@ def test_cases_together_are_the_cases_alone_in_any_order_and_leave_their_input(c
 
 def test_half_planes_in_a_table_are_bit_for_bit_the_half_plane_alone() -> None:
     table = xr.Dataset(
-        {"thickness": ("case", [np.nan, 2e-4]), "base": ("case", np.array(["", "steel"], dtype=object))},
+        {"thickness": ("case", [np.nan, 2e-4]), "base": ("case", np.array(["", "steel"], dtype=object))}
     ).assign(LINE | BARE)
     whole, alone = solver.solve(table, X), solver.solve(LINE, X)
     for name, values in alone.data_vars.items():

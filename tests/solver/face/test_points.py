@@ -34,15 +34,6 @@ def test_profiles_and_films_may_be_mixed_along_one_dimension() -> None:
     assert pair["depth"].shape == (2,)
 
 
-def test_a_power_of_2_is_a_sphere_and_a_conduction_of_cases_is_told_apart() -> None:
-    power = {key: value for key, value in COATED.items() if key != "radius"}
-    kinds = {"electric": ["conducting", "insulating"]}
-    first = solver.solve(COATED | kinds)
-    other = solver.solve(power | kinds | {"profile": "power", "exponent": 2.0, "coefficient": 100.0})
-    assert "voltage" not in first
-    np.testing.assert_allclose(first["contact_radius"], other["contact_radius"], rtol=1e-13)
-
-
 def test_what_friction_adds_is_given_where_it_is_a_factor() -> None:
     """Zero at rest, in proportion to friction; trailing and leading edge lie about their mean."""
     computed = solver.solve(COATED | {"friction": [0.0, 0.2, 0.4]})

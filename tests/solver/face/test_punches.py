@@ -57,20 +57,3 @@ def test_a_material_of_the_library_and_one_s_own_may_be_punches() -> None:
     assert depth[1] == depth[2]
     assert depth[3] == float(width(solver.solve(LINE)))
     assert depth[3] < depth[4] < depth[0]
-
-
-def test_the_depth_says_where_the_punch_is_at_rest() -> None:
-    first, two = (solver.solve(LINE | STEEL | {"radius": R}) for R in (0.05, 0.1))
-    assert "an elastic punch's own: its radius" in first["depth"].attrs["comment"]
-    assert "elastic punch" not in solver.solve(LINE)["depth"].attrs.get("comment", "")
-    on_rigid = {
-        "material": "PZT-4",
-        "radius": 0.05,
-        "load": 1e5,
-        "thickness": 1e-3,
-        "surroundings": "insulated",
-        "base": "rigid",
-    }
-    assert "an elastic punch's own: its radius" in solver.solve(on_rigid | STEEL)["depth"].attrs["comment"]
-    assert "elastic punch" not in solver.solve(BALL | STEEL)["depth"].attrs.get("comment", "")
-    assert float(two["depth"]) != float(first["depth"])

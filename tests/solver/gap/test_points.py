@@ -102,13 +102,6 @@ def test_a_gap_that_ends_within_the_contact_is_refused() -> None:
         answer(HALF | {"gap_radius": 0.9 * radius})
 
 
-def test_friction_leaves_what_is_even_in_it() -> None:
-    with_friction, at_rest = (answer(HALF | {"friction": eta}) for eta in (0.2, 0.0))
-    moved = {"contact_offset", "trailing_tension", "peak_pressure", "peak_displacement", "gap_field"}
-    assert all(at_rest[name] == value for name, value in with_friction.items() if name not in moved)
-    assert all(value > at_rest[name] for name, value in with_friction.items() if name in moved)
-
-
 @pytest.mark.parametrize("case", [HALF, HALF | {"punch": "steel"}, HALF | MIXED | {"total_flux": 0.0}])
 def test_grounded_on_a_half_space_it_does_not_see_the_air(case: dict[str, Any]) -> None:
     """Theorem: the whole surface is at zero, and the charge per force is -r_1 whatever is beside the contact."""

@@ -11,7 +11,6 @@ from solver.halfplane.quantities import Response
 from solver.halfplane.sliding import Punch, Sliding
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
-from solver.material.punches import find_punch, punches
 from tests.solver.line.test_contact import PROFILES
 from tests.solver.quadrature import rule
 from verification.oracles.surface_response import surface_response
@@ -70,11 +69,3 @@ def test_datum_of_the_punch_moves_the_depth_by_a_logarithm() -> None:
     case = contact(FIBROUS, 0.3, STEEL)
     first, two = (float(Response(case, np.array(0.2), np.array(L)).depth) for L in (0.05, 0.5))
     assert two - first == pytest.approx(float(STEEL.compliance) * 1e5 / np.pi * np.log(10), rel=1e-10)
-
-
-def test_library_of_punches_is_admissible_and_says_its_sources() -> None:
-    for name, punch in punches().items():
-        Material.isotropic(punch.modulus, punch.poisson, name=name)
-        assert punch.source, name
-    with pytest.raises(solver.MaterialError, match="did you mean 'steel'"):
-        find_punch("stel")

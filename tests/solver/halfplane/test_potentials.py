@@ -22,24 +22,6 @@ def factors(name: str) -> dict[str, Any]:
     return {"load": 1e5, **CASES[name]}
 
 
-def conducted(name: str) -> list[str]:
-    return [field for field in BOTH if CASES[name].get(field) != "insulating"]
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_the_surface_under_a_conducting_punch_has_the_punchs_potential(name: str) -> None:
-    response = solver.solve(factors(name))
-    x = [-0.9, -0.3, 0.0, 0.4, 0.95]
-    computed = solver.solve_interior(factors(name), x, [0.0], fields=POTENTIALS)
-    for field, quantity in (("electric", "voltage"), ("magnetic", "magnetic_potential")):
-        if field in conducted(name):
-            expected = np.full(5, float(response[quantity]))
-            scale = abs(expected[0]) or 1e-30  # an uncoupled field stays at zero
-            np.testing.assert_allclose(
-                computed[f"{field}_potential"].values[0], expected, rtol=1e-11, atol=1e-11 * scale
-            )
-
-
 @pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     "path", [((0.2, -0.4), (1.7, -0.05)), ((-1.4, -0.3), (-30.0, -8.0)), ((0.1, -5.0), (4.0, 0.0))]

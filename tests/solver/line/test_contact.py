@@ -9,12 +9,7 @@ from solver.line.contact import FilmContact
 from solver.line.extent import TensionError
 from solver.line.table import LengthsError, RangeError, Table, table
 from solver.stack.layers import Layer, Stack
-from tests.solver.line.films import (
-    FIBROUS,
-    ON_STEEL,
-    cases,
-    cylinder,
-)
+from tests.solver.line.films import FIBROUS, ON_STEEL, cases, cylinder
 
 PROFILES = {
     "cylinder": (Profile.cylinder(np.array(0.05)), 1),

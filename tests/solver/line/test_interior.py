@@ -4,54 +4,7 @@ import numpy as np
 import pytest
 
 from solver.stack.layers import Layer, Stack, StackError
-from tests.solver.line.films import (
-    BTO,
-    CFO,
-    ELASTIC,
-    FIBROUS,
-    ON_STEEL,
-    cylinder,
-    interior_fields,
-    surface_fields,
-)
-
-LAYERED = Stack((Layer(ELASTIC, 0.1e-3, "grounded"), Layer(FIBROUS, 0.1e-3), Layer(BTO, 0.1e-3, "bonded")), ELASTIC)
-
-
-def test_fields_meet_the_surface_and_both_sides_of_interfaces() -> None:
-    film = cylinder(LAYERED, 0.4, 1e5, (2e-5, 1e-3))
-    h = float(film.half_width[0])
-    X = np.array([-1.5, -0.4, 0.2, 0.8, 1.3])
-    at_points = interior_fields(film, X, np.array([-1e-9]), ("stress_yy", "stress_xx", "electric_displacement_y"))[0][
-        :, 0
-    ]
-    surface = surface_fields(film, X)
-    expected = (-surface["contact_pressure"][0], surface["stress_xx"][0], surface["electric_displacement_y"][0])
-    for first, other in zip(at_points, expected, strict=True):
-        np.testing.assert_allclose(first, other, atol=2e-7 * np.max(np.abs(other)))
-    mechanical = ("stress_xy", "stress_yy", "strain_xx")
-    fluxes = ("electric_displacement_y", "electric_field_x", "magnetic_induction_y", "magnetic_field_x")
-    for depth in (1e-4, 2e-4, 3e-4):
-        Y = -np.array([depth * (1 - 1e-13), depth * (1 + 1e-9)]) / h
-        pair = interior_fields(film, X, Y, mechanical + fluxes)[0]
-        for name, values in zip(mechanical + fluxes, pair, strict=True):
-            size = np.max(np.abs(values))
-            if depth == 1e-4 and name.startswith("electric"):
-                continue  # an electrode
-            np.testing.assert_allclose(values[0], values[1], atol=2e-7 * size, err_msg=f"{name} {depth}")
-    Y = -np.array([1e-4 * (1 - 1e-13), 1e-4 * (1 + 1e-9)]) / h
-    inside = interior_fields(film, X, np.array([-0.5e-4 / h]), ("electric_field_x",))[0]
-    grounded = interior_fields(film, X, Y, ("electric_field_x",))[0]
-    assert np.max(np.abs(grounded)) < 1e-6 * np.max(np.abs(inside))
-
-
-def test_a_rigid_base_has_no_fields_and_an_interface_belongs_to_the_film() -> None:
-    film = cylinder(Stack((Layer(BTO, 0.5e-3),)))
-    edge = 0.5e-3 / film.half_width[0]
-    computed = interior_fields(film, np.zeros(1), -edge * np.array([1.0, 1 + 1e-9, 3.0]), ("stress_xx", "von_mises"))[0]
-    assert np.all(np.isfinite(computed[:, 0]))
-    assert np.all(np.isnan(computed[:, 1:]))
-
+from tests.solver.line.films import BTO, CFO, FIBROUS, ON_STEEL, cylinder, interior_fields
 
 BONDED = Stack((Layer(FIBROUS, 0.2e-3, "bonded", "bonded"),), CFO)
 BETWEEN = Stack((Layer(BTO, 1e-4, "grounded"), Layer(FIBROUS, 1e-4), Layer(CFO, 1e-4)), CFO)

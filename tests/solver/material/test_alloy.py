@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import solver
-from solver.material.constants import UNITS, VACUUM_PERMITTIVITY
+from solver.material.constants import VACUUM_PERMITTIVITY
 
 CONTACT: dict[str, Any] = {"radius": 0.05, "load": 1e4}
 #: Of x = 0.3, with 0.7, 0.3 and 0.21 put in by hand; GPa and C/m2.
@@ -71,12 +71,3 @@ def test_beside_other_composites_it_is_what_its_constants_say(body: dict[str, An
             for name, value in alone.data_vars.items():
                 values = out[name].isel(composite=k, scandium_fraction=j)
                 np.testing.assert_allclose(values, value, rtol=1e-11, atol=0, err_msg=f"{kind} {x} {name}")
-
-
-def test_constants_have_the_shape_of_the_fraction() -> None:
-    many = solver.aluminium_scandium_nitride(np.linspace(0, 0.5, 6).reshape(2, 3))
-    assert many.shape == (2, 3)
-    for name in UNITS:
-        single = getattr(solver.aluminium_scandium_nitride(0.4), name)
-        values = np.broadcast_to(getattr(many, name), (2, 3))
-        np.testing.assert_allclose(values[1, 1], single, rtol=1e-15, err_msg=name)
