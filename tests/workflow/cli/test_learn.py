@@ -91,11 +91,7 @@ def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, caps
         ("load,", "speed,", "speed: neither an input"),
         (",laminate,", ",AlScN,", "composite: 'AlScN'; must be one of fibrous, laminate"),
         (",laminate,", ",,", "composite: empty; must be one of fibrous, laminate"),
-        (
-            HEADER + "3",
-            HEADER + "3,3e4,laminate,1e-6,-1e-9,\n2",
-            "line 3: depth_std: -1e-09: must be a positive number",
-        ),
+        (HEADER, HEADER + "3,3e4,laminate,1e-6,-1e-9,\n", "line 3: depth_std: -1e-09: must be a positive number"),
         (HEADER, HEADER + "3,3e4,laminate,1e-6,1e300,\n", "depth[laminate]: an error of 1e+300 m; must be at"),
         ("voltage [kV]", "voltage [nV]", "voltage[laminate]: measured values are 1.1e-12 times"),
     ],

@@ -15,6 +15,7 @@ from tests.studies import edited, made, refusal
 from workflow.device import pressed
 from workflow.device.circuit import permittivity
 from workflow.device.contact import ContactCurves, film
+from workflow.language import numbers
 from workflow.report import sentences, tables
 from workflow.report import signal_card as report
 from workflow.report.figures import signal_in_time
@@ -60,8 +61,9 @@ def test_a_press_on_a_patch_is_its_charge_over_the_feedback(tmp_path: Path) -> N
     assert [ax.get_ylabel().split()[0] for ax in drawn.axes] == ["force", "charge", "voltage", "output"]
     write_whole(shown, tmp_path / "signal.nc")
     said = sentences.signal(tables.signal(tmp_path), "the design 'Charge'")
-    assert said.startswith("50 mN on the design 'Charge' shows ")
-    assert "A constant force is held: nothing leaks. The noise floor is 1" in said
+    assert said.startswith("50 mN on the design 'Charge' gives ")
+    assert f"{numbers.shown(charge / 10e-12, 'V', 3)} at the output" in said
+    assert "no charge leaks. The noise is 1 fC or 100 µV at the output" in said
 
 
 def test_a_voltage_amplifier_on_a_patch_divides_by_its_plates() -> None:
