@@ -153,26 +153,6 @@ def test_a_chance_constraint_binds_at_its_probability(study: Study, model: GridG
     assert answer.terms[0].exact == pytest.approx(mean, rel=1e-4)
 
 
-def test_choices_are_searched_one_by_one(study: Study, model: GridGP) -> None:
-    target = Target.model_validate(
-        TARGETS["worst"].model_dump()
-        | {"over": {"volume_fraction": {"low": 0.2, "high": 0.8}, "radius": {"choices": [0.01, 0.05, 0.1]}},
-           "worst_case": {"friction": [0.1, 0.4]}, "at": {"charge": 0.0, "load": 1e4}, "subject_to": []}
-    )  # fmt: skip
-    loose = study.model_copy(update={"validation": study.validation.model_copy(update={"tolerance": 1.0})})
-    best = targets.answer(loose, "mine", target, model)
-    radius = best.variable("radius").value
-    assert radius in (0.01, 0.05, 0.1)
-    grid = factorial.exact(
-        study,
-        {"volume_fraction": np.linspace(0.2, 0.8, 400), "radius": [0.01, 0.05, 0.1], "load": 1e4, "charge": 0.0,
-         "friction": np.linspace(0.1, 0.4, 13)},
-    )  # fmt: skip
-    dense = (abs(grid["voltage"]) / grid["depth"]).min("friction").max("volume_fraction")
-    assert best.terms[0].exact >= float(dense.max()) * (1 - 1e-9)
-    assert radius == pytest.approx(float(dense["radius"][int(dense.values.argmax())]))
-
-
 def test_an_exact_value_outside_its_interval_fails_unless_allowed(
     study: Study, model: GridGP, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -125,13 +125,6 @@ def said(text: str) -> str:
     return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
-def test_a_doubt_of_the_library_stands_in_the_headline() -> None:
-    study = load("config/quickstart.yaml")
-    assert firstscreen.doubted(study) == ""
-    doubtful = study.model_copy(update={"fixed": {"material": "P(VDF-TrFE) 75:25"}})
-    assert firstscreen.doubted(doubtful) == "uncertain constants: c44 of P(VDF-TrFE) 75:25"
-
-
 def test_a_target_has_a_title_in_words_and_its_name_where_two_ask_the_same() -> None:
     study = load("config/quickstart.yaml")
     sensor, actuator = study.design.values()
@@ -146,32 +139,37 @@ def test_a_target_has_a_title_in_words_and_its_name_where_two_ask_the_same() -> 
     assert list(extended.titles.values()) == expected
 
 
-def test_the_body_is_said_by_what_it_is() -> None:
-    study = shipped("film")
-    case: Case = {
-        "composite": "fibrous",
-        "volume_fraction": 0.67,
-        "thickness": 2.3e-4,
-        "surroundings": "insulated",
-        "base": "steel",
-        "radius": 0.05,
-    }
-    assert firstscreen.body_in_words(study, case) == "Fibrous, 67 % BaTiO3, 230 µm on steel"
-    assert firstscreen.body_in_words(study, {**case, "base": "rigid"}).endswith("on a rigid base")
-    half = load("config/quickstart.yaml")
-    assert firstscreen.body_in_words(half, {"material": "PZT-4"}) == "PZT-4, a half-plane"
-    scandium: Case = {"composite": "AlScN", "scandium_fraction": 0.3}
-    assert firstscreen.body_in_words(half, scandium) == "Al(0.7)Sc(0.3)N, a half-plane"
-    body = [{"composite": "fibrous", "volume_fraction": 0.2 * k, "thickness": 1e-4} for k in (1, 2, 3)]
-    layers = study.model_copy(
+FILM_CASE: Case = {
+    "composite": "fibrous", "volume_fraction": 0.67, "thickness": 2.3e-4, "surroundings": "insulated", "base": "steel",
+    "radius": 0.05,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("study", "case", "words"),
+    [
+        ("film", FILM_CASE, "Fibrous, 67 % BaTiO3, 230 µm on steel"),
+        ("film", FILM_CASE | {"base": "rigid"}, "Fibrous, 67 % BaTiO3, 230 µm on a rigid base"),
+        ("quickstart", {"material": "PZT-4"}, "PZT-4, a half-plane"),
+        ("quickstart", {"composite": "AlScN", "scandium_fraction": 0.3}, "Al(0.7)Sc(0.3)N, a half-plane"),
+    ],
+)
+def test_the_body_is_said_by_what_it_is(study: str, case: Case, words: str) -> None:
+    assert firstscreen.body_in_words(shipped(study), case) == words
+
+
+def test_layers_punches_and_doubts_are_said() -> None:
+    body = [{"composite": "fibrous", "volume_fraction": 0.2 * k, "thickness": 1e-4} for k in (1, 2)]
+    layers = shipped("film").model_copy(
         update={"surroundings": "insulated", "body": [BodyLayer.model_validate(layer) for layer in body]}
     )
-    expected = "Fibrous, 20 % BaTiO3, 100 µm on fibrous, 40 % BaTiO3, 100 µm on fibrous, 60 % BaTiO3, 100 µm on steel"
-    assert firstscreen.body_in_words(layers, case) == expected
-    contact = {"contact_trailing": 1e-4, "contact_leading": 1e-4}
-    assert firstscreen.of_case(layers, {**case, "load": 1e4}, contact).base == "2 more layers on steel"
+    expected = "Fibrous, 20 % BaTiO3, 100 µm on fibrous, 40 % BaTiO3, 100 µm on steel"
+    assert firstscreen.body_in_words(layers, FILM_CASE) == expected
     assert firstscreen.punch_in_words({"profile": "flat", "width": 2e-3}) == "flat punch 2 mm wide"
     assert firstscreen.punch_in_words({"profile": "wedge", "slope": 0.02}) == "wedge of slope 0.02"
+    doubtful = shipped("quickstart").model_copy(update={"fixed": {"material": "P(VDF-TrFE) 75:25"}})
+    assert firstscreen.doubted(doubtful) == "uncertain constants: c44 of P(VDF-TrFE) 75:25"
+    assert firstscreen.doubted(shipped("quickstart")) == ""
 
 
 def told_of(totals: list[list[float]], outputs: list[str], inputs: list[str]) -> str:

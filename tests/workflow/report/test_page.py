@@ -6,7 +6,6 @@ import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +14,11 @@ import pytest
 from jinja2 import ChainableUndefined
 
 import surrogate
-from solver import solve
 from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from tests.workflow.conftest import Copy, Project
 from tests.workflow.report.browser import in_node, needs_browser, needs_node, opened
 from workflow.dataset import factorial
-from workflow.dataset.slabs import open_results
 from workflow.design.question import scenarios
 from workflow.design.verdict import netcdf
 from workflow.language import numbers, statements
@@ -407,21 +404,6 @@ def chosen(copy: Copy) -> Project:
     (project.folder / "config/chosen.yaml").write_text(CHOSEN, encoding="utf-8")
     project.snakemake(*(f"results/chosen/{name}" for name in ("provenance.json", "design.csv", "solved.json")))
     return project
-
-
-def test_the_data_set_has_an_axis_a_category(chosen: Project) -> None:
-    with open_results(chosen.folder / "results/chosen") as data:
-        assert data["contact_pressure"].dims == ("volume_fraction", "radius", "composite", "profile", "position")
-        case = {"volume_fraction": data["volume_fraction"][4], "radius": data["radius"][1]}
-        for composite, profile in product(("fibrous", "laminate"), ("cylinder", "half_cylinder")):
-            kinds = {"composite": composite, "profile": profile}
-            exact = solve({**case, **kinds, "friction": 0.2, "load": 1e4}, data["position"].values)
-            stored = data.isel(volume_fraction=4, radius=1).sel(kinds)
-            for name in ("contact_pressure", "stress_xx", "depth"):
-                np.testing.assert_allclose(stored[name].values, exact[name].values, rtol=1e-12)
-    card = json.loads((chosen.folder / "results/chosen/datacard.json").read_text(encoding="utf-8"))
-    assert card["categories"] == {"composite": ["fibrous", "laminate"], "profile": ["cylinder", "half_cylinder"]}
-    assert card["cases"] == 96
 
 
 @needs_browser
