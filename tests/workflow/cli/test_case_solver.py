@@ -65,7 +65,6 @@ ROW = {
         ({"load": "inf"}, "load: inf is not a finite number > 0 [N m-1]"),
         ({"radius": "1e300", "load": "1e300"}, "not finite for these factors"),
         ({"base": "steel"}, "base: 'steel' without a thickness; only a film has one"),
-        ({"thickness": "1e-7", "base": "rigid", "surroundings": "insulated"}, "contact: wider than the resolved range"),
         ({"punch": "stel"}, "punch: 'stel' is unknown; did you mean 'steel'?"),
         ({"surroundings": "air", "electric": "insulating", "magnetic": "insulating"}, "the punch conducts no field"),
     ],
