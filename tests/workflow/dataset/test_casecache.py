@@ -60,15 +60,6 @@ def test_nested_levels_take_the_cases_of_before_and_give_equal_bytes(film: Study
     )
 
 
-def test_half_of_a_file_is_solved_again(film: Study, tmp_path: Path) -> None:
-    _, whole = slab(film, tmp_path)
-    cases = sorted((tmp_path / casecache.FOLDER).rglob("*.nc"))
-    assert len(cases) == 2
-    cases[0].write_bytes(cases[0].read_bytes()[:1000])
-    again, bytes_ = slab(film, tmp_path)
-    assert (again.taken, bytes_) == (18, whole)
-
-
 def test_random_cases_are_those_of_the_solver(film: Study, tmp_path: Path) -> None:
     cache, again = (CaseCache(tmp_path, tmp_path / "film/cases/validation.nc") for _ in range(2))
     first, second = (factorial.cases(film, "validation", job_cache) for job_cache in (cache, again))

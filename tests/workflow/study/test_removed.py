@@ -87,15 +87,6 @@ def test_a_shipped_study_without_some_keys_is_a_plan_or_one_line(file: Path) -> 
         assert plan(without(content, removed), origin), removed
 
 
-@pytest.mark.soak
-@pytest.mark.parametrize("file", STUDIES, ids=lambda file: file.stem)
-def test_a_shipped_study_without_any_two_keys(file: Path) -> None:
-    content = read_yaml(file)
-    origin = Origin(file, dict(read_material(file.parent / name) for name in content.get("materials", [])))
-    for removed in removals(content):
-        assert plan(without(content, removed), origin), removed
-
-
 @pytest.mark.parametrize("outputs", ["", "surrogate: {outputs: [charge_sensitivity]}\n"])
 @pytest.mark.parametrize("punch", ["", ", punch: steel", ", punch: rigid"])
 @pytest.mark.parametrize("body", ["film", "line", "point"])
