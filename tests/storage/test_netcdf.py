@@ -80,26 +80,6 @@ def test_a_root_of_a_metre_is_stored_as_a_scaled_quantity(units: str, stored: st
                 assert (again["f"].attrs["units"], again["f"].attrs["long_name"]) == (units, "intensity")
 
 
-@pytest.mark.needs("ncdump")
-def test_the_systems_own_ncdump_reads_the_values_of_a_large_array(tmp_path: Path) -> None:
-    data = xr.Dataset({"f": ("x", np.repeat(np.arange(10.0), 1000))})
-    write_whole(data, tmp_path / "a.nc")
-    write_blocks(tmp_path / "b.nc", data, [((slice(0, 10_000),), {"f": data["f"].values})], {"x": 5000})
-    for name in ("a.nc", "b.nc"):
-        done = subprocess.run(["ncdump", "-v", "f", name], cwd=tmp_path, capture_output=True, text=True, check=True)
-        numbers = done.stdout.partition(" f = ")[2].rstrip(" ;}\n").split(",")
-        assert [float(number) for number in numbers] == data["f"].values.tolist()
-
-
-def test_coordinates_have_no_fill_value(tmp_path: Path) -> None:
-    data = xr.Dataset({"f": ("x", [1.0, 2.0])}, {"x": [0.0, 1.0]})
-    write_whole(data, tmp_path / "a.nc")
-    write_blocks(tmp_path / "b.nc", data, [((slice(0, 2),), {"f": data["f"].values})], {})
-    for name in ("a.nc", "b.nc"):
-        with netCDF4.Dataset(tmp_path / name) as file:
-            assert not any("_FillValue" in variable.ncattrs() for variable in file.variables.values())  # CF 2.5.1
-
-
 def test_truncation_is_found_at_every_length(tmp_path: Path) -> None:
     write_whole(sample(), tmp_path / "a.nc")
     whole = (tmp_path / "a.nc").read_bytes()

@@ -8,12 +8,15 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import pytest
 
 from tests.workflow import nursery
 from workflow.run.provenance import ROOMS, ROOT
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import Snakemake
 
 SMALL = """\
 title: A small study
@@ -97,6 +100,16 @@ class Project:
         finally:
             for file, text in before.items():
                 (self.folder / file).write_text(text, encoding="utf-8")
+
+
+def job(study: str, output: str, *inputs: str, parameter: str | None = None) -> "Snakemake":
+    """A job of a study that makes one file out of others, as its script sees it; its log is `a.log`."""
+    from snakemake.iocontainers import InputFiles, Log, OutputFiles, Params, ResourceList, Snakemake, Wildcards
+
+    files = InputFiles(toclone=list(inputs)), OutputFiles(toclone=[output])
+    params = Params() if parameter is None else Params(fromdict={"study": parameter})
+    wildcards, log = Wildcards(fromdict={"study": study}), Log(toclone=["a.log"])
+    return Snakemake(*files, params, wildcards, 1, ResourceList(), log, {}, "slab", None)
 
 
 class Copy(Protocol):

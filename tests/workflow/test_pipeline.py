@@ -16,24 +16,11 @@ import snakemake
 
 import surrogate
 from solver import solve
-from solver.names import QUANTITIES
 from storage.netcdf import read_whole
 from tests.workflow.conftest import Copy, Project
 from workflow.run.provenance import ROOT
 
 REPORT = "results/small/report.html"
-
-
-def test_quantities_are_the_exact_solution(ran: Project) -> None:
-    data = read_whole(ran.folder / "results/small/quantities.nc")
-    assert list(data.data_vars) == list(QUANTITIES)
-    assert dict(data.sizes) == {"volume_fraction": 8, "friction": 4, "radius": 4, "load": 5}
-    case = data.isel(volume_fraction=5, friction=2, radius=1, load=3)
-    names = ("volume_fraction", "friction", "radius", "load")
-    again = solve({name: float(case[name]) for name in names})
-    for name in QUANTITIES:
-        assert float(case[name]) == pytest.approx(float(again[name]), rel=1e-13)
-        assert data[name].attrs["units"] == QUANTITIES[name].units
 
 
 def test_every_file_speaks_for_itself_to_foreign_programs(ran: Project) -> None:
@@ -108,20 +95,6 @@ def test_a_design_is_solved_again_exactly(ran: Project) -> None:
     page = (ran.folder / REPORT).read_text(encoding="utf-8")
     polish = read_whole(ran.folder / "results/small/design/sensor.nc").attrs["polish"]
     assert f"Polish: {polish}." in page
-
-
-def test_an_infeasible_target_names_what_binds(ran: Project) -> None:
-    data = read_whole(ran.folder / "results/small/design.nc").sel(target="impossible")
-    assert not bool(data["feasible"])
-    assert str(data["status"].values).startswith("infeasible: trailing_tension <= 1 MPa binds; the least violated")
-    assert "infeasible: trailing_tension" in (ran.folder / "results/small/design.csv").read_text(encoding="utf-8")
-
-
-def test_provenance_names_versions_hashes_and_seed(ran: Project) -> None:
-    content = json.loads((ran.folder / "results/small/provenance.json").read_text(encoding="utf-8"))
-    assert content["seed"] == 1
-    assert content["versions"]["numpy"] == np.__version__
-    assert set(content["results_sha256"]) >= {"quantities.nc", "surrogate.nc", "validation.nc", "design.nc"}
 
 
 def test_the_crate_of_the_run_has_every_file_with_its_hash(ran: Project) -> None:
@@ -226,17 +199,6 @@ def test_as_a_module_with_a_prefix_it_sweeps_and_tells_times(copy: Copy) -> None
     project.snakemake("--nolock", "mee/results/mine/datacard.json")
     assert json.loads((results / "datacard.json").read_text(encoding="utf-8"))["seconds_of_jobs"] > 0
     assert not (results / ".left.partial").exists()
-
-
-def test_another_directory_without_studies_says_what_to_do(copy: Copy, tmp_path: Path) -> None:
-    project = copy("directory")
-    done = project.snakemake("--directory", str(tmp_path), "-n", "results/small/report.html", check=False)
-    assert done.returncode == 1
-    output = done.stdout + done.stderr
-    assert f"study: 'small' is unknown: {tmp_path} has no config/*.yaml; go to a folder that has one" in output
-    study = f"study={project.folder / 'config/small.yaml'}"
-    done = project.snakemake("--directory", str(tmp_path), "--config", study, "-n", "results/small/report.html")
-    assert "surrogate" in done.stdout + done.stderr
 
 
 def test_rulegraph_and_lint(ran: Project) -> None:

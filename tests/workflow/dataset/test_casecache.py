@@ -82,16 +82,6 @@ def test_other_constants_and_other_questions_are_other_cases(film: Study, tmp_pa
         assert slab(made(FILM.replace(old, new)), tmp_path)[0].taken == 0
 
 
-def test_cases_that_take_microseconds_are_not_kept(tmp_path: Path) -> None:
-    text = FILM.replace("categories: {base: [rigid, steel]}\n", "").replace(
-        ", interface_electric: grounded, interface_magnetic: grounded", ""
-    )
-    half = made("\n".join(line for line in text.split("\n") if "thickness" not in line))
-    cache, _ = slab(half, tmp_path)
-    assert cache.cases == 0
-    assert not list((tmp_path / casecache.FOLDER).rglob("*.nc"))
-
-
 def test_what_was_used_longest_ago_is_swept(tmp_path: Path) -> None:
     folder = tmp_path / casecache.FOLDER / "cases/ab"
     folder.mkdir(parents=True)

@@ -5,10 +5,8 @@ A flat punch that is tilted needs tension once it tilts too far for its load: th
 
 import json
 import re
-from collections.abc import Mapping
 from itertools import count
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -83,25 +81,6 @@ def test_the_card_counts_no_refused_case(folder: Path) -> None:
         described = card["variables"][name]
         assert described["count"] == np.isfinite(values).sum() < values.size
         assert described["attributes"]["mean"] == pytest.approx(np.nanmean(values.astype(float)), rel=1e-9)
-
-
-def test_a_few_refused_cases_among_many_cost_few_calls() -> None:
-    calls = 0
-
-    def solved(cases: Mapping[str, Any]) -> xr.Dataset:
-        nonlocal calls
-        calls += 1
-        a, b = cases["a"], cases["b"]
-        if ((a > 62) & (b > 61)).any():
-            raise CaseError(f"a: {float(a.max()):g}")
-        return xr.Dataset({"f": a + b})
-
-    axis = np.arange(64.0)
-    answers = refusals.answered(solved, {"a": axis, "b": axis})
-    assert np.argwhere(answers[REFUSAL].values > 0).tolist() == [[63, 62], [63, 63]]
-    np.testing.assert_array_equal(np.isnan(answers["f"].values), answers[REFUSAL].values > 0)
-    assert float(answers["f"][10, 20]) == 30
-    assert calls <= 1 + 2 * 12 + 2
 
 
 def test_random_cases_that_are_refused_are_left_out_and_counted(study: Study) -> None:

@@ -175,17 +175,3 @@ def test_blocks_fill_the_factorial_in_order_of_whole_chunks(lengths: list[int], 
     number = np.ravel_multi_index(tuple(places), tuple(lengths))
     held = [set(number[region].ravel().tolist()) for region in regions]
     assert sum(map(len, held)) == len(set().union(*held))  # no chunk lies in two blocks
-
-
-@pytest.mark.parametrize(
-    ("lengths", "cases", "chunk"),
-    [
-        ([25, 10, 20, 40, 5], 16384, [1, 2, 20, 40, 5]),  # 4 of 10 would leave room unused
-        ([25, 10, 20, 40, 5], 20000, [1, 5, 20, 40, 5]),
-        ([25, 13, 100], 700, [1, 7, 100]),  # 13 is a prime
-        ([26, 5, 8, 10, 4], 16384, [1, 5, 8, 10, 4]),
-        ([4], 100, [1]),
-    ],
-)
-def test_chunks_divide_the_axis_that_they_split(lengths: list[int], cases: int, chunk: list[int]) -> None:
-    assert dataset.chunk_lengths(lengths, cases) == chunk

@@ -2,9 +2,8 @@
 
 import pytest
 
-from solver.names import ALL_PEAKS, FILM_QUANTITIES, QUANTITIES
+from solver.names import FILM_QUANTITIES, QUANTITIES
 from tests.studies import edited, made, refusal
-from workflow.design.question import budget
 from workflow.study import datum
 from workflow.study.model import Study
 
@@ -42,16 +41,6 @@ def test_cases_have_the_quantities_of_films(study: Study) -> None:
         "interface_shear", "interface_shear_position", "interface_tension", "film_peak_von_mises",
         "film_peak_principal_tension",
     }  # fmt: skip
-
-
-def test_factors_that_need_tables_come_first_and_make_every_quantity_costly(study: Study) -> None:
-    assert list(study.factors) == ["load", "thickness", "friction", "volume_fraction"]
-    assert list(study.axes) == ["friction", "volume_fraction", "load", "thickness"]
-    assert study.costly.issuperset(study.quantities)
-    few = study.model_copy(update={"factors": {name: study.factors[name] for name in ("load", "thickness")}})
-    assert (study.costly - few.costly).issuperset({*QUANTITIES, *FILM_QUANTITIES})
-    assert few.costly == set(ALL_PEAKS)
-    assert budget.AFFORDABLE_FILMS < budget.AFFORDABLE
 
 
 def test_only_depths_on_a_base_that_gives_hang_on_the_datum(study: Study) -> None:

@@ -9,7 +9,7 @@ import xarray as xr
 
 from storage.netcdf import write_whole
 from surrogate import GroupedGP
-from tests.studies import edited, fitted, made, refusal, shipped
+from tests.studies import edited, fitted, made, refusal
 from workflow.dataset import factorial, levels
 from workflow.learning import training
 from workflow.study import representatives
@@ -65,20 +65,6 @@ def test_stored_cases_have_the_values_of_the_groups(half_plane: Study) -> None:
     load, charge = xr.DataArray(factors["load"]), xr.DataArray(factors["charge"])
     np.testing.assert_allclose(load * factors["radius"] / 0.25, axes["load_radius_per_datum2"], rtol=1e-12)
     np.testing.assert_allclose((charge / load).isel(load_radius_per_datum2=2), axes["charge_per_load"], rtol=1e-12)
-
-
-def test_a_corner_of_the_groups_is_one_case_and_tables_are_at_either_end() -> None:
-    film = shipped("film_sensor")
-    corners = representatives.corners(film)
-    for name in ("volume_fraction", "friction"):
-        low, high = film.axes[name].low, film.axes[name].high
-        assert corners[name].values.tolist() == [low, high, high, low]
-    pressed, slim = (corners["load"] / corners["radius"]).values, (corners["radius"] / corners["thickness"]).values
-    for values, name in ((pressed, "load_per_radius"), (slim, "radius_per_thickness")):
-        np.testing.assert_allclose(
-            np.unique(np.round(values, 9)), [film.axes[name].low, film.axes[name].high], rtol=1e-8
-        )
-    assert len(set(zip(np.round(pressed, 6).tolist(), np.round(slim, 6).tolist(), strict=True))) == 4
 
 
 def test_what_the_surrogate_says_in_the_factors_is_exact(half_plane: Study, model: GroupedGP) -> None:

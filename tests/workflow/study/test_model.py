@@ -8,7 +8,6 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
-from pydantic import ValidationError
 
 from solver.names import PEAKS
 from tests.studies import NAMES, edited, made, refusal
@@ -184,21 +183,6 @@ def test_a_material_has_a_name_that_figures_and_files_bear(tmp_path: Path, name:
     path.write_text(f"name: {json.dumps(name)}\nc11: 166e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"mine\.yaml: name: .* must be up to 60 letters, digits, blanks and any of"):
         read_material(path)
-
-
-def test_a_study_is_complete_when_it_is_made() -> None:
-    content = {"title": "t", "factors": {"friction": {"low": 0.0, "high": 0.5}}}
-    fixed = {"load": 1e4, "radius": 0.1, "electric": "insulating"}
-    with pytest.raises(ValidationError, match="material: missing"):
-        Study.model_validate({**content, "fixed": fixed})
-    assert "voltage" not in Study.model_validate({**content, "fixed": {**fixed, "material": "PZT-4"}}).quantities
-
-
-def test_digest_follows_its_sections_only() -> None:
-    study = load(QUICKSTART)
-    other = made(edited(QUICKSTART.read_text("utf-8"), "maximise: abs(stroke", "maximise: abs(blocked_load"))
-    assert study.digest("phases", "factors") == other.digest("phases", "factors")
-    assert study.digest("design") != other.digest("design")
 
 
 def test_schema_and_documented_default_are_the_model() -> None:

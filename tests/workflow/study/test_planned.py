@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from snakemake.iocontainers import InputFiles, Log, OutputFiles, Params, ResourceList, Snakemake, Wildcards
 
 from tests import studies
-from tests.workflow.conftest import SMALL, Copy, Project
+from tests.workflow.conftest import SMALL, Copy, Project, job
 from workflow.run import lock
 from workflow.run.provenance import ROOT
 from workflow.study import partition, planned
@@ -39,11 +38,9 @@ def own_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Study
     lock.release()
 
 
-def job(parameter: str, prefix: str = "") -> Snakemake:
-    """A job of the study with one output, as its script sees it."""
-    wildcards, params = Wildcards(fromdict={"study": "own"}), Params(fromdict={"study": parameter})
-    files = InputFiles(), OutputFiles(toclone=[f"{prefix}results/own/fields/slab_0.nc"])
-    return Snakemake(*files, params, wildcards, 1, ResourceList(), Log(), {}, "slab", None)
+def job_study(parameter: str, prefix: str = "") -> Study:
+    """Study on which a job of the study `own` works."""
+    return planned.study(job("own", f"{prefix}results/own/fields/slab_0.nc", parameter=parameter))
 
 
 def edit(file: str, old: str, new: str) -> None:
@@ -67,28 +64,28 @@ def test_an_edit_while_the_run_lasts_reaches_no_job(
     parameter = planned.parameter(own_study, *PHYSICS)
     lock.claim({"own": own_study.frozen()}, f"{prefix}results")
     edit(file, old, new)
-    result = planned.study(job(parameter, prefix))
+    result = job_study(parameter, prefix)
     assert result.fixed["load"] == 1e5
     assert result.own_materials["mine"].c44 == 7.7e10
     lock.release()
     with pytest.raises(InputError, match=r"^config/own\.yaml: ") as caught:
-        planned.study(job(parameter, prefix))
+        job_study(parameter, prefix)
     assert "\n" not in str(caught.value)
 
 
 def test_without_a_copy_of_the_start_an_edited_study_is_refused(own_study: Study) -> None:
     parameter = planned.parameter(own_study, *PHYSICS)
     edit("config/own.yaml", "Own", "My own")
-    assert planned.study(job(parameter)).title == "My own material"  # not among what the job was planned with
+    assert job_study(parameter).title == "My own material"  # not among what the job was planned with
     with pytest.raises(InputError, match=r"own\.yaml: was changed \(.*title.*\) after this job was planned; run"):
-        planned.study(job(planned.parameter(own_study)))
+        job_study(planned.parameter(own_study))
 
 
 @pytest.mark.parametrize("text", ["", '{"study": {"title"', "[]"])
 def test_what_a_killed_run_has_left_half_written_is_not_believed(own_study: Study, text: str) -> None:
     Path("results/own").mkdir(parents=True)
     Path("results/own/.running").write_text(text, encoding="utf-8")
-    assert planned.study(job(planned.parameter(own_study))).digest(*PHYSICS) == own_study.digest(*PHYSICS)
+    assert job_study(planned.parameter(own_study)).digest(*PHYSICS) == own_study.digest(*PHYSICS)
 
 
 @pytest.mark.parametrize("name", studies.NAMES)
