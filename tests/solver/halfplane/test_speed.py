@@ -89,16 +89,6 @@ def test_at_the_transonic_speed_a_root_becomes_real(name: str) -> None:
     assert any(determinant(lowest + pi * k / 72000, 1 + 1e-6) * sign < 0 for k in range(-200, 201))
 
 
-def test_conduction_lowers_the_limiting_speed_and_material_axes_broadcast() -> None:
-    materials = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), np.linspace(0.1, 0.9, 3)[:, None])
-    conducts = np.array([[True, True], [True, False], [False, True], [False, False]])
-    limits = limiting_speed(materials, conducts)
-    assert limits.shape == (3, 4)
-    assert np.all(limits[:, :1] <= limits)
-    assert np.all(limits[:, 3:] >= limits)
-    assert np.all(limits <= transonic_speed(materials))
-
-
 def test_a_speed_at_or_above_the_limit_is_refused_by_both_numbers() -> None:
     limit = float(limiting_speed(solver.find("steel"), BOTH))
     case = {"material": "steel", "radius": 0.05, "load": 1e5}

@@ -9,13 +9,7 @@ from solver.line.contact import FilmContact
 from solver.line.extent import TensionError
 from solver.line.table import LengthsError, RangeError, Table, table
 from solver.stack.layers import Layer, Stack
-from tests.solver.line.films import (
-    FIBROUS,
-    ON_STEEL,
-    cases,
-    contact,
-    cylinder,
-)
+from tests.solver.line.films import FIBROUS, ON_STEEL, cases, cylinder
 
 PROFILES = {
     "cylinder": (Profile.cylinder(np.array(0.05)), 1),
@@ -39,37 +33,9 @@ def test_betti_holds_between_smooth_edges_and_not_at_a_fixed_load() -> None:
     np.testing.assert_allclose(load[T] * depth[J] + V[J], load[J] * depth[T] + Psi[T], rtol=1e-12)
 
 
-def test_tangents_are_derivatives_with_the_moving_edges() -> None:
-    film = cylinder(ON_STEEL, 0.3, 1e5, (2e-5, 1e-2), 0.1)
-    steps = np.array([10.0, 1e-8, 1e-4])
-    for j in range(3):
-        change = np.eye(3)[j] * steps[j]
-        ends = [
-            FilmContact(film.table, film.profile, film.load + s * change[0], film.charges + s * change[1:], film.datum)
-            for s in (1, -1)
-        ]
-        numerical = (ends[0].response[0] - ends[1].response[0]) / (2 * steps[j])
-        np.testing.assert_allclose(film.tangents[0][:, j], numerical, rtol=2e-7)
-
-
 @pytest.fixture(scope="module")
 def wide_table() -> Table:
     return table(Stack((Layer(FIBROUS, 2e-4),)), 0.3, most=10.0)
-
-
-def test_cases_are_vectors(wide_table: Table) -> None:
-    rng = np.random.default_rng(0)
-    count = 40
-    profile = Profile.cylinder(rng.uniform(0.02, 0.1, count))
-    load = rng.uniform(5e4, 2e5, count)
-    charges = rng.uniform(-1, 1, (count, 2)) * [1e-5, 1e-3]
-    many = FilmContact(wide_table, profile, load, charges, np.array(1.0))
-    for i in (0, 17):
-        alone = FilmContact(many.table, Profile.cylinder(profile.slope[1][i] ** -1), load[i : i + 1],
-                            charges[i : i + 1], np.array(1.0))  # fmt: skip
-        np.testing.assert_allclose(alone.response[0], many.response[i], rtol=1e-12)
-        exact = contact(many.table, alone.profile, float(load[i]), charges[i])
-        np.testing.assert_allclose(exact.response[0], many.response[i], rtol=2e-8)
 
 
 @pytest.mark.parametrize(

@@ -63,28 +63,6 @@ def test_a_sweep_of_the_load_has_no_steps_where_tables_change(material: str, bas
             assert np.max(np.abs(np.diff(values, 3))) <= 1e-8 * np.max(values), name
 
 
-def test_interface_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
-    peaks, film = read
-    computed = peaks.peaks(film, "interface")
-    for case in (0, 1):
-        state, h = one(film, case), film.half_width[case]
-        edge = THICKNESS / h
-        X = np.concatenate([np.linspace(-1, 1, 201), 1 + np.geomspace(1e-3, 10 * edge, 200)])
-        X = np.unique(np.concatenate([X, -X]))
-        shear, normal = interior_fields(state, X, np.array([-edge]), ("stress_xy", "stress_yy"))[0][:, 0]
-        place = int(np.argmax(np.abs(shear)))
-        largest = zoomed(state, "stress_xy", np.sign(shear[place]), float(X[place]), np.array([edge]))
-        assert computed["interface_shear"][case] == pytest.approx(largest, rel=1e-6)
-        assert computed["interface_shear_position"][case] == pytest.approx(X[place], abs=0.02)
-        if np.max(normal) > 0:
-            place = int(np.argmax(normal))
-            pulled = zoomed(state, "stress_yy", 1.0, float(X[place]), np.array([edge]))
-            assert computed["interface_tension"][case] == pytest.approx(pulled, rel=1e-4, abs=1e-6 * largest)
-        else:
-            assert computed["interface_tension"][case] == 0.0
-            assert np.isnan(computed["interface_tension_position"][case])
-
-
 def test_film_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
     peaks, film = read
     computed = peaks.peaks(film, "film")
