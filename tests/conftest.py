@@ -91,11 +91,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         names = {name for mark in item.iter_markers("needs") for name in mark.args}
         if reason := programs.missing(sorted(names)):
             item.add_marker(pytest.mark.skip(reason=reason))
-    for item in items:
         fixtures = set(getattr(item, "fixturenames", ()))
         item.add_marker(layers.layer(item.location[0], [mark.name for mark in item.iter_markers()], fixtures))
-    names = list(LONGEST)
-    items.sort(key=lambda item: names.index(name) if (name := group(item.location[0])) in names else len(names))
+    order = [*LONGEST, ""]
+    items.sort(key=lambda item: order.index(name if (name := group(item.location[0])) in LONGEST else ""))
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
