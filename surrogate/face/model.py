@@ -128,14 +128,14 @@ class GaussianProcess(Core):
 
     @property
     def calibrated(self) -> bool:
-        """Whether its intervals rest on held-out cases."""
+        """Return True if the intervals rest on held-out cases."""
         return self.calibration_ is not None
 
     def __str__(self) -> str:
         return text(self) if hasattr(self, "inputs_") else f"{type(self).__name__}, not fitted yet"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: what `print` says, the box as a table."""
+        """Return HTML for a notebook: the text of `print`, with the box as a table."""
         return page(self) if hasattr(self, "inputs_") else f"<p><b>{type(self).__name__}</b>, not fitted yet</p>"
 
     def score(self, X: xr.Dataset, y: xr.Dataset | None = None) -> float:
@@ -191,7 +191,7 @@ class GaussianProcess(Core):
         return self.calibrate_under(dataset, None)
 
     def calibrate_under(self, dataset: xr.Dataset, outer: Array | None) -> Self:
-        """As `calibrate`, for a model that stands on this one.
+        """Calibrate like `calibrate`, for a model that wraps this one.
 
         Parameters
         ----------
@@ -414,7 +414,7 @@ class GaussianProcess(Core):
         return named, [part for part in parts if part is not None], self._flags(named, extrapolate)
 
     def _flags(self, named: Points, extrapolate: bool) -> dict[str, Flags]:
-        """Which points lie outside, with `extrapolate`, under the name that answers give it."""
+        """Return the variable `extrapolated`, which marks points outside the box; empty without `extrapolate`."""
         return {"extrapolated": ~self.has_answers(named.X)} if extrapolate else {}
 
     def _labels(self) -> Labels:

@@ -29,7 +29,7 @@ LEFT, FINER = 0.1, 0.5
 
 @dataclass(frozen=True)
 class Crossed:
-    """What a cross approximation has found."""
+    """Result of a cross approximation."""
 
     # Core k has shape (r_k, n_k, r_{k+1}), the last one (r_d, n_d, b, p). Values are less `offset`, over `scale`.
     cores: tuple[Array, ...]
@@ -92,8 +92,8 @@ class Cross:
 
     def _spread(self, random: np.random.Generator, k: int, count: int) -> Indices:
         """A few random indices of the modes from k on, different in each as far as it goes."""
-        each = [np.resize(random.permutation(size), count) for size in self.sizes[k:]]
-        return np.unique(np.stack(each, axis=1), axis=0)
+        columns = [np.resize(random.permutation(size), count) for size in self.sizes[k:]]
+        return np.unique(np.stack(columns, axis=1), axis=0)
 
     def _fresh(self, random: np.random.Generator, requested: Mapping[tuple[int, ...], None]) -> Indices:
         """Random indices that nobody has asked for, while there are some."""
@@ -157,6 +157,6 @@ def _pairs(before: Indices, behind: Indices) -> Indices:
 
 
 def _places(candidates: Indices, rows: Indices | None) -> list[int]:
-    """Where rows of an earlier sweep stand among candidates, in their order."""
+    """Return the positions of an earlier sweep's rows among the candidates, in their order."""
     number = {row: place for place, row in enumerate(map(tuple, candidates.tolist()))}
     return [] if rows is None else [number[row] for row in map(tuple, rows.tolist())]

@@ -1,4 +1,4 @@
-"""What one factor contributes to a separable Gaussian process: its kernel on the levels and its features at a query.
+"""Factor of a separable Gaussian process: its kernel on the levels and its features at a query.
 
 Every factor brings an orthonormal basis of functions on its levels, ordered from smooth to rough (discrete Chebyshev
 polynomials: on Chebyshev-Gauss levels the discrete cosine transform), in which smooth data have few and quickly
@@ -18,7 +18,7 @@ NEGLIGIBLE = 1e-17
 
 @dataclass(frozen=True)
 class Features:
-    """What the process needs of one factor at B query points."""
+    """Features of one factor at B query points."""
 
     mean: Array  # shape (modes, B); Functions that the coefficients of the mean multiply
     prior: Array  # shape (B,); K(x, x), without the constant and the amplitude

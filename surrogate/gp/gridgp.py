@@ -111,7 +111,7 @@ class GridGP(GaussianProcess):
         self.inputs_, self.levels_ = data.inputs, data.levels
         self.outputs_, self.attrs_ = tuple(data.outputs), data.attrs
         self.cases_, self.calibration_, self.correction_ = self._places(), None, None
-        points = [own.to_unit(levels) for own, levels in zip(data.inputs, data.levels, strict=True)]
+        points = [factor_input.to_unit(levels) for factor_input, levels in zip(data.inputs, data.levels, strict=True)]
         coefficients, grams = self._coefficients(data, points)
         self._choose(points, grams)
         self.order_, ordered = joined(coefficients)

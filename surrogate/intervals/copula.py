@@ -1,4 +1,4 @@
-"""How errors go together: over the outputs as those of held-out cases did, over points by a length along every input.
+"""Joint distribution of errors: an empirical copula over outputs, a Gaussian kernel over points.
 
 The rows of held-out cases, every score as its rank among those of its output, are an empirical copula of the outputs
 (L. Ruschendorf, J. Stat. Plan. Inference 139 (2009) 3921): a row drawn is a joint draw at one point. At several points

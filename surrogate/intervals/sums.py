@@ -1,4 +1,4 @@
-"""How far a sum of errors reaches, of several outputs at several points, by how these go together.
+"""Interval of a weighted sum of errors over several outputs and points, from their joint distribution.
 
 At one point the held-out rows say it: the sum of each row is one that was seen. Over points the ends of their own sums
 add as deviations do, by the correlation of the points' sums.

@@ -1,4 +1,4 @@
-"""How good a surrogate is on cases that it was not trained on: errors, intervals, and the baseline beside them."""
+"""Validation of a surrogate on fresh cases: errors, intervals, and the baseline."""
 
 from collections.abc import Mapping
 from itertools import combinations
@@ -123,7 +123,7 @@ def pit(true: Array, mean: Array, std: Array, distribution: Distribution | None 
 
 
 def _inside(true: Array, mean: Array, std: Array, distribution: Distribution, level: float) -> Flags:
-    """Whether the interval of a level holds the truth: (p, n)."""
+    """Mark the cases whose interval of a level contains the truth, (p, n)."""
     lower, upper = distribution.ends(level)
     return np.asarray((mean + lower[:, None] * std <= true) & (true <= mean + upper[:, None] * std))
 

@@ -1,4 +1,4 @@
-"""Which smooth outputs stand behind the outputs of a `CurveGP`, and how these scale by them."""
+"""Rows of the smooth outputs behind each output of a `CurveGP`, and the scaling by them."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

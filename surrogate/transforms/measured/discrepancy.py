@@ -1,4 +1,4 @@
-"""What a model leaves out of one measured output: a smooth Gaussian process of the inputs, beside noise.
+"""Discrepancy of a model in one measured output: a smooth Gaussian process of the inputs, plus noise.
 
 Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425: measured = model(input, constants) + discrepancy(input) + noise.
 """
@@ -44,7 +44,7 @@ class Discrepancy:
 
     @property
     def information(self) -> tuple[Array, Array]:
-        """What the values say of the constants: precision (k, k), and its product with their estimate (k,)."""
+        """Return the precision (k, k) of the constants, and its product with their estimate (k,)."""
         residual, slopes = self.whitened
         return self.slopes.T @ slopes, self.slopes.T @ residual
 
