@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ import xarray as xr
 from scipy.optimize import linprog
 
 from approximation.arrays import Array, Flags
-from surrogate import GridGP, ScatterGP, load, save
+from surrogate import GridGP, ScatterGP
 from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.conformal import calibrate
 from surrogate.intervals.quantile import quantile_regression
@@ -116,24 +115,6 @@ def test_a_scattered_model_is_calibrated_too() -> None:
     model = ScatterGP("matern32", functions.INPUTS[:3]).fit(train).calibrate(held)
     table = validate(model, fresh, None)
     assert float(table["coverage"][0]) == pytest.approx(0.95, abs=0.03)
-
-
-@pytest.mark.parametrize("kind", ["grid", "scatter"])
-def test_a_calibrated_model_survives_its_file(kind: str, tmp_path: Path) -> None:
-    keep = ["mixture", "angle", "size", "ratio"]
-    model: GridGP | ScatterGP
-    if kind == "scatter":
-        model = ScatterGP("matern32", functions.INPUTS[:3]).fit(functions.scattered(40, seed=0)[keep])
-        model.calibrate(functions.scattered(400, seed=1)[keep])
-    else:
-        model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((6, 4, 4, 3, 2)))
-        model.calibrate(functions.scattered(400, seed=1))
-    save(model, tmp_path / "a.nc")
-    again = load(tmp_path / "a.nc")
-    points = functions.scattered(100, seed=5)[list(model.box)]
-    xr.testing.assert_identical(again.predict(points), model.predict(points))
-    save(again, tmp_path / "b.nc")
-    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
 def test_fitting_again_forgets_the_calibration() -> None:

@@ -69,12 +69,3 @@ def test_non_dominated_is_what_the_definition_says(k: int, count: int, seed: int
             assert not beaten
         else:  # beaten, or equal to one that was kept
             assert beaten or np.any(np.all(values[kept] == one, 1))
-
-
-@settings(max_examples=50, deadline=None, derandomize=True)
-@given(st.integers(1, 20), st.integers(0, 1000))
-def test_hypervolume_is_the_share_of_random_points_below(count: int, seed: int) -> None:
-    random = np.random.default_rng(seed)
-    values, drawn = random.uniform(size=(count, 2)), random.uniform(size=(20_000, 2))
-    below = np.any(np.all(drawn[:, None] <= values, -1), 1).mean()
-    assert hypervolume(values, np.zeros(2)) == pytest.approx(below, abs=0.02)
