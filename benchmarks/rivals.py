@@ -16,7 +16,7 @@ from sklearn.neural_network import MLPRegressor
 from approximation.arrays import Array
 from approximation.chebyshev import coefficients, polynomials
 from surrogate.intervals.distribution import NOMINAL, Normal
-from surrogate.use.baseline import contracted
+from surrogate.use.validation import contracted
 
 #: Standard deviations to either side that hold 95 % of a normal variable.
 REACH = float(Normal().ends(NOMINAL)[1, 0])

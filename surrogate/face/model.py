@@ -12,16 +12,14 @@ from numpy.typing import NDArray
 
 from approximation.arrays import Array, Flags, blocks, unmasked
 from surrogate.data.inputs import Input, physical_points, unit_coordinates
-from surrogate.data.labels import Attrs, Labels
-from surrogate.data.points import EVEN, Points, Queries, named_points, outside, require_inside
+from surrogate.data.points import EVEN, Attrs, Labels, Points, Queries, named_points, outside, require_inside
 from surrogate.face.core import Core
 from surrogate.face.region import Region
 from surrogate.intervals.calibration import MINIMUM, Calibration
 from surrogate.intervals.conformal import calibrate
-from surrogate.intervals.copula import MOST_POINTS
+from surrogate.intervals.copula import MOST_POINTS, ends
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 from surrogate.intervals.sharing import sharing
-from surrogate.intervals.sums import ends
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048
@@ -616,7 +614,7 @@ class GaussianProcess(Core):
         Returns
         -------
         ndarray, shape (2,)
-            By how errors go together (module `sums`); without a calibration the ends of all of them are added up.
+            By the joint distribution of errors (module `copula`); without a calibration, the sum of their ends.
 
         Raises
         ------

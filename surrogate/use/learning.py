@@ -18,7 +18,7 @@ from scipy.linalg import cho_solve
 from approximation.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.measurements import Measurements
-from surrogate.transforms.measured.draws import Draw, mixture, moments, posterior
+from surrogate.transforms.measured.discrepancy import Draw, mixture, moments, posterior
 from surrogate.use.residuals import Residuals, State
 
 #: Takes scaled constants (k,); gives the model's means at the measured values (n,) and their derivatives (n, k).

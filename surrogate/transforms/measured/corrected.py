@@ -12,8 +12,7 @@ from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.measurements import MOST_ROWS, Measurements
 from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL, Normal
-from surrogate.transforms.measured.discrepancy import Discrepancy
-from surrogate.transforms.measured.draws import Draw, mixture, moments
+from surrogate.transforms.measured.discrepancy import Discrepancy, Draw, mixture, moments
 from surrogate.transforms.transformed import Transformed
 
 _MOST_DRAWS = 64  # that a file may hold

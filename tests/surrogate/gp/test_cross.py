@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from approximation.arrays import Array
-from surrogate.gp.cross import Cross, Crossed, run
+from surrogate.gp.crossgp import Cross, Crossed, run
 
 SIZES = (7, 6, 5, 4)
 BLOCK, OUTPUTS = 9, 2

@@ -15,8 +15,7 @@ from storage.netcdf import read_whole, write_whole
 from surrogate import FormatError, GridGP, Input, load, save
 from surrogate.data.measurements import Measurements
 from surrogate.transforms.measured.corrected import CorrectedGP
-from surrogate.transforms.measured.discrepancy import Discrepancy
-from surrogate.transforms.measured.draws import Draw
+from surrogate.transforms.measured.discrepancy import Discrepancy, Draw
 from surrogate.use import residuals
 from surrogate.use.learning import Learnt, NotSettledError, learn
 from surrogate.use.residuals import Residuals
