@@ -128,26 +128,6 @@ class Factor:
         return np.arange(self._first_damped, max(modes, self._first_damped))
 
 
-def radial(kind: str, r: Array) -> tuple[Array, Array]:
-    """Return a stationary correlation k at distances over the length scale, and -k'(r)/r, which is finite at zero."""
-    if kind == "rbf":
-        k = np.exp(-0.5 * r * r)
-        return k, k
-    if kind == "matern32":
-        decay = np.exp(-np.sqrt(3) * r)
-        return (1 + np.sqrt(3) * r) * decay, 3 * decay
-    if kind == "matern52":
-        s = np.sqrt(5) * r
-        decay = np.exp(-s)
-        return (1 + s + s * s / 3) * decay, 5 / 3 * (1 + s) * decay
-    raise ValueError(f"unknown kernel {kind!r}")
-
-
-def steepness(kind: str) -> float:
-    """Return minus the second derivative at zero of a stationary correlation of unit length scale."""
-    return float(radial(kind, np.zeros(()))[1])
-
-
 def cosine_basis(n: int) -> tuple[Array, Array]:
     """Return the discrete cosine basis on n Chebyshev-Gauss points, (n, n), and the norms that make it T_m, (n,)."""
     weights = np.full(n, np.sqrt(2 / n))

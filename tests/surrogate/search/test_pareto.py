@@ -51,12 +51,6 @@ def test_front_of_two_spheres(bulge: float) -> None:
     assert np.abs(np.diff(found.x[:, 0])).max() < 0.02
 
 
-def test_no_front_where_nothing_is_feasible() -> None:
-    problem = spheres(1.0)
-    never = Problem(2, lambda X: (problem.value(X)[0], np.ones((len(X), 1))), problem.slope)
-    assert front(never, 2, scan=16) is None
-
-
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(st.integers(2, 3), st.integers(1, 40), st.integers(0, 1000))
 def test_non_dominated_is_what_the_definition_says(k: int, count: int, seed: int) -> None:

@@ -54,7 +54,7 @@ def test_outputs_of_one_or_no_input_have_trivial_indices() -> None:
 
 @pytest.fixture(scope="module")
 def fine() -> GridGP:
-    return GridGP(inputs=functions.INPUTS).fit(functions.factorial((30, 7, 7, 7, 2)))
+    return GridGP(inputs=functions.INPUTS).fit(functions.factorial((22, 6, 6, 6, 2)))
 
 
 def test_intervals_hold_the_indices_of_the_truth_on_a_coarse_grid(fine: GridGP) -> None:
