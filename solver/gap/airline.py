@@ -180,7 +180,7 @@ class State:
 
     @property
     def unknowns_of_held_potentials(self) -> Array:
-        """Those with the charges that make held potentials zero where neither the contact nor a density changes."""
+        """Unknowns with charges that make held potentials zero, contact and densities unchanged; (unknown,)."""
         held = [f for f in self.problem.fields if self.problem.held[f]]
         rows, columns = [1 + f for f in held], [_EXTENT + f for f in held]
         result = np.array(self.unknowns)
@@ -189,7 +189,7 @@ class State:
 
     @cached_property
     def sizes(self) -> Array:
-        """What steps of the unknowns are small against; (unknown,)."""
+        """Scales of the unknowns, over which steps are measured; (unknown,)."""
         largest_density = np.max(np.abs(self._densities), 1, initial=1e-300)
         largest_density = np.maximum(largest_density, 1e-4 * self.loads[0] / self.half)
         charge = np.maximum(np.abs(self.loads[1:]), np.max(largest_density) * self.half)
@@ -248,7 +248,7 @@ class State:
 
     @property
     def open(self) -> bool:
-        """Whether the gap is open all along."""
+        """Return True if the gap is positive at every node."""
         return bool(np.all(self.gap > 0))
 
     def require_gap(self) -> None:
@@ -297,7 +297,7 @@ class State:
 
     @property
     def _by_load(self) -> Array:
-        """What P adds to depth, V and Psi by the datum; (3,)."""
+        """Derivatives of depth, V and Psi in P by the datum alone; (3,)."""
         by_datum = -self.problem.contact.far[0][:, 0]
         return np.asarray(by_datum * np.array([-1.0, 1.0, 1.0]))
 
@@ -320,7 +320,7 @@ class Chord:
 
     @cached_property
     def causes(self) -> Array:
-        """What the unknowns do where the residual of the load, of T or of J falls by one; (unknown, 3)."""
+        """Changes of the unknowns when the residual of the load, of T or of J falls by one; (unknown, 3)."""
         right = np.zeros((self.system.columns.size, 3))
         right[0, 0] = right[_EXTENT, 1] = right[_EXTENT + 1, 2] = 1.0
         return self.system.solve(right)
@@ -371,7 +371,7 @@ class AirContact(Problem):
 
     @property
     def _from_idle(self) -> State | None:
-        """What held potentials come to from the same contact with its charges given, the nearest start there is.
+        """Solution for held potentials, started from the same contact with prescribed charges: the nearest start.
 
         It may have a closed gap all the same: that of a half-plane at zero volts, where no charge is left beside it.
         """
@@ -391,7 +391,7 @@ class AirContact(Problem):
         return state.moved(np.concatenate([state.unknowns[: start.size], state.densities_at_its_gap]))
 
     def _sought(self, state: State, chord: Chord | None = None) -> State | None:
-        """What Newton's iteration comes to, its gap open or not; None where it comes to nothing.
+        """Limit of Newton's iteration, its gap open or not; None if it does not converge.
 
         The equations of one state serve the next ones as long as they make steps shrink.
         """

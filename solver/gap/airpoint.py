@@ -85,7 +85,7 @@ class AirPoint:
         return result
 
     def _sought(self, state: "PointState") -> "PointState | None":
-        """What Newton's iteration comes to, its gap open or not; None where it comes to nothing."""
+        """Limit of Newton's iteration, its gap open or not; None if it does not converge."""
         last = 0.0
         for _ in range(_STEPS):
             step = np.linalg.solve(state.jacobian, state.residual)
@@ -184,7 +184,7 @@ class PointState:
 
     @cached_property
     def thinned(self) -> Array:
-        """What the end of the punch leaves of the gap's field; (n,)."""
+        """Factor 1/(1 + r^2/end^2) by which the finite punch weakens the gap's field; (n,)."""
         return 1 / (1 + (self.problem.rings.grid.distance * self.radius / self.problem.end) ** 2)
 
     @cached_property
@@ -244,7 +244,7 @@ class PointState:
 
     @cached_property
     def sizes(self) -> Array:
-        """What steps of the unknowns are small against; (unknown,)."""
+        """Scales of the unknowns, over which steps are measured; (unknown,)."""
         causes = np.maximum(np.abs(self.displacement), 1e-3 * np.max(np.abs(self.displacement)))
         largest = np.max(np.abs(self.over_size), 1, initial=1e-300)
         largest = np.maximum(largest, 1e-3 * self.problem.force / (self.size * self.radius))
@@ -252,7 +252,7 @@ class PointState:
 
     @property
     def open(self) -> bool:
-        """Whether the gap is open all along."""
+        """Return True if the gap is positive at every node."""
         return bool(np.all(self.gap > 0))
 
     @property
@@ -292,7 +292,7 @@ class PointState:
         return self._moved(np.asarray(np.linalg.solve(matrix, right)))[1:]
 
     def _moved(self, steps: Array) -> Array:
-        """Of -depth, V and Psi, by steps of the unknowns."""
+        """Changes of (-depth, V, Psi) for steps of the unknowns."""
         inner = self.problem.rows.causes
         return np.asarray(
             self.size * (steps[1:inner] + self.problem.shape.exponent * self.displacement[:, None] * steps[0])

@@ -1,4 +1,4 @@
-"""What the kernels of a stack make of charges on the right side beside a contact.
+"""Integrals of a stack's kernels against charges on the right side of a contact.
 
 One rule serves all targets where the kernel is smooth over an interval (:mod:`solver.gap.rules`); elsewhere
 intervals end where the kernel's panels do. About the contact, where densities lie on short panels and targets are many,
@@ -53,7 +53,7 @@ class Densities:
         return whole + self._by_pieces(h, X, rough, mix) if np.any(rough) else whole
 
     def _by_pieces(self, h: float, X: Array, rough: BoolArray, mix: Array) -> Array:
-        """What the intervals of :attr:`Grid.rules` add where the kernel is not smooth over them; (target, ..., n)."""
+        """Integrals over the intervals of :attr:`Grid.rules` on which the kernel is not smooth; (target, ..., n)."""
         grid = self.grid
         targets = np.flatnonzero(rough.any(1))
         result = []
@@ -115,7 +115,7 @@ def far(wide: Kernel, x: Array, mix: Array) -> Array:
 def sampled(
     wide: Kernel, grid: Grid, fields: tuple[int, ...], h: float, points: tuple[float, ...]
 ) -> tuple[Array, Array]:
-    """What the kernels make of densities of the right side; no friction is in it, so that tables of several share it.
+    """Integrals of the kernels against densities of the right side; tables of any friction share them.
 
     Sums of :func:`mixing` at points about the contact, (point, 7 field, n), and displacements alone at the nodes beyond
     on the right and on the left, (2 node, 3 field, n).

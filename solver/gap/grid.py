@@ -1,4 +1,4 @@
-"""Where charges lie beside a contact: panels on both sides, and what the half-plane makes of them (theory section 10).
+"""Panels for charges on both sides of a contact, and the half-plane's response to them (theory section 10).
 
 Beside the contact X = +-cosh(theta). On a side the density is a polynomial in u on each panel, u = theta, and on the
 last one, which ends at infinity, u = exp(-theta) and the density u^2 times a polynomial. The contact of a half-plane
@@ -104,7 +104,7 @@ class Grid:
 
     @cached_property
     def _at_infinity(self) -> Array:
-        """From values at the nodes of the last panel to coefficients of its terms; (term, node)."""
+        """Matrix from values at the nodes of the last panel to coefficients of its terms; (term, node)."""
         return np.asarray(np.linalg.inv(self._far_terms(self.u[-1])))
 
     def _far_terms(self, u: Array) -> Array:
@@ -115,7 +115,7 @@ class Grid:
         return np.concatenate([powers, logs], -1)
 
     def interpolations(self, panels: Indices, u: Array) -> Array:
-        """From values at the nodes of panels (piece,) to those at points u (piece, point); (piece, point, node).
+        """Interpolation matrices from the nodes of panels (piece,) to points u (piece, point); (piece, point, node).
 
         panels: (piece,); u: (piece, point).
         """
@@ -136,7 +136,7 @@ class Grid:
         return self.interpolations(panels, np.where(infinite, np.exp(-theta), theta))
 
     def interpolation(self, theta: Array) -> Array:
-        """From values at all nodes to those at theta; (place, n)."""
+        """Interpolation matrix from all nodes to theta; (place, n)."""
         panels = np.minimum(np.searchsorted(self.ends[1:], theta), self.panels - 1)
         whole = np.zeros((theta.size, self.panels, _NODES))
         whole[np.arange(theta.size), panels] = self.interpolations_at(panels, theta[:, None])[:, 0]
@@ -189,7 +189,7 @@ class Grid:
         return points, np.einsum("pqc,pqn->cpn", values, shape).reshape(count, -1)
 
     def rough_at(self, X: Array, strip: float) -> BoolArray:
-        """Where a rule is not good for what has singularities at X +- i strip; (point, interval).
+        """Mark intervals whose rule is inaccurate for a kernel with singularities at X +- i strip; (point, interval).
 
         X: (point,).
         """
@@ -203,7 +203,7 @@ class Grid:
 
     @cached_property
     def _whole(self) -> list[tuple[Array, Array]]:
-        """Of every panel, theta and weights of a rule that is graded towards the edge and towards infinity."""
+        """Theta and weights of every panel's rule, graded towards the edge and towards infinity."""
         return [self._ruled(panel, 0.0 if panel == 0 else None)[1:] for panel in range(self.panels)]
 
     def _ruled(self, panel: int, singular: float | None) -> tuple[Array, Array, Array]:
@@ -268,7 +268,7 @@ class Grid:
 
     @cached_property
     def cumulative(self) -> Array:
-        """From f sinh(theta) at the nodes to the integral of f dX from the edge to each; (n, n)."""
+        """Matrix from f sinh(theta) at the nodes to the integral of f dX from the edge to each node; (n, n)."""
         result, before = np.zeros((self.count, self.count)), np.zeros(self.count)
         powers = np.arange(_NODES)
         for panel in range(self.panels):

@@ -1,4 +1,4 @@
-"""What charges beside a contact do to it and to the surface beside it, at given half-lengths (theory section 10).
+"""Effect of exterior charges on a contact and on the exterior surface, at given half-lengths (theory section 10).
 
 Everything is linear in the causes of the contact (:mod:`solver.line.loading`) and in the densities at the nodes of both
 sides: the smooth kernels of a stack make a right side of them for the contact's own system, the half-plane's part is
@@ -78,7 +78,7 @@ class Operators:
         return result
 
     def folded(self, values: Array) -> Array:
-        """Of columns (..., both sides) those of the unknowns."""
+        """Fold columns (..., both sides) to those of the unknown densities."""
         count = self.grid.count
         return values[..., :count] + values[..., count:] if self.even else values
 
@@ -158,7 +158,7 @@ class _Assembled:
 
     # -- densities -----------------------------------------------------------------------------------------------------
     def _direct(self, number: int) -> tuple[Array, Array, Array, Array]:
-        """What the kernels make of the densities of each field, both sides; c columns, the fields times both sides.
+        """Kernel integrals of each field's densities, both sides; c columns, the fields times both sides.
 
         Gradients at the contact's nodes (3, M, c), mean displacements (3, c), du_x/dx at the edges (2, c),
         displacements beside the contact less those at its edge (3, 2 n, c).

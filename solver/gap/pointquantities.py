@@ -87,7 +87,7 @@ class Case:
         return self.state(start.pressed.charges[self.place], False, float(start.radius[self.place]))
 
     def slid(self, state: PointState) -> SlidingPoint | None:
-        """What friction makes of a solution; None where nothing is said of friction."""
+        """First order of a solution in friction; None if the case has no friction."""
         friction = self._pressed.friction
         if friction is None:
             return None
@@ -115,7 +115,7 @@ class Case:
         return state
 
     def operators(self, ratio: float, *, wide: bool = False) -> RingsByRadius:
-        """What the body answers about a radius, and more widely."""
+        """Operators near a radius, or over a wider range."""
         if self._windows is not None:
             return self._windows.wide(ratio) if wide else self._windows.narrow(ratio)
         assert isinstance(self.body, HalfSpace)

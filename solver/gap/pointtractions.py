@@ -28,7 +28,7 @@ from solver.stack.wavenumbers import on_panels, panels
 
 @dataclass(frozen=True, eq=False)
 class AirPointTractions(Tractions):
-    """Those of one contact, one column."""
+    """Tractions of one contact, as one column."""
 
     exterior_charges: Charges = field(kw_only=True)
 
@@ -37,7 +37,7 @@ class AirPointTractions(Tractions):
         return self
 
     def nodes(self, radius: float, near: float) -> hankel.Nodes:
-        """As without air, and beside the contact as far as charges lie."""
+        """Nodes in b on the contact and beyond it, up to the farthest charges."""
         return hankel.nodes(radius, near, kinked=self.kinked, beyond=self._ends)
 
     @cached_property
@@ -45,7 +45,7 @@ class AirPointTractions(Tractions):
         return [float(end) for end in np.cosh(self.exterior_charges.ends[1:])]
 
     def vectors(self, b: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """As without air, and at b > 1; (1, 4, b) each.
+        """Densities in b on the contact and at b > 1; (1, 4, b) each.
 
         b: (b,), over a.
         """
@@ -56,7 +56,7 @@ class AirPointTractions(Tractions):
         return plain, None if second is None else _continued(second, within, right - left)
 
     def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """As without air, with the spectra of the rings; (k, 4, 1) each.
+        """Hankel transforms of the contact and its rings; (k, 4, 1) each.
 
         phases: (k,), k a.
         """
@@ -74,7 +74,7 @@ class AirPointTractions(Tractions):
         return plain[..., None], turned[..., None]
 
     def wavenumbers(self, stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
-        """As without air; charges far away count for long waves alone."""
+        """Wavenumbers and weights; distant charges extend the range of long waves only."""
         ratio = float(self.ratio[0])
         ends = from_smaller(panels(stack, width), ratio * self._ends[-1])
         spectrum = self._spectrum(float(ends[-1]) * ratio)
@@ -103,14 +103,14 @@ def _continued(part: Array, within: BoolArray, exterior: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SolvedPoint:
-    """What lies on the surface of a contact with air beside it, found anew at its very radius; units of the body."""
+    """Surface tractions of a contact in air, solved again at its exact radius; units of the body."""
 
     state: PointState
     operators: RingOperators
 
     @property
     def unit(self) -> float:
-        """Of the tractions, C a^(e-1)."""
+        """Unit of the tractions, C a^(e-1)."""
         return self.state.size / self.state.radius
 
     @property

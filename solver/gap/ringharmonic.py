@@ -1,4 +1,4 @@
-"""What friction makes of a point contact and of the charges in rings beside it, to its first order (points, 8).
+"""First-order effect of friction on a point contact and on the charges in rings around it (points, 8).
 
 Columns are a unit shift c/a, friction eta = 1 below the contact at rest, and the densities of cos(angle) at the nodes
 beside it. Below the contact chi is that of the shifted profile, s^(e-1), or none; friction makes k (pi/2) H[phi_sigma],
@@ -78,7 +78,7 @@ class RingHarmonic:
         return HarmonicOutputs(edges, raised, smooth, below)
 
     def _layered(self, radius: float, below: ContactRule, pressed: Density) -> tuple[Array, Array]:
-        """What layers add to S below the contact, and to N S at its nodes, the edge and the nodes beside it."""
+        """Contribution of the layers to S below the contact, and to N S there, at the edge and outside."""
         rows = self._rows
         targets = np.concatenate([below.nodes, _EDGE, self.operators.rings.grid.distance])
         added = np.zeros((len(rows.channels), targets.size, self._columns))
@@ -102,7 +102,7 @@ class RingHarmonic:
         return np.asarray(np.pi / 2 * np.stack(columns, -1)[self._rows.channels])
 
     def _pulled(self, radius: float, targets: Array, rule: ContactRule, pressed: Density) -> Array:
-        """What layers add to the channels by friction itself; (channel, target)."""
+        """Contribution of the layers to the channels by the shear traction; (channel, target)."""
         assert self.sheared is not None
         weights = -radius / 2 * pressed.at(rule.nodes)[0, 0] * rule.weights
         distance = targets[:, None] - rule.nodes

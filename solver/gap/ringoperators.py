@@ -1,4 +1,4 @@
-"""What point contacts and charges in rings beside them do, at given radii (points, 6).
+"""Operators of point contacts with rings of charge around them, at given radii (points, 6).
 
 Everything is linear in the causes u0 = (-depth, V, Psi) and g of the contact and in the densities at the nodes beside
 it. Lengths are in contact radii, displacements over C a^e and tractions over C a^(e-1), as in :mod:`solver.point`: a
@@ -37,7 +37,7 @@ class ContactRule:
 
     @classmethod
     def of(cls, reach: float, *, even: bool = True) -> Self:
-        """As many as layers that vary over 1/reach of the radius ask for: for even functions of s, or for powers.
+        """Enough nodes to resolve layers of width a/reach, for even functions of s or for powers.
 
         Those for even functions serve products of odd ones, too.
         """
@@ -50,7 +50,7 @@ class ContactRule:
 
     @property
     def graded(self) -> Self:
-        """As fine, and finer about both ends: for what is kinked at the apex and has a logarithm at the edge."""
+        """Rule refined towards both ends: for integrands kinked at the apex and logarithmic at the edge."""
         x, w = np.polynomial.legendre.leggauss(self.nodes.size + _STEEP)
         t = (1 + x) / 2
         half, weights = t**_GRADED / 2, w * _GRADED * t ** (_GRADED - 1) / 4
@@ -58,7 +58,7 @@ class ContactRule:
 
     @property
     def series(self) -> Array:
-        """From even S at the nodes to coefficients of the tractions in f_n (points, 4); (n, node)."""
+        """Matrix from even S at the nodes to coefficients of the tractions in f_n (points, 4); (n, node)."""
         count = self.nodes.size
         n = np.arange(count)
         values = np.polynomial.legendre.legvander(self.nodes, 2 * count - 2)[:, ::2].T
@@ -66,7 +66,7 @@ class ContactRule:
 
     @property
     def odd_series(self) -> Array:
-        """From odd S at the nodes to coefficients of psi in P_n(2 b - 1) (points, 8); (n, node)."""
+        """Matrix from odd S at the nodes to coefficients of psi in P_n(2 b - 1) (points, 8); (n, node)."""
         count = 2 * self.nodes.size
         x, w = np.polynomial.legendre.leggauss(count)
         b, orders = (1 + x) / 2, np.arange(1, count, 2)
@@ -85,7 +85,7 @@ X_WITHIN = np.append(gauss(np.array(_ENDS), WITHIN)[0], 1.0)
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Where outputs lie among the rows, channels (y, conducted fields), and causes and densities among the columns."""
+    """Layout of the operator matrix: outputs by row, causes and charge densities by column."""
 
     fields: tuple[int, ...]  # Conducted fields, 0 electric and 1 magnetic
     nodes: int  # Number of nodes beside the contact
@@ -203,7 +203,7 @@ class RingOperators:
         return 2 / np.pi * halfspace_form(self.shape, x) if finite(self.shape) else np.zeros_like(x)
 
     def _layered(self, radius: float, below: ContactRule, closed: Array, beside_it: Array) -> tuple[Array, Array]:
-        """What layers add to S below the contact, and to N S at its nodes, the edge and places beside it.
+        """Contribution of the layers to S below the contact, and to N S at its nodes, the edge and exterior places.
 
         Smooth and even, also where the profile is a power that is not; (channel, node, column) each.
         """
@@ -252,7 +252,7 @@ class RingOperators:
 
     @cached_property
     def inverse(self) -> Array:
-        """Of N of the channels; (channel, channel)."""
+        """Inverse of N of the channels; (channel, channel)."""
         return np.asarray(np.linalg.inv(self.channel_compliance))
 
     @property
@@ -271,13 +271,13 @@ class RingOperators:
 
     @cached_property
     def _pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Those of the six pairs that the channels have, and the place of each two channels among them."""
+        """Pairs of (y, phi, psi) that the channels use, and the index of each two channels among them."""
         used, places = np.unique(CHANNEL[np.ix_(self.rows.channels, self.rows.channels)], return_inverse=True)
         return used, places.reshape(2 * (len(self.rows.channels),))
 
     @cached_property
     def _added(self) -> SurfaceKernel:
-        """Of these pairs."""
+        """Kernels of the layers for the pairs in use."""
         assert self.layers is not None
         return self.layers.of(self._pairs[0])
 
@@ -286,7 +286,7 @@ class RingOperators:
         return np.moveaxis(kernels[..., self._pairs[1]], (2, 3), (0, 1))
 
     def within(self, radius: float, targets: Array, below: ContactRule) -> Array:
-        """From S below the contact to what layers add at targets; (channel, channel, target, node).
+        """Kernel matrix of the layers from S below the contact to targets; (channel, channel, target, node).
 
         targets: (target,), s.
         """
@@ -295,9 +295,9 @@ class RingOperators:
         return self._paired(radius / np.pi * (near + self.rings.parity * far) * below.weights[:, None])
 
     def from_exterior(self, radius: float, targets: Array) -> list[Array]:
-        """The same from densities over their size beside the contact, of every field; (channel, target, node) each.
+        """Kernel matrices of the layers from each field's exterior densities over size; (channel, target, node).
 
-        One rule a panel serves where kernels are smooth over it, and everywhere those of the opposite place.
+        One rule per panel suffices for kernels that are smooth over it, and for the opposite side everywhere.
         """
         grid, (s, share) = self.rings.grid, self.rings.rule
         breaks = self._breaks(radius, targets)
@@ -313,7 +313,7 @@ class RingOperators:
         return [kernels[:, 1 + place] @ self.rings.gathered for place in range(len(self.fields))]
 
     def _breaks(self, radius: float, targets: Array) -> Array:
-        """Where rules break about targets, rising, at the edge where there are fewer; (target, break).
+        """Break points of the rules around targets, rising, padded with the edge; (target, break).
 
         Farther from a target than it is from the axis, panels are short enough.
         """
@@ -350,5 +350,5 @@ def summed(kernels: Array, S: Array) -> Array:
 
 @cached
 def _drawn(rings: Rings) -> Array:
-    """What rings draw below the contact; (x, n)."""
+    """Density below the contact induced by the rings; (x, n)."""
     return rings.poisson(X_WITHIN)

@@ -37,7 +37,7 @@ class Rings:
 
     @property
     def parity(self) -> int:
-        """Of S and chi in s: 1 even, -1 odd."""
+        """Parity of S and chi in s: 1 even, -1 odd."""
         return 1 - 2 * self.order
 
     @cached_property
@@ -52,7 +52,7 @@ class Rings:
 
     @cached_property
     def rule(self) -> tuple[Array, Array]:
-        """As :meth:`ruled` of whole panels."""
+        """Nodes and weights of :meth:`ruled` for whole panels."""
         return self.ruled(np.arange(self.grid.panels), self.ends[:-1], self.ends[1:])
 
     def ruled(self, panel: Indices, start: Array, stop: Array) -> tuple[Array, Array]:
@@ -65,7 +65,7 @@ class Rings:
 
     @property
     def _last(self) -> float:
-        """Where the infinite panel begins, in u = exp(-theta)."""
+        """Start of the infinite panel in u = exp(-theta)."""
         return float(self.grid.limits[-1, 1])
 
     @cached_property
@@ -103,7 +103,7 @@ class Rings:
         return self._integrated(lambda theta: np.arctan(np.sinh(theta)))
 
     def poisson(self, x: Array) -> Array:
-        """What densities add to that below the contact at x = sqrt(1 - r^2) beside what S within makes; (x, n)."""
+        """Density induced below the contact at x = sqrt(1 - r^2), besides the part that S within makes; (x, n)."""
         height, r = x[:, None], np.sqrt((1 - x) * (1 + x))[:, None]
 
         def drawn(theta: Array) -> Array:
@@ -146,7 +146,7 @@ class Rings:
         return result
 
     def _rules(self) -> Iterator[tuple[int, Indices, Array, Array]]:
-        """Of every panel: targets beyond its beginning, theta and weights of their rules; (target, point)."""
+        """Yield every panel's targets beyond its start, with theta and weights of their rules; (target, point)."""
         grid, theta = self.grid, self.grid.theta
         ends = np.append(grid.ends, np.inf)
         for panel in range(grid.panels):

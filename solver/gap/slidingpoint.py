@@ -49,7 +49,7 @@ class SlidingPoint:
 
     @cached_property
     def response(self) -> Response:
-        """Of the half-space of the top."""
+        """Response of the top half-space."""
         return Response(self._operators.compliance, self.coupling, self._operators.shape)
 
     @property
@@ -67,12 +67,12 @@ class SlidingPoint:
 
     @property
     def rings(self) -> Rings:
-        """Of the part of cos(angle)."""
+        """Rings of the part that varies as cos(angle)."""
         return rings(1)
 
     @property
     def pressed(self) -> Density:
-        """At rest, over C a^(e-1)."""
+        """Density below the contact at rest, over C a^(e-1)."""
         return self.at_rest.density
 
     @cached_property
@@ -85,7 +85,7 @@ class SlidingPoint:
 
     @cached_property
     def _weights(self) -> Array:
-        """Of the columns, per eta; (column,)."""
+        """Sizes of the columns per unit of friction; (column,)."""
         state, outputs, columns = self._state, self._turned, self._columns
         rows, profile = self._operators.rows, state.problem.profile
         law = np.empty((1 + len(rows.fields) * rows.nodes, outputs.edges.shape[1]))
@@ -109,7 +109,7 @@ class SlidingPoint:
 
     @property
     def _widened(self) -> Array:
-        """What a unit shift adds to 1 + r^2/end^2 of the gap's law, over itself; (n,)."""
+        """Relative change of the gap law's factor 1 + r^2/end^2 for a unit shift; (n,)."""
         return np.asarray(2 * (1 - self._state.thinned) / self.rings.grid.distance)
 
     @property
@@ -227,13 +227,13 @@ class SlidingPoint:
 
 @cached
 def _drawn(transforms: Rings, shape: Shape) -> Array:
-    """What rings draw along the ray; (place, n)."""
+    """Density along the ray induced by the rings; (place, n)."""
     return transforms.poisson(ray_of(shape).x)
 
 
 @cached
 def _held(transforms: Rings) -> Array:
-    """What rings add to the moments below the contact: what they draw there, less the strength of S within; (n,)."""
+    """Moment of the charge that rings induce below the contact, less the part of S within; (n,)."""
     x, weights = gauss(_ENDS, _RULE)
     r = np.sqrt((1 - x) * (1 + x))
     return np.asarray(

@@ -87,7 +87,7 @@ class Spectrum:
 
     @cached_property
     def windows(self) -> list[Window]:
-        """From the edge outwards."""
+        """Windows from the edge outwards."""
         last = float(np.log(np.cosh(self.charges.ends[-1])))
         ends = [-np.inf, *np.arange(np.log(_CUT / self.most), last, _STEP).tolist(), np.inf]
         return [Window(self.charges, *pair, min(self.most, _CUT * float(np.exp(-pair[0])))) for pair in pairwise(ends)]

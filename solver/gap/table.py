@@ -59,7 +59,7 @@ class AirTable:
 
     @property
     def _solving(self) -> BoolArray:
-        """Whether the equations need a row; (row,)."""
+        """Mark the rows that the equations need; (row,)."""
         operators = self.operators
         needed: BoolArray = np.zeros(operators.rows, dtype=bool)
         needed[:SOLVING] = needed[FIRST : FIRST + operators.density_nodes * (1 + len(operators.system.fields))] = True
@@ -81,7 +81,7 @@ class AirTable:
         return result
 
     def _weights(self, log_half: float, count: int) -> Array:
-        """From values at the half-lengths to coefficients of powers of a change in log h; (count, node)."""
+        """Matrix from values at the half-lengths to Taylor coefficients in log h; (count, node)."""
         return np.asarray(self.table.polynomials(np.array([log_half]))[0] @ self.table.interval.taylor(count))
 
 
@@ -121,7 +121,7 @@ class Near:
     terms: Array
 
     def holds(self, log_half: float) -> bool:
-        """Whether log h is next to the centre."""
+        """Return True if log h is within the range of the Taylor series."""
         return abs(log_half - self.centre) <= _NEXT
 
     def matrix(self, log_half: float, rows: slice = slice(None)) -> Array:
@@ -141,5 +141,5 @@ class Near:
         return change**k @ series, (k[1:] * change ** k[:-1]) @ series[1:]
 
     def _terms(self, log_half: float) -> Array:
-        """As many as count: two where the next one is below rounding."""
+        """Taylor terms that matter: two if the next one is below rounding."""
         return self.terms[:2] if abs(log_half - self.centre) < _NEXT**3 else self.terms

@@ -25,14 +25,14 @@ _GROWTH, _FIRST = 2.5, 100.0  # of panels in k towards 0, and the largest phase 
 
 @dataclass(frozen=True, eq=False)
 class AirTractions(Tractions):
-    """Those of one contact, one column; ``charges`` without what the charges beside it draw into it."""
+    """Tractions of one contact, as one column; ``charges`` excludes the charge induced by exterior charges."""
 
     exterior_charges: Charges = field(kw_only=True)
     widest: float = 0.0
 
     @cached_property
     def _whole(self) -> Tractions:
-        """Of the contact, with what is drawn into it."""
+        """Tractions of the contact, including the induced charge."""
         drawn = self.exterior_charges.terms(self.charges.shape[2])
         densities = (self.pressures, self.charges + drawn[None, :, :, None])
         return Tractions(self.system, self.basis, self.half_lengths, *densities, self.upper)
@@ -57,7 +57,7 @@ class AirTractions(Tractions):
         return self
 
     def wavenumbers(self, body: Stack, nearest: float, reach: float, width: float) -> tuple[Array, Array]:
-        """As of a contact; charges far away count for long waves alone."""
+        """Wavenumbers and weights; distant charges extend the range of long waves only."""
         reach = max(reach, self.widest)
         nearest_reach = reach - self.longest
         far = [nearest_reach + self._half * self._spectrum.reach(start * self._half) for start in self._ends[:-1]]
@@ -117,7 +117,7 @@ class Solved:
 
     @cached_property
     def assembly(self) -> Assembly:
-        """At the half-length."""
+        """Assembly at the half-length of the solution."""
         half = np.array([self.state.half])
         return Assembly(self.system, self.system.basis(self.state.half), half, self.points)
 
@@ -156,7 +156,7 @@ class Solved:
 
     @cached_property
     def unknowns(self) -> Array:
-        """Of the contact, without what is drawn into it; (unknown,)."""
+        """Unknowns of the contact, without the induced charge; (unknown,)."""
         assembly, basis = self.assembly, self.assembly.basis
         sources = self.carried(basis.nodes)[:3] + assembly.at_nodes[0] @ self.drawn
         solutions = self.system.solve(basis, assembly.at_nodes, sources=sources[None, :, :, None])[0]

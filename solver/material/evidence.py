@@ -1,4 +1,4 @@
-"""What is known of a material beside its constants: other published values, and what it bears, each with its source."""
+"""Evidence on a material beyond its constants: other published values and limits, each with its source."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ _MOST_ALTERNATIVES = 20
 
 @dataclass(frozen=True)
 class Limit:
-    """What a material bears: a value in the unit of ``solver.names.LIMITS``, the lowest where sources differ."""
+    """Limit of a material in the unit of ``solver.names.LIMITS``; the lowest if sources differ."""
 
     value: float
     source: str
@@ -37,7 +37,7 @@ class Alternative:
 
 def with_unit(values: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float | str]:
     """Plain values, as texts with their unit where bare ones would ask."""
-    unusual = questions({name: np.array(value) for name, value in values.items()}, units)
+    unusual = questions({name: np.array(value) for name, value in values.items()}, units, values)
     return {name: f"{value!r} {units[name]}" if name in unusual else value for name, value in values.items()}
 
 
