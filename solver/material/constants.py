@@ -356,10 +356,8 @@ class Material:
             self._require(getattr(self, name) > 0, name, f"must be positive{hint}")
         if not np.any(np.isnan(self.rho)):
             self._require(self.rho > 0, "rho", "must be positive")
-        bare = {name: getattr(self, name) for name in UNITS if name not in self.any_size}
-        for complaint in questions(
-            {name: value for name, value in bare.items() if not np.all(np.isnan(value))}, UNITS
-        ).values():
+        known = {name: value for name in UNITS if not np.all(np.isnan(value := getattr(self, name)))}
+        for complaint in questions(known, UNITS, [name for name in known if name not in self.any_size]).values():
             raise MaterialError(f"{self.name}: {complaint}")
         self._require(self.c13**2 < self.c11 * self.c33, "c13", "needs c13^2 < c11 c33 (positive definite stiffness)")
         if not np.any(np.isnan(self.c12)):

@@ -37,7 +37,7 @@ class Alternative:
 
 def with_unit(values: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float | str]:
     """Plain values, as texts with their unit where bare ones would ask."""
-    unusual = questions({name: np.array(value) for name, value in values.items()}, units)
+    unusual = questions({name: np.array(value) for name, value in values.items()}, units, values)
     return {name: f"{value!r} {units[name]}" if name in unusual else value for name, value in values.items()}
 
 

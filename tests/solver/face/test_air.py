@@ -159,12 +159,6 @@ def test_points_in_no_air_are_those_without(case: dict[str, Any]) -> None:
         assert_alike(computed[1], exact[1], 1e-9)
 
 
-def test_what_is_not_given_of_points_in_air_is_refused() -> None:
-    case = {"material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1.0} | AIR
-    with pytest.raises(solver.FactorError, match="curves: of a body under a point contact are not given; ask for peak"):
-        solver.solve_curves(case, ["body"])
-
-
 @pytest.mark.parametrize(
     "options",
     [

@@ -22,8 +22,8 @@ from solver.stack.electroded import surface as surface_of
 from solver.stack.electrodes import Electrode
 from solver.stack.fourier import Medium
 from solver.stack.grading import Graded, GradedMedium
-from solver.stack.layers import Layer, Stack, StackError
-from solver.stack.reflection import held, waves
+from solver.stack.layers import Layer, Stack
+from solver.stack.reflection import held
 from tests.solver.cases import assert_alike
 from tests.solver.line.films import BTO, CFO, FIBROUS, STEEL, contact, interior_fields, surface_fields
 
@@ -193,29 +193,6 @@ def test_contact_on_a_graded_film_is_read_from_a_table() -> None:
     np.testing.assert_allclose(inside[0, 0], surface["stress_xx"][0], rtol=2e-4)
     finer = Interior(TractionTable(film.table).read(film), 36).fields(X[None], Y[None, 1:], names)[0, ..., 0]
     np.testing.assert_allclose(inside[:, 1:], finer, atol=1e-4 * float(np.max(np.abs(finer))))
-
-
-@pytest.mark.parametrize(
-    ("make", "said"),
-    [
-        (lambda: Stack((Layer(BTO, 1.0), Graded(linear, 1.0))), "only the top layer can be graded"),
-        (lambda: Graded(linear, -1.0), "thickness: -1.0 is not allowed"),
-        (lambda: Graded(linear, 1.0, magnetic="insulated"), "'insulated' is not allowed below a graded layer"),
-        (lambda: Graded(lambda z: solver.fibrous(BTO, CFO, 0.5 + 0.6 * z), 1.0), None),
-        (lambda: Graded(lambda z: solver.fibrous(BTO, CFO, np.where(z < 0.3, 0.2, 0.8)), 1.0), "not a smooth function"),
-    ],
-)
-def test_bad_gradings_are_refused_by_name(make: object, said: str | None) -> None:
-    assert callable(make)
-    with pytest.raises(solver.MaterialError, match=said or "volume_fraction: .* is not within 0 to 1"):
-        kernel(Stack((original,)) if isinstance(original := make(), Layer) else original, 1.0)
-
-
-def test_what_is_not_given_of_graded_layers_is_refused() -> None:
-    with pytest.raises(StackError, match="not graded"):
-        waves(LINEAR, np.ones(1))
-    with pytest.raises(StackError, match="patch_size: of the electrode on top of a film that is graded is not given"):
-        Electrode(FALLING[True], 1).rows(np.ones(1))
 
 
 @pytest.mark.parametrize("load", [1e11, 1e20])

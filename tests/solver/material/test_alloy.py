@@ -48,13 +48,6 @@ def test_volts_per_force_of_the_half_plane() -> None:
     assert abs(out.voltage_per_load.values) == pytest.approx([0.073, 0.117, 0.146, 0.180], abs=5e-4)
 
 
-@pytest.mark.parametrize("x", [-0.01, 0.51, float("nan"), [0.2, 0.6]])
-def test_fraction_outside_zero_to_a_half(x: Any) -> None:
-    worst = x[1] if isinstance(x, list) else x
-    with pytest.raises(solver.MaterialError, match=f"scandium_fraction: {worst:g} is not within 0 to 0.5"):
-        solver.aluminium_scandium_nitride(x)
-
-
 @pytest.mark.parametrize(
     "body", [{}, {"thickness": 1e-3, "surroundings": "insulated", "base": "silicon"}], ids=["half-plane", "film"]
 )
