@@ -5,8 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 from solver.gap.densities import Densities
-from solver.gap.grid import Grid
-from solver.gap.rules import Rules, spans
+from solver.gap.grid import Grid, Rules, spans
 from solver.line.kernel import kernel
 from solver.stack.layers import Stack
 from tests.solver.gap.airy import PZT, on_steel

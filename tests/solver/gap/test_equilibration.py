@@ -9,7 +9,7 @@ import solver
 from solver.arrays import Array
 from solver.gap.airline import AirContact
 from solver.gap.newton import solved
-from solver.gap.table import AirTable
+from solver.gap.operators import AirTable
 from solver.stack.layers import Layer, Stack
 from tests.solver.gap.airy import airy, half_plane
 

@@ -9,9 +9,8 @@ import pytest
 from solver.arrays import Array
 from solver.gap.airline import AirContact
 from solver.gap.charges import FAR
-from solver.gap.fields import surface_fields
+from solver.gap.fields import Solved, surface_fields
 from solver.gap.operators import EDGE
-from solver.gap.tractions import Solved
 from solver.line.interior import fields_of
 from solver.material.constants import VACUUM_PERMITTIVITY
 from solver.stack.layers import Layer, Stack
