@@ -118,7 +118,7 @@ def test_admissible_if_unusual(entries: dict[str, float]) -> None:
 @pytest.mark.parametrize("mix", [solver.fibrous, solver.laminate])
 @pytest.mark.parametrize("fraction", [0.0, 0.5, 0.999])
 def test_composites_of_the_ferrite_as_published_are_refused_with_the_fix(mix: Any, fraction: float) -> None:
-    """At high fractions of titanate the mean of mu11 is positive again: the phase itself must be looked at."""
+    """The mean of mu11 is positive at high fractions of titanate, so the phase itself is checked."""
     published = material(FERRITE | {"mu11": -590e-6}, "CoFe2O4 as published")
     with pytest.raises(solver.MaterialError, match=r"CoFe2O4 as published.*mu11 = .*use mu11 = \+590e-6"):
         mix(solver.find("BaTiO3"), published, fraction)
