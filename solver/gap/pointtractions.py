@@ -13,11 +13,9 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
 from solver.gap.airpoint import PointState
-from solver.gap.charges import Charges
+from solver.gap.charges import Charges, Spectrum, from_smaller
 from solver.gap.ringoperators import RingOperators
 from solver.gap.rings import Rings, rings
-from solver.gap.spectrum import Spectrum
-from solver.gap.tractions import from_smaller
 from solver.point import hankel
 from solver.point.profile import halfspace_form
 from solver.point.system import added_forms

@@ -66,8 +66,3 @@ def test_an_electrode_between_layers_shields_and_counts_as_the_ground() -> None:
         1e-9,
         ["contact_trailing", "voltage", "capacitance_per_length", "nominal_field", "depth"],
     )
-
-
-def test_peaks_of_a_graded_film_are_refused() -> None:
-    with pytest.raises(solver.MaterialError, match="peaks: are not given of a film that is graded"):
-        solver.solve(LINEAR, peaks=True)

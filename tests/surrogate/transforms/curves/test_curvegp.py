@@ -13,7 +13,7 @@ import surrogate
 from approximation.chebyshev import gauss_points
 from approximation.measure import Measure
 from approximation.panels import Panels
-from surrogate import CurveGP, GridGP
+from surrogate import CurveGP
 from surrogate.face.persistence import ENGINES, nested, restored
 from surrogate.transforms.curves.basis import Basis
 from surrogate.transforms.curves.landscape import Landscape
@@ -82,16 +82,6 @@ def test_groups_may_stand_behind_the_curves(model: CurveGP, cases: xr.Dataset, t
     xr.testing.assert_identical(surrogate.load(tmp_path / "over.nc").predict(points), over.predict(points))
 
 
-def test_the_maximum_itself_is_learnt_far_worse(model: CurveGP, cases: xr.Dataset) -> None:
-    levels = np.meshgrid(*(one.levels(n) for one, n in zip(INPUTS, (7, 9), strict=True)), indexing="ij")
-    top = truth(*(one.ravel() for one in levels))[0].reshape(7, 9)
-    grid = xr.Dataset({"top": (("a", "b"), top)}, {"a": levels[0][:, 0], "b": levels[1][0]})
-    plain = GridGP(inputs=INPUTS).fit(grid).predict({name: cases[name] for name in "ab"}, return_std=False)
-    error = float(abs(plain["top"] - cases["top"]).max())
-    own = model.predict({name: cases[name] for name in "ab"}, return_std=False)["top"]
-    assert error > 100 * float(abs(own - cases["top"]).max())
-
-
 def test_gradients_are_those_of_differences(model: CurveGP) -> None:
     assert_slopes(model, np.array([[0.4, 0.8], [-0.6, 1.4], [0.7, 1.9]]), rtol=2e-5)
 
@@ -104,19 +94,6 @@ def test_intervals_hold_with_and_without_curves_of_the_held_out_cases(model: Cur
         table = validation.validate(again, fresh[["a", "b", *OUTPUTS]], None)
         assert table["coverage"].values.min() >= 0.85
         assert bool((table["max_error"] <= 1.5 * table["raw_max_error"] + 1e-9).all())
-
-
-def test_a_file_gives_the_same_answers(model: CurveGP, cases: xr.Dataset, tmp_path: Path) -> None:
-    path = tmp_path / "model.nc"
-    known = deepcopy(model).calibrate(cases[["a", "b", *OUTPUTS]])
-    surrogate.save(known, path)
-    again = surrogate.load(path)
-    X = np.array([[0.4, 0.8], [-0.6, 1.4]])
-    assert isinstance(again, CurveGP)
-    for one, other in zip(
-        known.predict_array(X, return_std=True), again.predict_array(X, return_std=True), strict=True
-    ):
-        assert one == pytest.approx(other, rel=1e-12)
 
 
 def test_a_part_of_the_outputs_answers_alike(model: CurveGP) -> None:
