@@ -250,7 +250,7 @@ def test_limits_within_tolerances_are_judged_as_python_judges_them(
     assert seen["complaints"] == []
     assert "over friction 0.1 to 0.4 and the tolerances of radius and volume fraction" in seen["over"]
     question = ask(mine, "sensor", mine.design["sensor"], Predicted(model), Exact(mine))
-    verdicts = set()
+    verdicts: set[str] = set()
     for point, link in zip(points, links, strict=True):
         x = np.array([[float(axis.to_unit(point[key])) for key, axis in question.inputs.items()]])
         judged = question.at(x)
