@@ -139,7 +139,7 @@ def test_a_target_has_a_title_in_words_and_its_name_where_two_ask_the_same() -> 
     assert list(extended.titles.values()) == expected
 
 
-FILM_CASE: Case = {
+FILM_CASE: dict[str, float | str] = {
     "composite": "fibrous", "volume_fraction": 0.67, "thickness": 2.3e-4, "surroundings": "insulated", "base": "steel",
     "radius": 0.05,
 }  # fmt: skip
