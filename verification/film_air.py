@@ -24,13 +24,13 @@ CASES: dict[str, Case] = {
     "PZT-4 on steel, air": SLIDING,
     "PZT-4 on steel, air, elastic punch": SLIDING | {"punch_modulus": STEEL[0], "punch_poisson": STEEL[1]},
 }
-#: What is compared, and the tolerance at order 10.
+#: Compared quantities, and the tolerance at order 10.
 COMPARED = {
     "load": ("load that the half-length needs", 3e-7),
     "centre": ("centre of the contact", 3e-6),
     "voltage": ("voltage against the grounded interface", 3e-6),
 }
-#: The same of fields, each over its largest, under a rigid punch: what air changes most.
+#: Compared fields, each over its largest value, under a rigid punch, where air has the largest effect.
 FIELDS_COMPARED = {
     "beside": ("potential of the surface beside the contact, over the voltage", 3e-6),
     "inside": ("stresses and D half way down the film, below the contact and beside it", 1e-6),

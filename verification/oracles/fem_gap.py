@@ -148,7 +148,7 @@ class GapContact(FilmContact):
             profile = profile - along(self._upper, by_node[len(self.body.places) :], x)
         return np.asarray(profile / self.half_length)
 
-    # -- what is asked of it: depth and potentials on a rigid base -----------------------------------------------------
+    # -- outputs: depth and potentials on a rigid base -----------------------------------------------------------------
     @cached_property
     def weights(self) -> Array:
         """Weights of the states, scaled."""
@@ -171,7 +171,7 @@ class GapContact(FilmContact):
 
     @cached_property
     def inside(self) -> Array:
-        """u of all of the body's nodes, from what loads its surface; SI units, (nodes, 4)."""
+        """u of all of the body's nodes, from the loads on its surface; SI units, (nodes, 4)."""
         free = ~clamped(self.body, self.layers, self.half_length, rigid=self.base is None).ravel()
         u = np.zeros(free.size)
         u[free] = factorised(self.body.matrix()[free][:, free]).solve(self._solved[1].ravel()[free])

@@ -208,7 +208,7 @@ class PointContact:
         """SI per scaled nodal load, over the whole circle."""
         return float(2 * np.pi * FORCES[field] * self.radius)
 
-    # -- what is asked of it -------------------------------------------------------------------------------------------
+    # -- outputs -------------------------------------------------------------------------------------------------------
     @property
     def force(self) -> float:
         """P [N]."""

@@ -1,4 +1,4 @@
-"""Air beside a contact, on finite elements: what bodies answer without it and to charges; the surface's nodes."""
+"""Air beside a contact, on finite elements: response of the bodies without air and to charges; the surface's nodes."""
 
 from dataclasses import dataclass
 from functools import cached_property
