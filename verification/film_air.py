@@ -68,21 +68,21 @@ class Compared:
         """Relative error of one of ``COMPARED`` or ``FIELDS_COMPARED``."""
         contact, solved = self.contact, self.solved
         if what in FIELDS_COMPARED:
-            return self._off_beside() if what == "beside" else self._off_inside()
+            return self._exterior_error() if what == "beside" else self._interior_error()
         if what == "load":
             return off(contact.load, self.case["load"])
         if what == "centre":
             return off(contact.centre, solved["contact_offset"])
         return off(contact.potential(ELECTRIC), solved["voltage"])
 
-    def _off_beside(self) -> float:
-        place, phi = self.contact.beside(ELECTRIC)
+    def _exterior_error(self) -> float:
+        place, phi = self.contact.exterior(ELECTRIC)
         compared = np.flatnonzero((np.abs(place) > _FROM) & (np.abs(place) < _TO))[::5]
         inside = solver.solve_interior(self.case, place[compared], [0.0], fields=["electric_potential"])
         difference = inside["electric_potential"].to_numpy()[0] - phi[compared]
         return float(np.max(np.abs(difference)) / abs(self.contact.potential(ELECTRIC)))
 
-    def _off_inside(self) -> float:
+    def _interior_error(self) -> float:
         depth = self.case["thickness"] / 2
         expected, y = self.contact.fields(X, depth), -depth / self.contact.half_length
         inside = solver.solve_interior(self.case, X, [y], fields=INSIDE)

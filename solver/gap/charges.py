@@ -83,7 +83,7 @@ class Charges:
         return np.asarray(within)
 
     @cached_property
-    def _rest(self) -> Array:
+    def _far_charge(self) -> Array:
         """Charge beyond all intervals; (side, 2)."""
         return np.asarray(self.unknowns @ self.grid.totals - np.asarray(legval(-1.0, self._beyond))[..., 0])
 
@@ -133,7 +133,7 @@ class Charges:
         self._mend(result, w, series, weights, integrated)
         if integrated:
             return np.asarray(-(result + rule.sum(1)[:, None]) / np.pi)
-        return np.asarray((result + self._rest[side, :, None]) / (np.pi * root))
+        return np.asarray((result + self._far_charge[side, :, None]) / (np.pi * root))
 
     def _summed(self, rule: Array, z: ComplexArray) -> tuple[Array, Array]:
         """Real and imaginary part of the sum of rule / (cosh u - z); (2, point) each."""

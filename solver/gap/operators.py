@@ -190,7 +190,7 @@ class _Assembled:
         )
 
     def _about(self, number: int) -> tuple[tuple[float, ...], Array | None]:
-        """Points about the contact that resolve the kernels to rounding, and the interpolation matrix from them to places.
+        """Points about the contact that resolve the kernels to rounding, and the matrix from them to places.
 
         Places are the nodes next to the right and the left edge, the edges and the contact's nodes. Where the contact
         is narrow, points are a few of Chebyshev's; where it is wide, they are the places, then their mirror images.

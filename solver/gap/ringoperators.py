@@ -170,9 +170,9 @@ class RingOperators:
         rows = self.rows
         below = ContactRule.of(radius / self.width)
         count, profile, inverse = below.nodes.size, rows.causes - 1, self.inverse
-        closed = np.einsum("ij,jnc->inc", inverse, self._given(below.nodes))  # S of a half-space
+        closed = np.einsum("ij,jnc->inc", inverse, self._prescribed(below.nodes))  # S of a half-space
         S, added = self._layered(radius, below, closed, self.rings.grid.distance)
-        edge = inverse @ (self._given(np.ones(1))[:, 0] - added[:, count])
+        edge = inverse @ (self._prescribed(np.ones(1))[:, 0] - added[:, count])
         result = np.empty((rows.count, rows.columns))
         # S of the profile is of_power s^e: of_power (1 - s^e), whose tractions are closed, less than at the edge
         of_power = inverse[:, 0] * self.shape.rise
@@ -201,7 +201,7 @@ class RingOperators:
     def series(self, radius: float) -> Array:
         """Coefficients in f_n (points, 4) of the tractions but for the profile's closed part; (channel, n, column)."""
         below = ContactRule.of(radius / self.width)
-        closed = np.einsum("ij,jnc->inc", self.inverse, self._given(below.nodes))
+        closed = np.einsum("ij,jnc->inc", self.inverse, self._prescribed(below.nodes))
         S = self._layered(radius, below, closed, np.zeros(0))[0]
         closed[..., self.rows.causes - 1] = self.inverse[:, :1] * self.shape.rise
         return np.asarray(np.einsum("mn,inc->imc", below.series, S + closed))
@@ -227,7 +227,7 @@ class RingOperators:
         added += summed(kernels, closed)
         if self.shape.exponent % 2:
             fine = ContactRule.of(radius / self.width, even=False)
-            power = self.inverse[:, :1] * self._given(fine.nodes)[0, :, rows.causes - 1]
+            power = self.inverse[:, :1] * self._prescribed(fine.nodes)[0, :, rows.causes - 1]
             added[..., rows.causes - 1] = np.einsum("ijtn,jn->it", self.within(radius, targets, fine), power)
         return self.settled(kernels, added)
 
@@ -268,7 +268,7 @@ class RingOperators:
         """N of the channels; (channel, channel)."""
         return self.compliance[np.ix_(self.rows.channels, self.rows.channels)]
 
-    def _given(self, nodes: Array) -> Array:
+    def _prescribed(self, nodes: Array) -> Array:
         """chi below the contact; (channel, node, column)."""
         rows = self.rows
         result = np.zeros((len(rows.channels), nodes.size, rows.columns))

@@ -73,7 +73,7 @@ class RingHarmonic:
         return np.asarray(self.response.coupling[self._rows.channels] * np.pi / 2)
 
     @property
-    def _given(self) -> float:
+    def _edge_chi(self) -> float:
         """chi of the shifted profile at the edge."""
         return self.response.shape.exponent * self.response.shape.rise
 
@@ -87,13 +87,13 @@ class RingHarmonic:
         count, rows, rings = below.nodes.size, self._rows, self.operators.rings
         smooth, added = self._layered(radius, below, pressed)
         chi = np.zeros((len(rows.channels), self._columns))
-        chi[0, SHIFT] = self._given
+        chi[0, SHIFT] = self._edge_chi
         chi[:, RUBBED] = -self._coupling * pressed.turned(_EDGE)[0, 0, 0]
         edges = self.operators.inverse @ (chi - added[:, count])
         beside_it = self.operators.chi_beside(added[:, count:], edges)
         beside_it[..., RUBBED] += self._coupling[:, None] * _left(pressed, rings.grid.theta)
         raised = rings.raised @ beside_it
-        raised[0, :, SHIFT] -= self._given * rings.power(self.response.shape.exponent - 1)
+        raised[0, :, SHIFT] -= self._edge_chi * rings.power(self.response.shape.exponent - 1)
         return HarmonicOutputs(edges, raised, smooth, below)
 
     def _layered(self, radius: float, below: ContactRule, pressed: Density) -> tuple[Array, Array]:
