@@ -15,7 +15,7 @@ CHANNEL = 3  # K of (phi, phi)
 
 
 def _adaptive(h: float, target: float, stack: Stack, reach: float) -> float:
-    """Of the unknowns that make the density exp(-theta) on the finite panels."""
+    """Adaptive integral of the density exp(-theta) over the finite panels."""
     wide = kernel(stack, reach, by_distance=True)
     mix = np.eye(19)[:, CHANNEL : CHANNEL + 1]
 

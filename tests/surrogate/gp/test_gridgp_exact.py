@@ -44,7 +44,7 @@ def test_it_agrees_with_a_dense_process(rho: float, counts: tuple[int, ...]) -> 
         values = data[name].transpose("x", "y", "z").values
         offset, scale = values.mean(), values.std()
         kernels = dense_kernels(model, counts, p)
-        want, variance = dense.predict(kernels, [0.0] * 3, unit, (values - offset) / scale, t)
+        want, variance = dense.predict(kernels, unit, (values - offset) / scale, t)
         np.testing.assert_allclose(mean[:, p], offset + scale * want, rtol=0, atol=1e-10 * np.ptp(values))
         room = 1e-10 * model.variance_[p]
         np.testing.assert_allclose((std[:, p] / scale) ** 2, model.variance_[p] * variance, rtol=0, atol=room)
@@ -61,7 +61,7 @@ def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient() -
         size = model.variance_[p] * data[name].values.std() ** 2
         for k, one in enumerate(PLANE):
             ends = np.concatenate([t + step * np.eye(3)[k], t - step * np.eye(3)[k]])
-            C = dense.covariance(kernels, [0.0] * 3, levels, ends)
+            C = dense.covariance(kernels, levels, ends)
             above, below = np.diag(C)[:12], np.diag(C)[12:]
             want = size * (above + below - 2 * np.diag(C[:12, 12:])) / (2 * step) ** 2
             std = found[f"{name}_std"].sel(input=one.name).values / one.unit_slope(_physical(t)[:, k])
@@ -83,7 +83,7 @@ def test_leave_one_level_out_errors_are_those_of_refitting_without_the_level() -
     for i in range(n):
         rest = np.arange(n) != i
         for p in range(2):
-            mean, variance = dense.predict([k], [0.0], [t[rest]], values[p, rest], t[i : i + 1, None])
+            mean, variance = dense.predict([k], [t[rest]], values[p, rest], t[i : i + 1, None])
             assert errors[p, i] == pytest.approx((values[p, i] - mean[0]) ** 2, rel=1e-6, abs=1e-12)
             assert variances[i] == pytest.approx(variance[0], rel=1e-6)
 

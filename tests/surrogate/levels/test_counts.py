@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from surrogate import GridGP, Input
+from surrogate import Input
 from surrogate.levels.counts import LevelChoice, UnreachableError, choose, decays
-from surrogate.use.validation import validate
 from tests.surrogate import functions
 
 PILOT = (17, 9, 9, 9, 3)
@@ -22,25 +21,6 @@ def pilot() -> xr.Dataset:
 
 def chosen(data: xr.Dataset, tolerance: float, budget: int = BUDGET, outputs: list[str] | None = None) -> LevelChoice:
     return choose(decays(data, functions.INPUTS, outputs), tolerance, budget)
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-2, 1e-6, 1e-8])
-def test_the_chosen_counts_deliver_the_tolerance_on_fresh_cases(pilot: xr.Dataset, tolerance: float) -> None:
-    choice = chosen(pilot, tolerance)
-    counts = list(choice.counts.values())
-    assert choice.cases == np.prod(counts) <= BUDGET
-    assert choice.affine == ("bias",)
-    assert choice.counts["bias"] == 2
-    assert max(choice.error.values()) <= tolerance
-    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial(counts))
-    reached = validate(model, functions.scattered(3000, seed=17), None)["max_error"]
-    assert float(reached.max()) <= tolerance
-    # not by brute force either: two levels fewer in the factor with the near-pole must miss a small tolerance
-    if tolerance < 1e-3:
-        fewer = [counts[0] - 6, *counts[1:]]
-        model = GridGP(inputs=functions.INPUTS).fit(functions.factorial(fewer))
-        assert float(validate(model, functions.scattered(3000, seed=17), None)["max_error"].max()) > tolerance
 
 
 def test_the_rate_is_that_of_the_nearest_singularity(pilot: xr.Dataset) -> None:

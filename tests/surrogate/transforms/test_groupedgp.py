@@ -151,16 +151,3 @@ def test_cases_that_do_not_have_the_axes_values_are_refused() -> None:
     wrong = factorial().assign_coords(radius=0.03)
     with pytest.raises(ValueError, match="do not have its values of the axis 'pressing'"):
         GroupedGP(GROUPING).fit(wrong)
-
-
-def test_a_logit_scale_maps_there_and_back() -> None:
-    one = Input("x", 0.02, 0.9, "logit")
-    t = np.linspace(-1, 1, 9)
-    x = one.from_unit(t)
-    np.testing.assert_allclose(one.to_unit(x), t, atol=1e-14)
-    np.testing.assert_allclose(x[4], 1 / (1 + np.sqrt(0.98 / 0.02 * 0.1 / 0.9)), rtol=1e-13)
-    slope = (one.to_unit(x + 1e-7) - one.to_unit(x - 1e-7)) / 2e-7
-    np.testing.assert_allclose(one.unit_slope(x), slope, rtol=1e-6)
-    np.testing.assert_array_equal(unit_coordinates([one], x[:, None])[0], one.to_unit(x))
-    with pytest.raises(ValueError, match=r"a logit scale needs 0 < low and high < 1, got \[0, 0.9\]"):
-        Input("x", 0.0, 0.9, "logit")

@@ -283,13 +283,13 @@ def test_what_rows_do_not_tell_stays_as_it_was(found: Learnt) -> None:
 
 
 def test_a_discrepancy_is_found_where_there_is_one() -> None:
-    real, none = learnt(Device(11, 0.1, 40).rows()), learnt(Device(11, 0.0, 40).rows())
+    real, none = learnt(Device(11, 0.1, 28).rows()), learnt(Device(11, 0.0, 28).rows())
     assert min(real.odds.values()) > 20
     assert max(none.odds.values()) < 3
 
 
 def test_unknown_errors_of_measurement_are_estimated() -> None:
-    rows = Device(3, 0.0, 40).rows(0.02)
+    rows = Device(3, 0.0, 28).rows(0.02)
     nobody = Measurements(rows.points, rows.row, rows.output, rows.value, np.full_like(rows.error, np.nan))
     found = learnt(nobody)
     for q in range(2):

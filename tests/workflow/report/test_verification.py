@@ -52,7 +52,7 @@ def test_a_red_check_fails_the_run_and_the_page_shows_it(copy: Copy) -> None:
         f"{group}.json" for group in FEW
     }
     edit = ("verification/findings.py", '"""', '"""Edited. ')  # a source that every group reaches
-    (planned,) = project.planned_after([[edit]], "results/verification/verdict.txt")
+    planned = project.planned_after([edit], "results/verification/verdict.txt")
     assert planned == {"check", "figure_convergence", "provenance", "report", "verdict"}
 
     for file in (results / "verification").glob("*.json"):

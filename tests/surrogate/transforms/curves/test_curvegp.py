@@ -96,19 +96,6 @@ def test_intervals_hold_with_and_without_curves_of_the_held_out_cases(model: Cur
         assert bool((table["max_error"] <= 1.5 * table["raw_max_error"] + 1e-9).all())
 
 
-def test_a_file_gives_the_same_answers(model: CurveGP, cases: xr.Dataset, tmp_path: Path) -> None:
-    path = tmp_path / "model.nc"
-    known = deepcopy(model).calibrate(cases[["a", "b", *OUTPUTS]])
-    surrogate.save(known, path)
-    again = surrogate.load(path)
-    X = np.array([[0.4, 0.8], [-0.6, 1.4]])
-    assert isinstance(again, CurveGP)
-    for one, other in zip(
-        known.predict_array(X, return_std=True), again.predict_array(X, return_std=True), strict=True
-    ):
-        assert one == pytest.approx(other, rel=1e-12)
-
-
 def test_a_part_of_the_outputs_answers_alike(model: CurveGP) -> None:
     X = np.array([[0.4, 0.8], [-0.6, 1.4]])
     part = model.only(["place", "plain"])
