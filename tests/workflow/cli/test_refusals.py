@@ -44,7 +44,7 @@ def test_the_page_s_own_names_lead_to_the_interface_s() -> None:
 def test_a_composite_without_a_law_is_no_laminate() -> None:
     layer = layered.BodyLayer.model_construct(composite="third", volume_fraction=0.5, thickness=1e-3)
     with pytest.raises(KeyError, match="third"):
-        layer.made({}, {}, ("BaTiO3", "CoFe2O4"))
+        layer.compose({}, {}, ("BaTiO3", "CoFe2O4"))
 
 
 @pytest.mark.process
