@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from solver.arrays import Array, is_finite
-from solver.material.usual import VACUUM_PERMITTIVITY, Usual
-from solver.units import in_si
+from solver.material.usual import Usual
+from solver.units import VACUUM_PERMITTIVITY, in_si
 
 #: Unit of each entry that a data sheet has and `solver.material.constants.UNITS` lacks.
 UNITS: dict[str, str] = {
