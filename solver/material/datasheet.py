@@ -140,7 +140,7 @@ def _plain(name: str, value: object) -> float:
 
 
 def _number(name: str, value: object) -> float:
-    """Entry in SI; a bare number whose size no material has is asked about."""
+    """Entry in SI; a bare number of a size that no material has is refused with a question."""
     if isinstance(value, str):
         try:
             return in_si(value, _unit(name))
