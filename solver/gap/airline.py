@@ -19,7 +19,7 @@ from solver.line.contact import FilmContact, mean_power
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A contact under one punch, air beside it; units of the stack but where SI is said."""
+    """A contact under one punch with air beside it, in the units of the stack unless SI is stated."""
 
     table: AirTable
     contact: FilmContact

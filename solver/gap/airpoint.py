@@ -90,7 +90,7 @@ class AirPoint:
         unknowns[0] = np.log(self.start)
         for _ in range(2):
             state = PointState(self, unknowns)
-            # the force stays, and so does the gap: what is left is linear
+            # with force and gap fixed the equations are linear
             unknowns[1:] -= np.linalg.solve(state.frozen[1:, 1:], state.residual[1:])
         return unknowns
 
@@ -134,7 +134,7 @@ class PointState:
 
     @property
     def columns(self) -> Array:
-        """u0, the profile and the densities over their size: what operators answer; (column,)."""
+        """u0, the profile and the densities over their size: factors of the operators' columns; (column,)."""
         first = self.problem.rows.causes
         return np.concatenate([self.unknowns[1:first], [1.0], self.unknowns[first:]])
 

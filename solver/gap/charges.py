@@ -26,7 +26,7 @@ _RULE = 10  # nodes of an interval
 _NODES, _WEIGHTS = leggauss(_RULE)
 _TO_SERIES: Array = np.asarray(np.linalg.inv(legvander(_NODES, _RULE - 1)), dtype=np.float64)
 _WIDTH = 0.9  # of the intervals into which the infinite panel is cut
-#: How many they are for fields, to which what lies farther is a charge at infinity, and for potentials: 1e-10 is left.
+#: Number of intervals for fields and for potentials; charge beyond them counts as a charge at infinity, to 1e-10.
 NEAR, FAR = 10, 26
 _ELLIPSE = 4.5  # rho^-20 is left: 1e-13
 _TINY = 1e-300  # of the imaginary part: the upper side of the real axis
@@ -83,7 +83,7 @@ class Charges:
         return np.asarray(within)
 
     @cached_property
-    def _rest(self) -> Array:
+    def _far_charge(self) -> Array:
         """Charge beyond all intervals; (side, 2)."""
         return np.asarray(self.unknowns @ self.grid.totals - np.asarray(legval(-1.0, self._beyond))[..., 0])
 
@@ -94,7 +94,7 @@ class Charges:
         return np.asarray(np.where(X > 0, right, left))
 
     def drawn(self, X: Array) -> Array:
-        """Densities that they draw into the contact, at abs(X) < 1; (2, point)."""
+        """Charge densities induced in the contact, at abs(X) < 1; (2, point)."""
         right, left = self.unknowns @ np.stack([self.grid.induced(X).T, self.grid.induced(-X).T])
         return np.asarray((right + left) / np.sqrt((1 - X) * (1 + X)))
 
@@ -133,7 +133,7 @@ class Charges:
         self._mend(result, w, series, weights, integrated)
         if integrated:
             return np.asarray(-(result + rule.sum(1)[:, None]) / np.pi)
-        return np.asarray((result + self._rest[side, :, None]) / (np.pi * root))
+        return np.asarray((result + self._far_charge[side, :, None]) / (np.pi * root))
 
     def _summed(self, rule: Array, z: ComplexArray) -> tuple[Array, Array]:
         """Real and imaginary part of the sum of rule / (cosh u - z); (2, point) each."""
@@ -145,7 +145,7 @@ class Charges:
         return rule @ (distance / size), (rule @ (1 / size)) * z.imag
 
     def _mend(self, transforms: ComplexArray, w: ComplexArray, series: Array, weights: Array, integrated: bool) -> None:
-        """Add what Gauss's rules miss of the poles at u = w and u = -w."""
+        """Add the error of Gauss's rules at the poles u = w and u = -w."""
         for sign in (1, -1):
             pole = sign * w
             local = (pole - self._middles[:, None]) / self._halves[:, None]
@@ -178,7 +178,7 @@ class Window:
 
     @cached_property
     def _inner(self) -> Array:
-        """Ends in u of what of the window lies within an interval of the charges."""
+        """Ends in u of the window, cut at the intervals of the charges."""
         ends = self.charges.ends
         reach = np.exp(np.minimum([self.start - _TAIL, self.stop + _TAIL], 300.0))
         least, farthest = np.minimum(np.arccosh(1 + reach), ends[-1])

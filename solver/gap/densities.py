@@ -17,7 +17,7 @@ from solver.line.assembly import mixing
 from solver.line.kernel import POTENTIAL, Kernel
 from solver.stack.reflection import low
 
-_DIGITS = 30.0  # exponent of what is left between Chebyshev points: below rounding
+_DIGITS = 30.0  # exponent of the interpolation error between Chebyshev points: below rounding
 
 #: Pieces of panels: target, panel, start and end of each.
 _Pieces = tuple[NDArray[np.intp], NDArray[np.intp], Array, Array]

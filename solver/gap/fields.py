@@ -70,7 +70,7 @@ class AirTractions(Tractions):
         return Spectrum(self.exterior_charges, float(self._ends[-1] * self._half))
 
     def part(self, members: slice | NDArray[np.intp]) -> Self:
-        """The one member: what is known of it is kept."""
+        """The contact itself, with its cached spectra: it is the only member."""
         return self
 
     def wavenumbers(self, body: Stack, nearest: float, reach: float, width: float) -> tuple[Array, Array]:
@@ -94,7 +94,7 @@ class AirTractions(Tractions):
 
     @cached_property
     def _known(self) -> dict[bytes, ComplexArray]:
-        """Spectra that were asked for, by their wavenumbers."""
+        """Spectra computed so far, by their wavenumbers."""
         return {}
 
     def on_plane(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
@@ -109,7 +109,7 @@ class AirTractions(Tractions):
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """Tractions of a contact with air beside it, found anew at its very half-length."""
+    """Tractions of a contact in air, solved again at its exact half-length."""
 
     state: State
     points: Array
@@ -120,7 +120,7 @@ class Solved:
         """The contact's, its kernels as far as charges lie."""
         operators = self.state.problem.table.operators
         wide, narrow = operators._wide, operators.system.kernel
-        if wide is None:  # a half-plane's are zero, as far as they are asked for
+        if wide is None:  # a half-plane's kernels are zero, up to the farthest point
             reach = self.state.half * (1 + float(np.max(np.abs(self.points))))
             wide = narrow if reach <= narrow.reach else kernel(narrow.stack, reach)
         return replace(operators.system, kernel=wide)
@@ -143,7 +143,7 @@ class Solved:
 
     @cached_property
     def drawn(self) -> Array:
-        """Unknowns of the contact that the charges beside it draw into it; (unknown,)."""
+        """Charge unknowns of the contact that exterior charges induce; (unknown,)."""
         basis, result = self.assembly.basis, np.zeros(self.system.unknowns(self.assembly.basis))
         terms = self.exterior_charges.terms(basis.terms + 1)
         for f, start in self.system.starts(basis).items():
@@ -240,7 +240,7 @@ def inside(films: Films, permittivity: Array, x: Array, y: Array, names: tuple[s
 
 
 def peaks(films: Films, permittivity: Array, names: Set[str]) -> dict[str, Array]:
-    """Quantities of ``solver.names.FILM_PEAKS`` that are asked for and the cases have, as without air; (case,) each."""
+    """Requested quantities of ``solver.names.FILM_PEAKS`` that the cases have; (case,) each."""
     return film.peaks(films, names, _tables(films, permittivity))
 
 
@@ -250,7 +250,7 @@ def curves(films: Films, permittivity: Array, regions: Sequence[str]) -> dict[st
 
 
 def body_peaks(films: Films, permittivity: Array, names: Set[str]) -> dict[str, Array]:
-    """Quantities of ``solver.names.PEAKS`` that are asked for, of half-planes as films of themselves; (case,) each."""
+    """Requested quantities of ``solver.names.PEAKS`` of half-planes, treated as films of themselves; (case,) each."""
     out = {name: np.empty(films.load.size) for name in PEAKS if name in names}
     for place, state in states(films, permittivity) if out else ():
         h = np.array([state.half])

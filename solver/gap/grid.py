@@ -67,7 +67,9 @@ class Rules:
     start: Array
     stop: Array
     theta: Array  # Nodes; (interval, node)
-    shape: Array  # Weights times what a panel's unknowns are at the nodes; (interval, node, unknown of the panel)
+    shape: (
+        Array  # Weights times the density at the nodes per unknown of the panel; (interval, node, unknown of the panel)
+    )
 
     def rough(self, singular: NDArray[np.complex128]) -> BoolArray:
         """Mark intervals to which singularities at u = ``singular`` (..., interval) lie too close."""
@@ -85,7 +87,7 @@ _BEYOND = (1.4, 1.9)  # ends of the next ones
 _WIDTH = 0.9  # of the panels beyond
 CLOSE = float(np.cosh(_EDGE[-1]))  # X at which those next to the edge end
 _NODES = 7  # a panel
-_NEAR = 0.04  # theta up to which what is integrated from the edge is better than a difference from the value there
+_NEAR = 0.04  # theta up to which integration from the edge is more accurate than a difference from the edge's value
 _FINE = 24  # of the rules that integrate over a panel
 _RATIO = 0.12  # of pieces towards a singular point
 
@@ -279,7 +281,7 @@ class Grid:
         return np.concatenate([function(theta) @ shape for theta, shape in self._whole], -1)
 
     def induced_terms(self, count: int) -> Array:
-        """Coefficients of T_n / sqrt(1 - X^2) in the charge within the contact that the density draws; (count, n)."""
+        """Coefficients of T_n / sqrt(1 - X^2) in the charge induced within the contact; (count, n)."""
         orders = np.arange(count)[:, None]
         return self.integrated(lambda theta: np.exp(-orders * theta)) * np.where(orders, 2, 1) / -np.pi
 
@@ -294,7 +296,7 @@ class Grid:
         return self.integrated(lambda theta: theta)
 
     def induced(self, X: Array) -> Array:
-        """Charge within the contact, times sqrt(1 - X^2), that the density draws; (point, n)."""
+        """Charge induced within the contact, times sqrt(1 - X^2); (point, n)."""
         distance = (1 - X)[:, None]
         # sinh / (cosh - X), without a difference next to the edge
         return self.integrated(lambda theta: np.sinh(theta) / (2 * np.sinh(theta / 2) ** 2 + distance)) / -np.pi

@@ -20,7 +20,7 @@ class Factored:
     """
 
     factors: tuple[Array, NDArray[np.int32]]  # Of :func:`scipy.linalg.lu_factor`
-    # What those are multiplied by; (n,) each
+    # Scale factors of rows and columns; (n,) each
     rows: Array
     columns: Array
 

@@ -31,7 +31,7 @@ _NOTHING = 1e-13  # of the compliance: kernels of a stack that is a half-plane
 #: Rows: load, balance, displacements, edge stresses and pressures over their weight; then those beside the contact.
 LOAD, BALANCE, DISPLACEMENT, EDGE, PRESSURE = 0, 1, slice(2, 5), slice(5, 7), slice(7, 7 + SAMPLES.size)
 FIRST = PRESSURE.stop
-#: Angles of the places X = cos(angle) within the contact at which densities are told: panels, graded to both edges.
+#: Angles of the places X = cos(angle) within the contact at which densities are output: panels, graded to both edges.
 _ENDS = (0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
 WITHIN = 8  # of them a panel
 _HALF = gauss(np.array([*_ENDS, np.pi / 2]), WITHIN)[0]
@@ -190,7 +190,7 @@ class _Assembled:
         )
 
     def _about(self, number: int) -> tuple[tuple[float, ...], Array | None]:
-        """Points about the contact between which the kernels have all digits, and what takes values there to places.
+        """Points about the contact that resolve the kernels to rounding, and the matrix from them to places.
 
         Places are the nodes next to the right and the left edge, the edges and the contact's nodes. Where the contact
         is narrow, points are a few of Chebyshev's; where it is wide, they are the places, then their mirror images.
@@ -325,7 +325,7 @@ def _flat(values: Array) -> Array:
 #: Rows before those beside the contact: load, balance, displacements.
 SOLVING: int = DISPLACEMENT.stop
 _TERMS = 4  # of Taylor's series about a half-length
-_NEXT = 1e-3  # of log h: the fourth power of it over what tables resolve is below rounding
+_NEXT = 1e-3  # of log h: its fourth power over the resolution of the tables is below rounding
 
 _LARGEST = 0.5e9  # bytes of a table, of which some copies exist while it is made; usual ones take 0.01 to 0.2 GB
 

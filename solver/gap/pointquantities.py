@@ -52,7 +52,7 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | Non
 
 
 def solved(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple["Case", PointState, RingOperators]]:
-    """Every case with its solution and the operators that it was found with; arguments and refusals as above."""
+    """Yield every case with its solution and operators; arguments and refusals of :func:`quantities`."""
     for case, contacts in _cases(pressed, permittivity, end):
         state = case.charged(contacts)
         yield case, state, case.operators(state.radius).exact
@@ -210,7 +210,7 @@ _FIELDS = ("contact_pressure", "electric_displacement", "magnetic_induction")
 
 @dataclass(frozen=True, eq=False)
 class _FieldCase:
-    """One case: what lies on its surface, its units, its contact radius and the unit of its body's lengths [m]."""
+    """One case: surface tractions, units, contact radius and the unit of its body's lengths [m]."""
 
     at_rest: SolvedPoint
     slid: SlidingPoint | None

@@ -31,7 +31,7 @@ class AirPointTractions(Tractions):
     exterior_charges: Charges = field(kw_only=True)
 
     def part(self, columns: Indices) -> Self:
-        """The one column: what is known of it is kept."""
+        """The contact itself, with its cached spectra: it is the only column."""
         return self
 
     def nodes(self, radius: float, near: float) -> hankel.Nodes:
@@ -161,7 +161,7 @@ class SolvedPoint:
         return result * self.unit
 
     def bounded(self, r: Array, drawn: Array) -> Array:
-        """Below the contact over C a^(e-1), without what is singular at the edge; (3, place).
+        """Tractions below the contact over C a^(e-1), without their singular part at the edge; (3, place).
 
         r: (place,), r/a, 0 to 1; drawn: (place, n), what rings draw there.
         """

@@ -31,7 +31,7 @@ from solver.point.system import added_forms
 from solver.point.table import PointKind, interval
 from solver.stack.wavenumbers import strip
 
-_FIRST, _MORE = 14, 6.0  # of S below a narrow contact, and what wide ones add
+_FIRST, _MORE = 14, 6.0  # nodes of S below a narrow contact, and the growth of their number with the width
 _POWER = 3  # of the nodes where the profile is a power of s that is not even
 _GRADED, _STEEP = 4, 20  # power of those that crowd about both ends, and how many more they are
 
@@ -85,7 +85,7 @@ class ContactRule:
 
 
 _APART = 4.0  # growth of the distances from the target at which rules break
-#: x = sqrt(1 - r^2) below the contact at which densities are told: panels, graded to the edge, and the centre.
+#: x = sqrt(1 - r^2) below the contact at which densities are output: panels, graded to the edge, and the centre.
 _ENDS = (0.0, 0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
 WITHIN = 8  # of them a panel
 X_WITHIN = np.append(gauss(np.array(_ENDS), WITHIN)[0], 1.0)
@@ -170,9 +170,9 @@ class RingOperators:
         rows = self.rows
         below = ContactRule.of(radius / self.width)
         count, profile, inverse = below.nodes.size, rows.causes - 1, self.inverse
-        closed = np.einsum("ij,jnc->inc", inverse, self._given(below.nodes))  # S of a half-space
+        closed = np.einsum("ij,jnc->inc", inverse, self._prescribed(below.nodes))  # S of a half-space
         S, added = self._layered(radius, below, closed, self.rings.grid.distance)
-        edge = inverse @ (self._given(np.ones(1))[:, 0] - added[:, count])
+        edge = inverse @ (self._prescribed(np.ones(1))[:, 0] - added[:, count])
         result = np.empty((rows.count, rows.columns))
         # S of the profile is of_power s^e: of_power (1 - s^e), whose tractions are closed, less than at the edge
         of_power = inverse[:, 0] * self.shape.rise
@@ -201,13 +201,13 @@ class RingOperators:
     def series(self, radius: float) -> Array:
         """Coefficients in f_n (points, 4) of the tractions but for the profile's closed part; (channel, n, column)."""
         below = ContactRule.of(radius / self.width)
-        closed = np.einsum("ij,jnc->inc", self.inverse, self._given(below.nodes))
+        closed = np.einsum("ij,jnc->inc", self.inverse, self._prescribed(below.nodes))
         S = self._layered(radius, below, closed, np.zeros(0))[0]
         closed[..., self.rows.causes - 1] = self.inverse[:, :1] * self.shape.rise
         return np.asarray(np.einsum("mn,inc->imc", below.series, S + closed))
 
     def _form(self, x: Array) -> Array:
-        """Pressure of a half-space of N^-1 = 1; nothing where it has no largest value, which is then not asked for."""
+        """Pressure of a half-space of N^-1 = 1; zero if it has no largest value."""
         return 2 / np.pi * halfspace_form(self.shape, x) if finite(self.shape) else np.zeros_like(x)
 
     def _layered(self, radius: float, below: ContactRule, closed: Array, beside_it: Array) -> tuple[Array, Array]:
@@ -227,7 +227,7 @@ class RingOperators:
         added += summed(kernels, closed)
         if self.shape.exponent % 2:
             fine = ContactRule.of(radius / self.width, even=False)
-            power = self.inverse[:, :1] * self._given(fine.nodes)[0, :, rows.causes - 1]
+            power = self.inverse[:, :1] * self._prescribed(fine.nodes)[0, :, rows.causes - 1]
             added[..., rows.causes - 1] = np.einsum("ijtn,jn->it", self.within(radius, targets, fine), power)
         return self.settled(kernels, added)
 
@@ -245,7 +245,7 @@ class RingOperators:
         return np.asarray(added[:, 1:] - added[:, :1] + np.tensordot(self.channel_compliance, S, 1))
 
     def settled(self, kernels: Array, added: Array) -> tuple[Array, Array]:
-        """S that makes up for what layers add at the nodes below the contact, and what they then add in all.
+        """S that balances the layers' contribution at the nodes below the contact, and the layers' total contribution.
 
         own: (channel, channel, target, node), from S at the nodes to targets, these nodes first; added: (channel,
         target, column), at the targets without that S.
@@ -268,7 +268,7 @@ class RingOperators:
         """N of the channels; (channel, channel)."""
         return self.compliance[np.ix_(self.rows.channels, self.rows.channels)]
 
-    def _given(self, nodes: Array) -> Array:
+    def _prescribed(self, nodes: Array) -> Array:
         """chi below the contact; (channel, node, column)."""
         rows = self.rows
         result = np.zeros((len(rows.channels), nodes.size, rows.columns))
@@ -362,7 +362,7 @@ def _drawn(rings: Rings) -> Array:
     return rings.poisson(X_WITHIN)
 
 
-NODES, FEW = 18, 8  # radii of half a decade and of a twentieth: 1e-12 between them, 1e-9 of what takes derivatives
+NODES, FEW = 18, 8  # radii of half a decade and of a twentieth: interpolation errors are 1e-12, and 1e-9 in derivatives
 
 
 @dataclass(frozen=True, eq=False)
@@ -447,7 +447,7 @@ class RingsOnHalfSpace:
 RingsByRadius = RingTable | RingsOnHalfSpace
 
 
-_STEP, _BEYOND = 0.11, 0.015  # of log a: a part, and what it has in common with the next one; air moves less
+_STEP, _BEYOND = 0.11, 0.015  # of log a: length of a part, and its overlap with the next one; air moves a contact less
 _MOST = 2  # parts of half a decade that are made by themselves: the next one has as many radii as the whole
 
 
@@ -483,7 +483,7 @@ class RingWindows:
     """Tables of one kind of film."""
 
     kind: PointKind  # The film and the punch
-    many: frozenset[int]  # Half decades of which many radii are asked for
+    many: frozenset[int]  # Half decades in which the call has many radii
 
     @classmethod
     def of(cls, kind: PointKind, ratios: Array) -> Self:

@@ -1,4 +1,4 @@
-"""A point contact with air beside it that slides: what its state at rest becomes to the first order in friction.
+"""A sliding point contact with air beside it: the change of its state at rest to first order in friction.
 
 The gap's law of points, 6, about the state at rest: with D = D_0 + D_1 cos(angle) and the gap g_0 + g_1 cos(angle),
 lengths in contact radii, end the punch's radius, c the shift,
@@ -43,7 +43,7 @@ class HarmonicOutputs:
 
     edges: Array  # S of the channels just within the edge; (channel, column)
     raised: Array  # u_y less the shifted profile, and the potentials, beside the contact; (channel, n, column)
-    smooth: Array  # S below the contact but for what is closed, at the nodes of ``below``; (channel, node, column)
+    smooth: Array  # S below the contact without its closed part, at the nodes of ``below``; (channel, node, column)
     below: ContactRule  # Gauss's nodes
 
 
@@ -73,7 +73,7 @@ class RingHarmonic:
         return np.asarray(self.response.coupling[self._rows.channels] * np.pi / 2)
 
     @property
-    def _given(self) -> float:
+    def _edge_chi(self) -> float:
         """chi of the shifted profile at the edge."""
         return self.response.shape.exponent * self.response.shape.rise
 
@@ -87,13 +87,13 @@ class RingHarmonic:
         count, rows, rings = below.nodes.size, self._rows, self.operators.rings
         smooth, added = self._layered(radius, below, pressed)
         chi = np.zeros((len(rows.channels), self._columns))
-        chi[0, SHIFT] = self._given
+        chi[0, SHIFT] = self._edge_chi
         chi[:, RUBBED] = -self._coupling * pressed.turned(_EDGE)[0, 0, 0]
         edges = self.operators.inverse @ (chi - added[:, count])
         beside_it = self.operators.chi_beside(added[:, count:], edges)
         beside_it[..., RUBBED] += self._coupling[:, None] * _left(pressed, rings.grid.theta)
         raised = rings.raised @ beside_it
-        raised[0, :, SHIFT] -= self._given * rings.power(self.response.shape.exponent - 1)
+        raised[0, :, SHIFT] -= self._edge_chi * rings.power(self.response.shape.exponent - 1)
         return HarmonicOutputs(edges, raised, smooth, below)
 
     def _layered(self, radius: float, below: ContactRule, pressed: Density) -> tuple[Array, Array]:
@@ -234,7 +234,7 @@ class SlidingPoint:
 
     @cached_property
     def exterior_densities(self) -> tuple[Array, Array]:
-        """Over C a^(e-1) at the nodes: D_y and B_y of cos(angle), and these times what the end does to the gap's field.
+        """Densities D_y and B_y of cos(angle) at the nodes, and the gap's field as a density, over C a^(e-1).
 
         (field, n) each.
         """
@@ -255,7 +255,7 @@ class SlidingPoint:
     # -- tractions -----------------------------------------------------------------------------------------------------
     @cached_property
     def series(self) -> Array:
-        """Coefficients of P_n(2 b - 1) in psi but for what is closed, over C a^(e-1); (3, n)."""
+        """Coefficients of P_n(2 b - 1) in psi without its closed part, over C a^(e-1); (3, n)."""
         if not self._slides:
             return np.zeros((3, 1))
         result = np.zeros((3, 2 * self._turned.below.nodes.size))
@@ -282,7 +282,7 @@ class SlidingPoint:
         at_rest = self.at_rest.tractions(ratio, self.over_size)
         return replace(at_rest, friction=np.array([self.friction]), sines=sines)
 
-    # -- what quantities are made of, over C a^(e-1) -------------------------------------------------------------------
+    # -- parts of the quantities, over C a^(e-1) -----------------------------------------------------------------------
     def along(self, field: int | None) -> Array:
         """A traction along the ray of :mod:`solver.point.slidingpressure`: at rest, and of cos(angle); (2, place).
 
@@ -392,7 +392,7 @@ def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units
 
 
 def warn_of_charges(reach: float) -> None:
-    """Warn by :class:`FirstOrderWarning` where the gap's field goes beyond what a surface carries."""
+    """Warn by :class:`FirstOrderWarning` if the gap's field exceeds the field that a surface carries."""
     if reach > _MOST_REACH:
         warnings.warn(
             f"friction: to its first order the field in the gap beside the edge is {reach:.2g} times that at which the "
