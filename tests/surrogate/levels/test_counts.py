@@ -24,13 +24,13 @@ def chosen(data: xr.Dataset, tolerance: float, budget: int = BUDGET, outputs: li
 
 
 def test_the_rate_is_that_of_the_nearest_singularity(pilot: xr.Dataset) -> None:
-    found = chosen(pilot, 1e-4)
+    choice = chosen(pilot, 1e-4)
     pole = functions.INPUTS[0].to_unit(0.02 + 0.005 * np.sin(0.6))
     # Bernstein ellipse through the pole: Trefethen (2013), theorem 8.1
     rho = abs(pole) - np.sqrt(pole**2 - 1)
-    assert float(found.decay["rate"].sel(output="near_pole", input="mixture")) == pytest.approx(rho, rel=0.05)
-    assert found.extrapolated == ("mixture",)
-    assert found.decay["coefficient"].sel(output="smooth", input="bias").isnull().sum() == max(PILOT) - 3
+    assert float(choice.decay["rate"].sel(output="near_pole", input="mixture")) == pytest.approx(rho, rel=0.05)
+    assert choice.extrapolated == ("mixture",)
+    assert choice.decay["coefficient"].sel(output="smooth", input="bias").isnull().sum() == max(PILOT) - 3
 
 
 def test_kinked_outputs_are_named_and_nothing_is_claimed_for_them(pilot: xr.Dataset) -> None:
