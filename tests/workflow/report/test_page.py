@@ -200,6 +200,7 @@ def test_who_decides_reads_the_first_screen_only(looked: Callable[[int], dict[st
         assert word in text, word
     assert seen["shut"] == [False] * 3  # evidence is a line of verdict until it is opened
     assert seen["lines"][0].startswith("Surrogate ")
+    assert "0.001 is met" in seen["lines"][0]
 
 
 def test_the_page_is_self_contained_escaped_and_of_the_present_study(
