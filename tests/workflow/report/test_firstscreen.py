@@ -112,7 +112,9 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     assert changed.why != screen.why
     assert changed.drawing != screen.drawing
     tight = replace(answer.terms[2], margin=0.02)
-    tolerated = tuple(replace(variable, tolerance="5 %") if variable.chosen else variable for variable in answer.variables)
+    tolerated = tuple(
+        replace(variable, tolerance="5 %") if variable.chosen else variable for variable in answer.variables
+    )
     terms = (goal, replace(answer.terms[1], margin=0.3), tight)
     within = replace(answer, variables=tolerated, terms=terms)
     assert "2 %" in asides.first_to_break(within)
