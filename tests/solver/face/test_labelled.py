@@ -12,45 +12,12 @@ from solver.names import EVERY_QUANTITY
 from tests.solver.cases import assert_same
 from verification.cases import SIH_SONG
 
-GRID: dict[str, Any] = {
-    "composite": ["fibrous", "laminate"],
-    "volume_fraction": [0.0, 0.3, 1.0],
-    "friction": [0.0, 0.4],
-    "radius": [0.01, 0.05, 0.2],
-    "load": [1e3, 1e5],
-    "charge": [-1e-6, 2e-6],
-    "magnetic_charge": 1e-3,
-    "datum": [0.2, 1.0],
-}
 POSITIONS = (-2.0, -0.5, 0.9, 1.001)
 #: Friction, both charges: nothing that depends on the datum does so by chance alone.
 CASE_OF_DATUM: dict[str, Any] = {
     "volume_fraction": 0.67, "radius": 0.14, "load": 1e4, "friction": 0.4, "charge": 1e-7, "magnetic_charge": -1e-3
 }  # fmt: skip
 ONE = {"material": "BaTiO3", "radius": 0.05, "load": 1e5}
-
-
-def test_sequences_span_a_factorial_in_the_order_given() -> None:
-    out = solver.solve(GRID, POSITIONS, regular=True)
-    varied = tuple(name for name, values in GRID.items() if isinstance(values, list))
-    assert out.voltage.dims == varied
-    assert out.stress_xx.dims == (*varied, "position")
-    for name in varied:
-        np.testing.assert_array_equal(out.coords[name], GRID[name])
-    assert out.coords["magnetic_charge"].item() == 1e-3
-    turned = solver.solve(dict(reversed(GRID.items())), POSITIONS, regular=True)
-    assert turned.voltage.dims == varied[::-1]
-    assert_same(turned.transpose(*varied, "position"), out, rtol=1e-15)
-
-
-def test_each_case_of_a_factorial_is_the_case_alone() -> None:
-    out = solver.solve(GRID, POSITIONS, regular=True)
-    sizes = {name: len(values) for name, values in GRID.items() if isinstance(values, list)}
-    rng = np.random.default_rng(7)
-    for _ in range(25):
-        index = {name: int(rng.integers(size)) for name, size in sizes.items()}
-        single = {name: values[index[name]] if name in index else values for name, values in GRID.items()}
-        assert_same(out.isel(index), solver.solve(single, POSITIONS, regular=True))
 
 
 def test_scattered_cases_share_a_dimension() -> None:
@@ -84,12 +51,6 @@ def test_data_arrays_bring_their_own_dimensions_and_broadcast_with_sequences() -
     assert_same(out.isel(machine=1, step=1, friction=1), single)
 
 
-def test_defaults_are_no_friction_no_charges_and_a_datum_of_one_metre() -> None:
-    spelled = ONE | {"friction": 0.0, "charge": 0.0, "magnetic_charge": 0.0, "datum": 1.0}
-    spelled |= {"profile": "cylinder", "electric": "conducting", "magnetic": "conducting", "speed": 0.0}
-    assert_same(solver.solve(ONE, POSITIONS), solver.solve(spelled, POSITIONS), rtol=0)
-
-
 @pytest.mark.parametrize("composite", ["fibrous", "laminate"])
 def test_phases_by_name_and_by_material(composite: str) -> None:
     first, two = solver.find("PZT-4"), solver.find("steel")
@@ -115,17 +76,6 @@ def test_own_materials_by_object_and_by_name() -> None:
     assert list(pair.coords["material"].values) == ["steel", "aluminium"]
     assert_same(by_object, by_name, rtol=0)
     assert_same(pair.isel(material=1), by_object)
-
-
-def test_a_material_from_a_mapping_and_from_keywords_is_the_same() -> None:
-    titanate = solver.find("BaTiO3")
-    entries = {name: float(getattr(titanate, name)) for name in ("c11", "c13", "c33", "c44", "e31", "e33", "e15")}
-    entries |= {name: float(getattr(titanate, name)) for name in ("eps11", "eps33", "mu11", "mu33")}
-    arrays: dict[str, Any] = {name: np.array(value) for name, value in entries.items()}
-    first, two = solver.Material.from_mapping(entries), solver.Material(**arrays)
-    computed = [solver.solve({**ONE, "material": m}, POSITIONS) for m in (first, two)]
-    assert_same(computed[0], computed[1], rtol=0)
-    assert_same(solver.solve({**ONE, "material": first}), solver.solve(ONE), rtol=0)
 
 
 def test_what_is_marked_as_hanging_on_the_datum_is_what_changes_with_it() -> None:

@@ -11,13 +11,18 @@ from solver.halfplane.quantities import Response
 from solver.halfplane.sliding import Punch, Sliding
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
-from tests.solver.line.test_contact import PROFILES
 from tests.solver.quadrature import rule
 from verification.oracles.surface_response import surface_response
 
 FIBROUS = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
 STEEL = Punch.isotropic(210e9, 0.3)
 RADIUS = np.array(0.05)
+PROFILES = {
+    "cylinder": Profile.cylinder(np.array(0.05)),
+    "wedge": Profile.wedge(np.array(0.004), "trailing"),
+    "half cylinder": Profile.half_cylinder(np.array(0.05)),
+    "cubic": Profile.polynomial([1e-4, 15.0, 1e4, 2e7]),
+}
 
 
 def contact(
@@ -41,10 +46,10 @@ def test_isotropic_bodies_are_those_of_the_textbooks(friction: float) -> None:
     assert 2 * float(computed.half_width) == pytest.approx(float(whole), rel=1e-13)
 
 
-@pytest.mark.parametrize("name", ["cylinder", "wedge", "half cylinder", "cubic"])
+@pytest.mark.parametrize("name", PROFILES)
 def test_both_surfaces_fit_by_quadrature(name: str) -> None:
     """Slopes of body and punch, each from the Stroh eigenvectors of its own material, differ by that of the profile."""
-    profile = PROFILES[name][0]
+    profile = PROFILES[name]
     computed = contact(FIBROUS, 0.3, STEEL, profile)
     R, X = rule(), np.array([-0.93, -0.41, 0.07, 0.55, 0.9])
     fields = surface_fields(computed, np.concatenate([R.X, X]))

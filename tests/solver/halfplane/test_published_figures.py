@@ -35,30 +35,3 @@ def test_reduced_constants_read_from_the_contact(name: str, lam: float, ratio: f
     width = (at_rest.contact_trailing + at_rest.contact_leading).item()
     assert np.pi * width**2 / (8 * AT["radius"] * AT["load"]) == pytest.approx(lam, abs=0.5e-17)
     assert 1 / np.tan(np.pi * sliding.pressure_exponent.item()) == pytest.approx(ratio, abs=0.5e-6)
-
-
-def test_constants_of_the_phases() -> None:
-    titanate, ferrite = solver.find("BaTiO3"), solver.find("CoFe2O4")
-    constants = {
-        "c11": 166e9,
-        "c12": 77e9,
-        "c13": 78e9,
-        "c33": 162e9,
-        "c44": 43e9,
-        "e31": -4.4,
-        "e33": 18.6,
-        "e15": 11.6,
-    }
-    constants |= {"eps11": 11.2e-9, "eps33": 12.6e-9, "mu11": 5e-6, "mu33": 10e-6, "f31": 0.0, "g11": 0.0, "g33": 0.0}
-    assert {name: float(getattr(titanate, name)) for name in constants} == constants
-    constants = {"c11": 286e9, "c12": 173e9, "c13": 170.5e9, "c33": 269.5e9, "c44": 45.3e9, "f31": 580.3, "f33": 699.7}
-    constants |= {
-        "f15": 550.0,
-        "eps11": 0.08e-9,
-        "eps33": 0.093e-9,
-        "mu11": 590e-6,
-        "mu33": 157e-6,
-        "e33": 0.0,
-        "g33": 0.0,
-    }
-    assert {name: float(getattr(ferrite, name)) for name in constants} == constants

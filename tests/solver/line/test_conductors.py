@@ -16,7 +16,7 @@ LINE: dict[str, Any] = {"radius": 0.05, "load": 1e4}
 
 @pytest.mark.parametrize("punch", [BALL, LINE], ids=["ball", "roller"])
 def test_a_nanometre_of_steel_is_a_grounded_interface(punch: dict[str, Any]) -> None:
-    """What it adds by its stiffness falls with its thickness."""
+    """The share of its stiffness falls with its thickness."""
     grounded = solver.solve(
         punch | {"surroundings": "insulated", "body": Stack([Layer(PZT, 2e-4, "grounded")], SILICON)}
     )
@@ -72,7 +72,7 @@ def test_flux_passes_through_a_metal_by_its_permeability() -> None:
 
 
 def test_a_metal_on_top_has_the_potential_itself() -> None:
-    """What touches it presses, and nothing more: a punch that conducts is one that insulates."""
+    """A conducting punch on the metal acts as an insulating one: it presses, and nothing more."""
     stack = Stack([Layer(solver.find("aluminium"), 1e-6), Layer(PZT, 2e-5)], SILICON)
     pair = [
         solver.solve(BALL | {"surroundings": "insulated", "body": stack, "electric": kind})
@@ -83,18 +83,3 @@ def test_a_metal_on_top_has_the_potential_itself() -> None:
     for case in (BALL | {"total_charge": 1e-12}, LINE | {"charge": 1e-9}):
         with pytest.raises(solver.FactorError, match="charge: 1e-"):
             solver.solve(case | {"surroundings": "insulated", "body": stack})
-
-
-@pytest.mark.parametrize(
-    ("entries", "words"),
-    [
-        ({"conductor": "yes"}, "mine: conductor: 'yes' is not true or false"),
-        ({"conductor": True, "e33": 1.0}, "mine: e33 = 1 C m-2: must be 0 in a conductor"),
-    ],
-)
-def test_a_conductor_holds_no_electric_field(entries: dict[str, Any], words: str) -> None:
-    plain = {"name": "mine", "c11": 126e9, "c13": 84.1e9, "c33": 117e9, "c44": 23e9}
-    with pytest.raises(solver.MaterialError, match=words):
-        solver.Material.from_mapping(plain | entries)
-    assert "conductor" not in solver.Material.from_mapping(plain).plain()
-    assert solver.Material.from_mapping(STEEL.plain()).conductor

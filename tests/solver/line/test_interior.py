@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from solver.stack.layers import Layer, Stack, StackError
+from solver.stack.layers import Layer, Stack
 from tests.solver.line.films import BTO, CFO, FIBROUS, ON_STEEL, cylinder, interior_fields
 
 BONDED = Stack((Layer(FIBROUS, 0.2e-3, "bonded", "bonded"),), CFO)
@@ -31,11 +31,3 @@ def test_potentials_are_the_punch_s_on_it_meet_at_interfaces_and_have_the_fields
         for field in (0, 1):
             gradient = np.array([around[field, 2] @ stencil, around[field, :, 2] @ stencil])
             np.testing.assert_allclose(gradient, -fields_there[2 * field : 2 * field + 2], atol=1e-7 * size[field] / h)
-
-
-def test_what_is_not_resolved_is_refused() -> None:
-    film = cylinder(Stack((Layer(BTO, 0.5e-3, magnetic="insulated"),)))
-    with pytest.raises(StackError, match=r"x: 1e\+06 is farther from the contact than the fields inside this film"):
-        interior_fields(film, np.array([1e6]), np.zeros(1), ("stress_xx",))
-    with pytest.raises(StackError, match="magnetic_potential: is not given inside a film on a base that insulates"):
-        interior_fields(film, np.zeros(1), np.zeros(1), ("magnetic_potential",))

@@ -1,6 +1,5 @@
 """Largest stresses from tables against plain searches over the fields."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,10 +11,10 @@ from solver.halfplane.profile import Profile
 from solver.line.contact import FilmContact
 from solver.line.peaks import PeakTable
 from solver.line.stressnets import DEPTH
-from solver.line.table import RangeError, table
+from solver.line.table import table
 from solver.names import FILM_PEAKS
-from solver.stack.layers import Layer, Stack, StackError
-from tests.solver.line.films import FIBROUS, ON_STEEL, cases, interior_fields
+from solver.stack.layers import Layer, Stack
+from tests.solver.line.films import FIBROUS, ON_STEEL, interior_fields
 
 THICKNESS = 0.2e-3
 FILM: dict[str, Any] = {"surroundings": "insulated", "thickness": THICKNESS, "radius": 0.05}
@@ -102,13 +101,3 @@ def test_the_base_is_searched_as_far_as_its_tension_rises(case: dict[str, Any], 
     assert np.max(tension) * (1 - 1e-6) <= computed <= np.max(tension) * 1.03
     if largest is not None:
         assert computed == pytest.approx(largest, rel=1e-3)
-
-
-def test_contacts_without_a_film_below_the_least_depth_are_refused() -> None:
-    tabled = table(ON_STEEL, least=1.0, most=12.0, nodes=4)
-    film = FilmContact(tabled, Profile.cylinder(np.array(0.05)), cases(1e6), np.zeros((1, 2)), np.array(1.0))
-    with pytest.raises(RangeError, match="wider than 10 thicknesses"):
-        PeakTable(tabled).peaks(film, "film")
-    rigid = table(Stack((Layer(FIBROUS, THICKNESS),)), least=1.0, most=12.0, nodes=4)
-    with pytest.raises(StackError, match="a rigid base has no stresses"):
-        PeakTable(rigid).peaks(replace(film, table=rigid), "base")

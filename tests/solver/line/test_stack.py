@@ -1,14 +1,10 @@
 """Materials in Fourier space and the recursion of stacks against closed forms and refusals."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import solver
-from solver import MaterialError, find
 from solver.stack.fourier import falling
-from solver.stack.grading import Graded
 from solver.stack.layers import Layer, Stack
 from solver.stack.reflection import sideways, waves
 
@@ -55,36 +51,3 @@ def test_insulated_base_sends_the_flux_sideways() -> None:
     k = np.array([1e-3, 1e-4])
     Y = stack.media[0].compliance[3, 3] + waves(stack, k)[0].difference[:, 3, 3]
     np.testing.assert_allclose(Y * k, sideways(stack), rtol=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("make", "said"),
-    [
-        (lambda: Layer(BTO, 0.0), "thickness: 0.0 is not allowed"),
-        (lambda: Layer(BTO, float("nan")), "thickness: nan"),
-        (
-            lambda: Layer(BTO, 1.0, "floating"),
-            "interface_electric: 'floating' is unknown; allowed are grounded, bonded",
-        ),
-        (lambda: Stack(()), "layers: none"),
-        (lambda: Stack((Layer(BTO, 1.0),), "soft"), "base: material: 'soft' is unknown"),
-        (lambda: Layer("coper", 1e-6), "material: 'coper' is unknown; did you mean 'copper'"),
-        (lambda: Layer(BTO, "20 V"), "thickness: '20 V': unit mismatch"),
-        (lambda: Layer(BTO, "-20 um"), "thickness: -2e-05 is not allowed"),
-        (lambda: Stack((Layer(BTO, 1.0, "bonded"),)), "interface_electric: 'bonded' is not allowed above a rigid base"),
-        (lambda: Stack((Layer(BTO, 1.0, magnetic="insulated"),), STEEL), "interface_magnetic: 'insulated' is allowed"),
-        (lambda: Stack((Layer(BTO, 1.0, magnetic="bonded"),)), "interface_magnetic: 'bonded' is not allowed"),
-        (lambda: Layer(solver.fibrous(BTO, solver.find("CoFe2O4"), [0.1, 0.2]), 1.0), "has case axes"),
-    ],
-)
-def test_bad_stacks_are_refused_by_name(make: object, said: str) -> None:
-    assert callable(make)
-    with pytest.raises(MaterialError, match=said):
-        make()
-
-
-def test_layers_and_bases_may_be_named_and_thicknesses_bear_units() -> None:
-    named, stated = Stack([Layer("copper", "20 um")], "silicon"), Stack([Layer(find("copper"), 20e-6)], find("silicon"))
-    assert named.name == stated.name
-    assert replace(named.layers[0], thickness=1e-4).material is find("copper")
-    assert Graded(lambda depth: solver.fibrous(BTO, find("CoFe2O4"), 0.5), "200 um").thickness == 2e-4

@@ -22,10 +22,3 @@ def test_von_mises_below_a_ball_is_huber_s() -> None:
     )  # fmt: skip
     assert float(solution["peak_von_mises"] / solution["peak_pressure"]) == pytest.approx(-top.fun, rel=1e-9)
     assert float(solution["peak_von_mises_depth"] / solution["contact_radius"]) == pytest.approx(top.x, rel=1e-6)
-
-
-def test_a_film_so_thin_that_nothing_is_below_a_tenth_of_the_radius_is_refused() -> None:
-    with pytest.raises(solver.FactorError, match=r"^contact: radius over thickness 1\d\.?\d* is too wide for peaks"):
-        solver.solve(
-            BALL | {"thickness": 4e-6, "surroundings": "insulated", "base": "steel"}, peaks=["film_peak_von_mises"]
-        )

@@ -1,50 +1,13 @@
-"""Cases that a factorial lacks are what its process expects; the kernels of exact processes against their sums."""
+"""Cases that a factorial lacks are what its process expects."""
 
 import numpy as np
 import pytest
 import xarray as xr
 
 from approximation.arrays import Array
-from surrogate import GridGP, Input, chebyshev_levels
-from surrogate.gp import imputation, kernels
+from surrogate import GridGP, Input
+from surrogate.gp import imputation
 from surrogate.gp.factors import Factor
-
-LEVELS = {"a": chebyshev_levels(0.5, 2.0, 9), "b": chebyshev_levels(-1.0, 1.0, 8)}
-
-
-def truth(a: Array, b: Array) -> Array:
-    return np.exp(0.5 * a) * (1 + b**2) + b
-
-
-def test_a_place_left_out_is_what_a_smooth_function_has_there() -> None:
-    whole = xr.Dataset({"y": (("a", "b"), truth(LEVELS["a"][:, None], LEVELS["b"]))}, coords=LEVELS)
-    holes = np.zeros((9, 8), dtype=bool)
-    holes[4, 3] = holes[0, 7] = True
-    lacking = whole.copy(deep=True)
-    lacking["y"].values[holes] = 1e3
-    model = imputation.fit(lambda: GridGP(None, ["y"]), lacking, holes)
-    a, b = (index.ravel() for index in np.meshgrid(LEVELS["a"], LEVELS["b"], indexing="ij"))
-    found = model.predict_array(np.column_stack([a, b]))[:, 0].reshape(9, 8)
-    size = np.ptp(whole["y"].values)
-    np.testing.assert_allclose(found[~holes], whole["y"].values[~holes], atol=1e-9 * size)  # the process interpolates
-    np.testing.assert_allclose(found[holes], whole["y"].values[holes], atol=1e-4 * size)  # what 8 levels can tell
-
-
-def test_the_chebyshev_kernel_is_its_sum() -> None:
-    x, y = np.linspace(-1, 1, 5)[:, None], np.array([[-0.7], [0.2]])
-    first, rho = 0.4, 0.5
-    orders = np.arange(1, 80)
-    angles = np.arccos(x[:, 0]), np.arccos(y[:, 0])
-    terms = np.cos(orders * angles[0][:, None])[:, None] * np.cos(orders * angles[1][:, None])
-    expected = 1 + first * (rho ** (orders - 1.0) * terms).sum(axis=-1)
-    np.testing.assert_allclose(kernels.Chebyshev(np.array([first]), np.array([rho]))(x, y), expected, rtol=1e-12)
-
-
-def test_noise_of_a_case_that_weighs_four_is_a_fourth() -> None:
-    X = np.zeros((2, 1))
-    noise = kernels.Noise(0.2, weights=np.array([1.0, 4.0]))
-    np.testing.assert_allclose(noise(X), np.diag([0.2, 0.05]))
-    assert noise(X, np.ones((3, 1))) == pytest.approx(np.zeros((2, 3)))
 
 
 def smooth(a: Array, b: Array, c: Array) -> Array:
@@ -54,7 +17,7 @@ def smooth(a: Array, b: Array, c: Array) -> Array:
 def test_a_grid_without_a_corner_is_as_good_where_it_has_cases() -> None:
     """Oracle: the function itself. The bound of the whole grid's error holds beside the hole too, ten times of it."""
     inputs = [Input(name, -1, 1) for name in "abc"]
-    levels = [one.levels(count) for one, count in zip(inputs, (12, 11, 10), strict=True)]
+    levels = [input_.levels(count) for input_, count in zip(inputs, (12, 11, 10), strict=True)]
     axes = np.meshgrid(*levels, indexing="ij")
     holes = axes[0] + axes[1] + 0.3 * axes[2] > 1.25
     assert 0.13 < holes.mean() < 0.14
@@ -64,11 +27,11 @@ def test_a_grid_without_a_corner_is_as_good_where_it_has_cases() -> None:
     model, best = imputation.fit(lambda: GridGP(inputs=inputs), lacking, holes), GridGP(inputs=inputs).fit(whole)
     nodes = np.stack([axis.ravel() for axis in axes], -1)
     size = np.ptp(exact)
-    found = model.predict_array(nodes)[:, 0].reshape(holes.shape)
-    np.testing.assert_allclose(found[~holes], exact[~holes], rtol=0, atol=1e-12 * size)  # it interpolates
+    answer = model.predict_array(nodes)[:, 0].reshape(holes.shape)
+    np.testing.assert_allclose(answer[~holes], exact[~holes], rtol=0, atol=1e-12 * size)  # it interpolates
     X = np.random.default_rng(0).uniform(-1, 1, (4000, 3))
-    kept = X[:, 0] + X[:, 1] + 0.3 * X[:, 2] < 1.25
-    errors = [np.abs(one.predict_array(X)[:, 0] - smooth(*X.T))[kept] / size for one in (model, best)]
+    inside = X[:, 0] + X[:, 1] + 0.3 * X[:, 2] < 1.25
+    errors = [np.abs(input_.predict_array(X)[:, 0] - smooth(*X.T))[inside] / size for input_ in (model, best)]
     assert errors[1].max() < 5e-6  # what 12 x 11 x 10 levels can tell
     assert errors[0].max() < 1.5 * errors[1].max()
     assert np.median(errors[0]) < 1.5 * np.median(errors[1])
@@ -81,12 +44,12 @@ def test_factors_that_do_not_tell_what_is_missing_are_filled_all_along() -> None
     values = random.normal(size=(5, 4, 6, 2))
     holes = np.zeros((5, 4, 6), dtype=bool)
     holes[3:, :, 4:] = True
-    found = imputation.expected(factors, values, holes)
+    result = imputation.expected(factors, values, holes)
     turned = imputation.expected(
         [factors[k] for k in (1, 0, 2)], values.transpose(1, 0, 2, 3), holes.transpose(1, 0, 2)
     )
     filled = np.zeros((5, 4, 6, 2))
-    filled[holes] = found
+    filled[holes] = result
     np.testing.assert_allclose(filled.transpose(1, 0, 2, 3)[holes.transpose(1, 0, 2)], turned, rtol=1e-9)
     # K^-1 y is zero there: by dense matrices, which share no code
     K = np.ones((1, 1))

@@ -3,6 +3,7 @@
 import pytest
 
 from tests.studies import shipped
+from workflow.language.numbers import shown
 from workflow.report import other_surroundings
 from workflow.study.device import Device
 from workflow.study.model import Study, load
@@ -28,6 +29,10 @@ def test_air_is_compared_with_what_is_insulated_and_the_other_way_round(study: S
     assert other == pytest.approx(present, rel=1e-9)
     present, other = compared["quantities"]["voltage"]
     assert 0.1 < other / present < 0.99
+    said = other_surroundings.told(compared)
+    assert f"{shown(other, 'V', 3)} instead of {shown(present, 'V', 3)}" in said.replace("\N{NO-BREAK SPACE}", " ")
+    assert other_surroundings.compared(study.narrowed({"electric": "insulating"}), CASE) == {}
+    assert other_surroundings.told({}) == ""
     back = other_surroundings.compared(study.narrowed({"surroundings": "air"}), CASE)
     assert back == {
         "surroundings": "air",
@@ -46,20 +51,3 @@ def test_a_ball_on_a_film_is_compared_too() -> None:
     assert air > 10 * bare
     expected = "capacitance 2.34 pF instead of 38.2 pF and charge per force 204 pC/N instead of 166 pC/N"
     assert expected in other_surroundings.told(compared)
-
-
-def test_nothing_is_compared_without_a_device_or_where_air_means_nothing(bare: Study, study: Study) -> None:
-    assert other_surroundings.compared(bare, CASE) == {}
-    assert other_surroundings.compared(study.narrowed({"electric": "insulating"}), CASE) == {}
-    assert other_surroundings.told({}) == ""
-
-
-def test_both_are_told_with_their_units() -> None:
-    quantities = {"voltage": [25.1, 8.03], "capacitance_per_length": [2e-8, 7.4e-8]}
-    sentence = other_surroundings.told({"surroundings": "insulated", "quantities": quantities})
-    assert sentence.startswith(
-        "The surface beside the contact is insulated (surroundings: insulated). In air, the design "
-    )
-    assert sentence.endswith("instead of 25.1 V and capacitance 74 nF/m instead of 20 nF/m.")
-    sentence = other_surroundings.told({"surroundings": "air", "quantities": quantities})
-    assert sentence.startswith("The surface beside the contact faces air (surroundings: air). With an insulated")
