@@ -259,6 +259,8 @@ def test_gradient_is_labelled(model: GridGP) -> None:
     assert with_std["smooth_lower"].attrs["long_name"] == (
         "lower end of the 95 % interval of the derivative of the smooth output with respect to the input"
     )
+    none = {name: np.array([]) if name == "angle" else value for name, value in MIDDLE.items()}
+    assert model.gradient(none)["smooth"].shape == (len(model.box), 0)
     slopes = model.gradient({**MIDDLE, "angle": [0.1, 0.2]})
     assert slopes["smooth"].dims == ("input", "angle")
     assert slopes["input"].values.tolist() == list(model.box)
