@@ -20,9 +20,9 @@ from workflow.design.search import targets
 from workflow.design.verdict.answer import Answer
 from workflow.design.wording.words import verdict
 from workflow.language.factors import FACTORS
+from workflow.language.given import size
 from workflow.language.numbers import shown
 from workflow.language.renamed import renamed
-from workflow.language.sizes import size
 from workflow.language.spelling import nearest
 from workflow.learning import wider_box
 from workflow.study import location
@@ -30,9 +30,8 @@ from workflow.study import model as studies
 from workflow.study.categories import output
 from workflow.study.consistency import check_target, check_values
 from workflow.study.keys import Origin
-from workflow.study.messages import first_problem
 from workflow.study.model import Study
-from workflow.study.reading import InputError
+from workflow.study.reading import InputError, first_problem
 from workflow.study.target import Target
 
 _BARE = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")

@@ -1,4 +1,6 @@
-"""Titles of names on pages and in messages, and old names of quantities."""
+"""Titles of names on pages and in messages, old names of quantities, and words for how a source is known."""
+
+import re
 
 #: What names are called whose words alone do not say it.
 TITLES = {
@@ -44,3 +46,12 @@ RENAMED = {
     "contact_permeance": "permeance",
     "contact_capacitance_at_force": "capacitance_at_force",
 }
+_NOT_READ = re.compile(r"\b(recalled|not read|somebody's code)\b")  # words of sources
+_YEAR = re.compile(r"\b(19|20)\d\d\b")
+
+
+def unverified(source: str) -> str:
+    """A mark for a source that says itself that it was not read, or that has no year."""
+    if _NOT_READ.search(source):
+        return " (unverified: not read at its source)"
+    return "" if _YEAR.search(source) else " (unverified: no dated source)"

@@ -10,8 +10,8 @@ from surrogate.use.inversion import Inversion
 from workflow.dataset import factorial, holes
 from workflow.study.categories import output
 from workflow.study.model import Study
-from workflow.study.readout import Readout, error
 from workflow.study.refusals import REASON, REFUSAL
+from workflow.study.sections import Readout, error
 
 _LEVEL = NOMINAL  # of the intervals
 

@@ -21,9 +21,8 @@ from workflow.language.factors import FACTORS
 from workflow.study import grouped, layered
 from workflow.study.allowable import MADE_OF, Allowable, allowable
 from workflow.study.categories import Combination, combinations, output
-from workflow.study.device import Device
 from workflow.study.keys import PHYSICS, Keys, Origin, digest
-from workflow.study.sections import Axis
+from workflow.study.sections import Axis, Device
 from workflow.study.target import Target
 
 

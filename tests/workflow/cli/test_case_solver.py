@@ -10,7 +10,8 @@ import xarray as xr
 from solver import Material, solve
 from solver.material.library import materials
 from storage.netcdf import read_whole, write_whole
-from workflow.cli import case_solver, main
+from workflow.cli import main
+from workflow.cli import solve as command
 from workflow.cli.casetable import read_cases
 from workflow.study.reading import InputError
 
@@ -26,14 +27,14 @@ def test_blocks_give_the_bytes_of_one_pass(tmp_path: Path, monkeypatch: pytest.M
     sizes: list[int] = []
 
     def written(most: int) -> bytes:
-        monkeypatch.setattr(case_solver, "_CASES", most)
+        monkeypatch.setattr(command, "_CASES", most)
         sizes.clear()
 
         def counted(factors: xr.Dataset) -> xr.Dataset:
             sizes.append(factors.sizes["case"])
             return solve(factors, [-2.0, 0.5])
 
-        write_whole(case_solver.solved(read_cases(path), counted, 2), tmp_path / f"{most}.nc")
+        write_whole(command.solved(read_cases(path), counted, 2), tmp_path / f"{most}.nc")
         return (tmp_path / f"{most}.nc").read_bytes()
 
     one_pass = written(1000)
@@ -78,15 +79,15 @@ def test_a_row_at_fault_is_named_by_its_line(tmp_path: Path, changed: dict[str, 
     header, good, bad = (",".join(row) + "\n" for row in (ROW, ROW.values(), (ROW | changed).values()))
     path.write_text(header + "\n" + good * 9 + bad + good * 9 + bad, encoding="utf-8")
     with pytest.raises(InputError, match=rf"^{path}: line 12: .*{re.escape(says)}"):
-        case_solver.solved(read_cases(path), solve)
+        command.solved(read_cases(path), solve)
 
 
 def test_an_answer_too_large_for_the_memory_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "cases.csv"
     path.write_text("material,radius,load\n" + "steel,0.05,1e5\n" * 50, encoding="utf-8")
-    monkeypatch.setattr(case_solver, "_MOST_BYTES", 5000)
+    monkeypatch.setattr(command, "_MOST_BYTES", 5000)
     with pytest.raises(InputError, match=r"cases\.csv: 50 cases give .* bytes, more than 5000; split it"):
-        case_solver.solved(read_cases(path), solve)
+        command.solved(read_cases(path), solve)
 
 
 def test_a_material_is_checked_once_a_value(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,8 +8,8 @@ import pytest
 import xarray as xr
 
 import solver
-from workflow.cli.case_solver import as_csv
 from workflow.cli.main import main
+from workflow.cli.solve import as_csv
 
 BALLS = """\
 material,profile,radius [mm],force,thickness,base,surroundings

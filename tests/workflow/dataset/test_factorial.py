@@ -15,7 +15,7 @@ import xarray as xr
 
 from solver.names import QUANTITIES
 from storage.netcdf import read_whole
-from workflow.dataset import factorial, quantities, slabs
+from workflow.dataset import factorial, slabs
 from workflow.run.provenance import ROOT
 from workflow.study import partition
 from workflow.study.model import Study, load
@@ -50,7 +50,7 @@ def test_slabs_make_up_the_factorial(study: Study, count: int, tmp_path: Path) -
     axes = dict(factorial.levels(small))
     for index in range(count):
         slabs.write_slab(small, index, tmp_path / f"{index}.nc")
-    gathered = quantities.gather([read_whole(tmp_path / f"{index}.nc") for index in range(count)])
+    gathered = slabs.gather([read_whole(tmp_path / f"{index}.nc") for index in range(count)])
     xr.testing.assert_allclose(gathered, factorial.exact(small, axes)[list(QUANTITIES)], rtol=1e-13)
 
 

@@ -10,8 +10,9 @@ import solver
 from solver.fields import FIELDS
 from storage.netcdf import read_whole
 from tests.studies import made
-from workflow.dataset import datacard, draws, effects, factorial, quantities
+from workflow.dataset import datacard, draws, effects, factorial
 from workflow.dataset import slabs as dataset
+from workflow.dataset.slabs import gather
 from workflow.learning import training
 from workflow.study.model import Study
 
@@ -63,7 +64,7 @@ def test_every_case_of_the_data_set_is_the_solvers(study: Study, slabs: list[Pat
 
 
 def test_the_surrogate_of_a_few_tables_hits_cases_between_them(study: Study, slabs: list[Path]) -> None:
-    whole = quantities.gather([read_whole(path) for path in slabs])
+    whole = gather([read_whole(path) for path in slabs])
     model = training.fit(study, whole)
     rng = np.random.default_rng(4)
     points = {

@@ -6,7 +6,7 @@ import pytest
 from solver import find
 from tests.studies import shipped
 from tests.workflow.design import standin
-from workflow.design.verdict import assessment, linearity, merit, sensitivity
+from workflow.design.verdict import assessment, linearity, merit
 from workflow.design.verdict.answer import Constant
 
 HERTZ = {"friction": 0.0}  # then the largest pressure goes as the root of load over radius
@@ -17,7 +17,7 @@ def test_elasticities_and_costs_are_those_of_hertz() -> None:
     study = standin.study(fixed=standin.FIXED | HERTZ)
     design = standin.design(study, AT, minimise="peak_pressure", over=["radius", "load"], subject_to=["load >= 9 kN/m"])
     exact, _ = assessment.exactly(design, design.terms)
-    sensitivities = sensitivity.sensitivities(design, exact)
+    sensitivities = assessment.sensitivities(design, exact)
     assert sensitivities["radius"].elasticity == pytest.approx((-0.5, 0.0), abs=1e-6)
     assert sensitivities["load"].elasticity == pytest.approx((0.5, 1.0), rel=1e-6)
     assert sensitivities["radius"].cost == pytest.approx(0.99**-0.5 - 1, rel=1e-9)
@@ -69,9 +69,9 @@ def test_what_exceeds_the_library_is_told_with_its_source() -> None:
 
 
 def test_effects_of_constants_add_as_squares() -> None:
-    spreads = sensitivity.Spread((Constant("a", "5 %"), Constant("b", "5 %")), np.array([[0.03, -0.04], [0.0, np.nan]]))
+    spreads = assessment.Spread((Constant("a", "5 %"), Constant("b", "5 %")), np.array([[0.03, -0.04], [0.0, np.nan]]))
     assert spreads.whole == pytest.approx([0.05, np.nan], nan_ok=True)
-    assert np.isnan(sensitivity.Spread((), np.empty((2, 0))).whole).all()
+    assert np.isnan(assessment.Spread((), np.empty((2, 0))).whole).all()
 
 
 def test_a_design_is_judged_with_a_surrogate_that_errs() -> None:

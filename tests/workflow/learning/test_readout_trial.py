@@ -10,10 +10,10 @@ from surrogate import GridGP
 from workflow.cli import questions
 from workflow.dataset import factorial
 from workflow.learning import readout_trial
-from workflow.study import readout
+from workflow.study import sections
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
-from workflow.study.readout import Readout
+from workflow.study.sections import Readout
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +60,7 @@ def test_a_precise_measurement_gives_the_load_back(study: Study, model: GridGP) 
     ("text", "expected"), [("2 V", (2.0, 0.0)), ("5 mV", (5e-3, 0.0)), ("0.5 %", (0.0, 5e-3)), ("1e-3", (1e-3, 0.0))]
 )
 def test_errors_of_measurement(text: str, expected: tuple[float, float]) -> None:
-    assert readout.error("voltage", text) == pytest.approx(expected)
+    assert sections.error("voltage", text) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(

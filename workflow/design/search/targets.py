@@ -1,4 +1,4 @@
-"""Design: the best factors under limits, found on the surrogate, polished and judged on the exact solver."""
+"""Design: the best factors under limits, found on the surrogate, polished and judged exactly; the cost of tolerances."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -9,19 +9,20 @@ import xarray as xr
 
 from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
-from surrogate.search.optimise import Optimum, Problem
+from surrogate.search.optimise import Optimum, Problem, improve
 from surrogate.search.pareto import Front
 from workflow.design.question import budget
 from workflow.design.question.pilot import ask
 from workflow.design.question.question import Question
 from workflow.design.question.sources import Exact, Predicted
-from workflow.design.search import contact_fields, front, landscape, polish, tolerances
+from workflow.design.search import contact_fields, front, landscape, polish
 from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import Answer, Category, Choice, Tolerated
 from workflow.design.verdict.netcdf import SOURCE, SOURCE_OF_FILMS
 from workflow.design.verdict.term import ROUNDING
 from workflow.design.verdict.variable import Role
+from workflow.language.factors import FACTORS
 from workflow.study.categories import output
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -29,6 +30,10 @@ from workflow.study.target import Target
 
 #: By how much the margin of the edge is made wider, each time that the solver refuses the best design.
 _WIDER = (0.01, 0.02, 0.04, 0.08)
+_TIGHTER = 0.5  # share of a tolerance that is left when it is tightened in words
+
+#: A question for another target, with the choices of a design.
+Asked = Callable[[Target], Question]
 
 
 def solve_target(study: Study, name: str, model: GaussianProcess) -> Answer:
@@ -109,9 +114,9 @@ def _costs(
 ) -> Tolerated:
     """Cost of the tolerances of the best design."""
     tell("what the tolerances cost")
-    nominal = tolerances.nominal(target)
+    nominal = without_tolerances(target)
     if budget.asked(best.question):  # near the design: a search of its own would cost as much as the design did
-        without = tolerances.near(best, _asked(study, name, nominal, model, best.choice))
+        without = near(best, _asked(study, name, nominal, model, best.choice))
     else:
         others = _candidates(study, name, nominal, model, lambda words: tell(f"what the tolerances cost: {words}"))
         without = polish.first_feasible(sorted(others, key=lambda candidate: _rank(candidate.best), reverse=True))
@@ -119,7 +124,7 @@ def _costs(
     def asked(other: Target) -> Question:
         return replace(best.question, target=other)
 
-    return tolerances.costs(best, without, asked)
+    return costs(best, without, asked)
 
 
 def combinations(study: Study, target: Target) -> list[dict[str, float | str]]:
@@ -215,3 +220,48 @@ def _only(problem: Problem) -> Optimum:
     """The one design of a question without continuous variables."""
     objective, excess = (rows[0] for rows in problem.value(np.empty((1, 0))))
     return Optimum(np.empty(0), float(objective.min()), excess, bool(np.all(excess <= ROUNDING)))
+
+
+def without_tolerances(target: Target) -> Target:
+    """The target without any tolerance."""
+    return target.model_copy(update={"tolerance": {}})
+
+
+def costs(best: Candidate, without: Candidate, question_for: Asked) -> Tolerated:
+    """Cost of the tolerances of the best design against the one without tolerances."""
+    target, design = best.question.target, without.design
+    whole = _reached(best, question_for(target))
+    cost, gain = dict[str, float](), dict[str, float]()
+    for name in target.tolerance:
+        others = {key: reach for key, reach in target.tolerance.items() if key != name}
+        cost[name] = _share(_reached(best, question_for(target.model_copy(update={"tolerance": others}))), whole)
+        tighter = {**target.tolerance, name: _tightened(target, name)}
+        gain[name] = _share(_reached(best, question_for(target.model_copy(update={"tolerance": tighter}))), whole)
+    values = {name: float(column[0]) for name, column in design.variables.items()} | without.question.held
+    exact, _ = assessment.exactly(design, design.terms[:1])
+    named = ", ".join(kind for kind in without.choice.values() if isinstance(kind, str))
+    return Tolerated(cost, gain, values, float(exact[0]), named)
+
+
+def _tightened(target: Target, name: str) -> str:
+    absolute, share = target.tolerances[name]
+    return f"{100 * _TIGHTER * share} %" if share else f"{_TIGHTER * absolute} {FACTORS[name].units}".removesuffix(" 1")
+
+
+def near(best: Candidate, other: Candidate) -> Candidate:
+    """The best design of another question near that of one with the same variables, on the surrogate."""
+    physical = best.design.variables
+    inputs = other.question.inputs
+    start = np.array([float(axis.to_unit(physical[name])[0]) for name, axis in inputs.items()])
+    problem = other.question.problem(best.question.predicted)
+    return replace(other, best=improve(problem, np.clip(start, -1, 1), best.size(best.best.objective)))
+
+
+def _reached(best: Candidate, question: Question) -> float:
+    """The goal near a design under other tolerances, on the surrogate."""
+    nearby = near(best, replace(best, question=question)).best
+    return nearby.objective if nearby.feasible else np.nan
+
+
+def _share(other: float, whole: float) -> float:
+    return max((other - whole) / abs(whole), 0.0) if np.isfinite(other) else np.nan
