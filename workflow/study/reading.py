@@ -1,4 +1,4 @@
-"""Reader of YAML files (safe, with YAML 1.2 numbers, no key twice) and numbers; the first error of a study in one line."""
+"""Reader of YAML files (safe, with YAML 1.2 numbers, no key twice) and numbers; a study's first error in one line."""
 
 import re
 import unicodedata

@@ -59,18 +59,12 @@ class Candidate:
         return replace(self, best=maximise(self.problem(source), scan=self.question.scan))
 
     def improved(self, source: Source, safety: Array) -> "Candidate":
-        """The best design near this one, with a safety margin to every limit.
-
-        safety: (limits,), relative margins.
-        """
+        """The best design near this one, with a safety margin to every limit; safety: (limits,), relative margins."""
         best = self.best
         return replace(self, best=improve(self.problem(source, safety), best.x, self.size(best.objective)))
 
     def retreated(self, source: Source, safety: Array) -> "Candidate":
-        """The nearest design behind the limits with their safety margins.
-
-        safety: (limits,), relative margins.
-        """
+        """The nearest design behind the limits with their safety margins; safety: (limits,), relative margins."""
         problem = self.problem(source, safety)
         return replace(self, best=replace(self.best, x=retreat(problem, self.best.x))).counted(source)
 

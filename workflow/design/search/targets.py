@@ -1,4 +1,4 @@
-"""Design: the best factors under limits, found on the surrogate, polished and judged exactly; the cost of tolerances."""
+"""Design: the best factors under limits, found on the surrogate, polished and judged exactly; tolerances' cost."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The verdict on a design: predicted against exact, margins, what binds, and its sensitivity to errors and constants."""
+"""The verdict on a design: predicted against exact, margins, what binds, sensitivity to errors and constants."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
