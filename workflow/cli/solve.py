@@ -167,10 +167,7 @@ def _wrote(options: argparse.Namespace, out: xr.Dataset, what: str) -> None:
 
 
 def solved(table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int = 1) -> xr.Dataset:
-    """Outputs over dimension ``case`` in the order of the rows.
-
-    Shows cases done of all on a terminal, from the second second on.
-    """
+    """Return outputs over dimension ``case`` in the order of the rows, with progress on a terminal."""
     table = _surrounded(table)
     whole = _Whole(table)
     with tqdm(total=len(table.lines), unit=" cases", delay=2, disable=None, leave=False) as bar:

@@ -79,10 +79,7 @@ def changes(study: Study) -> list[dict[str, Any]]:
 
 
 def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, Any]]:
-    """The terms of a design that depend on the datum: in the case that decides, at the same three lengths.
-
-    ``moves`` says whether they differ in what is told; a deviation has no value in one case.
-    """
+    """Terms of a design that depend on the datum, at three lengths in the deciding case; ``moves`` if seen."""
     narrowed = study.narrowed(answer.combination)
     hangs, rows = hanging(narrowed), []
     constants = {name: narrowed.constant(name) for name in target.constants()}

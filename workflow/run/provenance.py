@@ -126,10 +126,7 @@ _IMPORT = re.compile(r"^[ \t]*(?:from ([\w.]+) )?import (\([^)]*\)|.*)", re.MULT
 
 
 def imports(text: str) -> Iterator[tuple[str, str]]:
-    """Names in a module's import statements, in functions too: ``(module, name)``, and ``("", module)`` of a whole.
-
-    By their lines, which is fast: to parse all modules would take more than all else of a run's start.
-    """
+    """Imported names of a module, ``(module, name)`` or ``("", module)``; read by lines, faster than parsing."""
     for module, names in _IMPORT.findall(text):
         for name in re.sub(r"#.*|[()]", "", names).split(","):
             if named := name.split():

@@ -397,10 +397,7 @@ def _read(name: str, units: str) -> BeforeValidator:
 
 
 class Pressing(Strict):
-    """A punch is pressed, held and let go; numbers in SI, or with a unit, as ``100 ms``.
-
-    The punch is that of a design, or one of its own beside the study's, on a body of its own.
-    """
+    """A punch, of a design or a separate one, is pressed, held and let go; numbers in SI or with a unit."""
 
     title: str = Field("", max_length=200, description="above its card, of a contact of its own; made if empty")
     design: str = Field("", description="the design target whose punch it is; empty: case")

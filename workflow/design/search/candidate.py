@@ -45,10 +45,7 @@ class Candidate:
         )
 
     def problem(self, source: Source, safety: Array | None = None) -> Problem:
-        """The question for the optimiser; several objectives as the compromise that the fronts normalise.
-
-        safety: (limits,), margins that are added to the relative excesses; None: zero.
-        """
+        """The optimiser's question with safety margins, (limits,); several objectives as the fronts' compromise."""
         problem = self.question.problem(source, safety)
         if self.normalisation is None:
             return problem
