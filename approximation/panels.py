@@ -130,7 +130,7 @@ def rows(count: int, places: Array) -> Array:
 
 @cache
 def _derived(count: int) -> Array:
-    """From values at the points to Chebyshev coefficients of the polynomial and two derivatives; (count, 3 count)."""
+    """Matrix from values at the points to Chebyshev coefficients of two derivatives as well; (count, 3 count)."""
     series = coefficients(np.eye(count))
     derivatives = [chebder(series, m) if count > m else np.zeros((0, count)) for m in (0, 1, 2)]
     whole = [np.concatenate([matrix, np.zeros((count - len(matrix), count))]) for matrix in derivatives]

@@ -24,7 +24,7 @@ class Interval:
 
     @cached_property
     def points(self) -> Array:
-        """Its Chebyshev points, rising; (count,)."""
+        """Chebyshev points of the interval, rising; (count,)."""
         return mapped_points(self.count, self.low, self.high)
 
     def polynomials(self, places: Array, *, clipped: bool = True) -> Array:

@@ -17,7 +17,7 @@ _ALIKE = 1e-9  # relative difference up to which two tops are equals
 
 @dataclass(frozen=True, eq=False)
 class Top:
-    """Where a measure is largest on each of some fields, (n,), in the panel's own coordinates."""
+    """Location of a measure's maximum on each of several fields, (n,), in the panel's coordinates."""
 
     panel: Indices  # Number of the panel
     # Coordinates in [-1, 1]
@@ -119,7 +119,7 @@ def hill(jet: Array, bent: Bent) -> tuple[Array, Array]:
 
 
 def held(place: Array, slope: Array, count: int | Indices) -> Flags:
-    """Whether an end of the panel holds a coordinate, or there is no such coordinate.
+    """Mark coordinates that an end of the panel holds, or that the panel does not have.
 
     place, slope: (n,), the coordinate, within [-1, 1], and the measure's derivative by it.
     """

@@ -39,13 +39,13 @@ def main(names: list[str]) -> int:
         measured[name] = import_module(f"benchmarks.{name}").measure()
         print(printed(measured[name]))
         print(f"{name}: {perf_counter() - start:.0f} s", flush=True)
-        _kept(measured, path)  # what was measured stays where a later measurement fails
+        _stored(measured, path)  # what was measured stays where a later measurement fails
     print(f"{path}, {FOLDER / 'benchmarks.html'}")
     return 0
 
 
-def _kept(found: dict[str, Any], path: Path) -> None:
-    whole = found | {"machine": platform.platform(), "processor": platform.machine(), "versions": versions()}
+def _stored(results: dict[str, Any], path: Path) -> None:
+    whole = results | {"machine": platform.platform(), "processor": platform.machine(), "versions": versions()}
     write_text(path, json.dumps(whole, indent=2) + "\n")
     write_text(FOLDER / "benchmarks.html", page.page(whole))
 

@@ -22,14 +22,14 @@ class Job:
     """A script and what Snakemake gives to it."""
 
     script: str
-    given: Any
+    snakemake: Any
     priority: int
 
     def run(self) -> None:
         """Run the script in this process."""
-        for file in (*self.given.output, *self.given.log):
+        for file in (*self.snakemake.output, *self.snakemake.log):
             Path(file).parent.mkdir(parents=True, exist_ok=True)
-        runpy.run_path(self.script, init_globals={"snakemake": self.given})
+        runpy.run_path(self.script, init_globals={"snakemake": self.snakemake})
 
 
 def planned(target: str, cores: int) -> tuple[dict[int, Job], dict[int, set[int]]]:

@@ -27,7 +27,9 @@ def measure(fresh: int = 1000, held: int = 2500, queries: int = QUERIES) -> dict
     for base in BASES:
         for name, levels in LEVELS.items():
             study = _alone(whole, base, levels)
-            measured |= {f"{base}, {name}: {what}": value for what, value in _of(study, fresh, held, queries).items()}
+            measured |= {
+                f"{base}, {name}: {what}": value for what, value in _measured(study, fresh, held, queries).items()
+            }
     return measured
 
 
@@ -41,8 +43,8 @@ def _alone(whole: Study, base: str, levels: tuple[int, ...]) -> Study:
     return studies.remade(whole, fixed=fixed, categories={}, groups=groups, design={}, readout={})
 
 
-def _of(study: Study, fresh: int, held: int, queries: int) -> dict[str, float]:
-    """What one data set costs, and what is learnt from it."""
+def _measured(study: Study, fresh: int, held: int, queries: int) -> dict[str, float]:
+    """Return the costs of one data set, its fit and its queries, and the errors before and after the correction."""
     data, solved = timed(lambda: factorial.exact(study, factorial.axes(study)))
     model, fitted = timed(lambda: training.fit(study, data))
     truth, exact = timed(lambda: factorial.sample(study, fresh, (1, 0)))
@@ -50,19 +52,19 @@ def _of(study: Study, fresh: int, held: int, queries: int) -> dict[str, float]:
     true = factorial.training_data(study, truth)
 
     def error() -> float:
-        away = model.predict(points, return_std=False) - true
-        return max(float(abs(away[name]).max() / np.ptp(true[name].values)) for name in model.outputs_)
+        errors = model.predict(points, return_std=False) - true
+        return max(float(abs(errors[name]).max() / np.ptp(true[name].values)) for name in model.outputs_)
 
     plain = error()
     model.calibrate(factorial.training_data(study, factorial.sample(study, held, (1, 2))))
-    some = model.only(model.outputs_[:OUTPUTS])
+    part = model.only(model.outputs_[:OUTPUTS])
     X = np.stack([np.resize(xr.DataArray(column).values, queries) for column in points.values()], axis=1)
-    asked = timed(lambda: some.interval_array(X))[1]
+    query_cost = timed(lambda: part.interval_array(X))[1]
     return {
         "data set [s]": solved.processor,
         "fit [s]": fitted.processor,
         "error, plain mean": plain,
         "error, corrected": error(),
-        f"a million queries of {OUTPUTS} outputs with intervals [s]": asked.processor * QUERIES / queries,
+        f"a million queries of {OUTPUTS} outputs with intervals [s]": query_cost.processor * QUERIES / queries,
         "a million exact cases, fifty at a place [s]": exact.processor * QUERIES / fresh,
     }

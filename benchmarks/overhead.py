@@ -1,4 +1,4 @@
-"""What the pipeline costs beside its work: a study run to its report, with Snakemake and without.
+"""Overhead of the pipeline: a study run to its report, with Snakemake and without.
 
 The share of a run that is overhead is ``1 - direct / run``. ``run`` is the time of ``meecontact run STUDY``, start
 included, in a copy of the project without results. ``direct`` is the time that the same scripts take in the same copy
@@ -65,21 +65,21 @@ def _run(folder: Path, study: str, cores: int) -> dict[str, float]:
 
 def _direct(folder: Path, study: str, cores: int) -> dict[str, float]:
     """The plain driver's way; its results must be those that were put aside."""
-    told = _done([sys.executable, "-m", "benchmarks.direct", f"results/{study}/report.html", str(cores)], folder)
-    found = json.loads(told.splitlines()[-1])
+    output = _done([sys.executable, "-m", "benchmarks.direct", f"results/{study}/report.html", str(cores)], folder)
+    measured = json.loads(output.splitlines()[-1])
     _compare(folder / "other", folder / "results" / study)
     shutil.rmtree(folder / "results")
     return {
-        "seconds_direct": found["seconds"],
-        "processor_seconds_direct": found["processor"],
-        "jobs": found["jobs"],
+        "seconds_direct": measured["seconds"],
+        "processor_seconds_direct": measured["processor"],
+        "jobs": measured["jobs"],
     }
 
 
 def _clear(folder: Path, study: str) -> None:
     (folder / "results" / study).rename(folder / "other")
-    for made in ("results", "logs", ".snakemake"):
-        shutil.rmtree(folder / made)
+    for name in ("results", "logs", ".snakemake"):
+        shutil.rmtree(folder / name)
 
 
 def _compare(first: Path, other: Path) -> None:

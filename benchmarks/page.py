@@ -18,18 +18,18 @@ from workflow.report.figures.style import styled
 _ABOUT = ("machine", "processor", "versions")
 
 
-def page(found: dict[str, Any]) -> str:
+def page(results: dict[str, Any]) -> str:
     """The page as text; a measurement that gives plain numbers becomes a table of them."""
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
         lstrip_blocks=True,
     )  # fmt: skip
     environment.filters |= {"number": _number, "counted": counted, "median": median}
-    surrogates = found.get("surrogates")
-    plain = {name: part for name, part in found.items() if name not in (*_ABOUT, "surrogates")}
+    surrogates = results.get("surrogates")
+    plain = {name: part for name, part in results.items() if name not in (*_ABOUT, "surrogates")}
     pictures = [_svg(draw(surrogates["rows"])) for draw in (_errors, _times)] if surrogates else []
     return environment.get_template("page.html.j2").render(
-        surrogates=surrogates, plain=plain, pictures=pictures, about={name: found[name] for name in _ABOUT}
+        surrogates=surrogates, plain=plain, pictures=pictures, about={name: results[name] for name in _ABOUT}
     )
 
 
@@ -58,8 +58,10 @@ def _times(rows: list[dict[str, Any]]) -> Figure:
 
 def _lines(ax: Axes, rows: list[dict[str, Any]], value: Any) -> None:
     for method, marker in zip(dict.fromkeys(row["method"] for row in rows), cycle("osD^v<>P")):
-        some = sorted((row["cases"], value(row)) for row in rows if row["method"] == method and value(row))
-        ax.loglog([cases for cases, _ in some], [size for _, size in some], marker=marker, ms=5, lw=1.2, label=method)
+        points = sorted((row["cases"], value(row)) for row in rows if row["method"] == method and value(row))
+        ax.loglog(
+            [cases for cases, _ in points], [size for _, size in points], marker=marker, ms=5, lw=1.2, label=method
+        )
     ax.set_xlabel("cases")
 
 

@@ -16,7 +16,7 @@ from sklearn.neural_network import MLPRegressor
 from approximation.arrays import Array
 from approximation.chebyshev import coefficients, polynomials
 from surrogate.intervals.distribution import NOMINAL, Normal
-from surrogate.use.baseline import contracted
+from surrogate.use.validation import contracted
 
 #: Standard deviations to either side that hold 95 % of a normal variable.
 REACH = float(Normal().ends(NOMINAL)[1, 0])
@@ -31,12 +31,12 @@ def standardised(values: Array, fit: Callable[[Array], Predict]) -> Predict:
 
     values: (..., p), the outputs.
     """
-    every = tuple(range(values.ndim - 1))
-    offset, scale = values.mean(axis=every), values.std(axis=every)
+    case_axes = tuple(range(values.ndim - 1))
+    offset, scale = values.mean(axis=case_axes), values.std(axis=case_axes)
     predict = fit((values - offset) / scale)
 
-    def scaled(at: Array, with_std: bool) -> tuple[Array, Array | None]:
-        mean, std = predict(at, with_std)
+    def scaled(t: Array, with_std: bool) -> tuple[Array, Array | None]:
+        mean, std = predict(t, with_std)
         return offset + scale * mean, None if std is None else scale * std
 
     return scaled
@@ -52,10 +52,10 @@ def scikit_learn(t: Array, y: Array, noisy: bool = False) -> Predict:
         kernel = kernel + WhiteKernel(1e-4, (1e-10, 1.0))
     models = [GaussianProcessRegressor(kernel, alpha=1e-10, random_state=0).fit(t, column) for column in y.T]
 
-    def predict(at: Array, with_std: bool) -> tuple[Array, Array | None]:
+    def predict(X: Array, with_std: bool) -> tuple[Array, Array | None]:
         if not with_std:
-            return np.stack([model.predict(at) for model in models], axis=1), None
-        pairs = [model.predict(at, return_std=True) for model in models]
+            return np.stack([model.predict(X) for model in models], axis=1), None
+        pairs = [model.predict(X, return_std=True) for model in models]
         return np.stack([mean for mean, _ in pairs], axis=1), np.stack([std for _, std in pairs], axis=1)
 
     return predict
@@ -64,13 +64,13 @@ def scikit_learn(t: Array, y: Array, noisy: bool = False) -> Predict:
 def _perceptron(t: Array, y: Array) -> Predict:
     """Neural network of scikit-learn, two layers of 64, all outputs at once; it has no standard deviation."""
     model = MLPRegressor(hidden_layer_sizes=(64, 64), solver="lbfgs", max_iter=1000, tol=1e-7, random_state=0).fit(t, y)
-    return lambda at, with_std: (np.asarray(model.predict(at)), None)
+    return lambda X, with_std: (np.asarray(model.predict(X)), None)
 
 
 def _rbf_interpolator(t: Array, y: Array) -> Predict:
     """Scipy's interpolator, quintic, all cases at once; it has no standard deviation."""
     model = RBFInterpolator(t, y, kernel="quintic")
-    return lambda at, with_std: (np.asarray(model(at)), None)
+    return lambda X, with_std: (np.asarray(model(X)), None)
 
 
 def smt(t: Array, y: Array, noisy: bool = False) -> Predict:
@@ -87,13 +87,13 @@ def smt(t: Array, y: Array, noisy: bool = False) -> Predict:
         model.train()
         models.append(model)
 
-    def predict(at: Array, with_std: bool) -> tuple[Array, Array | None]:
-        mean = np.concatenate([model.predict_values(at) for model in models], axis=1)
+    def predict(X: Array, with_std: bool) -> tuple[Array, Array | None]:
+        mean = np.concatenate([model.predict_values(X) for model in models], axis=1)
         if not with_std:
             return mean, None
         noise = [np.ravel(model.optimal_noise) if noisy else 0.0 for model in models]
         variance = np.concatenate(
-            [model.predict_variances(at) + own for model, own in zip(models, noise, strict=True)], axis=1
+            [model.predict_variances(X) + nugget for model, nugget in zip(models, noise, strict=True)], axis=1
         )
         return mean, np.sqrt(np.maximum(variance, 0.0))
 
@@ -133,9 +133,9 @@ def _gpytorch(t: Array, y: Array) -> Predict:
     model.eval()
     likelihood.eval()
 
-    def predict(at: Array, with_std: bool) -> tuple[Array, Array | None]:
+    def predict(X: Array, with_std: bool) -> tuple[Array, Array | None]:
         with torch.no_grad(), gp.settings.fast_pred_var():
-            answer = model(torch.tensor(at).expand(*batch, *at.shape))
+            answer = model(torch.tensor(X).expand(*batch, *X.shape))
             return answer.mean.numpy().T, np.sqrt(answer.variance.numpy().T) if with_std else None
 
     return predict
@@ -163,8 +163,8 @@ RIVALS = [
 
 def installed() -> tuple[list[Rival], list[str]]:
     """Return the rivals that can run here, and the names of those left out."""
-    here = [rival for rival in RIVALS if find_spec(rival.package)]
-    return here, [rival.name for rival in RIVALS if rival not in here]
+    present = [rival for rival in RIVALS if find_spec(rival.package)]
+    return present, [rival.name for rival in RIVALS if rival not in present]
 
 
 #: From the scaled levels of every factor and standardised outputs (n_1, ..., n_d, p) to a predictor.
@@ -175,24 +175,24 @@ _NOISE = 1e-10
 
 def _chebyshev(levels: Sequence[Array], values: Array) -> Predict:
     """The tensor polynomial through all cases; the transform belongs to the fit."""
-    kept = reduce(coefficients, range(len(levels)), values)
+    tensor = reduce(coefficients, range(len(levels)), values)
 
-    def predict(at: Array, with_std: bool) -> tuple[Array, None]:
-        rows = [polynomials(column, len(own)).T for column, own in zip(at.T, levels, strict=True)]
-        return contracted(kept, rows), None
+    def predict(X: Array, with_std: bool) -> tuple[Array, None]:
+        rows = [polynomials(column, len(nodes)).T for column, nodes in zip(X.T, levels, strict=True)]
+        return contracted(tensor, rows), None
 
     return predict
 
 
 def _cubic_spline(levels: Sequence[Array], values: Array) -> Predict:
     """The tensor product of cubic splines, not-a-knot; of lower degree along a factor with fewer than four levels."""
-    knots, degrees, kept = [], [min(3, len(own) - 1) for own in levels], values
-    for axis, (own, degree) in enumerate(zip(levels, degrees, strict=True)):
-        spline = make_interp_spline(own, kept, degree, axis=axis)
+    knots, degrees, spline_coefficients = [], [min(3, len(nodes) - 1) for nodes in levels], values
+    for axis, (nodes, degree) in enumerate(zip(levels, degrees, strict=True)):
+        spline = make_interp_spline(nodes, spline_coefficients, degree, axis=axis)
         knots.append(spline.t)
-        kept = np.moveaxis(spline.c, 0, axis)  # the spline keeps its axis first
-    interpolant = NdBSpline(tuple(knots), np.ascontiguousarray(kept), tuple(degrees))
-    return lambda at, with_std: (np.asarray(interpolant(at)), None)
+        spline_coefficients = np.moveaxis(spline.c, 0, axis)  # the spline keeps its axis first
+    interpolant = NdBSpline(tuple(knots), np.ascontiguousarray(spline_coefficients), tuple(degrees))
+    return lambda X, with_std: (np.asarray(interpolant(X)), None)
 
 
 def kronecker(levels: Sequence[Array], values: Array) -> Predict:
@@ -204,10 +204,10 @@ def kronecker(levels: Sequence[Array], values: Array) -> Predict:
 
     levels: sequence of ndarray, shape (n_f,), of every factor in [-1, 1]; values: (n_1, ..., n_d, p), the outputs.
     """
-    parts = [_process(levels, own) for own in np.moveaxis(values, -1, 0)]
+    parts = [_process(levels, output_values) for output_values in np.moveaxis(values, -1, 0)]
 
-    def predict(at: Array, with_std: bool) -> tuple[Array, Array | None]:
-        pairs = [part(at, with_std) for part in parts]
+    def predict(X: Array, with_std: bool) -> tuple[Array, Array | None]:
+        pairs = [part(X, with_std) for part in parts]
         mean = np.stack([mean for mean, _ in pairs], axis=1)
         return mean, np.stack([std for _, std in pairs], axis=1) if with_std else None
 
@@ -217,7 +217,7 @@ def kronecker(levels: Sequence[Array], values: Array) -> Predict:
 def _process(levels: Sequence[Array], values: Array) -> Callable[[Array, bool], tuple[Array, Array]]:
     def decomposed(logs: Array) -> tuple[list[Array], Array, Array]:
         """Eigenvectors, the eigenvalues of the whole, and the data in the eigenvectors."""
-        pairs = [np.linalg.eigh(_rbf(own, own, np.exp(log))) for own, log in zip(levels, logs, strict=True)]
+        pairs = [np.linalg.eigh(_rbf(nodes, nodes, np.exp(log))) for nodes, log in zip(levels, logs, strict=True)]
         vectors = [vector for _, vector in pairs]
         spectrum = reduce(np.multiply.outer, [np.maximum(value, 0.0) for value, _ in pairs]) + _NOISE
         return vectors, spectrum, _transformed(values, vectors)
@@ -235,8 +235,8 @@ def _process(levels: Sequence[Array], values: Array) -> Callable[[Array, bool], 
     variance = float((data**2 / spectrum).mean())
     weights = _transformed(data / spectrum, [vector.T for vector in vectors])
 
-    def predict(at: Array, with_std: bool) -> tuple[Array, Array]:
-        near = [_rbf(column, own, np.exp(log)) for column, own, log in zip(at.T, levels, fit.x, strict=True)]
+    def predict(X: Array, with_std: bool) -> tuple[Array, Array]:
+        near = [_rbf(column, nodes, np.exp(log)) for column, nodes, log in zip(X.T, levels, fit.x, strict=True)]
         mean = contracted(weights[..., None], near)[:, 0]
         if not with_std:
             return mean, mean

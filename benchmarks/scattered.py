@@ -70,7 +70,7 @@ def ours(t: Array, y: Array) -> Predict:
     names = [f"x{k}" for k in range(t.shape[1])]
     data = xr.Dataset({name: ("case", column) for name, column in zip(names, t.T, strict=True)})
     model = ScatterGP(inputs=[Input(name, -1, 1) for name in names]).fit(data.assign(y=("case", y[:, 0])))
-    return lambda at, with_std: model.predict_array(at, return_std=True)
+    return lambda X, with_std: model.predict_array(X, return_std=True)
 
 
 def _libkriging(t: Array, y: Array) -> Predict:
@@ -79,8 +79,8 @@ def _libkriging(t: Array, y: Array) -> Predict:
 
     model = pylibkriging.NestedKriging(y[:, 0], np.asfortranarray(t), "matern5_2", max(2, len(t) // 250))
 
-    def predict(at: Array, with_std: bool) -> tuple[Array, Array]:
-        mean, std = model.predict(np.asfortranarray(at), True)
+    def predict(X: Array, with_std: bool) -> tuple[Array, Array]:
+        mean, std = model.predict(np.asfortranarray(X), True)
         return np.reshape(mean, (-1, 1)), np.reshape(std, (-1, 1))
 
     return predict

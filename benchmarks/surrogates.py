@@ -79,7 +79,7 @@ def measure(huge: bool = False) -> dict[str, Any]:
 
 
 def ratios(rows: list[dict[str, Any]]) -> dict[str, float]:
-    """How many times faster than scikit-learn on 1,024 cases the Gaussian process on 1,048,576 and 64,000 is."""
+    """Speed of the Gaussian process on 1,048,576 and 64,000 cases over that of scikit-learn on 1,024."""
     by_method = {(row["method"], row["cases"]): row for row in rows}
     slow = by_method[("scikit-learn GP (RBF)", 1024)]
     million, good = (by_method[("Chebyshev-kernel GP", cases)] for cases in (16**5, 64_000))
@@ -94,7 +94,7 @@ def ratios(rows: list[dict[str, Any]]) -> dict[str, float]:
 
 
 def equal_accuracy(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """For every accuracy and method the row of the fewest cases that reaches it in every output."""
+    """Return, for every accuracy and method, the row of the fewest cases that reaches it in every output."""
     counts = []
     for accuracy in ACCURACIES:
         best: dict[str, dict[str, Any]] = {}
@@ -161,7 +161,7 @@ def _scattered(
 def _asker(inputs: list[Input]) -> Callable[[Predict, Array, bool], tuple[Array, Array | None]]:
     def ask(predict: Predict, X: Array, with_std: bool) -> tuple[Array, Array | None]:
         t = unit_coordinates(inputs, X).T
-        parts = [predict(t[some], with_std) for some in blocks(len(t), BLOCK)]
+        parts = [predict(t[block], with_std) for block in blocks(len(t), BLOCK)]
         stds = [std for _, std in parts if std is not None]
         return np.concatenate([mean for mean, _ in parts]), np.concatenate(stds) if stds else None
 
@@ -185,8 +185,8 @@ def _row(entry: Entry, inputs: list[Input], fresh: xr.Dataset) -> dict[str, Any]
         "error": _by_output(error), "coverage": None, "crps": None,
     }  # fmt: skip
     if std is not None:
-        own = np.abs(mean - truth) <= REACH * std, crps(truth, mean, std) / over
-        coverage, score = entry.judge(model) if entry.judge else (own[0].mean(axis=0), own[1].mean(axis=0))
+        scores = np.abs(mean - truth) <= REACH * std, crps(truth, mean, std) / over
+        coverage, score = entry.judge(model) if entry.judge else (scores[0].mean(axis=0), scores[1].mean(axis=0))
         row |= {"coverage": _by_output(coverage), "crps": _by_output(score)}
     print(f"  {told(row)}", flush=True)
     return row
@@ -212,7 +212,7 @@ def _grid(study: Study, inputs: list[Input], counts: tuple[int, ...]) -> xr.Data
 
 
 def _cases(study: Study, inputs: list[Input], count: int, seed: int) -> xr.Dataset:
-    """Inputs, uniform in the scaled coordinates, and exact outputs over ``case``."""
+    """Return inputs, uniform in the scaled coordinates, and exact outputs over ``case``."""
     points = _points(inputs, np.random.default_rng(seed).uniform(-1, 1, (len(inputs), count)))
     return factorial.exact(study, points)[OUTPUTS].reset_coords(drop=True).assign(points)
 
@@ -230,6 +230,6 @@ def _by_output(values: Array) -> dict[str, float]:
 
 
 def _best(action: Callable[[], Any]) -> tuple[Any, float]:
-    """What an action gives, and the least of three times after one that warms up; of that one where it takes long."""
+    """Return an action's result and its cost: the least of three after a warm-up, or the first if it takes long."""
     answer, cost = timed(action)
     return answer, cost.seconds if cost.seconds > LONG else least(action).seconds

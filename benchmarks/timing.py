@@ -1,4 +1,4 @@
-"""What an action costs: seconds, and those of the processor, of this process and of its children."""
+"""Cost of an action: seconds, and processor seconds of this process and its children."""
 
 from collections.abc import Callable, Mapping
 from resource import RUSAGE_CHILDREN, getrusage
@@ -16,7 +16,7 @@ class Cost(NamedTuple):
 
 
 def timed(action: Callable[[], T]) -> tuple[T, Cost]:
-    """What an action gives, and what it costs."""
+    """Return an action's result and its cost."""
     start, used = perf_counter(), _processor()
     answer = action()
     return answer, Cost(perf_counter() - start, _processor() - used)

@@ -91,5 +91,5 @@ class Stiffness:
 def _inverse(matrix: Array) -> Array:
     """Inverse of a matrix whose rows and columns are first scaled to order one: their units differ by 1e20."""
     scale = 1 / np.sqrt(np.abs(np.diagonal(matrix, axis1=-2, axis2=-1)))
-    both = scale[..., :, None] * scale[..., None, :]
-    return np.asarray(np.linalg.inv(matrix * both) * both)
+    scales = scale[..., :, None] * scale[..., None, :]
+    return np.asarray(np.linalg.inv(matrix * scales) * scales)

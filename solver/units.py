@@ -17,7 +17,14 @@ _PREFIXES = {
     "": 1.0, "f": 1e-15, "p": 1e-12, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "c": 1e-2,
     "k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12,
 }  # fmt: skip
-_ALONE = {"%": (1e-2, (0, 0, 0, 0, 0)), "1": (1.0, (0, 0, 0, 0, 0))}  # no prefix
+VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m (CODATA 2022)
+VACUUM_PERMEABILITY = 1.25663706127e-6  # N s2/C2
+_ALONE = {  # no prefix
+    "%": (1e-2, (0, 0, 0, 0, 0)),
+    "1": (1.0, (0, 0, 0, 0, 0)),
+    "eps0": (VACUUM_PERMITTIVITY, (-3, -1, 4, 2, 0)),
+    "mu0": (VACUUM_PERMEABILITY, (1, 1, -2, -2, 0)),
+}
 _SYMBOLS: dict[str, tuple[float, tuple[int, int, int, int, int]]] = {  # exponents of m, kg, s, A, K
     "m": (1.0, (1, 0, 0, 0, 0)),
     "g": (1e-3, (0, 1, 0, 0, 0)),
@@ -35,7 +42,9 @@ _SYMBOLS: dict[str, tuple[float, tuple[int, int, int, int, int]]] = {  # exponen
     "H": (1.0, (2, 1, -2, -2, 0)),
     "Ohm": (1.0, (2, 1, -3, -2, 0)),
 }
-_PART = re.compile(r"(?P<over>/)?\s*(?P<symbol>%|1(?![0-9])|[A-Za-zµμ]+)\^?(?P<power>[-+]?[0-9]+(?:/[0-9]+)?)?")
+_PART = re.compile(
+    r"(?P<over>/)?\s*(?P<symbol>%|1(?![0-9])|eps0|mu0|[A-Za-zµμ]+)\^?(?P<power>[-+]?[0-9]+(?:/[0-9]+)?)?"
+)
 _QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)(?![0-9._eE])\s*(\S.*)")
 _RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ᐟ", "0123456789-+/")
 _TYPESET = {  # characters that print what ASCII has another character for
@@ -50,6 +59,7 @@ _TEN = re.compile(
     r"(?P<mantissa>[0-9.])?(?P<times>\s*[×xX*·]\s*)?(?<![0-9.])10"
     r"(?:(?P<raised>[⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)|(?:\^|\*\*)\(?(?P<power>[-+]?[0-9]+)\)?)"
 )
+_VACUUM = (re.compile("(?:[εϵ]|eps(?:ilon)?)_?[0₀]"), "eps0"), (re.compile("(?:[µμ]|mu)_?[0₀]"), "mu0")
 _GROUPED = re.compile(r"/\s*\((?P<group>[^()]*)\)")
 _FEW = 2  # symbols of a unit that reads well
 _BARE = re.compile(r"\s*[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,4})?\s*")
@@ -121,6 +131,8 @@ def plain(text: str) -> str:
     """Return a printed number or unit in the characters that are parsed: ``-1.5×10⁻³ C/m²`` as ``-1.5e-3 C/m^2``."""
     if text.isascii() and "10" not in text and "**" not in text and "(" not in text:
         return text
+    for constant, written in _VACUUM:
+        text = constant.sub(written, text)
     text = _OHM.sub(lambda ohm: "Ohm" + (" " if ohm["joined"] is not None else ""), text.translate(_PRINTED))
     # Latin-1 has raised digits, but no raised minus
     text = re.sub("(?<=[-+])[⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda raised: raised[0].translate(_RAISED), text)

@@ -2,17 +2,14 @@
 
 import json
 from pathlib import Path
-from time import sleep
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import benchmarks.__main__ as runner
-from approximation.arrays import Array
 from approximation.chebyshev import gauss_points
 from benchmarks import direct, overhead, page, rivals, scattered, surrogates
-from benchmarks.timing import least, timed
 from surrogate.gp import finiterank
 
 
@@ -41,27 +38,6 @@ def test_rivals_on_a_grid_learn_a_smooth_function(name: str, room: float) -> Non
     error = np.abs(mean - smooth(at))
     assert error.max() < room
     assert std is None or (error <= 3 * std + 1e-6).mean() > 0.9
-
-
-def test_the_kronecker_process_is_that_of_the_dense_matrix() -> None:
-    levels, length = [np.array([-1.0, 0.2, 1.0]), np.array([-0.5, 0.7])], 1.3
-    t = np.stack(np.meshgrid(*levels, indexing="ij"), axis=-1).reshape(-1, 2)
-    y, at = np.cos(t.sum(axis=1)), np.array([[0.1, 0.2], [-0.4, 0.9]])
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(rivals, "minimize", lambda *_, **__: SimpleNamespace(x=np.log([length, length])))
-        patch.setattr(rivals, "_NOISE", 1e-3)
-        mean, std = rivals.kronecker(levels, y.reshape(3, 2, 1))(at, True)
-    assert std is not None
-
-    def kernel(a: Array, b: Array) -> Array:
-        return np.asarray(np.exp(-0.5 * ((a[:, None] - b) ** 2).sum(axis=2) / length**2))
-
-    K = kernel(t, t) + 1e-3 * np.eye(6)
-    variance = y @ np.linalg.solve(K, y) / 6
-    k = kernel(at, t)
-    np.testing.assert_allclose(mean[:, 0], k @ np.linalg.solve(K, y), rtol=1e-9)
-    known = (k * np.linalg.solve(K, k.T).T).sum(axis=1)
-    np.testing.assert_allclose(std[:, 0] ** 2, variance * (1 - known), rtol=1e-7)
 
 
 def test_the_comparison_measures_errors_on_the_exact_solution(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -178,12 +154,3 @@ def test_overhead_is_not_measured_between_different_results(tmp_path: Path) -> N
     (tmp_path / "other" / "data.nc").write_bytes(b"not the same")
     with pytest.raises(RuntimeError, match=r"data\.nc"):
         overhead._compare(tmp_path / "one", tmp_path / "other")
-
-
-def test_costs_are_those_of_the_action_and_the_least_of_some_runs() -> None:
-    waits = iter([0.06, 0.02, 0.06])
-    answer, cost = timed(lambda: sum(range(1000)))
-    assert answer == 499500
-    assert cost.seconds > 0
-    assert least(lambda: sleep(next(waits))).seconds >= 0.02
-    assert next(waits, None) is None

@@ -1,4 +1,4 @@
-"""What makes the solver trustworthy: comparisons with independent methods, measured.
+"""Measured comparisons of the solver with independent methods.
 
 Each group gives its findings; pytest asserts them and the page of ``make run STUDY=verification`` shows them.
 """

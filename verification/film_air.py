@@ -61,7 +61,7 @@ class Compared:
 
     @property
     def compared(self) -> dict[str, tuple[str, float]]:
-        """What is, and the tolerance at order 10."""
+        """Compared quantities: the words of each, and its tolerance at order 10."""
         return COMPARED if "punch_modulus" in self.case else COMPARED | FIELDS_COMPARED
 
     def error(self, what: str) -> float:

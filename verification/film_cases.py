@@ -61,13 +61,13 @@ class Solved:
 
     @cached_property
     def interface(self) -> tuple[str, str]:
-        """What the lowest interface is to the electric and to the magnetic field."""
+        """Electric and magnetic condition of the lowest interface."""
         magnetic = "grounded" if self.base is None else "bonded"
         return self.case.get("interface_electric", "grounded"), self.case.get("interface_magnetic", magnetic)
 
     @cached_property
     def conducts(self) -> tuple[bool, bool]:
-        """Whether the punch conducts the electric and the magnetic field."""
+        """Electric and magnetic conduction of the punch."""
         return self.case.get("electric") != "insulating", self.case.get("magnetic") != "insulating"
 
     @cached_property

@@ -78,7 +78,7 @@ class Compared:
 
     @cached_property
     def quantities(self) -> Answers:
-        """Of the solver, with the datum of the elements."""
+        """Quantities by the solver, with the datum of the elements."""
         return self.solved.quantities(self.contact.datum)
 
     @property

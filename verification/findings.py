@@ -1,4 +1,4 @@
-"""What a verification finds: checks with their errors and tolerances, convergence curves, times."""
+"""Findings of a verification: checks with their errors and tolerances, convergence curves, times."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -14,7 +14,7 @@ _NOTHING = 1e-60  # smaller values are zero to the 50-digit oracle
 
 @dataclass(frozen=True)
 class Sizes:
-    """How much is asked; what the page and the tests differ in."""
+    """Amount of work: the page and the tests differ in it."""
 
     cases: int = 12  # Random cases in 50 digits
     # Finest mesh, in elements under the punch; a sixth and two more is the highest order of elements of films
@@ -37,7 +37,7 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """Whether the error is a number within the tolerance."""
+        """Return True if the error is a number within the tolerance."""
         return self.error <= self.tolerance
 
 
@@ -74,7 +74,7 @@ class Findings:
     timings: list[Timing] = field(default_factory=list)
 
     def to_json(self) -> str:
-        """As JSON; a check that is no number comes out as null."""
+        """Return the findings as JSON; an error that is not a number becomes null."""
         content = asdict(self)
         for check, row in zip(self.checks, content["checks"], strict=True):
             row["passed"] = check.passed

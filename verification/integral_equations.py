@@ -136,7 +136,7 @@ def _collocated(name: str, case: Case, terms: int, surface: SurfaceResponse) -> 
 
 
 def _answers(numerical: collocation.Contact, surface: SurfaceResponse, datum: float) -> dict[str, Array]:
-    """What the collocation says of a case, by name."""
+    """Quantities and fields of a case by collocation, by name."""
     response = zip(("depth", "voltage", "magnetic_potential"), numerical.punch_response(datum), strict=True)
     ends = {"contact_trailing": np.array(numerical.trailing), "contact_leading": np.array(numerical.leading)}
     return {**ends, **{name: np.array(value) for name, value in response}, **fields(numerical, surface, X)}

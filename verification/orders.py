@@ -11,7 +11,7 @@ class Refined(Protocol):
 
     @property
     def compared(self) -> Mapping[str, tuple[str, float]]:
-        """By what is compared, its words and its tolerance at order 10."""
+        """Words and tolerance at order 10 of each compared quantity."""
 
     def error(self, what: str) -> float:
         """Error of one of these."""

@@ -25,7 +25,7 @@ _AIR_PLACES = 0.05, 0.93, 1.02, 8.0  # r/a at which tractions are compared, belo
 
 @dataclass(frozen=True)
 class Difference:
-    """What the grid has over the first order, less 1, of a grounded ball at one depth."""
+    """Grid over first order, less 1, for a grounded ball at one depth."""
 
     # Without friction's first order, which has no part in them
     force: float
@@ -36,7 +36,7 @@ class Difference:
 
 
 def difference(case: Case, friction: float, cells: int) -> Difference:
-    """Of a ball on a half-space or a film, at the depth that its force has at rest.
+    """Differences for a ball on a half-space or a film, at the depth that its force has at rest.
 
     Force and charge are over those of the same grid at rest, so that only friction tells them apart.
     """
@@ -51,7 +51,7 @@ def difference(case: Case, friction: float, cells: int) -> Difference:
 
 
 def raised(case: Case, friction: float, cells: int) -> tuple[float, float]:
-    """What friction adds to the largest pressure of a grounded ball over that at rest: on the grid, in first order."""
+    """Relative rise of a grounded ball's largest pressure by friction: on the grid, and in first order."""
     grounded, _, (slid, still) = _on_grids(case, friction, cells)
     peaks = solver.solve(grounded | {"friction": np.array([friction, 0.0])})["peak_pressure"].values
     return slid["peak_pressure"] / still["peak_pressure"] - 1, float(peaks[0] / peaks[1]) - 1
@@ -97,7 +97,7 @@ def first_order(case: Case) -> float:
 
 @dataclass(frozen=True)
 class AirDifference:
-    """What the solver has of the first order of a ball in air over the collocation, less 1."""
+    """Solver over collocation, less 1, for the first order of a ball in air."""
 
     offset: float  # Of the contact
     # Of cos(angle), largest difference over the largest value, D_y below the contact and beside it
@@ -106,7 +106,7 @@ class AirDifference:
 
 
 def in_air(thickness: float = np.inf, charge: float = 0.0) -> AirDifference:
-    """Of a ball on BaTiO3 with air beside it."""
+    """Differences for a ball on BaTiO3 in air."""
     material = solver.find(MATERIAL)
     other = SlidingGap(constants(material), BALL["radius"], _AIR_RADIUS, charge, thickness)
     case = BALL | {"force": other.force, "total_charge": charge, "friction": _AIR_FRICTION, "surroundings": "air"}

@@ -1,1 +1,1 @@
-"""What is beside the contact: air under a conducting punch (theory section 10)."""
+"""Air beside the contact, under a conducting punch (theory section 10)."""

@@ -35,7 +35,7 @@ class Problem:
     @property
     def nodes(self) -> int:
         """Number of nodes of a field beside the contact."""
-        return self.table.operators.beside
+        return self.table.operators.density_nodes
 
     @cached_property
     def media(self) -> Array:
@@ -49,8 +49,8 @@ class Problem:
         operators = self.table.operators
         m = np.arange(1, self.contact.loading.slope.shape[-1] + 1)
         risen = np.expm1(m * np.log1p(2 * np.sinh(operators.grid.theta / 2) ** 2)[:, None]) / m
-        both = np.concatenate([risen, (-1.0) ** m * risen])[: operators.beside]
-        return both, np.tile(operators.grid.size, operators.sides)
+        integrals = np.concatenate([risen, (-1.0) ** m * risen])[: operators.density_nodes]
+        return integrals, np.tile(operators.grid.size, operators.sides)
 
 
 _FIELDS = ("voltage", "magnetic potential")
@@ -132,7 +132,7 @@ class State:
         extent[:, 0] += self._solved[1][rows]
         return np.concatenate([extent, value[:, first : first + 2] / self.half, value[:, first + 2 :]], 1)
 
-    def _beside(self, rows: Array) -> tuple[Array, Array]:
+    def _exterior(self, rows: Array) -> tuple[Array, Array]:
         """u_y and potentials beside the contact, from rows (row, ...): (n, ...) and (field, n, ...)."""
         n, count = self.problem.nodes, len(self.problem.fields)
         part = rows[SOLVING : SOLVING + n * (1 + count)].reshape(1 + count, n, *rows.shape[1:])
@@ -141,11 +141,11 @@ class State:
     @cached_property
     def gap(self) -> Array:
         """Gap over h at the nodes; (n,)."""
-        return np.asarray(self.problem.powers[0] @ self._causes[0][0] - self._beside(self._solved[0])[0])
+        return np.asarray(self.problem.powers[0] @ self._causes[0][0] - self._exterior(self._solved[0])[0])
 
     @cached_property
     def _gap_rates(self) -> Array:
-        rates = -self._beside(self._rates)[0]
+        rates = -self._exterior(self._rates)[0]
         rates[:, :_EXTENT] += self.problem.powers[0] @ self._causes[0][1:].T
         return rates
 
@@ -158,8 +158,8 @@ class State:
     def densities_at_its_gap(self) -> Array:
         """Densities that potentials make where the gap does not move; (field n,)."""
         n, fields = self.problem.nodes, len(self.problem.fields)
-        potentials = self._beside(self._solved[0])[1]
-        by_density = self._beside(self.near.matrix(float(self.unknowns[0])))[1][..., self._causes[1].shape[1] :]
+        potentials = self._exterior(self._solved[0])[1]
+        by_density = self._exterior(self.near.matrix(float(self.unknowns[0])))[1][..., self._causes[1].shape[1] :]
         size = self.problem.powers[1]
         matrix = (
             -(self.problem.media[:, None, None] * by_density).reshape(n * fields, n * fields)
@@ -180,7 +180,7 @@ class State:
 
     @property
     def unknowns_of_held_potentials(self) -> Array:
-        """Those with the charges that make held potentials zero where neither the contact nor a density changes."""
+        """Unknowns with charges that make held potentials zero, contact and densities unchanged; (unknown,)."""
         held = [f for f in self.problem.fields if self.problem.held[f]]
         rows, columns = [1 + f for f in held], [_EXTENT + f for f in held]
         result = np.array(self.unknowns)
@@ -189,7 +189,7 @@ class State:
 
     @cached_property
     def sizes(self) -> Array:
-        """What steps of the unknowns are small against; (unknown,)."""
+        """Scales of the unknowns, over which steps are measured; (unknown,)."""
         largest_density = np.max(np.abs(self._densities), 1, initial=1e-300)
         largest_density = np.maximum(largest_density, 1e-4 * self.loads[0] / self.half)
         charge = np.maximum(np.abs(self.loads[1:]), np.max(largest_density) * self.half)
@@ -201,7 +201,7 @@ class State:
         load = self.half * self._solved[0][LOAD] / self.loads[0] - 1
         balance = self._causes[0][0, 0] - self._solved[0][BALANCE]
         closings = [self._closing(f) for f in (0, 1)]
-        potentials = self._beside(self._solved[0])[1]
+        potentials = self._exterior(self._solved[0])[1]
         law = self._densities * self.gap - self.problem.media[:, None] * potentials / self.problem.powers[1]
         return np.concatenate([[load, balance], closings, (law / self._reference).ravel()])
 
@@ -227,7 +227,7 @@ class State:
         matrix[1, :_EXTENT] += self._causes[0][1:, 0]
         matrix[_EXTENT, _EXTENT] = matrix[_EXTENT + 1, _EXTENT + 1] = 1.0
         n = self.problem.nodes
-        potentials = self._beside(self._rates)[1]
+        potentials = self._exterior(self._rates)[1]
         for place in range(len(self.problem.fields)):
             rows = slice(_EXTENT + 2 + place * n, _EXTENT + 2 + (place + 1) * n)
             law = self._densities[place][:, None] * self._gap_rates
@@ -248,13 +248,13 @@ class State:
 
     @property
     def open(self) -> bool:
-        """Whether the gap is open all along."""
+        """Return True if the gap is positive at every node."""
         return bool(np.all(self.gap > 0))
 
     def require_gap(self) -> None:
         """Refuse a gap that closes, as :func:`solver.gap.refusal.require_open`."""
         operators = self.problem.table.operators
-        X = np.concatenate([operators.grid.distance, -operators.grid.distance])[: operators.beside]
+        X = np.concatenate([operators.grid.distance, -operators.grid.distance])[: operators.density_nodes]
         held = " and ".join(name for name, is_held in zip(_FIELDS, self.problem.held, strict=True) if is_held)
         require_open(self.gap, self._reference, X, "(x - c)/h", held)
 
@@ -297,9 +297,9 @@ class State:
 
     @property
     def _by_load(self) -> Array:
-        """What P adds to depth, V and Psi by the datum; (3,)."""
-        own = -self.problem.contact.far[0][:, 0]
-        return np.asarray(own * np.array([-1.0, 1.0, 1.0]))
+        """Derivatives of depth, V and Psi in P by the datum alone; (3,)."""
+        by_datum = -self.problem.contact.far[0][:, 0]
+        return np.asarray(by_datum * np.array([-1.0, 1.0, 1.0]))
 
     @cached_property
     def at_fixed_contact(self) -> Array:
@@ -320,7 +320,7 @@ class Chord:
 
     @cached_property
     def causes(self) -> Array:
-        """What the unknowns do where the residual of the load, of T or of J falls by one; (unknown, 3)."""
+        """Changes of the unknowns when the residual of the load, of T or of J falls by one; (unknown, 3)."""
         right = np.zeros((self.system.columns.size, 3))
         right[0, 0] = right[_EXTENT, 1] = right[_EXTENT + 1, 2] = 1.0
         return self.system.solve(right)
@@ -330,13 +330,13 @@ class Chord:
         right = np.array(state.residual)
         held = state.held
         rows = [_EXTENT + f for f in held]
-        asked = right[rows]
+        potentials = right[rows]
         right[rows] = 0.0
         step = self.system.solve(right)
         if held:
-            own = state.response_rates[[1 + f for f in held]]
+            rates = state.response_rates[[1 + f for f in held]]
             by_charge = self.causes[:, [1 + f for f in held]]
-            step += by_charge @ np.linalg.solve(own @ by_charge, asked - own @ step)
+            step += by_charge @ np.linalg.solve(rates @ by_charge, potentials - rates @ step)
         return step
 
 
@@ -371,7 +371,7 @@ class AirContact(Problem):
 
     @property
     def _from_idle(self) -> State | None:
-        """What held potentials come to from the same contact with its charges given, the nearest start there is.
+        """Solution for held potentials, started from the same contact with prescribed charges: the nearest start.
 
         It may have a closed gap all the same: that of a half-plane at zero volts, where no charge is left beside it.
         """
@@ -391,7 +391,7 @@ class AirContact(Problem):
         return state.moved(np.concatenate([state.unknowns[: start.size], state.densities_at_its_gap]))
 
     def _sought(self, state: State, chord: Chord | None = None) -> State | None:
-        """What Newton's iteration comes to, its gap open or not; None where it comes to nothing.
+        """Limit of Newton's iteration, its gap open or not; None if it does not converge.
 
         The equations of one state serve the next ones as long as they make steps shrink.
         """

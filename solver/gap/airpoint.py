@@ -31,7 +31,7 @@ class AirPoint:
     operators: RingsByRadius
     coefficient: float
     force: float
-    given: Array
+    prescribed: Array
     held: tuple[bool, ...]
     media: Array
     end: float
@@ -85,7 +85,7 @@ class AirPoint:
         return result
 
     def _sought(self, state: "PointState") -> "PointState | None":
-        """What Newton's iteration comes to, its gap open or not; None where it comes to nothing."""
+        """Limit of Newton's iteration, its gap open or not; None if it does not converge."""
         last = 0.0
         for _ in range(_STEPS):
             step = np.linalg.solve(state.jacobian, state.residual)
@@ -171,20 +171,20 @@ class PointState:
         first = self.problem.rows.causes
         return np.concatenate([(rate @ self.columns)[:, None], value[:, : first - 1], value[:, first:]], 1)
 
-    def _beside(self, rows: Array) -> tuple[Array, Array]:
+    def _exterior(self, rows: Array) -> tuple[Array, Array]:
         """u_y and the potentials beside the contact less those at the edge; (n, ...) and (field, n, ...)."""
-        own = self.problem.rows
-        part = rows[own.raised : own.pressure.start].reshape(len(own.channels), own.nodes, *rows.shape[1:])
+        layout = self.problem.rows
+        part = rows[layout.raised : layout.pressure.start].reshape(len(layout.channels), layout.nodes, *rows.shape[1:])
         return part[0], part[1:]
 
     @cached_property
     def gap(self) -> Array:
         """Gap over C a^e at the nodes; (n,)."""
-        return np.asarray(self.problem.profile - self._beside(self.outputs)[0])
+        return np.asarray(self.problem.profile - self._exterior(self.outputs)[0])
 
     @cached_property
     def thinned(self) -> Array:
-        """What the end of the punch leaves of the gap's field; (n,)."""
+        """Factor 1/(1 + r^2/end^2) by which the finite punch weakens the gap's field; (n,)."""
         return 1 / (1 + (self.problem.rings.grid.distance * self.radius / self.problem.end) ** 2)
 
     @cached_property
@@ -199,13 +199,13 @@ class PointState:
         rows, load = self.problem.rows, self.size * self.radius
         force = load * self.outputs[0] / self.problem.force + 1
         closings = [self._closing(place) for place in range(len(rows.fields))]
-        law = self.over_size * self.gap / self.problem.profile - self.conductance * self._beside(self.outputs)[1]
+        law = self.over_size * self.gap / self.problem.profile - self.conductance * self._exterior(self.outputs)[1]
         return np.concatenate([[force, self.outputs[rows.edges][0], *closings], law.ravel()])
 
     def _closing(self, place: int) -> float:
         if self.problem.held[place]:
-            return float(self.displacement[1 + place] - self.problem.given[place] / self.size)
-        return float(self.outputs[1 + place] + self.problem.given[place] / (self.size * self.radius))
+            return float(self.displacement[1 + place] - self.problem.prescribed[place] / self.size)
+        return float(self.outputs[1 + place] + self.problem.prescribed[place] / (self.size * self.radius))
 
     @cached_property
     def jacobian(self) -> Array:
@@ -223,28 +223,28 @@ class PointState:
         matrix[0] = load * self._rates[0] / self.problem.force
         matrix[0, 0] += (e + 1) * load * self.outputs[0] / self.problem.force
         matrix[1] = self._rates[rows.edges][0]
-        potentials = self._beside(self._rates)[1]
+        potentials = self._exterior(self._rates)[1]
         n, first = rows.nodes, rows.causes
         for place in range(len(rows.fields)):
             if self.problem.held[place]:
                 matrix[2 + place, 2 + place] = 1.0
-                matrix[2 + place, 0] = e * self.problem.given[place] / self.size
+                matrix[2 + place, 0] = e * self.problem.prescribed[place] / self.size
             else:
                 matrix[2 + place] = self._rates[1 + place]
-                matrix[2 + place, 0] -= (e + 1) * self.problem.given[place] / load
-            own = slice(first + place * n, first + (place + 1) * n)
+                matrix[2 + place, 0] -= (e + 1) * self.problem.prescribed[place] / load
+            block = slice(first + place * n, first + (place + 1) * n)
             conductance = self.conductance[place]
             law = -conductance[:, None] * potentials[place]
-            law[:, 0] -= conductance * (1 - e - 2 * (1 - self.thinned)) * self._beside(self.outputs)[1][place]
+            law[:, 0] -= conductance * (1 - e - 2 * (1 - self.thinned)) * self._exterior(self.outputs)[1][place]
             if moved:
-                law -= (self.over_size[place] / self.problem.profile)[:, None] * self._beside(self._rates)[0]
-            law[:, own][np.diag_indices(n)] += self.gap / self.problem.profile
-            matrix[own] = law
+                law -= (self.over_size[place] / self.problem.profile)[:, None] * self._exterior(self._rates)[0]
+            law[:, block][np.diag_indices(n)] += self.gap / self.problem.profile
+            matrix[block] = law
         return matrix
 
     @cached_property
     def sizes(self) -> Array:
-        """What steps of the unknowns are small against; (unknown,)."""
+        """Scales of the unknowns, over which steps are measured; (unknown,)."""
         causes = np.maximum(np.abs(self.displacement), 1e-3 * np.max(np.abs(self.displacement)))
         largest = np.max(np.abs(self.over_size), 1, initial=1e-300)
         largest = np.maximum(largest, 1e-3 * self.problem.force / (self.size * self.radius))
@@ -252,7 +252,7 @@ class PointState:
 
     @property
     def open(self) -> bool:
-        """Whether the gap is open all along."""
+        """Return True if the gap is positive at every node."""
         return bool(np.all(self.gap > 0))
 
     @property
@@ -292,7 +292,7 @@ class PointState:
         return self._moved(np.asarray(np.linalg.solve(matrix, right)))[1:]
 
     def _moved(self, steps: Array) -> Array:
-        """Of -depth, V and Psi, by steps of the unknowns."""
+        """Changes of (-depth, V, Psi) for steps of the unknowns."""
         inner = self.problem.rows.causes
         return np.asarray(
             self.size * (steps[1:inner] + self.problem.shape.exponent * self.displacement[:, None] * steps[0])

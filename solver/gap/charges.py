@@ -39,8 +39,8 @@ class Charges:
     @cached_property
     def ends(self) -> Array:
         """Ends of intervals in u on which densities are smooth; (interval + 1,)."""
-        own = np.array(self.grid.ends)
-        return np.concatenate([own, own[-1] + _WIDTH * np.arange(1, self.intervals + 1)])
+        ends = np.array(self.grid.ends)
+        return np.concatenate([ends, ends[-1] + _WIDTH * np.arange(1, self.intervals + 1)])
 
     @cached_property
     def _middles(self) -> Array:
@@ -57,7 +57,7 @@ class Charges:
 
     def densities(self, u: Array) -> Array:
         """Densities at points u beside the contact; (side, 2, point)."""
-        return np.asarray(self.unknowns @ self.grid.at(u).T * self.grid.size_at(u))
+        return np.asarray(self.unknowns @ self.grid.interpolation(u).T * self.grid.size_at(u))
 
     @cached_property
     def _lines(self) -> Array:
@@ -83,7 +83,7 @@ class Charges:
         return np.asarray(self.unknowns @ self.grid.totals - np.asarray(legval(-1.0, self._beyond))[..., 0])
 
     # -- on the surface ------------------------------------------------------------------------------------------------
-    def at(self, X: Array) -> Array:
+    def density(self, X: Array) -> Array:
         """Densities at X beside the contact; (2, point)."""
         right, left = self.densities(np.arccosh(np.abs(X)))
         return np.asarray(np.where(X > 0, right, left))
@@ -107,10 +107,10 @@ class Charges:
         out: ComplexArray = np.empty((2, z.size), np.complex128)
         step = max(_BLOCK // self._u.size, 1)
         for start in range(0, z.size, step):
-            some = slice(start, start + step)
-            right = self._of_side(0, z[some], integrated)
-            left = self._of_side(1, -np.conj(z[some]), integrated)
-            out[:, some] = right + (1 if integrated else -1) * np.conj(left)
+            block = slice(start, start + step)
+            right = self._of_side(0, z[block], integrated)
+            left = self._of_side(1, -np.conj(z[block]), integrated)
+            out[:, block] = right + (1 if integrated else -1) * np.conj(left)
         return out
 
     def _of_side(self, side: int, z: ComplexArray, integrated: bool) -> ComplexArray:
@@ -132,21 +132,23 @@ class Charges:
 
     def _summed(self, rule: Array, z: ComplexArray) -> tuple[Array, Array]:
         """Real and imaginary part of the sum of rule / (cosh u - z); (2, point) each."""
-        away = 2 * np.sinh(self._u / 2).ravel()[:, None] ** 2 - (z.real - 1)  # a difference of distances to the edge
-        size = away**2 + z.imag**2
+        distance = 2 * np.sinh(self._u / 2).ravel()[:, None] ** 2 - (
+            z.real - 1
+        )  # a difference of distances to the edge
+        size = distance**2 + z.imag**2
         size[size == 0] = _TINY
-        return rule @ (away / size), (rule @ (1 / size)) * z.imag
+        return rule @ (distance / size), (rule @ (1 / size)) * z.imag
 
-    def _mend(self, found: ComplexArray, w: ComplexArray, series: Array, weights: Array, integrated: bool) -> None:
+    def _mend(self, transforms: ComplexArray, w: ComplexArray, series: Array, weights: Array, integrated: bool) -> None:
         """Add what Gauss's rules miss of the poles at u = w and u = -w."""
         for sign in (1, -1):
             pole = sign * w
             local = (pole - self._middles[:, None]) / self._halves[:, None]
             close = np.abs(local + np.sqrt(local - 1) * np.sqrt(local + 1)) < _ELLIPSE
             for number in np.flatnonzero(close.any(1)).tolist():
-                here = np.flatnonzero(close[number])
-                at = pole[here]
-                exact = np.log(self.ends[number + 1] - at) - np.log(self.ends[number] - at)
-                ruled = (1 / (self._u[number] - at[:, None])) @ weights[number]
-                residue = legval(local[number, here], series[..., number])
-                found[:, here] += (sign if integrated else 1) * residue * (exact - ruled)
+                points = np.flatnonzero(close[number])
+                poles = pole[points]
+                exact = np.log(self.ends[number + 1] - poles) - np.log(self.ends[number] - poles)
+                ruled = (1 / (self._u[number] - poles[:, None])) @ weights[number]
+                residue = legval(local[number, points], series[..., number])
+                transforms[:, points] += (sign if integrated else 1) * residue * (exact - ruled)

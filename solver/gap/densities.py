@@ -1,4 +1,4 @@
-"""What the kernels of a stack make of charges on the right side beside a contact.
+"""Integrals of a stack's kernels against charges on the right side of a contact.
 
 One rule serves all targets where the kernel is smooth over an interval (:mod:`solver.gap.rules`); elsewhere
 intervals end where the kernel's panels do. About the contact, where densities lie on short panels and targets are many,
@@ -53,19 +53,19 @@ class Densities:
         return whole + self._by_pieces(h, X, rough, mix) if np.any(rough) else whole
 
     def _by_pieces(self, h: float, X: Array, rough: BoolArray, mix: Array) -> Array:
-        """What the intervals of :attr:`Grid.rules` add where the kernel is not smooth over them; (target, ..., n)."""
+        """Integrals over the intervals of :attr:`Grid.rules` on which the kernel is not smooth; (target, ..., n)."""
         grid = self.grid
-        some = np.flatnonzero(rough.any(1))
+        targets = np.flatnonzero(rough.any(1))
         result = []
-        for row, panel, start, stop in self._pieces(h, X[some], self.kernel.ends, rough[some]):
+        for row, panel, start, stop in self._pieces(h, X[targets], self.kernel.ends, rough[targets]):
             theta, shape = grid.ruled(panel, *spans(start, stop))
-            values = far(self.kernel, h * (X[some][row, None] - np.cosh(theta)), mix)
-            result.append((some[row] * grid.panels + panel, np.swapaxes(values, 1, 2) @ shape))
+            values = far(self.kernel, h * (X[targets][row, None] - np.cosh(theta)), mix)
+            result.append((targets[row] * grid.panels + panel, np.swapaxes(values, 1, 2) @ shape))
         out = np.zeros((X.size * grid.panels, mix.shape[1], grid.count // grid.panels))
-        for place, own in result:  # pieces of a panel follow each other
+        for place, parts in result:  # pieces of a panel follow each other
             first = np.flatnonzero(np.diff(place, prepend=-1))
             if first.size:
-                out[place[first]] = np.add.reduceat(own, first)
+                out[place[first]] = np.add.reduceat(parts, first)
         whole = np.moveaxis(out.reshape(X.size, grid.panels, mix.shape[1], -1), 1, 2)
         return np.asarray(whole.reshape(X.size, mix.shape[1], grid.count))
 
@@ -81,10 +81,10 @@ class Densities:
         inner = np.arccosh(np.clip(breaks, 1.0, far))
         inverse = np.exp(-np.arccosh(np.maximum(breaks, far)))
         result = []
-        for own, among, first in ((ends, inner, 0), (grid.infinite_ends, inverse, grid.panels - 1)):
-            all_ends = np.sort(np.concatenate([np.tile(own, (X.size, 1)), among], 1), 1)
-            start, stop = all_ends[:, :-1], np.minimum(all_ends[:, 1:], own.max())
-            interval = np.clip(np.searchsorted(own, (start + stop) / 2) - 1, 0, own.size - 2) + first
+        for panel_ends, kernel_breaks, first in ((ends, inner, 0), (grid.infinite_ends, inverse, grid.panels - 1)):
+            all_ends = np.sort(np.concatenate([np.tile(panel_ends, (X.size, 1)), kernel_breaks], 1), 1)
+            start, stop = all_ends[:, :-1], np.minimum(all_ends[:, 1:], panel_ends.max())
+            interval = np.clip(np.searchsorted(panel_ends, (start + stop) / 2) - 1, 0, panel_ends.size - 2) + first
             row, place = np.nonzero((stop > start) & np.take_along_axis(rough, interval, 1))
             panel = np.minimum(interval[row, place], grid.panels - 1)
             result.append((row, panel, start[row, place], stop[row, place]))
@@ -115,7 +115,7 @@ def far(wide: Kernel, x: Array, mix: Array) -> Array:
 def sampled(
     wide: Kernel, grid: Grid, fields: tuple[int, ...], h: float, points: tuple[float, ...]
 ) -> tuple[Array, Array]:
-    """What the kernels make of densities of the right side; no friction is in it, so that tables of several share it.
+    """Integrals of the kernels against densities of the right side; tables of any friction share them.
 
     Sums of :func:`mixing` at points about the contact, (point, 7 field, n), and displacements alone at the nodes beyond
     on the right and on the left, (2 node, 3 field, n).

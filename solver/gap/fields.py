@@ -41,9 +41,12 @@ def surface_fields(state: State, positions: Array) -> dict[str, Array]:
     c, whole = system.coefficients, local_fields(solved.assembly)[0] @ solved.unknowns
     smooth = solved.assembly.gradients[0] @ solved.drawn + solved.carried(X)
     charges, H = np.zeros((2, 3, X.size))
-    charges[1:, beyond], charges[1:, ~beyond] = solved.beside.at(X[beyond]), solved.beside.drawn(X[~beyond])
+    charges[1:, beyond], charges[1:, ~beyond] = (
+        solved.exterior_charges.density(X[beyond]),
+        solved.exterior_charges.drawn(X[~beyond]),
+    )
     on_it: ComplexArray = np.asarray(X[beyond], dtype=np.complex128)
-    H[1:, beyond] = solved.beside.transforms(on_it).real  # within the contact it is zero
+    H[1:, beyond] = solved.exterior_charges.transforms(on_it).real  # within the contact it is zero
     whole[:3] += charges
     whole[3:] += smooth[1:]
     whole[3:5] += c.compliance[1:] @ H
@@ -83,9 +86,9 @@ def inside(films: Films, permittivity: Array, x: Array, y: Array, names: tuple[s
     return out
 
 
-def peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, Array]:
+def peaks(films: Films, permittivity: Array, names: Set[str]) -> dict[str, Array]:
     """Quantities of ``solver.names.FILM_PEAKS`` that are asked for and the cases have, as without air; (case,) each."""
-    return film.peaks(films, asked, _tables(films, permittivity))
+    return film.peaks(films, names, _tables(films, permittivity))
 
 
 def curves(films: Films, permittivity: Array, regions: Sequence[str]) -> dict[str, Array]:
@@ -93,9 +96,9 @@ def curves(films: Films, permittivity: Array, regions: Sequence[str]) -> dict[st
     return film.curves(films, regions, _tables(films, permittivity))
 
 
-def body_peaks(films: Films, permittivity: Array, asked: Set[str]) -> dict[str, Array]:
+def body_peaks(films: Films, permittivity: Array, names: Set[str]) -> dict[str, Array]:
     """Quantities of ``solver.names.PEAKS`` that are asked for, of half-planes as films of themselves; (case,) each."""
-    out = {name: np.empty(films.load.size) for name in PEAKS if name in asked}
+    out = {name: np.empty(films.load.size) for name in PEAKS if name in names}
     for place, state in states(films, permittivity) if out else ():
         h = np.array([state.half])
         net = of_whole(films.kind.stack(), state.half, _BOTTOM, _FAR)
@@ -121,8 +124,10 @@ def body_curves(films: Films, permittivity: Array) -> dict[str, Array]:
         panels = REGIONS["body"].panels
         by_panel = panels.by_panel(stresses[..., 0])
         below = panels.by_panel(np.broadcast_to(depth[:, None], (depth.size, X.size)))
-        own = {"mean_pressure": films.load[[place]] / (2 * half), "half_length": half} | named(by_panel, half, below)
-        for name, value in own.items():
+        curves_of_case = {"mean_pressure": films.load[[place]] / (2 * half), "half_length": half} | named(
+            by_panel, half, below
+        )
+        for name, value in curves_of_case.items():
             result.setdefault(name, []).append(value)
     return {name: np.concatenate(values) for name, values in result.items()}
 
@@ -180,7 +185,7 @@ class AirPeaks(PeakTable):
     def _near(self) -> AirTractions:
         return _reaching(self.state, self._reach)
 
-    def read(self, contact: FilmContact, series: Array, some: slice = slice(None)) -> Array:
+    def read(self, contact: FilmContact, series: Array, cases: slice = slice(None)) -> Array:
         """The stresses of the one case.
 
         series: (1, stress, depth, x), Pa.

@@ -1,4 +1,4 @@
-"""Where charges lie beside a contact: panels on both sides, and what the half-plane makes of them (theory section 10).
+"""Panels for charges on both sides of a contact, and the half-plane's response to them (theory section 10).
 
 Beside the contact X = +-cosh(theta). On a side the density is a polynomial in u on each panel, u = theta, and on the
 last one, which ends at infinity, u = exp(-theta) and the density u^2 times a polynomial. The contact of a half-plane
@@ -104,7 +104,7 @@ class Grid:
 
     @cached_property
     def _at_infinity(self) -> Array:
-        """From values at the nodes of the last panel to coefficients of its terms; (term, node)."""
+        """Matrix from values at the nodes of the last panel to coefficients of its terms; (term, node)."""
         return np.asarray(np.linalg.inv(self._far_terms(self.u[-1])))
 
     def _far_terms(self, u: Array) -> Array:
@@ -115,7 +115,7 @@ class Grid:
         return np.concatenate([powers, logs], -1)
 
     def interpolations(self, panels: Indices, u: Array) -> Array:
-        """From values at the nodes of panels (piece,) to those at points u (piece, point); (piece, point, node).
+        """Interpolation matrices from the nodes of panels (piece,) to points u (piece, point); (piece, point, node).
 
         panels: (piece,); u: (piece, point).
         """
@@ -135,8 +135,8 @@ class Grid:
         infinite = (panels == self.panels - 1)[:, None]
         return self.interpolations(panels, np.where(infinite, np.exp(-theta), theta))
 
-    def at(self, theta: Array) -> Array:
-        """From values at all nodes to those at theta; (place, n)."""
+    def interpolation(self, theta: Array) -> Array:
+        """Interpolation matrix from all nodes to theta; (place, n)."""
         panels = np.minimum(np.searchsorted(self.ends[1:], theta), self.panels - 1)
         whole = np.zeros((theta.size, self.panels, _NODES))
         whole[np.arange(theta.size), panels] = self.interpolations_at(panels, theta[:, None])[:, 0]
@@ -189,7 +189,7 @@ class Grid:
         return points, np.einsum("pqc,pqn->cpn", values, shape).reshape(count, -1)
 
     def rough_at(self, X: Array, strip: float) -> BoolArray:
-        """Where a rule is not good for what has singularities at X +- i strip; (point, interval).
+        """Mark intervals whose rule is inaccurate for a kernel with singularities at X +- i strip; (point, interval).
 
         X: (point,).
         """
@@ -203,17 +203,17 @@ class Grid:
 
     @cached_property
     def _whole(self) -> list[tuple[Array, Array]]:
-        """Of every panel, theta and weights of a rule that is graded towards the edge and towards infinity."""
+        """Theta and weights of every panel's rule, graded towards the edge and towards infinity."""
         return [self._ruled(panel, 0.0 if panel == 0 else None)[1:] for panel in range(self.panels)]
 
-    def _ruled(self, panel: int, at: float | None) -> tuple[Array, Array, Array]:
+    def _ruled(self, panel: int, singular: float | None) -> tuple[Array, Array, Array]:
         """Nodes u, theta and weights as of :meth:`ruled` of one panel, graded towards u = at; (point, ...) each."""
         low, high = self.limits[panel]
         ends = [low, high]
         if panel == self.panels - 1:
             ends += list(high * _RATIO ** np.arange(1, 10))
-        if at is not None:
-            inner = min(max(at, low), high)
+        if singular is not None:
+            inner = min(max(singular, low), high)
             for side, far in ((-1.0, inner - low), (1.0, high - inner)):
                 if far > 0:
                     ends += list(inner + side * far * _RATIO ** np.arange(1, 10))
@@ -222,9 +222,9 @@ class Grid:
         theta, shape = self.ruled(np.array([panel]), u[None], weights[None])
         return u, theta[0], shape[0]
 
-    def integrated(self, of: Callable[[Array], Array]) -> Array:
+    def integrated(self, function: Callable[[Array], Array]) -> Array:
         """Integrals of functions of theta, (..., point), times the density over X; (..., n)."""
-        return np.concatenate([of(theta) @ shape for theta, shape in self._whole], -1)
+        return np.concatenate([function(theta) @ shape for theta, shape in self._whole], -1)
 
     def induced_terms(self, count: int) -> Array:
         """Coefficients of T_n / sqrt(1 - X^2) in the charge within the contact that the density draws; (count, n)."""
@@ -243,9 +243,9 @@ class Grid:
 
     def induced(self, X: Array) -> Array:
         """Charge within the contact, times sqrt(1 - X^2), that the density draws; (point, n)."""
-        away = (1 - X)[:, None]
+        distance = (1 - X)[:, None]
         # sinh / (cosh - X), without a difference next to the edge
-        return self.integrated(lambda theta: np.sinh(theta) / (2 * np.sinh(theta / 2) ** 2 + away)) / -np.pi
+        return self.integrated(lambda theta: np.sinh(theta) / (2 * np.sinh(theta / 2) ** 2 + distance)) / -np.pi
 
     @cached_property
     def green(self) -> tuple[Array, Array]:
@@ -255,20 +255,20 @@ class Grid:
             for panel in range(self.panels):
                 low, high = self.limits[panel]
                 infinite = panel == self.panels - 1
-                at = np.exp(-theta) if infinite else theta
-                near = low - (high - low) < at < high + (high - low)
-                u, other, shape = self._ruled(panel, at if near else None)
-                distance = np.log(u / at) if infinite else u - at
+                target = np.exp(-theta) if infinite else theta
+                near = low - (high - low) < target < high + (high - low)
+                u, other, shape = self._ruled(panel, target if near else None)
+                distance = np.log(u / target) if infinite else u - target
                 with np.errstate(divide="ignore"):
-                    beside = np.log(np.abs(np.sinh((theta + other) / 2) / np.sinh(distance / 2)))
+                    same_side = np.log(np.abs(np.sinh((theta + other) / 2) / np.sinh(distance / 2)))
                 opposite = np.log(np.cosh((theta + other) / 2) / np.cosh((theta - other) / 2))
-                same[row, self.slice(panel)] = beside @ shape
+                same[row, self.slice(panel)] = same_side @ shape
                 across[row, self.slice(panel)] = opposite @ shape
         return same, across
 
     @cached_property
     def cumulative(self) -> Array:
-        """From f sinh(theta) at the nodes to the integral of f dX from the edge to each; (n, n)."""
+        """Matrix from f sinh(theta) at the nodes to the integral of f dX from the edge to each node; (n, n)."""
         result, before = np.zeros((self.count, self.count)), np.zeros(self.count)
         powers = np.arange(_NODES)
         for panel in range(self.panels):
@@ -303,7 +303,7 @@ class Grid:
     @cached_property
     def edge(self) -> Array:
         """The density at the edge; (n,)."""
-        return np.asarray(self.at(np.zeros(1))[0])
+        return np.asarray(self.interpolation(np.zeros(1))[0])
 
 
 @cached_small

@@ -24,23 +24,23 @@ def peak_density(state: State, field: int) -> float:
     place = state.problem.fields.index(field)
     start = FIRST + state.problem.nodes * (1 + len(state.problem.fields)) + place * ANGLES.size
     within = state.outputs[start : start + ANGLES.size]
-    return max(peak_of_panels(within.reshape(-1, WITHIN)), _beside(state, place)) / float(
+    return max(peak_of_panels(within.reshape(-1, WITHIN)), _exterior(state, place)) / float(
         state.problem.contact.scale[2 + field]
     )
 
 
 def gap_field(state: State, field: int) -> float:
     """Largest field in the gap [V/m, A/m]."""
-    density = _beside(state, state.problem.fields.index(field)) / float(state.problem.contact.scale[2 + field])
+    density = _exterior(state, state.problem.fields.index(field)) / float(state.problem.contact.scale[2 + field])
     return density / float(state.problem.permittivity[field])
 
 
-def _beside(state: State, place: int) -> float:
+def _exterior(state: State, place: int) -> float:
     grid = state.problem.table.operators.grid
     nodes = grid.count // grid.panels
-    own = state.densities[place].reshape(-1, grid.panels, nodes)
-    at_edge = own[:, 0] @ grid.edge[:nodes]
-    return max(peak_of_panels(own[:, :-1].reshape(-1, nodes)), float(np.max(np.abs(at_edge))))
+    densities = state.densities[place].reshape(-1, grid.panels, nodes)
+    at_edge = densities[:, 0] @ grid.edge[:nodes]
+    return max(peak_of_panels(densities[:, :-1].reshape(-1, nodes)), float(np.max(np.abs(at_edge))))
 
 
 def peak_of_panels(values: Array) -> float:
@@ -54,8 +54,8 @@ def peak_of_panels(values: Array) -> float:
 def _top(samples: Array) -> float:
     """Largest absolute value of curves by samples at even distances, between them by parabolas; (curve, sample)."""
     sizes = np.abs(samples)
-    before, here, after = sizes[:, :-2], sizes[:, 1:-1], sizes[:, 2:]
-    top = (here >= before) & (here >= after)
-    bend = np.where(top, before - 2 * here + after, -1.0)
+    before, middle, after = sizes[:, :-2], sizes[:, 1:-1], sizes[:, 2:]
+    top = (middle >= before) & (middle >= after)
+    bend = np.where(top, before - 2 * middle + after, -1.0)
     rise = (after - before)[top] ** 2 / (-8 * np.where(bend < 0, bend, -1.0)[top])
-    return float(max(np.max(sizes), np.max(here[top] + rise, initial=0.0)))
+    return float(max(np.max(sizes), np.max(middle[top] + rise, initial=0.0)))

@@ -25,7 +25,7 @@ class Factored:
 
     @classmethod
     def of(cls, matrix: Array) -> Self:
-        """Of a matrix (n, n)."""
+        """Scale and factorise a matrix (n, n)."""
         columns = 1 / np.max(np.abs(matrix), axis=0)
         scaled = matrix * columns
         rows = 1 / np.max(np.abs(scaled), axis=1)

@@ -1,4 +1,4 @@
-"""What charges beside a contact do to it and to the surface beside it, at given half-lengths (theory section 10).
+"""Effect of exterior charges on a contact and on the exterior surface, at given half-lengths (theory section 10).
 
 Everything is linear in the causes of the contact (:mod:`solver.line.loading`) and in the densities at the nodes of both
 sides: the smooth kernels of a stack make a right side of them for the contact's own system, the half-plane's part is
@@ -52,33 +52,33 @@ class Operators:
         return 1 if self.even else 2
 
     @property
-    def beside(self) -> int:
+    def density_nodes(self) -> int:
         """Number of nodes whose densities are unknowns."""
         return self.sides * self.grid.count
 
     @property
     def rows(self) -> int:
         """Number of outputs."""
-        return FIRST + self.beside * (1 + len(self.system.fields)) + ANGLES.size * len(self.system.fields)
+        return FIRST + self.density_nodes * (1 + len(self.system.fields)) + ANGLES.size * len(self.system.fields)
 
     @cached_property
     def _wide(self) -> Kernel | None:
         """Kernels as far as charges lie; none of a stack that is a half-plane."""
-        stack, own = self.system.kernel.stack, self.system.kernel
-        if np.max(np.abs(own.positive.series)) < _NOTHING:
+        stack, narrow = self.system.kernel.stack, self.system.kernel
+        if np.max(np.abs(narrow.positive.series)) < _NOTHING:
             return None
-        return kernel(stack, float(max(_REACH * own.width, own.reach)), by_distance=True)
+        return kernel(stack, float(max(_REACH * narrow.width, narrow.reach)), by_distance=True)
 
-    def at(self, half_lengths: Array) -> Array:
+    def matrices(self, half_lengths: Array) -> Array:
         """Outputs of every cause and density at half-lengths [m]; (half, row, column)."""
-        columns = self.system.causes + len(self.system.fields) * self.beside
+        columns = self.system.causes + len(self.system.fields) * self.density_nodes
         result = np.empty((half_lengths.size, self.rows, columns))
         for basis, members in batches(self.system, half_lengths):
             result[members] = _Assembled(self, basis, half_lengths[members]).outputs
         return result
 
     def folded(self, values: Array) -> Array:
-        """Of columns (..., both sides) those of the unknowns."""
+        """Fold columns (..., both sides) to those of the unknown densities."""
         count = self.grid.count
         return values[..., :count] + values[..., count:] if self.even else values
 
@@ -87,84 +87,84 @@ class Operators:
 class _Assembled:
     """Operators at half-lengths that share a basis."""
 
-    of: Operators
+    operators: Operators
     basis: Basis
     half_lengths: Array
 
     @property
     def _fields(self) -> tuple[int, ...]:
-        return self.of.system.fields
+        return self.operators.system.fields
 
     @cached_property
     def _assembly(self) -> Assembly:
-        return Assembly(self.of.system, self.basis, self.half_lengths)
+        return Assembly(self.operators.system, self.basis, self.half_lengths)
 
     @cached_property
     def _induced(self) -> Array:
         """Terms T_n / sqrt(1 - X^2) that charges of the right and of the left side induce; (M + 1, 2 n)."""
-        right = self.of.grid.induced_terms(self.basis.terms + 1)
+        right = self.operators.grid.induced_terms(self.basis.terms + 1)
         return np.concatenate([right, (-1.0) ** np.arange(len(right))[:, None] * right], 1)
 
     @cached_property
     def _positions(self) -> Array:
         """X of the nodes on the right, then on the left, then of both edges; (2 n + 2,)."""
-        X = self.of.grid.distance
+        X = self.operators.grid.distance
         return np.concatenate([X, -X, [1.0, -1.0]])
 
     @property
     def outputs(self) -> Array:
         """(half, row, column)."""
-        of, system, grid = self.of, self.of.system, self.of.grid
+        operators, system, grid = self.operators, self.operators.system, self.operators.grid
         starts, count = system.starts(self.basis), 2 * grid.count
         direct = [self._direct(number) for number in range(self.half_lengths.size)]
         gradients = np.stack([part[0] for part in direct])
         for place, f in enumerate(self._fields):
             part = slice(place * count, (place + 1) * count)
-            own = slice(starts[f], starts[f] + self.basis.terms + 1)
-            gradients[..., part] += self._assembly.at_nodes[..., own] @ self._induced
+            block = slice(starts[f], starts[f] + self.basis.terms + 1)
+            gradients[..., part] += self._assembly.at_nodes[..., block] @ self._induced
         sources = np.concatenate(
-            [of.folded(gradients[..., p * count : (p + 1) * count]) for p in range(len(self._fields))], -1
+            [operators.folded(gradients[..., p * count : (p + 1) * count]) for p in range(len(self._fields))], -1
         )
         unknowns = system.solve(self.basis, self._assembly.at_nodes, sources=sources)
         functionals = outputs.functionals(self._assembly)[:, _FROM]
         contact = functionals @ unknowns
-        beside = self._beside(unknowns)
+        exterior = self._exterior(unknowns)
         first = system.causes
         for number, (_, displacement, edge, outside) in enumerate(direct):
             for place, f in enumerate(self._fields):
-                columns = slice(first + place * of.beside, first + (place + 1) * of.beside)
+                columns = slice(first + place * operators.density_nodes, first + (place + 1) * operators.density_nodes)
                 part = slice(place * count, (place + 1) * count)
-                contact[number, DISPLACEMENT, columns] += of.folded(self._mean(number, f, displacement[:, part]))
-                contact[number, EDGE, columns] += of.folded(self._edge(number, f, edge[:, part]))
-                beside[number, :, :, columns] += of.folded(self._outside(number, f, outside[..., part]))
+                contact[number, DISPLACEMENT, columns] += operators.folded(self._mean(number, f, displacement[:, part]))
+                contact[number, EDGE, columns] += operators.folded(self._edge(number, f, edge[:, part]))
+                exterior[number, :, :, columns] += operators.folded(self._outside(number, f, outside[..., part]))
         shape = (self.half_lengths.size, -1, contact.shape[-1])
-        return np.concatenate([contact, beside.reshape(shape), self._within(unknowns).reshape(shape)], 1)
+        return np.concatenate([contact, exterior.reshape(shape), self._within(unknowns).reshape(shape)], 1)
 
     def _within(self, unknowns: Array) -> Array:
         """D_y and B_y of the conducted fields at ``ANGLES``; (half, field, angle, column)."""
-        system, basis, of = self.of.system, self.basis, self.of
+        system, basis, operators = self.operators.system, self.basis, self.operators
         X, sine = np.cos(ANGLES), np.sin(ANGLES)
         normal = basis.weight(X)[:, None] * basis.pressure_factor(X)
         series = np.cos(ANGLES[:, None] * np.arange(basis.terms + 1)) / sine[:, None]
-        induced = np.concatenate([of.grid.induced(X), of.grid.induced(-X)], 1) / sine[:, None]
+        induced = np.concatenate([operators.grid.induced(X), operators.grid.induced(-X)], 1) / sine[:, None]
         result = []
         for place, (f, start) in enumerate(system.starts(basis).items()):
-            own = series @ unknowns[:, start : start + basis.terms + 1]
-            own += system.coefficients.follower[f] * normal @ unknowns[:, : basis.pressures]
-            first = system.causes + place * of.beside
-            own[..., first : first + of.beside] += of.folded(induced)
-            result.append(own)
+            density = series @ unknowns[:, start : start + basis.terms + 1]
+            density += system.coefficients.follower[f] * normal @ unknowns[:, : basis.pressures]
+            first = system.causes + place * operators.density_nodes
+            density[..., first : first + operators.density_nodes] += operators.folded(induced)
+            result.append(density)
         return np.stack(result, 1)
 
     # -- densities -----------------------------------------------------------------------------------------------------
     def _direct(self, number: int) -> tuple[Array, Array, Array, Array]:
-        """What the kernels make of the densities of each field, both sides; c columns, the fields times both sides.
+        """Kernel integrals of each field's densities, both sides; c columns, the fields times both sides.
 
         Gradients at the contact's nodes (3, M, c), mean displacements (3, c), du_x/dx at the edges (2, c),
         displacements beside the contact less those at its edge (3, 2 n, c).
         """
-        grid, nodes, count = self.of.grid, self.basis.nodes, self.of.grid.count
-        size, h, wide = len(self._fields), float(self.half_lengths[number]), self.of._wide
+        grid, nodes, count = self.operators.grid, self.basis.nodes, self.operators.grid.count
+        size, h, wide = len(self._fields), float(self.half_lengths[number]), self.operators._wide
         if wide is None:
             zero = np.zeros((3, 2 * count, 2 * count * size))
             return zero[:, : nodes.size], zero[:, 0], zero[0, :2], zero
@@ -193,7 +193,7 @@ class _Assembled:
         Places are the nodes next to the right and the left edge, the edges and the contact's nodes. Where the contact
         is narrow, points are a few of Chebyshev's; where it is wide, they are the places, then their mirror images.
         """
-        wide, X = self.of._wide, self.of.grid.distance[: self.of.grid.close]
+        wide, X = self.operators._wide, self.operators.grid.distance[: self.operators.grid.close]
         assert wide is not None
         places = np.concatenate([X, -X, [1.0, -1.0], self.basis.nodes])
         count = enough(wide.smoothness / float(self.half_lengths[number]), 2 * CLOSE)
@@ -203,7 +203,7 @@ class _Assembled:
 
     def _sides(self, near: Array, beyond: Array) -> Array:
         """Displacements at all nodes less those at their edges, of places about the contact and (side, node, ...)."""
-        close = self.of.grid.close
+        close = self.operators.grid.close
         sides = [
             np.concatenate([near[side * close : (side + 1) * close], beyond[side]]) - near[2 * close + side]
             for side in (0, 1)
@@ -213,53 +213,53 @@ class _Assembled:
     @property
     def _near_among(self) -> NDArray[np.intp]:
         """The nodes next to the edges among those of ``_about``."""
-        near = np.arange(self.of.grid.near)
-        return np.concatenate([near, self.of.grid.close + near])
+        near = np.arange(self.operators.grid.near)
+        return np.concatenate([near, self.operators.grid.close + near])
 
     def _mean(self, number: int, f: int, smooth: Array) -> Array:
         """Displacements of the contact by densities of a field; (3, 2 n)."""
-        c = self.of.system.coefficients
-        start = self.of.system.starts(self.basis)[f]
-        rises = np.tile(self.of.grid.rises, 2)
-        own = self._assembly.displacements[number][:, start : start + self.basis.terms + 1] @ self._induced
-        return np.asarray(smooth + own - c.compliance[:, 1 + f, None] / np.pi * rises)
+        c = self.operators.system.coefficients
+        start = self.operators.system.starts(self.basis)[f]
+        rises = np.tile(self.operators.grid.rises, 2)
+        of_contact = self._assembly.displacements[number][:, start : start + self.basis.terms + 1] @ self._induced
+        return np.asarray(smooth + of_contact - c.compliance[:, 1 + f, None] / np.pi * rises)
 
     def _edge(self, number: int, f: int, smooth: Array) -> Array:
         """sigma_xx just outside the edges by densities of a field; (2, 2 n)."""
-        system = self.of.system
+        system = self.operators.system
         c, half, scale = system.coefficients, system.sliding.halfplane, system.kernel.stack.scale
-        start, count = system.starts(self.basis)[f], self.of.grid.count
+        start, count = system.starts(self.basis)[f], self.operators.grid.count
         strain = smooth + self._assembly.gradients[number][3][:, start : start + self.basis.terms + 1] @ self._induced
-        here = np.zeros((2, 2 * count))
-        here[0, :count] = here[1, count:] = self.of.grid.edge
-        strain = strain - c.coupling[1 + f] * here
+        at_edges = np.zeros((2, 2 * count))
+        at_edges[0, :count] = at_edges[1, count:] = self.operators.grid.edge
+        strain = strain - c.coupling[1 + f] * at_edges
         share = half.in_plane_share[1 + f] * scale[1] / scale[2 + f]
-        return np.asarray(float(half.in_plane_stiffness) * scale[0] ** 2 * strain + share * here)
+        return np.asarray(float(half.in_plane_stiffness) * scale[0] ** 2 * strain + share * at_edges)
 
     # -- beside the contact --------------------------------------------------------------------------------------------
-    def _beside(self, unknowns: Array) -> Array:
+    def _exterior(self, unknowns: Array) -> Array:
         """u_y and the potentials of the fields, less those at the edge, per column; (half, 1 + field, n, column)."""
-        beside = self.of.beside
-        rows = self._local + self._from_contact[:, [0, *(1 + f for f in self._fields)], :beside]
+        count = self.operators.density_nodes
+        rows = self._local + self._from_contact[:, [0, *(1 + f for f in self._fields)], :count]
         return np.asarray((rows.reshape(rows.shape[0], -1, rows.shape[-1]) @ unknowns).reshape(*rows.shape[:3], -1))
 
     @cached_property
     def _local(self) -> Array:
         """The same of every unknown, by the half-plane alone; (1 + field, n, unknown)."""
-        system, basis, of = self.of.system, self.basis, self.of
-        c, count = system.coefficients, of.grid.count
-        X = self._positions[: of.beside]
-        signed = np.sinh(np.tile(of.grid.theta, of.sides)) * np.sign(X)
-        pressed = (basis.transforms(X)[0] * signed[:, None]).reshape(of.sides, count, -1)
-        orders, theta = np.arange(basis.terms + 1), of.grid.theta[:, None]
+        system, basis, operators = self.operators.system, self.basis, self.operators
+        c, count = system.coefficients, operators.grid.count
+        X = self._positions[: operators.density_nodes]
+        signed = np.sinh(np.tile(operators.grid.theta, operators.sides)) * np.sign(X)
+        pressed = (basis.transforms(X)[0] * signed[:, None]).reshape(operators.sides, count, -1)
+        orders, theta = np.arange(basis.terms + 1), operators.grid.theta[:, None]
         with np.errstate(invalid="ignore"):
             charged = np.where(orders, np.expm1(-orders * theta) / np.maximum(orders, 1), -theta)
         fields = np.array(self._fields, dtype=int)
         M = c.compliance[np.ix_(1 + fields, 1 + fields)]
-        result = np.zeros((1 + fields.size, of.beside, system.unknowns(basis)))
-        normal = (of.grid.cumulative @ pressed).reshape(of.beside, -1)
+        result = np.zeros((1 + fields.size, operators.density_nodes, system.unknowns(basis)))
+        normal = (operators.grid.cumulative @ pressed).reshape(operators.density_nodes, -1)
         result[1:, :, : basis.pressures] = (c.lam / c.kap * (M @ c.friction_screening[fields]))[:, None, None] * normal
-        carried = np.concatenate([charged, (-1.0) ** orders * charged])[: of.beside]
+        carried = np.concatenate([charged, (-1.0) ** orders * charged])[: operators.density_nodes]
         for place, start in enumerate(system.starts(basis).values()):
             result[1:, :, start : start + basis.terms + 1] = M[:, place, None, None] * carried
         result[0] = np.tensordot(c.screening[fields], result[1:], 1)
@@ -269,8 +269,8 @@ class _Assembled:
     @cached_property
     def _from_contact(self) -> Array:
         """(u_y, phi, psi) / h less those at the edge of every unknown, by the kernels; (half, 3, 2 n, unknown)."""
-        of, grid, wide = self.of, self.of.grid, self.of._wide
-        result = np.zeros((self.half_lengths.size, 3, 2 * grid.count, of.system.unknowns(self.basis)))
+        operators, grid, wide = self.operators, self.operators.grid, self.operators._wide
+        result = np.zeros((self.half_lengths.size, 3, 2 * grid.count, operators.system.unknowns(self.basis)))
         if wide is None:
             return result
         beyond = grid.distance[grid.close :]
@@ -278,9 +278,8 @@ class _Assembled:
         sources = self._assembly.sources()
         for alike in (sources[:1], sources[1:]):  # the charges of all fields lie at the same nodes
             nodes, rule = alike[0][1], alike[0][2]
-            mix = np.stack(
-                [mixing(of.system.coefficients.friction, source[3])[:, [0, 1, 2, 4, 5, 6]] for source in alike], 1
-            )
+            friction, channels = operators.system.coefficients.friction, [0, 1, 2, 4, 5, 6]
+            mix = np.stack([mixing(friction, source[3])[:, channels] for source in alike], 1)
             for number, h in enumerate(self.half_lengths.tolist()):
                 points, read = self._about(number)
                 targets = np.array(points) if read is not None else np.array(points[: len(points) // 2])
@@ -297,23 +296,23 @@ class _Assembled:
 
     def _from_edge(self, differences: Array, slopes: Array) -> Array:
         """Displacements less those at the edges, of both sides, from du/dX at ``_near``; (..., 2 n, c)."""
-        grid = self.of.grid
+        grid = self.operators.grid
         right, left = slopes[..., : grid.near, :], -slopes[..., grid.near :, :]
         sides = (differences[..., : grid.count, :], right), (differences[..., grid.count :, :], left)
         return np.concatenate([grid.from_edge(*side) for side in sides], -2)
 
     def _outside(self, number: int, f: int, smooth: Array) -> Array:
         """u_y and the potentials beside the contact by densities of a field; (1 + field, n, 2 n)."""
-        system, of = self.of.system, self.of
+        system, operators = self.operators.system, self.operators
         c, start = system.coefficients, system.starts(self.basis)[f]
-        same, across = of.grid.green
+        same, across = operators.grid.green
         green = np.block([[same, across], [across, same]]) / np.pi
         fields = np.array(self._fields, dtype=int)
-        own = c.compliance[1 + fields, 1 + f][:, None, None] * green
+        potentials = c.compliance[1 + fields, 1 + f][:, None, None] * green
         induced = self._from_contact[number][..., start : start + self.basis.terms + 1] @ self._induced
         whole = smooth + induced
-        raised = np.einsum("f,fnc->nc", c.screening[fields], own) + whole[0]
-        return np.concatenate([raised[None], own + whole[1 + fields]])[:, : of.beside]
+        raised = np.einsum("f,fnc->nc", c.screening[fields], potentials) + whole[0]
+        return np.concatenate([raised[None], potentials + whole[1 + fields]])[:, : operators.density_nodes]
 
 
 def _flat(values: Array) -> Array:

@@ -20,10 +20,10 @@ _FIELDS = ("contact_pressure", "electric_displacement", "magnetic_induction")
 
 
 @dataclass(frozen=True, eq=False)
-class _Found:
+class _FieldCase:
     """One case: what lies on its surface, its units, its contact radius and the unit of its body's lengths [m]."""
 
-    on: SolvedPoint
+    at_rest: SolvedPoint
     slid: SlidingPoint | None
     units: Array
     radius: float
@@ -32,7 +32,7 @@ class _Found:
     @property
     def tractions(self) -> AirPointTractions:
         """On the whole surface, in the units of the body."""
-        return (self.slid or self.on).tractions(self.radius / self.length)
+        return (self.slid or self.at_rest).tractions(self.radius / self.length)
 
 
 def fields(pressed: Pressed, permittivity: Array, end: Array, positions: Array) -> dict[str, Array]:
@@ -41,7 +41,8 @@ def fields(pressed: Pressed, permittivity: Array, end: Array, positions: Array) 
         raise ContactError(
             f"positions: the pressure of r^{pressed.body.shape.exponent:g} is infinite at 0; leave 0 out"
         )
-    result = np.stack([of.on.at(positions) / of.units[:, None] for _, of in _cases(pressed, permittivity, end)])
+    cases = _cases(pressed, permittivity, end)
+    result = np.stack([case.at_rest.surface_tractions(positions) / case.units[:, None] for _, case in cases])
     result[:, 0] = 0.0 - result[:, 0]
     return {name: result[:, number] for number, name in enumerate(_FIELDS)}
 
@@ -52,22 +53,23 @@ def inside(
     """Fields of ``solver.halfplane.interior.LINEAR`` and potentials, SI, NaN in a rigid base; (case, field, y, x)."""
     out = np.empty((pressed.force.size, len(names), y.size, x.size))
     potentials = [number for number, name in enumerate(names) if name in POTENTIALS]
-    for place, of in _cases(pressed, permittivity, end):
-        out[place] = body.fields(of.tractions, x, y, names)[0]
-        out[place, potentials] *= of.length
+    for place, case in _cases(pressed, permittivity, end):
+        out[place] = body.fields(case.tractions, x, y, names)[0]
+        out[place, potentials] *= case.length
     return out
 
 
-def peaks(pressed: Pressed, permittivity: Array, end: Array, body: Inside, asked: Set[str]) -> dict[str, Array]:
+def peaks(pressed: Pressed, permittivity: Array, end: Array, body: Inside, quantities: Set[str]) -> dict[str, Array]:
     """Quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and the cases have; (case,) each."""
     result = [
-        peaks_of(body, of.tractions, np.array([of.radius]), asked) for _, of in _cases(pressed, permittivity, end)
+        peaks_of(body, case.tractions, np.array([case.radius]), quantities)
+        for _, case in _cases(pressed, permittivity, end)
     ]
-    return {name: np.concatenate([case[name] for case in result]) for name in result[0]}
+    return {name: np.concatenate([peaks[name] for peaks in result]) for name in result[0]}
 
 
-def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[int, _Found]]:
+def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[int, _FieldCase]]:
     for case, state, operators in solved(pressed, permittivity, end):
         radius = state.radius * case.length
         length = case.length if case.layered else radius
-        yield case.place, _Found(SolvedPoint(state, operators), case.slid(state), case.units, radius, length)
+        yield case.place, _FieldCase(SolvedPoint(state, operators), case.slid(state), case.units, radius, length)

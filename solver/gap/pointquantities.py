@@ -77,7 +77,7 @@ class Case:
         self._end = end / self.length
 
     @property
-    def own(self) -> Array:
+    def charge_units(self) -> Array:
         """Units of the charges of the fields [C, Wb]; (field,)."""
         return np.asarray(self.length**2 / self.units[[1 + f for f in self.fields]])
 
@@ -87,7 +87,7 @@ class Case:
         return self.state(start.pressed.charges[self.place], False, float(start.radius[self.place]))
 
     def slid(self, state: PointState) -> SlidingPoint | None:
-        """What friction makes of a solution; None where nothing is said of friction."""
+        """First order of a solution in friction; None if the case has no friction."""
         friction = self._pressed.friction
         if friction is None:
             return None
@@ -100,22 +100,22 @@ class Case:
 
         charges: (2,), C and Wb.
         """
-        given = np.zeros(len(self.fields)) if held else charges[list(self.fields)] / self.own
-        at, begin = (start / self.length, None) if near is None else (near.radius, near.unknowns)
-        problem = AirPoint(self.operators(at), self._coefficient, self._force, given, (held,) * len(self.fields),
-                         self._media, self._end, at, begin)  # fmt: skip
+        prescribed = np.zeros(len(self.fields)) if held else charges[list(self.fields)] / self.charge_units
+        radius, begin = (start / self.length, None) if near is None else (near.radius, near.unknowns)
+        problem = AirPoint(self.operators(radius), self._coefficient, self._force, prescribed,
+                           (held,) * len(self.fields), self._media, self._end, radius, begin)  # fmt: skip
         if result := problem.within:
             return result
         for _ in range(LAST - FIRST):
-            problem = replace(problem, operators=self.operators(at, wide=True), start=at, near=begin)
+            problem = replace(problem, operators=self.operators(radius, wide=True), start=radius, near=begin)
             state = problem.state
             if problem.operators.holds(np.log(state.radius)):
                 break
-            at, begin = state.radius, state.unknowns
+            radius, begin = state.radius, state.unknowns
         return state
 
     def operators(self, ratio: float, *, wide: bool = False) -> RingsByRadius:
-        """What the body answers about a radius, and more widely."""
+        """Operators near a radius, or over a wider range."""
         if self._windows is not None:
             return self._windows.wide(ratio) if wide else self._windows.narrow(ratio)
         assert isinstance(self.body, HalfSpace)
@@ -187,8 +187,8 @@ def _compliance(case: Case, state: PointState) -> Array:
 def _peak_pressure(state: PointState) -> float:
     """Largest pressure over C a^(e-1)."""
     samples = state.inside[: SAMPLES.size]
-    both, values = np.concatenate([-SAMPLES[::-1], SAMPLES]), np.concatenate([-samples[::-1], samples])
-    series = np.polynomial.chebyshev.chebfit(both, values, 2 * SAMPLES.size - 1)
+    positions, values = np.concatenate([-SAMPLES[::-1], SAMPLES]), np.concatenate([-samples[::-1], samples])
+    series = np.polynomial.chebyshev.chebfit(positions, values, 2 * SAMPLES.size - 1)
     best = int(np.argmax(samples))
     if best == SAMPLES.size - 1:
         return float(samples[best])
@@ -198,5 +198,5 @@ def _peak_pressure(state: PointState) -> float:
 
 def _peak_within(state: PointState, row: int) -> float:
     first, count = SAMPLES.size, (state.inside.size - SAMPLES.size) // len(state.problem.rows.fields)
-    own = state.inside[first + row * count : first + (row + 1) * count]
-    return max(peak_of_panels(own[:-1].reshape(-1, WITHIN)), abs(float(own[-1])))
+    densities = state.inside[first + row * count : first + (row + 1) * count]
+    return max(peak_of_panels(densities[:-1].reshape(-1, WITHIN)), abs(float(densities[-1])))

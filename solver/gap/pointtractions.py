@@ -28,53 +28,53 @@ from solver.stack.wavenumbers import on_panels, panels
 
 @dataclass(frozen=True, eq=False)
 class AirPointTractions(Tractions):
-    """Those of one contact, one column."""
+    """Tractions of one contact, as one column."""
 
-    beside: Charges = field(kw_only=True)
+    exterior_charges: Charges = field(kw_only=True)
 
     def part(self, columns: Indices) -> Self:
         """The one column: what is known of it is kept."""
         return self
 
     def nodes(self, radius: float, near: float) -> hankel.Nodes:
-        """As without air, and beside the contact as far as charges lie."""
+        """Nodes in b on the contact and beyond it, up to the farthest charges."""
         return hankel.nodes(radius, near, kinked=self.kinked, beyond=self._ends)
 
     @cached_property
     def _ends(self) -> list[float]:
-        return [float(end) for end in np.cosh(self.beside.ends[1:])]
+        return [float(end) for end in np.cosh(self.exterior_charges.ends[1:])]
 
     def vectors(self, b: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """As without air, and at b > 1; (1, 4, b) each.
+        """Densities in b on the contact and at b > 1; (1, 4, b) each.
 
         b: (b,), over a.
         """
         within = b <= 1
-        right, left = self.beside.at(b[~within]), self.beside.at(-b[~within])
+        right, left = self.exterior_charges.density(b[~within]), self.exterior_charges.density(-b[~within])
         first, second = super().vectors(b[within], columns)
         plain = _continued(first, within, right + left)
         return plain, None if second is None else _continued(second, within, right - left)
 
     def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """As without air, with the spectra of the rings; (k, 4, 1) each.
+        """Hankel transforms of the contact and its rings; (k, 4, 1) each.
 
         phases: (k,), k a.
         """
-        at = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
-        first, second = super().vectors(at.b, columns)
-        spectrum = self._spectrum(float(np.max(phases))).at(phases)
-        cosines = np.cos(phases[:, None] * at.b) * at.weights
+        rule = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
+        first, second = super().vectors(rule.b, columns)
+        spectrum = self._spectrum(float(np.max(phases))).values(phases)
+        cosines = np.cos(phases[:, None] * rule.b) * rule.weights
         plain = cosines @ first[0].T
         plain[:, 2:] += spectrum.real.T
         if second is None:
             return plain[..., None], None
-        sines = np.sin(phases[:, None] * at.b) * at.weights
+        sines = np.sin(phases[:, None] * rule.b) * rule.weights
         turned = np.concatenate([cosines @ second[0, :1].T, sines @ second[0, 1:].T], 1)
         turned[:, 2:] -= spectrum.imag.T
         return plain[..., None], turned[..., None]
 
     def wavenumbers(self, stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
-        """As without air; charges far away count for long waves alone."""
+        """Wavenumbers and weights; distant charges extend the range of long waves only."""
         ratio = float(self.ratio[0])
         ends = from_smaller(panels(stack, width), ratio * self._ends[-1])
         spectrum = self._spectrum(float(ends[-1]) * ratio)
@@ -85,7 +85,7 @@ class AirPointTractions(Tractions):
         """One that reaches a wavenumber, shared by all of a power of two."""
         power = int(np.ceil(np.log2(most)))
         if power not in self._spectra:
-            self._spectra[power] = Spectrum(self.beside, 2.0**power)
+            self._spectra[power] = Spectrum(self.exterior_charges, 2.0**power)
         return self._spectra[power]
 
     @cached_property
@@ -93,24 +93,24 @@ class AirPointTractions(Tractions):
         return {}
 
 
-def _continued(part: Array, within: BoolArray, beside: Array) -> Array:
+def _continued(part: Array, within: BoolArray, exterior: Array) -> Array:
     """Densities of (sigma_xy, sigma_yy, D_y, B_y) below the contact, and those beside it; (1, 4, b)."""
     result = np.zeros((1, 4, within.size))
     result[..., within] = part
-    result[0][2:, ~within] = beside
+    result[0][2:, ~within] = exterior
     return result
 
 
 @dataclass(frozen=True, eq=False)
 class SolvedPoint:
-    """What lies on the surface of a contact with air beside it, found anew at its very radius; units of the body."""
+    """Surface tractions of a contact in air, solved again at its exact radius; units of the body."""
 
     state: PointState
     operators: RingOperators
 
     @property
     def unit(self) -> float:
-        """Of the tractions, C a^(e-1)."""
+        """Unit of the tractions, C a^(e-1)."""
         return self.state.size / self.state.radius
 
     @property
@@ -148,18 +148,18 @@ class SolvedPoint:
         odd = np.zeros_like(S) if turned is None else turned @ rings(1).gathered.T
         sides = np.zeros((2, 2, grid.count))
         sides[:, list(self.operators.rows.fields)] = np.stack([S + odd, S - odd]) / grid.size * (self.unit / np.pi)
-        return AirPointTractions(np.array([ratio]), density, np.zeros(1), beside=Charges(grid, sides))
+        return AirPointTractions(np.array([ratio]), density, np.zeros(1), exterior_charges=Charges(grid, sides))
 
-    def at(self, r: Array) -> Array:
+    def surface_tractions(self, r: Array) -> Array:
         """sigma_yy, D_y and B_y at r/a, never 1; (3, place)."""
-        away = np.abs(r)
-        within = away < 1
-        inner = away[within]
+        distance = np.abs(r)
+        within = distance < 1
+        inner = distance[within]
         result = np.zeros((3, r.size))
         x = np.sqrt((1 - inner) * (1 + inner))
         result[:, within] = self.bounded(inner, self._rings.poisson(x)) + self.left[:, None] / x
-        for field_, own in zip(self.operators.rows.fields, self.state.over_size, strict=True):
-            result[1 + field_, ~within] = self._rings.read(away[~within]) @ own
+        for field_, over_size in zip(self.operators.rows.fields, self.state.over_size, strict=True):
+            result[1 + field_, ~within] = self._rings.read(distance[~within]) @ over_size
         return result * self.unit
 
     def bounded(self, r: Array, drawn: Array) -> Array:

@@ -59,8 +59,8 @@ def _in_air(films: Films, permittivity: Array) -> Iterator[tuple[int, AirContact
             air = np.array([VACUUM_PERMITTIVITY * permittivity[place], VACUUM_PERMEABILITY])
             contact = contacts.part(k)
             reach = farthest(contact, air)
-            more = grid_of(*ends, reach).panels > grid_of(*ends).panels  # else all contacts of a window share a table
-            yield place, AirContact(_air_window(films.kind, number, reach if more else 0.0), contact, air)
+            wider = grid_of(*ends, reach).panels > grid_of(*ends).panels  # else all contacts of a window share a table
+            yield place, AirContact(_air_window(films.kind, number, reach if wider else 0.0), contact, air)
 
 
 def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[str, float]:

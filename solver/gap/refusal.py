@@ -1,4 +1,4 @@
-"""Which contacts the theory of air covers, and what is said of the others."""
+"""Limits of the theory of air, and the messages that refuse other contacts."""
 
 import numpy as np
 

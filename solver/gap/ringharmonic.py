@@ -1,4 +1,4 @@
-"""What friction makes of a point contact and of the charges in rings beside it, to its first order (points, 8).
+"""First-order effect of friction on a point contact and on the charges in rings around it (points, 8).
 
 Columns are a unit shift c/a, friction eta = 1 below the contact at rest, and the densities of cos(angle) at the nodes
 beside it. Below the contact chi is that of the shifted profile, s^(e-1), or none; friction makes k (pi/2) H[phi_sigma],
@@ -62,15 +62,15 @@ class RingHarmonic:
         """Columns of the densities of a field, by its place."""
         return slice(CAUSES + place * self._rows.nodes, CAUSES + (place + 1) * self._rows.nodes)
 
-    def at(self, radius: float, pressed: Density) -> HarmonicOutputs:
+    def outputs(self, radius: float, pressed: Density) -> HarmonicOutputs:
         """Outputs for a contact at rest."""
         below = ContactRule.of(radius / self.operators.width)
         count, rows, rings = below.nodes.size, self._rows, self.operators.rings
         smooth, added = self._layered(radius, below, pressed)
-        given = np.zeros((len(rows.channels), self._columns))
-        given[0, SHIFT] = self._given
-        given[:, RUBBED] = -self._coupling * pressed.turned(_EDGE)[0, 0, 0]
-        edges = self.operators.inverse @ (given - added[:, count])
+        chi = np.zeros((len(rows.channels), self._columns))
+        chi[0, SHIFT] = self._given
+        chi[:, RUBBED] = -self._coupling * pressed.turned(_EDGE)[0, 0, 0]
+        edges = self.operators.inverse @ (chi - added[:, count])
         beside_it = self.operators.chi_beside(added[:, count:], edges)
         beside_it[..., RUBBED] += self._coupling[:, None] * _left(pressed, rings.grid.theta)
         raised = rings.raised @ beside_it
@@ -78,14 +78,14 @@ class RingHarmonic:
         return HarmonicOutputs(edges, raised, smooth, below)
 
     def _layered(self, radius: float, below: ContactRule, pressed: Density) -> tuple[Array, Array]:
-        """What layers add to S below the contact, and to N S at its nodes, the edge and the nodes beside it."""
+        """Contribution of the layers to S below the contact, and to N S there, at the edge and outside."""
         rows = self._rows
         targets = np.concatenate([below.nodes, _EDGE, self.operators.rings.grid.distance])
         added = np.zeros((len(rows.channels), targets.size, self._columns))
         if self.sheared is None:
             return np.zeros((len(rows.channels), below.nodes.size, self._columns)), added
-        for place, beside in enumerate(self.operators.beside(radius, targets)):
-            added[..., self.densities(place)] = beside
+        for place, by_density in enumerate(self.operators.from_exterior(radius, targets)):
+            added[..., self.densities(place)] = by_density
         graded = below.graded
         closed = self.closed(graded.nodes, pressed)
         added[..., :CAUSES] = summed(self.operators.within(radius, targets, graded), closed)
@@ -98,25 +98,25 @@ class RingHarmonic:
         s: (s,), 0 to 1.
         """
         along, moved = self.response.answers
-        own = [moved[:, None] * s ** (self.response.shape.exponent - 1), -along[:, None] * pressed.turned(s)[0, 0]]
-        return np.asarray(np.pi / 2 * np.stack(own, -1)[self._rows.channels])
+        columns = [moved[:, None] * s ** (self.response.shape.exponent - 1), -along[:, None] * pressed.turned(s)[0, 0]]
+        return np.asarray(np.pi / 2 * np.stack(columns, -1)[self._rows.channels])
 
-    def _pulled(self, radius: float, targets: Array, at: ContactRule, pressed: Density) -> Array:
-        """What layers add to the channels by friction itself; (channel, target)."""
+    def _pulled(self, radius: float, targets: Array, rule: ContactRule, pressed: Density) -> Array:
+        """Contribution of the layers to the channels by the shear traction; (channel, target)."""
         assert self.sheared is not None
-        weights = -radius / 2 * pressed.at(at.nodes)[0, 0] * at.weights
-        apart = targets[:, None] - at.nodes
-        own = np.sign(apart)[..., None] * self.sheared.at(radius * np.abs(apart))
-        own += self.sheared.at(radius * (targets[:, None] + at.nodes))
-        return np.asarray(np.einsum("tbi,b->it", own, weights)[self._rows.channels])
+        weights = -radius / 2 * pressed.at(rule.nodes)[0, 0] * rule.weights
+        distance = targets[:, None] - rule.nodes
+        kernels = np.sign(distance)[..., None] * self.sheared.at(radius * np.abs(distance))
+        kernels += self.sheared.at(radius * (targets[:, None] + rule.nodes))
+        return np.asarray(np.einsum("tbi,b->it", kernels, weights)[self._rows.channels])
 
 
 def _left(pressed: Density, theta: Array) -> Array:
     """H[phi_sigma] at cosh(theta) less that at the edge, by the fall of phi: no difference of near numbers; (n,)."""
     count = int(np.log(_NEAREST) / np.log(_RATIO))
     near, weights = gauss(np.append(0.0, _RATIO ** np.arange(count, -1, -1.0) / 2), _RULE)  # from the edge, or the apex
-    apart = np.concatenate([near, 1 - near])
-    both = np.concatenate([weights, weights])
-    further = 2 * np.sinh(theta[:, None] / 2) ** 2
-    own = np.log1p(further / apart) - np.log1p(further / (2 - apart))
-    return np.asarray(-(own @ (both * pressed.falling(1 - apart)[0, 0])) / np.pi)
+    from_edge = np.concatenate([near, 1 - near])
+    two_weights = np.concatenate([weights, weights])
+    beyond = 2 * np.sinh(theta[:, None] / 2) ** 2
+    kernel = np.log1p(beyond / from_edge) - np.log1p(beyond / (2 - from_edge))
+    return np.asarray(-(kernel @ (two_weights * pressed.falling(1 - from_edge)[0, 0])) / np.pi)

@@ -1,4 +1,4 @@
-"""What point contacts and charges in rings beside them do, at given radii (points, 6).
+"""Operators of point contacts with rings of charge around them, at given radii (points, 6).
 
 Everything is linear in the causes u0 = (-depth, V, Psi) and g of the contact and in the densities at the nodes beside
 it. Lengths are in contact radii, displacements over C a^e and tractions over C a^(e-1), as in :mod:`solver.point`: a
@@ -37,7 +37,7 @@ class ContactRule:
 
     @classmethod
     def of(cls, reach: float, *, even: bool = True) -> Self:
-        """As many as layers that vary over 1/reach of the radius ask for: for even functions of s, or for powers.
+        """Enough nodes to resolve layers of width a/reach, for even functions of s or for powers.
 
         Those for even functions serve products of odd ones, too.
         """
@@ -50,7 +50,7 @@ class ContactRule:
 
     @property
     def graded(self) -> Self:
-        """As fine, and finer about both ends: for what is kinked at the apex and has a logarithm at the edge."""
+        """Rule refined towards both ends: for integrands kinked at the apex and logarithmic at the edge."""
         x, w = np.polynomial.legendre.leggauss(self.nodes.size + _STEEP)
         t = (1 + x) / 2
         half, weights = t**_GRADED / 2, w * _GRADED * t ** (_GRADED - 1) / 4
@@ -58,7 +58,7 @@ class ContactRule:
 
     @property
     def series(self) -> Array:
-        """From even S at the nodes to coefficients of the tractions in f_n (points, 4); (n, node)."""
+        """Matrix from even S at the nodes to coefficients of the tractions in f_n (points, 4); (n, node)."""
         count = self.nodes.size
         n = np.arange(count)
         values = np.polynomial.legendre.legvander(self.nodes, 2 * count - 2)[:, ::2].T
@@ -66,12 +66,12 @@ class ContactRule:
 
     @property
     def odd_series(self) -> Array:
-        """From odd S at the nodes to coefficients of psi in P_n(2 b - 1) (points, 8); (n, node)."""
+        """Matrix from odd S at the nodes to coefficients of psi in P_n(2 b - 1) (points, 8); (n, node)."""
         count = 2 * self.nodes.size
         x, w = np.polynomial.legendre.leggauss(count)
         b, orders = (1 + x) / 2, np.arange(1, count, 2)
-        own, there = (np.polynomial.legendre.legvander(s, count - 1)[:, 1::2] for s in (self.nodes, b))
-        values = there * (2 * orders + 1) @ own.T * self.weights
+        at_nodes, at_points = (np.polynomial.legendre.legvander(s, count - 1)[:, 1::2] for s in (self.nodes, b))
+        values = at_points * (2 * orders + 1) @ at_nodes.T * self.weights
         series = (2 * np.arange(count)[:, None] + 1) * (legendre(b, count).T * w / 2)
         return np.asarray(2 / np.pi * series @ values)
 
@@ -85,7 +85,7 @@ X_WITHIN = np.append(gauss(np.array(_ENDS), WITHIN)[0], 1.0)
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Where outputs lie among the rows, channels (y, conducted fields), and causes and densities among the columns."""
+    """Layout of the operator matrix: outputs by row, causes and charge densities by column."""
 
     fields: tuple[int, ...]  # Conducted fields, 0 electric and 1 magnetic
     nodes: int  # Number of nodes beside the contact
@@ -157,7 +157,7 @@ class RingOperators:
         """Places of the outputs."""
         return Rows(self.fields, self.rings.grid.count)
 
-    def at(self, radius: float) -> Array:
+    def matrix(self, radius: float) -> Array:
         """Outputs of every cause and density; (row, column)."""
         rows = self.rows
         below = ContactRule.of(radius / self.width)
@@ -188,7 +188,7 @@ class RingOperators:
 
     def over(self, log_radii: Array) -> Array:
         """The same at several log a (radius,) in the unit of the body's lengths; (radius, row, column)."""
-        return np.stack([self.at(float(np.exp(at))) for at in log_radii])
+        return np.stack([self.matrix(float(np.exp(log_radius))) for log_radius in log_radii])
 
     def series(self, radius: float) -> Array:
         """Coefficients in f_n (points, 4) of the tractions but for the profile's closed part; (channel, n, column)."""
@@ -203,7 +203,7 @@ class RingOperators:
         return 2 / np.pi * halfspace_form(self.shape, x) if finite(self.shape) else np.zeros_like(x)
 
     def _layered(self, radius: float, below: ContactRule, closed: Array, beside_it: Array) -> tuple[Array, Array]:
-        """What layers add to S below the contact, and to N S at its nodes, the edge and places beside it.
+        """Contribution of the layers to S below the contact, and to N S at its nodes, the edge and exterior places.
 
         Smooth and even, also where the profile is a power that is not; (channel, node, column) each.
         """
@@ -213,15 +213,15 @@ class RingOperators:
         if self.layers is None:
             return np.zeros_like(closed), added
         targets = np.concatenate([below.nodes, [1.0], beside_it])
-        for place, beside in enumerate(self.beside(radius, targets)):
-            added[..., rows.densities(place)] = beside
-        own = self.within(radius, targets, below)
-        added += summed(own, closed)
+        for place, by_density in enumerate(self.from_exterior(radius, targets)):
+            added[..., rows.densities(place)] = by_density
+        kernels = self.within(radius, targets, below)
+        added += summed(kernels, closed)
         if self.shape.exponent % 2:
             fine = ContactRule.of(radius / self.width, even=False)
             power = self.inverse[:, :1] * self._given(fine.nodes)[0, :, rows.causes - 1]
             added[..., rows.causes - 1] = np.einsum("ijtn,jn->it", self.within(radius, targets, fine), power)
-        return self.settled(own, added)
+        return self.settled(kernels, added)
 
     def chi_beside(self, added: Array, edges: Array) -> Array:
         """Chi at the nodes beside the contact less that at the edge; (channel, n, column), densities the last columns.
@@ -236,21 +236,23 @@ class RingOperators:
             densities[1 + place, :, place] += self.rings.gathered
         return np.asarray(added[:, 1:] - added[:, :1] + np.tensordot(self.channel_compliance, S, 1))
 
-    def settled(self, own: Array, added: Array) -> tuple[Array, Array]:
+    def settled(self, kernels: Array, added: Array) -> tuple[Array, Array]:
         """S that makes up for what layers add at the nodes below the contact, and what they then add in all.
 
         own: (channel, channel, target, node), from S at the nodes to targets, these nodes first; added: (channel,
         target, column), at the targets without that S.
         """
-        size, count = len(own), own.shape[-1]
-        matrix = np.einsum("ij,mn->imjn", self.channel_compliance, np.eye(count)) + np.moveaxis(own[:, :, :count], 1, 2)
+        size, count = len(kernels), kernels.shape[-1]
+        matrix = np.einsum("ij,mn->imjn", self.channel_compliance, np.eye(count)) + np.moveaxis(
+            kernels[:, :, :count], 1, 2
+        )
         S = np.linalg.solve(matrix.reshape(size * count, -1), -added[:, :count].reshape(size * count, -1))
         S = S.reshape(size, count, -1)
-        return S, added + summed(own, S)
+        return S, added + summed(kernels, S)
 
     @cached_property
     def inverse(self) -> Array:
-        """Of N of the channels; (channel, channel)."""
+        """Inverse of N of the channels; (channel, channel)."""
         return np.asarray(np.linalg.inv(self.channel_compliance))
 
     @property
@@ -269,13 +271,13 @@ class RingOperators:
 
     @cached_property
     def _pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Those of the six pairs that the channels have, and the place of each two channels among them."""
+        """Pairs of (y, phi, psi) that the channels use, and the index of each two channels among them."""
         used, places = np.unique(CHANNEL[np.ix_(self.rows.channels, self.rows.channels)], return_inverse=True)
         return used, places.reshape(2 * (len(self.rows.channels),))
 
     @cached_property
     def _added(self) -> SurfaceKernel:
-        """Of these pairs."""
+        """Kernels of the layers for the pairs in use."""
         assert self.layers is not None
         return self.layers.of(self._pairs[0])
 
@@ -284,23 +286,23 @@ class RingOperators:
         return np.moveaxis(kernels[..., self._pairs[1]], (2, 3), (0, 1))
 
     def within(self, radius: float, targets: Array, below: ContactRule) -> Array:
-        """From S below the contact to what layers add at targets; (channel, channel, target, node).
+        """Kernel matrix of the layers from S below the contact to targets; (channel, channel, target, node).
 
         targets: (target,), s.
         """
-        apart = np.stack([np.abs(targets[:, None] - below.nodes), targets[:, None] + below.nodes])
-        near, far = self._added.at(radius * apart)
+        distances = np.stack([np.abs(targets[:, None] - below.nodes), targets[:, None] + below.nodes])
+        near, far = self._added.at(radius * distances)
         return self._paired(radius / np.pi * (near + self.rings.parity * far) * below.weights[:, None])
 
-    def beside(self, radius: float, targets: Array) -> list[Array]:
-        """The same from densities over their size beside the contact, of every field; (channel, target, node) each.
+    def from_exterior(self, radius: float, targets: Array) -> list[Array]:
+        """Kernel matrices of the layers from each field's exterior densities over size; (channel, target, node).
 
-        One rule a panel serves where kernels are smooth over it, and everywhere those of the opposite place.
+        One rule per panel suffices for kernels that are smooth over it, and for the opposite side everywhere.
         """
         grid, (s, share) = self.rings.grid, self.rings.rule
         breaks = self._breaks(radius, targets)
         ends = np.cosh(self.rings.ends)
-        broken = np.diff([np.searchsorted(own, ends, side="right") for own in breaks], axis=1) > 0
+        broken = np.diff([np.searchsorted(row, ends, side="right") for row in breaks], axis=1) > 0
         kernels = self.rings.parity * self._added.at(radius * (targets[:, None, None] + s))
         row, panel = np.nonzero(~broken)
         kernels[row, panel] += self._added.at(radius * np.abs(targets[row, None] - s[panel]))
@@ -311,19 +313,19 @@ class RingOperators:
         return [kernels[:, 1 + place] @ self.rings.gathered for place in range(len(self.fields))]
 
     def _breaks(self, radius: float, targets: Array) -> Array:
-        """Where rules break about targets, rising, at the edge where there are fewer; (target, break).
+        """Break points of the rules around targets, rising, padded with the edge; (target, break).
 
         Farther from a target than it is from the axis, panels are short enough.
         """
         far = float(np.cosh(self.rings.ends[-1]))
         gaps = self.width / radius * _APART ** np.arange(-1, 40.0)
         gaps = np.concatenate([[0.0], gaps[gaps < far]])
-        both = np.concatenate([-gaps[1:], gaps])
-        there = targets[:, None] + both
-        used = (np.abs(both) < np.maximum(targets, 1.0)[:, None]) & (there > 1) & (there < far)
-        return np.sort(np.where(used, there, 1.0), 1)
+        offsets = np.concatenate([-gaps[1:], gaps])
+        places = targets[:, None] + offsets
+        used = (np.abs(offsets) < np.maximum(targets, 1.0)[:, None]) & (places > 1) & (places < far)
+        return np.sort(np.where(used, places, 1.0), 1)
 
-    def _add_pieces(self, found: Array, radius: float, targets: Array, breaks: Array, broken: BoolArray) -> None:
+    def _add_pieces(self, integrals: Array, radius: float, targets: Array, breaks: Array, broken: BoolArray) -> None:
         """Add panels that break, piece by piece."""
         grid = self.rings.grid
         ends = self.rings.ends
@@ -331,11 +333,11 @@ class RingOperators:
         start, stop = all_ends[:, :-1], all_ends[:, 1:]
         panel = np.clip(np.searchsorted(ends, (start + stop) / 2) - 1, 0, grid.panels - 1)
         row, place = np.nonzero((stop > start) & np.take_along_axis(broken, panel, 1))
-        own = panel[row, place]
-        s, share = self.rings.ruled(own, start[row, place], stop[row, place])
+        panels = panel[row, place]
+        s, share = self.rings.ruled(panels, start[row, place], stop[row, place])
         pieces = np.swapaxes(share, 1, 2) @ self._added.at(radius * np.abs(targets[row, None] - s))
-        first = np.flatnonzero(np.diff(row * grid.panels + own, prepend=-1))
-        found[row[first], own[first]] += np.add.reduceat(pieces, first)
+        first = np.flatnonzero(np.diff(row * grid.panels + panels, prepend=-1))
+        integrals[row[first], panels[first]] += np.add.reduceat(pieces, first)
 
 
 def summed(kernels: Array, S: Array) -> Array:
@@ -348,5 +350,5 @@ def summed(kernels: Array, S: Array) -> Array:
 
 @cached
 def _drawn(rings: Rings) -> Array:
-    """What rings draw below the contact; (x, n)."""
+    """Density below the contact induced by the rings; (x, n)."""
     return rings.poisson(X_WITHIN)

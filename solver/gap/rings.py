@@ -37,7 +37,7 @@ class Rings:
 
     @property
     def parity(self) -> int:
-        """Of S and chi in s: 1 even, -1 odd."""
+        """Parity of S and chi in s: 1 even, -1 odd."""
         return 1 - 2 * self.order
 
     @cached_property
@@ -52,7 +52,7 @@ class Rings:
 
     @cached_property
     def rule(self) -> tuple[Array, Array]:
-        """As :meth:`ruled` of whole panels."""
+        """Nodes and weights of :meth:`ruled` for whole panels."""
         return self.ruled(np.arange(self.grid.panels), self.ends[:-1], self.ends[1:])
 
     def ruled(self, panel: Indices, start: Array, stop: Array) -> tuple[Array, Array]:
@@ -65,7 +65,7 @@ class Rings:
 
     @property
     def _last(self) -> float:
-        """Where the infinite panel begins, in u = exp(-theta)."""
+        """Start of the infinite panel in u = exp(-theta)."""
         return float(self.grid.limits[-1, 1])
 
     @cached_property
@@ -76,11 +76,11 @@ class Rings:
         for panel in range(grid.panels - 1):
             low, high = grid.limits[panel]
             rows = np.flatnonzero(theta < high)
-            at = theta[rows, None]
+            target = theta[rows, None]
             tau, weights = _between(np.sqrt(np.maximum(low - theta[rows], 0)), np.sqrt(high - theta[rows]))
-            other = at + tau**2
-            share = 2 * weights * np.tanh(other) / np.sqrt(np.sinh(other + at) * _sinhc(tau))
-            share *= (np.cosh(at) / np.cosh(other)) ** self.order
+            other = target + tau**2
+            share = 2 * weights * np.tanh(other) / np.sqrt(np.sinh(other + target) * _sinhc(tau))
+            share *= (np.cosh(target) / np.cosh(other)) ** self.order
             shape = grid.interpolations(np.full(rows.size, panel), other)
             result[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", share, shape)
         v = np.exp(-theta)[:, None]
@@ -103,22 +103,22 @@ class Rings:
         return self._integrated(lambda theta: np.arctan(np.sinh(theta)))
 
     def poisson(self, x: Array) -> Array:
-        """What densities add to that below the contact at x = sqrt(1 - r^2) beside what S within makes; (x, n)."""
-        at, r = x[:, None], np.sqrt((1 - x) * (1 + x))[:, None]
+        """Density induced below the contact at x = sqrt(1 - r^2), besides the part that S within makes; (x, n)."""
+        height, r = x[:, None], np.sqrt((1 - x) * (1 + x))[:, None]
 
         def drawn(theta: Array) -> Array:
-            own = 2 / np.pi * at / (np.sinh(theta) * (np.sinh(theta) ** 2 + at**2))
-            return np.asarray(own * (r / np.cosh(theta)) ** self.order)
+            kernel = 2 / np.pi * height / (np.sinh(theta) * (np.sinh(theta) ** 2 + height**2))
+            return np.asarray(kernel * (r / np.cosh(theta)) ** self.order)
 
         return self._integrated(drawn)
 
     def read(self, r: Array) -> Array:
         """Densities at r > 1, from those over their size; (place, n)."""
-        return np.asarray(self.grid.at(np.arccosh(r)) / r[:, None] ** 2)
+        return np.asarray(self.grid.interpolation(np.arccosh(r)) / r[:, None] ** 2)
 
-    def _integrated(self, of: Callable[[Array], Array]) -> Array:
+    def _integrated(self, function: Callable[[Array], Array]) -> Array:
         """int f D r dr of functions f of theta, (..., point); (..., n)."""
-        return self.grid.integrated(lambda theta: of(theta) / (np.cosh(theta) * self.grid.size_at(theta)))
+        return self.grid.integrated(lambda theta: function(theta) / (np.cosh(theta) * self.grid.size_at(theta)))
 
     @cached_property
     def raised(self) -> Array:
@@ -146,17 +146,17 @@ class Rings:
         return result
 
     def _rules(self) -> Iterator[tuple[int, Indices, Array, Array]]:
-        """Of every panel: targets beyond its beginning, theta and weights of their rules; (target, point)."""
+        """Yield every panel's targets beyond its start, with theta and weights of their rules; (target, point)."""
         grid, theta = self.grid, self.grid.theta
         ends = np.append(grid.ends, np.inf)
         for panel in range(grid.panels):
             low, high = ends[panel], ends[panel + 1]
             rows = np.flatnonzero(theta > low)
-            at = theta[rows, None]
+            target = theta[rows, None]
             tau, weights = _between(np.sqrt(np.maximum(theta[rows] - high, 0)), np.sqrt(theta[rows] - low))
-            other = at - tau**2
-            share = 4 / np.pi * weights * np.sinh(other) / np.sqrt(np.sinh(at + other) * _sinhc(tau))
-            yield panel, rows, other, share * (np.cosh(other) / np.cosh(at)) ** self.order
+            other = target - tau**2
+            share = 4 / np.pi * weights * np.sinh(other) / np.sqrt(np.sinh(target + other) * _sinhc(tau))
+            yield panel, rows, other, share * (np.cosh(other) / np.cosh(target)) ** self.order
 
 
 @cached_small

@@ -40,7 +40,7 @@ class RingTable:
         return result[:, :split].reshape(len(result), -1), result[:, split:].reshape(len(result), -1)
 
     def holds(self, log_radius: float) -> bool:
-        """Whether a radius lies between the ends."""
+        """Return True if a radius lies between the ends."""
         return self.interval.low <= log_radius <= self.interval.high
 
     def over(self, log_radii: Array) -> Array:
@@ -60,7 +60,7 @@ class RingTable:
 
     @cached_property
     def _last(self) -> dict[float, Array]:
-        """What was read last: iterations ask again where they begin."""
+        """Last result of ``read``: iterations ask again where they begin."""
         return {}
 
     def read_inside(self, log_radius: float) -> Array:
@@ -69,7 +69,7 @@ class RingTable:
         return result.reshape(self.exact.rows.count - self.exact.rows.pressure.start, -1)
 
     def _polynomials(self, log_radius: float) -> Array:
-        """From values at the radii to those at log a and to derivatives; (2, node)."""
+        """Interpolation matrix from the radii to the value at log a and its derivative; (2, node)."""
         local = self.interval.polynomials(np.array([log_radius]), clipped=False)
         return np.asarray(local @ self._series)[:, 0]
 
@@ -86,10 +86,10 @@ class RingsOnHalfSpace:
 
     @cached_property
     def _values(self) -> Array:
-        return self.exact.at(1.0)
+        return self.exact.matrix(1.0)
 
     def holds(self, _log_radius: float) -> bool:
-        """Whatever the radius."""
+        """Return True: the operators do not depend on the radius."""
         return True
 
     def read(self, _log_radius: float) -> tuple[Array, Array]:
@@ -118,8 +118,8 @@ def _half_decade(kind: PointKind, number: int) -> RingTable:
 @cached
 def _part(kind: PointKind, place: int, number: int | None) -> RingTable:
     """The part of a place in log a, from the table of half a decade or else by itself."""
-    own = Interval(place * _STEP - _BEYOND, (place + 1) * _STEP + _BEYOND, FEW)
-    return RingTable(_operators(kind), own, None if number is None else _half_decade(kind, number))
+    part = Interval(place * _STEP - _BEYOND, (place + 1) * _STEP + _BEYOND, FEW)
+    return RingTable(_operators(kind), part, None if number is None else _half_decade(kind, number))
 
 
 @cached
@@ -146,14 +146,14 @@ class RingWindows:
 
     @classmethod
     def of(cls, kind: PointKind, ratios: Array) -> Self:
-        """For radii over the thickness that a call is about.
+        """Choose tables for the radii of one call.
 
         ratios: (...), contact radii over the thickness.
         """
-        asked: dict[int, set[int]] = {}
+        places_of: dict[int, set[int]] = {}
         for ratio in np.unique(ratios).tolist():
-            asked.setdefault(_number(ratio), set()).add(_place(ratio))
-        return cls(kind, frozenset(number for number, places in asked.items() if len(places) > _MOST))
+            places_of.setdefault(_number(ratio), set()).add(_place(ratio))
+        return cls(kind, frozenset(number for number, places in places_of.items() if len(places) > _MOST))
 
     def narrow(self, ratio: float) -> RingTable:
         """About a radius over the thickness."""

@@ -55,7 +55,7 @@ class Rules:
     shape: Array  # Weights times what a panel's unknowns are at the nodes; (interval, node, unknown of the panel)
 
     def rough(self, singular: NDArray[np.complex128]) -> BoolArray:
-        """Where singularities at u = ``singular`` (..., interval) lie too close to an interval."""
+        """Mark intervals to which singularities at u = ``singular`` (..., interval) lie too close."""
         z = (2 * singular - self.start - self.stop) / (self.stop - self.start)
         root = np.sqrt(z - 1) * np.sqrt(z + 1)
         return np.asarray(np.abs(z + root) < _ELLIPSE)

@@ -42,19 +42,19 @@ _ENDS, _RULE = np.append(0.0, 0.4 ** np.arange(9, -1, -1.0)), 12  # of pieces in
 class SlidingPoint:
     """The first order of one contact, in the units of the body."""
 
-    on: SolvedPoint
+    at_rest: SolvedPoint
     friction: float
     coupling: Array
     sheared: SurfaceKernel | None = None
 
     @cached_property
     def response(self) -> Response:
-        """Of the half-space of the top."""
+        """Response of the top half-space."""
         return Response(self._operators.compliance, self.coupling, self._operators.shape)
 
     @property
     def _operators(self) -> RingOperators:
-        return self.on.operators
+        return self.at_rest.operators
 
     @property
     def _carried(self) -> list[int]:
@@ -63,17 +63,17 @@ class SlidingPoint:
 
     @property
     def _state(self) -> PointState:
-        return self.on.state
+        return self.at_rest.state
 
     @property
     def rings(self) -> Rings:
-        """Of the part of cos(angle)."""
+        """Rings of the part that varies as cos(angle)."""
         return rings(1)
 
     @property
     def pressed(self) -> Density:
-        """At rest, over C a^(e-1)."""
-        return self.on.density
+        """Density below the contact at rest, over C a^(e-1)."""
+        return self.at_rest.density
 
     @cached_property
     def _columns(self) -> RingHarmonic:
@@ -81,22 +81,23 @@ class SlidingPoint:
 
     @cached_property
     def _turned(self) -> HarmonicOutputs:
-        return self._columns.at(self._state.radius, self.pressed)
+        return self._columns.outputs(self._state.radius, self.pressed)
 
     @cached_property
     def _weights(self) -> Array:
-        """Of the columns, per eta; (column,)."""
-        state, of, columns = self._state, self._turned, self._columns
+        """Sizes of the columns per unit of friction; (column,)."""
+        state, outputs, columns = self._state, self._turned, self._columns
         rows, profile = self._operators.rows, state.problem.profile
-        law = np.empty((1 + len(rows.fields) * rows.nodes, of.edges.shape[1]))
-        law[0] = of.edges[0]
+        law = np.empty((1 + len(rows.fields) * rows.nodes, outputs.edges.shape[1]))
+        law[0] = outputs.edges[0]
         for place, at_rest in enumerate(state.over_size):
-            own = law[1 + place * rows.nodes : 1 + (place + 1) * rows.nodes]
-            own[:] = (
-                -(at_rest / profile)[:, None] * of.raised[0] - state.conductance[place, :, None] * of.raised[1 + place]
+            rows_of_field = law[1 + place * rows.nodes : 1 + (place + 1) * rows.nodes]
+            rows_of_field[:] = (
+                -(at_rest / profile)[:, None] * outputs.raised[0]
+                - state.conductance[place, :, None] * outputs.raised[1 + place]
             )
-            own[:, SHIFT] += at_rest * state.gap / profile * self._widened
-            own[:, columns.densities(place)][np.diag_indices(rows.nodes)] += state.gap / profile
+            rows_of_field[:, SHIFT] += at_rest * state.gap / profile * self._widened
+            rows_of_field[:, columns.densities(place)][np.diag_indices(rows.nodes)] += state.gap / profile
         unknown = np.delete(np.arange(law.shape[1]), RUBBED)
         result = np.ones(law.shape[1])
         result[unknown] = np.linalg.solve(law[:, unknown], -law[:, RUBBED])
@@ -108,7 +109,7 @@ class SlidingPoint:
 
     @property
     def _widened(self) -> Array:
-        """What a unit shift adds to 1 + r^2/end^2 of the gap's law, over itself; (n,)."""
+        """Relative change of the gap law's factor 1 + r^2/end^2 for a unit shift; (n,)."""
         return np.asarray(2 * (1 - self._state.thinned) / self.rings.grid.distance)
 
     @property
@@ -120,17 +121,17 @@ class SlidingPoint:
     def over_size(self) -> Array:
         """D_y and B_y of cos(angle) over C a^(e-1) at the nodes, over their size; (field, n)."""
         rows = self._operators.rows
-        own = self.friction * self._weights[CAUSES:] if self._slides else np.zeros(len(rows.fields) * rows.nodes)
-        return own.reshape(len(rows.fields), rows.nodes)
+        densities = self.friction * self._weights[CAUSES:] if self._slides else np.zeros(len(rows.fields) * rows.nodes)
+        return densities.reshape(len(rows.fields), rows.nodes)
 
     @cached_property
-    def beside(self) -> tuple[Array, Array]:
+    def exterior_densities(self) -> tuple[Array, Array]:
         """Over C a^(e-1) at the nodes: D_y and B_y of cos(angle), and these times what the end does to the gap's field.
 
         (field, n) each.
         """
-        own, thinned = self.over_size * self.rings.size, self._state.thinned
-        return own, own / thinned + self._state.densities / thinned * self.shift * self._widened
+        densities, thinned = self.over_size * self.rings.size, self._state.thinned
+        return densities, densities / thinned + self._state.densities / thinned * self.shift * self._widened
 
     @property
     def reach(self) -> float:
@@ -138,9 +139,9 @@ class SlidingPoint:
 
         A gap's field cannot go beyond it, which the first order does not know.
         """
-        N, channels, (_, turned) = self._operators.compliance, self._carried, self.beside
+        N, channels, (_, turned) = self._operators.compliance, self._carried, self.exterior_densities
         at_rest = self._state.densities / self._state.thinned
-        yielding = -self.on.unit * N[0, channels] / N[channels, channels] / self._state.problem.media
+        yielding = -self.at_rest.unit * N[0, channels] / N[channels, channels] / self._state.problem.media
         return float(max(np.max(yielding[:, None] * (at_rest + sign * turned)) for sign in (1.0, -1.0)))
 
     # -- tractions -----------------------------------------------------------------------------------------------------
@@ -165,12 +166,12 @@ class SlidingPoint:
     def tractions(self, ratio: float) -> AirPointTractions:
         """On the whole surface."""
         if not self._slides:
-            return self.on.tractions(ratio)
+            return self.at_rest.tractions(ratio)
 
         def sines(b: Array, columns: Indices) -> Array:
-            return self.on.unit * np.broadcast_to(self.sines(b), (columns.size, 3, b.size))
+            return self.at_rest.unit * np.broadcast_to(self.sines(b), (columns.size, 3, b.size))
 
-        at_rest = self.on.tractions(ratio, self.over_size)
+        at_rest = self.at_rest.tractions(ratio, self.over_size)
         return replace(at_rest, friction=np.array([self.friction]), sines=sines)
 
     # -- what quantities are made of, over C a^(e-1) -------------------------------------------------------------------
@@ -182,12 +183,12 @@ class SlidingPoint:
         shape, channel = self._operators.shape, 0 if field is None else 1 + field
         ray, shift, pressed = ray_of(shape), np.array([self.shift]), self.pressed.times(np.full(3, self.friction))
         turned = turned_pressures(self.response, pressed, shift, self.series[None, channel], channel)[0]
-        at_rest = self.on.bounded(ray.r, _drawn(self.on.operators.rings, shape))[channel]
+        at_rest = self.at_rest.bounded(ray.r, _drawn(self.at_rest.operators.rings, shape))[channel]
         if field is None:
             return np.stack([-at_rest, turned])
-        own = self.over_size[self._operators.rows.fields.index(field)]
+        densities = self.over_size[self._operators.rows.fields.index(field)]
         edge = self.sines(np.ones(1))[channel, 0]
-        return np.stack([at_rest, edge * ray.x / ray.r - turned + _drawn(self.rings, shape) @ own])
+        return np.stack([at_rest, edge * ray.x / ray.r - turned + _drawn(self.rings, shape) @ densities])
 
     @property
     def weighted(self) -> tuple[Array, Array, Array]:
@@ -196,23 +197,23 @@ class SlidingPoint:
         (b,), (3, b) and (4, b).
         """
         reach = self._state.radius / self._operators.width
-        at = hankel.nodes(parts=4 + int(_PARTS * reach), kinked=True)
+        rule = hankel.nodes(parts=4 + int(_PARTS * reach), kinked=True)
         far, share = self.rings.rule
-        within = np.concatenate([self.pressed.at(at.b)[0], self.sines(at.b)])
-        beside = np.zeros((2, 3, far.size))
-        at_rest, turned = (self.on.operators.rings, self._state.over_size), (self.rings, self.over_size)
-        for number, (of, own) in enumerate((at_rest, turned)):
-            S = (own @ of.gathered.T / of.size).reshape(len(own), of.grid.panels, -1)
-            beside[number, self._carried] = np.einsum("psn,fpn->fps", share, S).reshape(len(own), -1)
-        both = np.concatenate([within * at.weights, _PART * beside.reshape(6, -1)], 1)
-        return np.append(at.b, far), both[:3], np.concatenate([self.friction * both[:1], both[3:]])
+        within = np.concatenate([self.pressed.at(rule.b)[0], self.sines(rule.b)])
+        exterior = np.zeros((2, 3, far.size))
+        at_rest, turned = (self.at_rest.operators.rings, self._state.over_size), (self.rings, self.over_size)
+        for number, (panels, densities) in enumerate((at_rest, turned)):
+            S = (densities @ panels.gathered.T / panels.size).reshape(len(densities), panels.grid.panels, -1)
+            exterior[number, self._carried] = np.einsum("psn,fpn->fps", share, S).reshape(len(densities), -1)
+        weights = np.concatenate([within * rule.weights, _PART * exterior.reshape(6, -1)], 1)
+        return np.append(rule.b, far), weights[:3], np.concatenate([self.friction * weights[:1], weights[3:]])
 
     @property
     def moments(self) -> Array:
         """int_0^1 (t s + t_1 s^2) ds of (sigma_yy, D_y, B_y) below the contact; (3,)."""
-        at = hankel.nodes(kinked=True)
-        result = (self.pressed.at(at.b)[0] + 2 * at.b * self.sines(at.b)) @ at.weights
-        result[self._carried] += self._state.over_size @ _held(self.on.operators.rings)
+        rule = hankel.nodes(kinked=True)
+        result = (self.pressed.at(rule.b)[0] + 2 * rule.b * self.sines(rule.b)) @ rule.weights
+        result[self._carried] += self._state.over_size @ _held(self.at_rest.operators.rings)
         result[self._carried] += self.over_size @ _held(self.rings)
         return np.asarray(result)
 
@@ -225,17 +226,20 @@ class SlidingPoint:
 
 
 @cached
-def _drawn(of: Rings, shape: Shape) -> Array:
-    """What rings draw along the ray; (place, n)."""
-    return of.poisson(ray_of(shape).x)
+def _drawn(transforms: Rings, shape: Shape) -> Array:
+    """Density along the ray induced by the rings; (place, n)."""
+    return transforms.poisson(ray_of(shape).x)
 
 
 @cached
-def _held(of: Rings) -> Array:
-    """What rings add to the moments below the contact: what they draw there, less the strength of S within; (n,)."""
+def _held(transforms: Rings) -> Array:
+    """Moment of the charge that rings induce below the contact, less the part of S within; (n,)."""
     x, weights = gauss(_ENDS, _RULE)
     r = np.sqrt((1 - x) * (1 + x))
-    return np.asarray((weights * x * r**of.order) @ of.poisson(x) - _PART * (2 / 3) ** of.order * of.at_edge)
+    return np.asarray(
+        (weights * x * r**transforms.order) @ transforms.poisson(x)
+        - _PART * (2 / 3) ** transforms.order * transforms.at_edge
+    )
 
 
 _MOST_REACH = 1.1  # of the gap's field, beyond which a warning says that it is not reached
@@ -248,7 +252,7 @@ def largest_within(slid: SlidingPoint | None, field: int | None, at_rest: float)
     """
     if slid is None or slid.friction == 0:
         return at_rest
-    along, ray = slid.along(field), ray_of(slid.on.operators.shape)
+    along, ray = slid.along(field), ray_of(slid.at_rest.operators.shape)
     signs = (1.0,) if field is None else (1.0, -1.0)
     return max(at_rest, *(float(ray.top(*(sign * along[:, None]))[0]) for sign in signs))
 
@@ -259,7 +263,7 @@ def largest_beside(state: PointState, slid: SlidingPoint | None, place: int, *, 
     On the finite panels, along the sliding direction.
     """
     at_rest = state.densities[place] / (state.thinned if gap else 1.0)
-    turned = np.zeros_like(at_rest) if slid is None else slid.beside[gap][place]
+    turned = np.zeros_like(at_rest) if slid is None else slid.exterior_densities[gap][place]
     panels = state.problem.rings.grid.panels
     return max(peak_of_panels((at_rest + sign * turned).reshape(panels, -1)[:-1]) for sign in (1.0, -1.0))
 
@@ -269,13 +273,13 @@ def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units
 
     units: (3,), of the body.
     """
-    unit = slid.on.unit / units
+    unit = slid.at_rest.unit / units
     first, third = (float(part[0] * slid.friction * unit[0]) for part in edge_sums(slid.pressed))
     result = rim.tension(slid.moments * unit, (np.array(first), np.array(third))) + rim.charged(slid.just_beside * unit)
     if isinstance(body, Film):
         b, plain, turned = slid.weighted
-        added = added_tension(body.kind.film.stack(), rim, slid.on.state.radius, b, plain, turned)
-        result = result + slid.on.unit * added
+        added = added_tension(body.kind.film.stack(), rim, slid.at_rest.state.radius, b, plain, turned)
+        result = result + slid.at_rest.unit * added
     return float(result)
 
 

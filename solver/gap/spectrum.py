@@ -72,10 +72,10 @@ class Window:
         out: (2, wavenumber), complex, what is added to; q: (wavenumber,), wavenumbers times the half-length.
         """
         for least, most, X, (right, left) in self._bands:
-            here = np.flatnonzero((q > least) & (q <= most))
-            if here.size:
-                phase = q[here, None] * X
-                out[:, here] += (right + left) @ np.cos(phase).T - 1j * ((right - left) @ np.sin(phase).T)
+            members = np.flatnonzero((q > least) & (q <= most))
+            if members.size:
+                phase = q[members, None] * X
+                out[:, members] += (right + left) @ np.cos(phase).T - 1j * ((right - left) @ np.sin(phase).T)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +87,7 @@ class Spectrum:
 
     @cached_property
     def windows(self) -> list[Window]:
-        """From the edge outwards."""
+        """Windows from the edge outwards."""
         last = float(np.log(np.cosh(self.charges.ends[-1])))
         ends = [-np.inf, *np.arange(np.log(_CUT / self.most), last, _STEP).tolist(), np.inf]
         return [Window(self.charges, *pair, min(self.most, _CUT * float(np.exp(-pair[0])))) for pair in pairwise(ends)]
@@ -96,7 +96,7 @@ class Spectrum:
         """Largest abs(X) whose charges count from a wavenumber times the half-length on."""
         return max((window.reach for window in self.windows if window.most > q), default=1.0)
 
-    def at(self, q: Array) -> ComplexArray:
+    def values(self, q: Array) -> ComplexArray:
         """Integrals of D exp(-i q X) dX over both sides; (2, wavenumber)."""
         out: ComplexArray = np.zeros((2, q.size), np.complex128)
         for window in self.windows:

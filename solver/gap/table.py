@@ -41,23 +41,28 @@ class AirTable:
     @cached_property
     def _parts(self) -> tuple[Array, Array]:
         """Outputs at the half-lengths: rows that the equations need, and the others; (node, row, column) each."""
-        of = self.operators
-        size = 8.0 * self.table.half_lengths.size * of.rows * (of.system.causes + len(of.system.fields) * of.beside)
+        operators = self.operators
+        size = (
+            8.0
+            * self.table.half_lengths.size
+            * operators.rows
+            * (operators.system.causes + len(operators.system.fields) * operators.density_nodes)
+        )
         if size > _LARGEST:
             raise GapError(
                 "surroundings: charges spread so far beside the contact that their table would take "
                 f"{size / 1e9:.3g} GB; at most {_LARGEST / 1e9:g} GB; must be insulated"
             )
-        values = of.at(self.table.half_lengths)
+        values = operators.matrices(self.table.half_lengths)
         solving = self._solving
         return np.ascontiguousarray(values[:, solving]), np.ascontiguousarray(values[:, ~solving])
 
     @property
     def _solving(self) -> BoolArray:
-        """Whether the equations need a row; (row,)."""
-        of = self.operators
-        needed: BoolArray = np.zeros(of.rows, dtype=bool)
-        needed[:SOLVING] = needed[FIRST : FIRST + of.beside * (1 + len(of.system.fields))] = True
+        """Mark the rows that the equations need; (row,)."""
+        operators = self.operators
+        needed: BoolArray = np.zeros(operators.rows, dtype=bool)
+        needed[:SOLVING] = needed[FIRST : FIRST + operators.density_nodes * (1 + len(operators.system.fields))] = True
         return needed
 
     def near(self, log_half: float) -> "Near":
@@ -76,7 +81,7 @@ class AirTable:
         return result
 
     def _weights(self, log_half: float, count: int) -> Array:
-        """From values at the half-lengths to coefficients of powers of a change in log h; (count, node)."""
+        """Matrix from values at the half-lengths to Taylor coefficients in log h; (count, node)."""
         return np.asarray(self.table.polynomials(np.array([log_half]))[0] @ self.table.interval.taylor(count))
 
 
@@ -116,7 +121,7 @@ class Near:
     terms: Array
 
     def holds(self, log_half: float) -> bool:
-        """Whether log h is next to the centre."""
+        """Return True if log h is within the range of the Taylor series."""
         return abs(log_half - self.centre) <= _NEXT
 
     def matrix(self, log_half: float, rows: slice = slice(None)) -> Array:
@@ -136,5 +141,5 @@ class Near:
         return change**k @ series, (k[1:] * change ** k[:-1]) @ series[1:]
 
     def _terms(self, log_half: float) -> Array:
-        """As many as count: two where the next one is below rounding."""
+        """Taylor terms that matter: two if the next one is below rounding."""
         return self.terms[:2] if abs(log_half - self.centre) < _NEXT**3 else self.terms

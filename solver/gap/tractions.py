@@ -25,17 +25,17 @@ _GROWTH, _FIRST = 2.5, 100.0  # of panels in k towards 0, and the largest phase 
 
 @dataclass(frozen=True, eq=False)
 class AirTractions(Tractions):
-    """Those of one contact, one column; ``charges`` without what the charges beside it draw into it."""
+    """Tractions of one contact, as one column; ``charges`` excludes the charge induced by exterior charges."""
 
-    beside: Charges = field(kw_only=True)
+    exterior_charges: Charges = field(kw_only=True)
     widest: float = 0.0
 
     @cached_property
     def _whole(self) -> Tractions:
-        """Of the contact, with what is drawn into it."""
-        drawn = self.beside.terms(self.charges.shape[2])
-        both = (self.pressures, self.charges + drawn[None, :, :, None])
-        return Tractions(self.system, self.basis, self.half_lengths, *both, self.upper)
+        """Tractions of the contact, including the induced charge."""
+        drawn = self.exterior_charges.terms(self.charges.shape[2])
+        densities = (self.pressures, self.charges + drawn[None, :, :, None])
+        return Tractions(self.system, self.basis, self.half_lengths, *densities, self.upper)
 
     @property
     def _half(self) -> float:
@@ -46,21 +46,21 @@ class AirTractions(Tractions):
         """Ends of panels in k, from so small ones on that the farthest charges are in phase."""
         stack = self.system.kernel.stack
         ends = panels(stack, strip(stack) / 2)
-        return from_smaller(ends, self._half * float(np.cosh(self.beside.ends[-1])))
+        return from_smaller(ends, self._half * float(np.cosh(self.exterior_charges.ends[-1])))
 
     @cached_property
     def _spectrum(self) -> Spectrum:
-        return Spectrum(self.beside, float(self._ends[-1] * self._half))
+        return Spectrum(self.exterior_charges, float(self._ends[-1] * self._half))
 
     def part(self, members: slice | NDArray[np.intp]) -> Self:
         """The one member: what is known of it is kept."""
         return self
 
     def wavenumbers(self, body: Stack, nearest: float, reach: float, width: float) -> tuple[Array, Array]:
-        """As of a contact; charges far away count for long waves alone."""
+        """Wavenumbers and weights; distant charges extend the range of long waves only."""
         reach = max(reach, self.widest)
-        here = reach - self.longest
-        far = [here + self._half * self._spectrum.reach(start * self._half) for start in self._ends[:-1]]
+        nearest_reach = reach - self.longest
+        far = [nearest_reach + self._half * self._spectrum.reach(start * self._half) for start in self._ends[:-1]]
         return on_panels(self._ends, np.maximum(reach, far))
 
     def by_distance(self, body: Stack, X: Array) -> list[NDArray[np.intp]]:
@@ -71,7 +71,7 @@ class AirTractions(Tractions):
         """(i sigma_xy, sigma_yy, D_y, B_y) at the surface at wavenumbers k [1/m]; (1, k, 4, 1)."""
         if (key := k.tobytes()) not in self._known:
             result = self._whole.in_fourier_space(k)
-            result[0, :, 2:, 0] += self._half * self._spectrum.at(k * self._half).T
+            result[0, :, 2:, 0] += self._half * self._spectrum.values(k * self._half).T
             self._known[key] = result
         return self._known[key]
 
@@ -86,7 +86,7 @@ class AirTractions(Tractions):
         z: (1, point), complex, X + iY.
         """
         result = super().on_plane(z, integrated=integrated)
-        result[2:, 0, :, 0] += self.beside.transforms(z[0], integrated=integrated)
+        result[2:, 0, :, 0] += self.exterior_charges.transforms(z[0], integrated=integrated)
         return result
 
 
@@ -108,21 +108,21 @@ class Solved:
     @cached_property
     def system(self) -> System:
         """The contact's, its kernels as far as charges lie."""
-        of = self.state.problem.table.operators
-        wide, own = of._wide, of.system.kernel
+        operators = self.state.problem.table.operators
+        wide, narrow = operators._wide, operators.system.kernel
         if wide is None:  # a half-plane's are zero, as far as they are asked for
             reach = self.state.half * (1 + float(np.max(np.abs(self.points))))
-            wide = own if reach <= own.reach else kernel(own.stack, reach)
-        return replace(of.system, kernel=wide)
+            wide = narrow if reach <= narrow.reach else kernel(narrow.stack, reach)
+        return replace(operators.system, kernel=wide)
 
     @cached_property
     def assembly(self) -> Assembly:
-        """At the half-length."""
+        """Assembly at the half-length of the solution."""
         half = np.array([self.state.half])
         return Assembly(self.system, self.system.basis(self.state.half), half, self.points)
 
     @cached_property
-    def beside(self) -> Charges:
+    def exterior_charges(self) -> Charges:
         """Charges beside the contact."""
         problem = self.state.problem
         grid, unknowns = problem.table.operators.grid, np.zeros((2, 2, problem.table.operators.grid.count))
@@ -135,33 +135,33 @@ class Solved:
     def drawn(self) -> Array:
         """Unknowns of the contact that the charges beside it draw into it; (unknown,)."""
         basis, result = self.assembly.basis, np.zeros(self.system.unknowns(self.assembly.basis))
-        terms = self.beside.terms(basis.terms + 1)
+        terms = self.exterior_charges.terms(basis.terms + 1)
         for f, start in self.system.starts(basis).items():
             result[start : start + basis.terms + 1] = terms[f]
         return result
 
     def carried(self, X: Array) -> Array:
         """du/dX of (y, phi, psi, x) at X that the kernels make of the charges beside the contact; (4, point)."""
-        of = self.state.problem.table.operators
+        operators = self.state.problem.table.operators
         result = np.zeros((4, X.size))
-        if of._wide is None:
+        if operators._wide is None:
             return result
         mix = np.concatenate([mixing(0.0, np.eye(3)[1 + f])[:, :4] for f in self.system.fields], 1)
-        both = Densities(of.grid, of._wide).integrals(self.state.half, np.concatenate([X, -X]), mix)
-        right, left = both.reshape(2, X.size, len(self.system.fields), 4, -1)
+        integrals = Densities(operators.grid, operators._wide).integrals(self.state.half, np.concatenate([X, -X]), mix)
+        right, left = integrals.reshape(2, X.size, len(self.system.fields), 4, -1)
         for place, f in enumerate(self.system.fields):
-            unknowns = self.beside.unknowns[:, f]
+            unknowns = self.exterior_charges.unknowns[:, f]
             result += self.state.half * (right[:, place] @ unknowns[0] + _MIRRORED * (left[:, place] @ unknowns[1])).T
         return result
 
     @cached_property
     def unknowns(self) -> Array:
-        """Of the contact, without what is drawn into it; (unknown,)."""
+        """Unknowns of the contact, without the induced charge; (unknown,)."""
         assembly, basis = self.assembly, self.assembly.basis
         sources = self.carried(basis.nodes)[:3] + assembly.at_nodes[0] @ self.drawn
-        every = self.system.solve(basis, assembly.at_nodes, sources=sources[None, :, :, None])[0]
+        solutions = self.system.solve(basis, assembly.at_nodes, sources=sources[None, :, :, None])[0]
         causes = self.state._causes[1][0]
-        return np.asarray(every @ np.append(causes, 1.0))
+        return np.asarray(solutions @ np.append(causes, 1.0))
 
     @property
     def tractions(self) -> AirTractions:
@@ -170,5 +170,5 @@ class Solved:
         pressures, charges = self.system.split(basis, self.unknowns)
         return AirTractions(
             self.system, basis, self.assembly.half_lengths, pressures[None, :, None], charges[None, :, :, None],
-            beside=self.beside,
+            exterior_charges=self.exterior_charges,
         )  # fmt: skip

@@ -96,12 +96,12 @@ def laminate(first: Material, second: Material, fraction: ArrayLike) -> Material
     for phase in (first, second):
         phase.check()
     scale = _scale(first, second)
-    both = scale * scale[:, None]
-    Q_1, R_1, T_1 = (block * both for block in first.generalised_stiffness())
-    Q_2, R_2, T_2 = (block * both for block in second.generalised_stiffness())
+    scales = scale * scale[:, None]
+    Q_1, R_1, T_1 = (block * scales for block in first.generalised_stiffness())
+    Q_2, R_2, T_2 = (block * scales for block in second.generalised_stiffness())
 
-    def average(one: Array, two: Array) -> Array:
-        return column(v) * one + column(1 - v) * two
+    def average(first_block: Array, second_block: Array) -> Array:
+        return column(v) * first_block + column(1 - v) * second_block
 
     def transposed(block: Array) -> Array:
         return np.swapaxes(block, -1, -2)
@@ -111,8 +111,8 @@ def laminate(first: Material, second: Material, fraction: ArrayLike) -> Material
     T_inv = average(np.asarray(I_1), np.asarray(I_2))
     T = np.linalg.inv(T_inv)
     R = average(R_1 @ I_1, R_2 @ I_2) @ T
-    Q = (schur + R @ T_inv @ transposed(R)) / both
-    R, T = R / both, T / both
+    Q = (schur + R @ T_inv @ transposed(R)) / scales
+    R, T = R / scales, T / scales
 
     # c12 belongs to the out-of-plane stress, which the plane blocks do not hold: the layers share eps_xx, and the
     # shear stiffness (c11 - c12)/2 in the plane of the layers averages
@@ -156,10 +156,10 @@ def _scale(*phases: Material) -> Array:
 def _mori_tanaka_shear(G_f: Array, G_m: Array, v: Array) -> Array:
     """Longitudinal shear block G_m + v dG (I + (1-v)/2 G_m^-1 dG)^-1, scaled before the inverse; (..., 3, 3)."""
     scale = 1 / np.sqrt(np.abs(np.diagonal(G_m, axis1=-2, axis2=-1)))
-    both = scale[..., :, None] * scale[..., None, :]
-    gap, host = (G_f - G_m) * both, G_m * both
+    scales = scale[..., :, None] * scale[..., None, :]
+    gap, host = (G_f - G_m) * scales, G_m * scales
     concentration = np.linalg.inv(np.eye(3) + column((1 - v) / 2) * np.linalg.solve(host, gap))
-    return np.asarray((host + column(v) * gap @ concentration) / both)
+    return np.asarray((host + column(v) * gap @ concentration) / scales)
 
 
 def _admissible(material: Material) -> Material:

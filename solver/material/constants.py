@@ -207,8 +207,8 @@ class Material:
         bare = not isinstance(young, str)
         young = _read(name, "young", young) if isinstance(young, str) else young
         E, nu = (np.asarray(unmasked(value), np.float64) for value in (young, poisson))
-        if bare and (asked := question("young", E, "Pa")):
-            raise MaterialError(f"{name}: {asked}")
+        if bare and (complaint := question("young", E, "Pa")):
+            raise MaterialError(f"{name}: {complaint}")
         return cls.elastic(E, nu, name, rho)
 
     @classmethod
@@ -282,7 +282,11 @@ class Material:
         """
         several = (self, *self.variants())
         values = {name: [float(getattr(variant, name)) for variant in several] for name in UNITS}
-        return {name: (min(own), max(own)) for name, own in values.items() if min(own) < max(own)}
+        return {
+            name: (min(several_values), max(several_values))
+            for name, several_values in values.items()
+            if min(several_values) < max(several_values)
+        }
 
     def plain(self) -> dict[str, Any]:
         """The mapping that :meth:`from_mapping` reads back to the last bit, of a material without case axes."""
@@ -299,7 +303,7 @@ class Material:
         }
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: every constant that is not zero, a range where there are cases, and its source."""
+        """Table for a notebook: every nonzero constant, as a range if there are cases, and its source."""
         import pandas as pd  # slow to import, and notebooks only
 
         constants = {name: getattr(self, name) for name in UNITS}
@@ -352,11 +356,9 @@ class Material:
             self._require(getattr(self, name) > 0, name, f"must be positive{hint}")
         if not np.any(np.isnan(self.rho)):
             self._require(self.rho > 0, "rho", "must be positive")
-        bare = {name: getattr(self, name) for name in UNITS if name not in self.any_size}
-        for asked in questions(
-            {name: value for name, value in bare.items() if not np.all(np.isnan(value))}, UNITS
-        ).values():
-            raise MaterialError(f"{self.name}: {asked}")
+        known = {name: value for name in UNITS if not np.all(np.isnan(value := getattr(self, name)))}
+        for complaint in questions(known, UNITS, [name for name in known if name not in self.any_size]).values():
+            raise MaterialError(f"{self.name}: {complaint}")
         self._require(self.c13**2 < self.c11 * self.c33, "c13", "needs c13^2 < c11 c33 (positive definite stiffness)")
         if not np.any(np.isnan(self.c12)):
             self._require(abs(self.c12) < self.c11, "c12", "needs |c12| < c11 (positive definite stiffness)")
@@ -388,8 +390,10 @@ def _read(label: str, constant: str, text: str) -> float:
 def combined(change: Callable[..., Array], materials: Iterable[Material], name: str) -> Material:
     """The material whose every constant is made of those of some materials; no limits and alternatives."""
     several = tuple(materials)
-    made: dict[str, Any] = {c: change(*(getattr(material, c) for material in several)) for c in (*UNITS, "conductor")}
-    return Material(**made, name=name, any_size=ANY_SIZE)
+    constants: dict[str, Any] = {
+        c: change(*(getattr(material, c) for material in several)) for c in (*UNITS, "conductor")
+    }
+    return Material(**constants, name=name, any_size=ANY_SIZE)
 
 
 def _matrix(rows: list[list[Array]]) -> Array:

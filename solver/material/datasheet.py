@@ -191,18 +191,18 @@ def _stiffness(values: Mapping[str, float]) -> Array:
 
 def _transverse_entry(values: Mapping[str, float], letter: str, rule: Any) -> float:
     """Entry 12 as given, or from entries 11 and 66; both must agree."""
-    given, shear = values.get(f"{letter}12"), values.get(f"{letter}66")
+    stated, shear = values.get(f"{letter}12"), values.get(f"{letter}66")
     if shear is None or f"{letter}11" not in values:
-        if given is None:
+        if stated is None:
             raise ValueError(f"{letter}12: missing; needed beside {letter}11 (or {letter}66)")
-        return given
+        return stated
     derived = float(rule(values[f"{letter}11"], shear))
-    if given is not None and abs(derived - given) > 0.05 * abs(values[f"{letter}11"]):
+    if stated is not None and abs(derived - stated) > 0.05 * abs(values[f"{letter}11"]):
         raise ValueError(
-            f"{letter}66 = {shear:g}: with {letter}11 it makes {letter}12 = {derived:.4g}, and {letter}12 = {given:g}; "
-            "the plane across the poling axis must be isotropic"
+            f"{letter}66 = {shear:g}: with {letter}11 it makes {letter}12 = {derived:.4g}, and "
+            f"{letter}12 = {stated:g}; the plane across the poling axis must be isotropic"
         )
-    return derived if given is None else given
+    return derived if stated is None else stated
 
 
 def _transverse(a11: float, a12: float, a13: float, a33: float, a44: float, *, stiffness: bool = False) -> Array:

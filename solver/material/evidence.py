@@ -1,4 +1,4 @@
-"""What is known of a material beside its constants: other published values, and what it bears, each with its source."""
+"""Evidence on a material beyond its constants: other published values and limits, each with its source."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ _MOST_ALTERNATIVES = 20
 
 @dataclass(frozen=True)
 class Limit:
-    """What a material bears: a value in the unit of ``solver.names.LIMITS``, the lowest where sources differ."""
+    """Limit of a material in the unit of ``solver.names.LIMITS``; the lowest if sources differ."""
 
     value: float
     source: str
@@ -37,8 +37,8 @@ class Alternative:
 
 def with_unit(values: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float | str]:
     """Plain values, as texts with their unit where bare ones would ask."""
-    asked = questions({name: np.array(value) for name, value in values.items()}, units)
-    return {name: f"{value!r} {units[name]}" if name in asked else value for name, value in values.items()}
+    unusual = questions({name: np.array(value) for name, value in values.items()}, units, values)
+    return {name: f"{value!r} {units[name]}" if name in unusual else value for name, value in values.items()}
 
 
 def read_limits(entries: object) -> dict[str, Limit]:
@@ -51,8 +51,8 @@ def read_limits(entries: object) -> dict[str, Limit]:
         value = _in_si(where, value, units)
         if not is_finite(value) or float(value) <= 0:
             raise ValueError(f"{where}: {shown(value)} is not a finite number > 0 [{units}]")
-        if bare and (asked := question(name, float(value), units)):
-            raise ValueError(f"limits: {asked}")
+        if bare and (complaint := question(name, float(value), units)):
+            raise ValueError(f"limits: {complaint}")
         limits[name] = Limit(float(value), _source(f"limits: {name}", fields))
     return limits
 

@@ -1,4 +1,4 @@
-"""What punches are made of: isotropic materials by Young's modulus and Poisson's ratio."""
+"""Materials of punches: isotropic, by Young's modulus and Poisson's ratio."""
 
 import tomllib
 from collections.abc import Mapping

@@ -1,15 +1,13 @@
 """Sizes that constants of materials have: a bare number far outside has probably lost its unit, and asks."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from solver.arrays import Array
 from solver.names import LIMITS
-
-VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m (CODATA 2022)
-VACUUM_PERMEABILITY = 1.25663706127e-6  # N s2/C2
+from solver.units import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 
 _MOST_COUPLED = 1e3  # e^2/(c eps) of one field; the strongest relaxor crystals reach 30
 
@@ -81,12 +79,12 @@ def question(name: str, values: float | Array, units: str) -> str:
     )
 
 
-def questions(values: Mapping[str, Array], units: Mapping[str, str]) -> dict[str, str]:
-    """Questions about the constants whose size, alone or beside another, no material has; by name."""
-    asked = {name: text for name, value in values.items() if (text := question(name, value, units[name]))}
+def questions(values: Mapping[str, Array], units: Mapping[str, str], bare: Collection[str]) -> dict[str, str]:
+    """Questions about `bare` constants whose size, alone or together with others, no material has; by name."""
+    texts = {name: text for name in bare if name in values and (text := question(name, values[name], units[name]))}
     for coupling, stiffness, store in _COUPLED:
         names = (coupling, stiffness, store)
-        if all(name in values and name not in asked for name in names):
+        if any(name in bare for name in names) and all(name in values and name not in texts for name in names):
             e, c, eps = np.broadcast_arrays(*(values[name] for name in names))
             odd = np.flatnonzero(np.abs(e) > np.sqrt(_MOST_COUPLED) * np.sqrt(np.abs(c)) * np.sqrt(np.abs(eps)))
             if odd.size:
@@ -94,9 +92,9 @@ def questions(values: Mapping[str, Array], units: Mapping[str, str]) -> dict[str
                     f"{name} = {array.flat[odd[0]]:g} {units[name]}"
                     for name, array in zip(names, (e, c, eps), strict=True)
                 ]
-                asked |= dict.fromkeys(
+                texts |= dict.fromkeys(
                     names,
                     f"{sizes[0]} couples {sizes[1]} and {sizes[2]} more than any material does; did one of them lose "
                     "its unit? Numbers with a unit are read as they stand",
                 )
-    return asked
+    return texts

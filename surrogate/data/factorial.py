@@ -108,7 +108,7 @@ def _inferred(dataset: xr.Dataset, factor: str, levels: Array) -> Input:
 
 
 def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Sequence[Input] | None) -> bool:
-    """Whether the levels of all factors are Chebyshev-Gauss levels."""
+    """Return True if the levels of all factors are Chebyshev-Gauss levels."""
     try:
         levels = [_levels(dataset, factor) for factor in factors]
         if inputs is None:

@@ -1,4 +1,4 @@
-"""What the variables of the surrogates' files mean, for those who open them with another program."""
+"""Long names of the variables in the surrogates' files, for readers who open them with another program."""
 
 #: Meanings. "Over its unit" makes a plain number of what has another unit for every input or output.
 MEANINGS = {

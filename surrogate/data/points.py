@@ -1,6 +1,6 @@
 """Query points by name: from scalars, arrays and labelled arrays to one array of points, and back."""
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
@@ -24,6 +24,7 @@ EVEN = "evenly_drawn"
 
 #: The dimension of the rows of a table, as in the answers of the solver.
 CASE = "case"
+Attrs = Mapping[str, Mapping[str, str]]
 
 
 @runtime_checkable
@@ -241,3 +242,31 @@ def _as_array(name: str, value: object, names: Sequence[str]) -> xr.DataArray:
                 f"input {name!r} has a dimension of an input's name, {dim!r}; only {dim!r} itself may, alone"
             )
     return array if array.dtype == np.float64 else array.astype(np.float64)
+
+
+class Labels:
+    """Maker of a model's data sets."""
+
+    def __init__(self, attrs: Attrs) -> None:
+        self.attrs = attrs
+        self._forms: dict[Hashable, xr.Dataset] = {}
+
+    def dataset(
+        self, kind: Hashable, named: Points, values: Mapping[str, NDArray[Any]], attrs: Callable[[], Attrs]
+    ) -> xr.Dataset:
+        """Label one value per point of every name."""
+        if named.dims:
+            return self._made(named, values, attrs())
+        numbers = {name: array.reshape(()) for name, array in values.items()}
+        form = self._forms.get(kind)
+        if form is None:
+            self._forms[kind] = form = self._made(named, values, attrs())
+        # to check the names, shapes and coordinates of an answer costs more than the answer: the first one's are kept
+        copied = form.copy(data=numbers)
+        for name, coord in named.coords.items():
+            copied.variables[name].values = coord.values
+        return copied
+
+    @staticmethod
+    def _made(named: Points, values: Mapping[str, NDArray[Any]], attrs: Attrs) -> xr.Dataset:
+        return named.dataset({name: (array, attrs[name]) for name, array in values.items()})

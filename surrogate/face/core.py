@@ -1,4 +1,4 @@
-"""What a model must give: its posterior at scaled coordinates, what it was fitted to, and its state in files."""
+"""Interface of a model: posterior at scaled coordinates, training data, and state in files."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence

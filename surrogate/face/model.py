@@ -12,16 +12,14 @@ from numpy.typing import NDArray
 
 from approximation.arrays import Array, Flags, blocks, unmasked
 from surrogate.data.inputs import Input, physical_points, unit_coordinates
-from surrogate.data.labels import Attrs, Labels
-from surrogate.data.points import EVEN, Points, Queries, named_points, outside, require_inside
+from surrogate.data.points import EVEN, Attrs, Labels, Points, Queries, named_points, outside, require_inside
 from surrogate.face.core import Core
 from surrogate.face.region import Region
 from surrogate.intervals.calibration import MINIMUM, Calibration
 from surrogate.intervals.conformal import calibrate
-from surrogate.intervals.copula import MOST_POINTS
+from surrogate.intervals.copula import MOST_POINTS, ends
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 from surrogate.intervals.sharing import sharing
-from surrogate.intervals.sums import ends
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048
@@ -128,14 +126,14 @@ class GaussianProcess(Core):
 
     @property
     def calibrated(self) -> bool:
-        """Whether its intervals rest on held-out cases."""
+        """Return True if the intervals rest on held-out cases."""
         return self.calibration_ is not None
 
     def __str__(self) -> str:
         return text(self) if hasattr(self, "inputs_") else f"{type(self).__name__}, not fitted yet"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: what `print` says, the box as a table."""
+        """Return HTML for a notebook: the text of `print`, with the box as a table."""
         return page(self) if hasattr(self, "inputs_") else f"<p><b>{type(self).__name__}</b>, not fitted yet</p>"
 
     def score(self, X: xr.Dataset, y: xr.Dataset | None = None) -> float:
@@ -191,7 +189,7 @@ class GaussianProcess(Core):
         return self.calibrate_under(dataset, None)
 
     def calibrate_under(self, dataset: xr.Dataset, outer: Array | None) -> Self:
-        """As `calibrate`, for a model that stands on this one.
+        """Calibrate like `calibrate`, for a model that wraps this one.
 
         Parameters
         ----------
@@ -414,7 +412,7 @@ class GaussianProcess(Core):
         return named, [part for part in parts if part is not None], self._flags(named, extrapolate)
 
     def _flags(self, named: Points, extrapolate: bool) -> dict[str, Flags]:
-        """Which points lie outside, with `extrapolate`, under the name that answers give it."""
+        """Return the variable `extrapolated`, which marks points outside the box; empty without `extrapolate`."""
         return {"extrapolated": ~self.has_answers(named.X)} if extrapolate else {}
 
     def _labels(self) -> Labels:
@@ -616,7 +614,7 @@ class GaussianProcess(Core):
         Returns
         -------
         ndarray, shape (2,)
-            By how errors go together (module `sums`); without a calibration the ends of all of them are added up.
+            By the joint distribution of errors (module `copula`); without a calibration, the sum of their ends.
 
         Raises
         ------

@@ -126,7 +126,7 @@ def _prefixed(name: str, member: xr.Dataset) -> xr.Dataset:
 
 
 def _member(name: str, stored: xr.Dataset) -> xr.Dataset:
-    """What `_prefixed` was made from."""
+    """Undo `_prefixed`."""
     prefix = f"{name}_"
     member_variables = stored.drop_vars([part for part in stored.variables if not str(part).startswith(prefix)])
     plain = member_variables.rename(

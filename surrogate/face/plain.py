@@ -1,4 +1,4 @@
-"""What every model that a browser evaluates has: its inputs, its outputs, and what takes variances to intervals."""
+"""Parts of every model that a browser evaluates: inputs, outputs, and the calibration from variances to intervals."""
 
 from collections.abc import Sequence
 from dataclasses import asdict

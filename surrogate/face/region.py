@@ -22,7 +22,7 @@ class OutOfRegionError(OutOfBoxError):
 
 @dataclass(frozen=True)
 class Region:
-    """Where sum_m coefficients[m] prod_k T_{degrees[m, k]}(t_k) >= least, at scaled inputs t."""
+    """Region where sum_m coefficients[m] prod_k T_{degrees[m, k]}(t_k) >= least, at scaled inputs t."""
 
     degrees: Indices  # shape (m, d)
     coefficients: Array  # shape (m,)

@@ -45,7 +45,7 @@ SMALLEST_SCALE, SMALLEST = 1e-3, 1e-9
 
 @dataclass(frozen=True)
 class Correction:
-    """What is added to the mean: sum_f T_{n_f}(t_f) sum_a coefficients[f, a] prod_j T_{indices[a, j]}(t_j)."""
+    """Correction of the mean: sum_f T_{n_f}(t_f) sum_a coefficients[f, a] prod_j T_{indices[a, j]}(t_j)."""
 
     levels: tuple[int, ...]  # Number of levels n_f of every factor
     indices: Indices  # shape (m, d); Degrees of the amplitudes' terms
@@ -211,7 +211,7 @@ def _weighted(basis: Array, error: Array, scale: Array, groups: Indices) -> tupl
 
 
 def _left_out(residuals: Array, basis: Array, groups: Indices) -> Array:
-    """What a fit to all other groups leaves of each: residuals (p, n) of least squares in an orthonormal basis (n, k).
+    """Leave-one-group-out residuals (p, n) of least squares in an orthonormal basis (n, k).
 
     Residuals over 1 - leverage (D. M. Allen, Technometrics 16 (1974) 125); of a group of several cases, with its block
     of the projection in place of the leverage.

@@ -1,4 +1,4 @@
-"""What one factor contributes to a separable Gaussian process: its kernel on the levels and its features at a query.
+"""Factor of a separable Gaussian process: its kernel on the levels and its features at a query.
 
 Every factor brings an orthonormal basis of functions on its levels, ordered from smooth to rough (discrete Chebyshev
 polynomials: on Chebyshev-Gauss levels the discrete cosine transform), in which smooth data have few and quickly
@@ -18,7 +18,7 @@ NEGLIGIBLE = 1e-17
 
 @dataclass(frozen=True)
 class Features:
-    """What the process needs of one factor at B query points."""
+    """Features of one factor at B query points."""
 
     mean: Array  # shape (modes, B); Functions that the coefficients of the mean multiply
     prior: Array  # shape (B,); K(x, x), without the constant and the amplitude
@@ -126,26 +126,6 @@ class Factor:
 
     def _damped(self, modes: int) -> Indices:
         return np.arange(self._first_damped, max(modes, self._first_damped))
-
-
-def radial(kind: str, r: Array) -> tuple[Array, Array]:
-    """Return a stationary correlation k at distances over the length scale, and -k'(r)/r, which is finite at zero."""
-    if kind == "rbf":
-        k = np.exp(-0.5 * r * r)
-        return k, k
-    if kind == "matern32":
-        decay = np.exp(-np.sqrt(3) * r)
-        return (1 + np.sqrt(3) * r) * decay, 3 * decay
-    if kind == "matern52":
-        s = np.sqrt(5) * r
-        decay = np.exp(-s)
-        return (1 + s + s * s / 3) * decay, 5 / 3 * (1 + s) * decay
-    raise ValueError(f"unknown kernel {kind!r}")
-
-
-def steepness(kind: str) -> float:
-    """Return minus the second derivative at zero of a stationary correlation of unit length scale."""
-    return float(radial(kind, np.zeros(()))[1])
 
 
 def cosine_basis(n: int) -> tuple[Array, Array]:

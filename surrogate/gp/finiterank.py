@@ -206,7 +206,7 @@ def _left(t: Array, y: Array, indices: Indices, coefficients: Array, root_weight
 
 @dataclass(frozen=True)
 class Rest:
-    """What first weights of independent directions leave of the outputs."""
+    """Residuals of the outputs at the first weights of independent directions."""
 
     first: Array  # shape (r, p); These weights, whose prior variance is s^2
     known: Array  # shape (r, p); Products of what is left with the directions

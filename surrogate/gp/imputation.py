@@ -70,7 +70,7 @@ def _nearest(values: Array, missing: Flags) -> Array:
 
 
 def expected(factors: Sequence[Factor], values: Array, missing: Flags) -> Array:
-    """What the process expects in the missing places, given the values in all others.
+    """Return the posterior mean at the missing places, given the values at all others.
 
     values: (n_1, ..., n_d, p); missing: (n_1, ..., n_d); result: (m, p).
     """
@@ -96,7 +96,7 @@ def expected(factors: Sequence[Factor], values: Array, missing: Flags) -> Array:
 
 
 def _of_modes(factors: Sequence[Factor], known: Array, missing: Flags) -> Array:
-    """What Chebyshev kernels expect, by the weights of their modes."""
+    """Return the posterior mean of Chebyshev kernels, computed from the weights of their modes."""
     count = int(np.count_nonzero(missing))
     weights = np.zeros(missing.shape)  # logarithms
     for axis, factor in enumerate(factors):

@@ -122,11 +122,13 @@ class ScatterGP(GaussianProcess):
             raise ValueError(f"rank {self.rank} must be at least 1")
         inputs, names = self._roles(X)
         columns = {name: _column(X, name) for name in [*(input_.name for input_ in inputs), *names]}
-        for own in inputs:
-            low, high = columns[own.name].min(), columns[own.name].max()
-            if low < own.low or high > own.high:
-                wrong = low if low < own.low else high
-                raise ValueError(f"input {own.name!r} has the value {wrong:g} outside its range {own.range_text()}")
+        for factor_input in inputs:
+            low, high = columns[factor_input.name].min(), columns[factor_input.name].max()
+            if low < factor_input.low or high > factor_input.high:
+                wrong = low if low < factor_input.low else high
+                raise ValueError(
+                    f"input {factor_input.name!r} has the value {wrong:g} outside its range {factor_input.range_text()}"
+                )
         self.inputs_, self.outputs_ = tuple(inputs), tuple(names)
         self.attrs_ = {name: text_attrs(X[name]) for name in names}
         self.calibration_ = None

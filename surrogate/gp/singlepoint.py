@@ -26,7 +26,7 @@ _EDGE = np.array([0, *[1] * (SLABS - 2), 2])
 
 @dataclass(frozen=True)
 class Process:
-    """What a Chebyshev grid process is made of; the parts are told apart by identity."""
+    """Parts of a Chebyshev grid process, compared by identity."""
 
     # One a factor
     inputs: tuple[Input, ...]
@@ -107,7 +107,7 @@ class SinglePoint:
         self._weights = weights * process.size
 
     def _variance(self, T: Array) -> Array:
-        """As `productkernel.unit_variance`, with running products in place of the loop."""
+        """Return `gridgp.unit_variance` at one point, with running products in place of the loop."""
         squares = T * T
         contributions = self._shares @ squares
         d = len(contributions) // 2
@@ -145,7 +145,7 @@ class _Rows:
 
 
 class _SingleCorrection:
-    """As `Correction.values`."""
+    """Return `Correction.values` at one point."""
 
     def __init__(self, correction: Correction, rows: _Rows) -> None:
         self._terms = np.ascontiguousarray((rows.first + correction.indices).T)
@@ -160,7 +160,7 @@ class _SingleCorrection:
 
 
 class _SingleStretch:
-    """As `Calibration.std`: floor, local scale, guard of slabs and corners."""
+    """Return `Calibration.std` at one point: floor, local scale, guard of slabs and corners."""
 
     def __init__(self, calibration: Calibration, rows: _Rows) -> None:
         d = len(rows.first)
@@ -184,7 +184,7 @@ class _SingleStretch:
 
 
 class SingleGuard:
-    """As `Guard.at` at one point."""
+    """Return `Guard.at` at one point."""
 
     def __init__(self, guard: Guard, inputs: Sequence[Input]) -> None:
         d, outputs = len(inputs), guard.slabs.shape[-1]

@@ -1,4 +1,4 @@
-"""What held-out cases have taught of a model's errors: what makes deviations of variances; its files."""
+"""Calibration of a model on held-out cases: the map from variances to deviations, and its state in files."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -38,7 +38,7 @@ _OUTER_DIMS = {
 
 @dataclass(frozen=True)
 class Calibration:
-    """What turns a raw variance into a calibrated standard deviation and distribution."""
+    """Map from a raw variance to a calibrated standard deviation and distribution."""
 
     weights: Array  # shape (k, p); Weight of every part of the variance, for every output
     floor: Array  # shape (p,); Variance added everywhere, squared units of the output

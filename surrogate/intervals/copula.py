@@ -1,4 +1,4 @@
-"""How errors go together: over the outputs as those of held-out cases did, over points by a length along every input.
+"""Joint distribution of errors: an empirical copula over outputs, a Gaussian kernel over points.
 
 The rows of held-out cases, every score as its rank among those of its output, are an empirical copula of the outputs
 (L. Ruschendorf, J. Stat. Plan. Inference 139 (2009) 3921): a row drawn is a joint draw at one point. At several points
@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import ndtr, ndtri
 
-from approximation.arrays import Array, Indices
+from approximation.arrays import Array, Indices, blocks
+from surrogate.intervals.distribution import Distribution, central
 
 #: Most rows that are kept, and most points that are drawn together.
 MOST_ROWS, MOST_POINTS = 1000, 3000
@@ -30,6 +31,7 @@ _ROUNDS, _NEAR, _FEWEST = 4, 1.2, 500
 # Logarithms of lengths [rad] before any case: normal about this one, with this standard deviation; and their bounds.
 _LIKELY, _SPREAD, _BOUNDS = 0.3, 1.5, (1e-3, 1e2)
 _ROUNDING = 1e-9  # added to the correlation's diagonal before it is decomposed
+_BLOCK = 512  # points whose correlations with all others are held at a time
 
 
 @dataclass(frozen=True)
@@ -171,3 +173,31 @@ def _pairs(scaled: Array) -> Indices:
 
     pairs = cKDTree(scaled.T).query_pairs(1.0, p=np.inf, output_type="ndarray")
     return pairs if len(pairs) <= _PAIRS else np.random.default_rng(0).choice(pairs, _PAIRS, replace=False)
+
+
+def ends(distribution: Distribution, copula: Copula | None, level: float, sizes: Array, t: Array) -> Array:
+    """Return the ends of the central interval of a weighted sum of errors over several outputs and points.
+
+    At one point the held-out rows say it: the sum of each row is one that was seen. Over points the ends of their own
+    sums add as deviations do, by the correlation of the points' sums.
+
+    sizes: (p, n); t: (e, n); result: (2,).
+    """
+    known = sizes.any(axis=0)
+    sizes, t = sizes[:, known], t[:, known]
+    limits = np.broadcast_to(distribution.ends(level), (2, len(sizes)))[..., None] * sizes
+    if copula is None or not sizes.size:
+        return np.array([limits.min(axis=0).sum(), limits.max(axis=0).sum()])
+    scores = distribution.inverse(((copula.ranks + 0.5) / len(copula.ranks)).T)
+    quantiles = np.quantile(sizes.T @ scores, central(level), axis=1, method="weibull")
+    lone = np.count_nonzero(sizes, axis=0) == 1
+    quantiles[:, lone] = np.sort(limits[..., lone].sum(axis=1), axis=0)
+    if sizes.shape[1] == 1:
+        return np.asarray(quantiles[:, 0])
+    spread = np.cov(scores).reshape(len(scores), -1) @ sizes
+    scale = np.sqrt(np.maximum((sizes * spread).sum(axis=0), np.finfo(np.float64).tiny))
+    squares = np.zeros(2)
+    for block in blocks(len(scale), _BLOCK):
+        alike = copula.near(t[:, block], t) * (sizes[:, block].T @ spread) / np.multiply.outer(scale[block], scale)
+        squares += [float(end[block] @ alike @ end) for end in quantiles]
+    return np.sqrt(np.maximum(squares, 0)) * [-1, 1]

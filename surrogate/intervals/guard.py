@@ -1,4 +1,4 @@
-"""What intervals need beyond their local scale in parts of the box: slabs of every factor, corners of every two.
+"""Factors on intervals in parts of the box: slabs of every factor and corners of every two.
 
 Source: V. Vovk, Proc. Mach. Learn. Res. 25 (2012) 475 (coverage by class).
 """

@@ -1,1 +1,1 @@
-"""How many levels a factorial needs along each factor: pilots, decay of coefficients."""
+"""Number of levels that a factorial needs along each factor: pilots, decay of coefficients."""

@@ -37,7 +37,7 @@ class Decay:
 
     @property
     def affine(self) -> bool:
-        """Whether nothing but noise lies beyond degree one; with two levels that is taken for granted."""
+        """Return True if only noise lies beyond degree one, which two levels cannot show and take for granted."""
         return bool((self.coefficients[2:] <= self.noise).all())
 
     def error(self, levels: int) -> float:
@@ -110,7 +110,7 @@ def _rate(above: Array) -> float:
 
 
 def _is_algebraic(above: Array) -> bool:
-    """Whether a power of the degree describes the coefficients better than a geometric law, and the power is low."""
+    """Return True if a low power of the degree describes the coefficients better than a geometric law."""
     degrees = np.arange(2, len(above))
     if len(degrees) < EVIDENCE:
         return False

@@ -22,7 +22,7 @@ Solve = Callable[[dict[str, Array]], xr.Dataset]
 
 @dataclass(frozen=True)
 class Pilot:
-    """What the pilots showed."""
+    """Result of the pilots."""
 
     choice: LevelChoice  # The level counts and the evidence for them
     levels: dict[str, int]  # Levels of the finest pilot along every input

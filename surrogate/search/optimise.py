@@ -31,7 +31,7 @@ class Problem:
 
 @dataclass(frozen=True)
 class Optimum:
-    """What was found."""
+    """Result of a search."""
 
     x: Array  # The best point (d,); where nothing is feasible, the point of the least largest excess
     objective: float  # ``min_s f_s`` there

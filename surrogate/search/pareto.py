@@ -75,7 +75,7 @@ def scalarised(problem: Problem, objectives: int, reference: Array, weights: Arr
 
 
 def non_dominated(values: Array) -> Flags:
-    """Which rows of values (m, k), larger is better, no other row equals or exceeds in all; ties keep the first."""
+    """Mark the rows of values (m, k) that no other row equals or exceeds in all columns; the first of ties stays."""
     best = np.ones(len(values), dtype=bool)
     order = np.lexsort(-values.T[::-1])
     if values.shape[1] == 2:  # sorted by the first, the second must rise

@@ -200,7 +200,7 @@ def linked(name: str, y: Array, low: float, high: float) -> Array:
 
 
 def _link(y: Array, low: float, high: float) -> Array:
-    """What is learnt of an output between bounds."""
+    """Return the unbounded values that the process learns for an output between bounds."""
     above = np.log(y - low) if np.isfinite(low) else 0.0
     below = np.log(high - y) if np.isfinite(high) else 0.0
     return np.asarray(above - below if np.isfinite([low, high]).any() else y + 0.0)

@@ -225,7 +225,7 @@ class GroupedGP(Transformed):
         return mean, None if spread is None else spread * self._scales.sizes(X, mean) * self._guarded(X)
 
     def _guarded(self, X: Array) -> Array | float:
-        """What calibrated deviations are multiplied by at points (n, d), by where these are in the box: (p, n)."""
+        """Return the factors (p, n) on calibrated deviations at points (n, d), by their position in the box."""
         outer = None if self.calibration_ is None else self.calibration_.outer
         return 1.0 if outer is None else np.exp(outer.at(np.clip(unit_coordinates(self.inputs_, X), -1, 1)).T)
 

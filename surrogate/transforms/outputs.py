@@ -18,7 +18,7 @@ from surrogate.transforms.inputs import Powers, row_of
 
 @dataclass(frozen=True)
 class Scaling:
-    """How one output follows from what is learnt.
+    """Map from the learnt function to one output.
 
     Parameters
     ----------

@@ -74,7 +74,7 @@ class Transformed(GaussianProcess):
         raise NotImplementedError
 
     def _behind(self, outputs: Sequence[str]) -> Mapping[str, Sequence[str]]:
-        """By member, the outputs that stand behind some of the model's."""
+        """Return, by member, the outputs behind the named outputs of the model."""
         raise NotImplementedError
 
     def thinned(self, errors: Mapping[str, float]) -> Self:

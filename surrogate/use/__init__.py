@@ -1,1 +1,1 @@
-"""What a surrogate is good for and how good it is: validation, sensitivity, inversion."""
+"""Uses of a surrogate: validation, sensitivity, inversion, learning from measured rows."""

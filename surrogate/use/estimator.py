@@ -215,7 +215,7 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         return fit_with_missing(made, data, missing.reshape(sizes)) if missing.any() else made().fit(data)
 
     def _spread(self, names: list[str], levels: list[Array]) -> tuple[bool, Array]:
-        """Whether levels are Chebyshev-Gauss levels, of `inputs` or of any range, once what is given is taken away."""
+        """Return whether levels less a shift are Chebyshev-Gauss levels, of `inputs` or of any range, and the shift."""
         grid, none = xr.Dataset(coords=dict(zip(names, levels, strict=True))), np.zeros(len(names))
         if follows_chebyshev(grid, names, self.inputs):
             return True, none
@@ -263,7 +263,7 @@ def _once(columns: Array, values: Array, weights: Array) -> tuple[Array, Array, 
 
 
 def _shift(levels: Array) -> float:
-    """What is to be taken from levels a + b exp(c x) at Chebyshev points x, at least four, so that a log scale fits."""
+    """Return the shift a of at least four levels a + b exp(c x) at Chebyshev points x, so that a log scale fits."""
     points = gauss_points(len(levels))
     if len(levels) < 4:
         return 0.0  # any three levels are of this kind

@@ -63,7 +63,7 @@ def learn(t: Array, refused: Flags, even: Flags, groups: Indices, which: Indices
 
 
 def _chosen(refused: Flags, even: Flags, random: np.random.Generator) -> Indices:
-    """At most so many cases: the evenly spread ones first, and as many refused ones as there may be."""
+    """Choose at most so many cases: evenly spread ones first, and as many refused ones as fit."""
     chosen = []
     for kind in (refused, ~refused):
         places = random.permutation(np.flatnonzero(kind))

@@ -1,4 +1,4 @@
-"""From measured outputs back to inputs: the posterior of a few inputs, by quadrature that closes in on it.
+"""Inversion of measured outputs: the posterior of a few inputs, by quadrature that closes in on it.
 
 With independent Gaussian errors of the measurements, the model's own variance added to theirs, and a prior that is
 uniform in the scaled inputs (log-uniform on a log scale), the posterior is evaluated on cells of the box. Cells
@@ -30,7 +30,7 @@ SMALLEST_ERROR, LARGEST_ERROR = 1e-150, 1e150
 
 @dataclass(frozen=True)
 class Estimate:
-    """What measurements say about some inputs.
+    """Posterior of the inferred inputs.
 
     Attributes
     ----------
@@ -126,7 +126,7 @@ class Inversion:
         return self._summary(cells, weights / weights.sum(), misfit, level)
 
     def _nowhere(self, misfit: float) -> Estimate:
-        """What measurements say that no point of the box comes near: nothing."""
+        """Return the empty answer to measurements that no point of the box comes near."""
         nothing = np.full(len(self._inputs), np.nan)
         return Estimate(nothing, nothing, nothing, misfit)
 
@@ -161,7 +161,7 @@ class Inversion:
         return np.stack(columns, -1)
 
     def _answered(self, cells: "_Cells") -> "_Cells":
-        """Those whose middle has answers; all of them if none has."""
+        """Return the cells whose middle has answers, or all cells if none has."""
         if self._everywhere:
             return cells
         inside = self._answers(self._points(cells.centre))
@@ -213,7 +213,7 @@ def _log_density(cells: _Cells, values: Array, variance: Array) -> tuple[Array, 
 
 
 def _quantile(centre: Array, half: Array, weights: Array, share: float) -> float:
-    """Where the cumulative of a mixture of uniform cells reaches a share, by bisection."""
+    """Return the quantile of a mixture of uniform cells, by bisection."""
     low, high = float((centre - half).min()), float((centre + half).max())
     for _ in range(60):
         middle = (low + high) / 2

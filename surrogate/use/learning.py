@@ -1,4 +1,4 @@
-"""From measured rows to uncertain constants and smooth discrepancies of a model, by Bayes' rule.
+"""Bayesian learning from measured rows: uncertain constants and smooth discrepancies of a model.
 
 Measured = model(input, constants) + discrepancy(input) + noise, output by output (M. C. Kennedy and A. O'Hagan, J. R.
 Stat. Soc. B 63 (2001) 425). The constants are scaled so that their prior is standard normal; some of them, each for
@@ -18,7 +18,7 @@ from scipy.linalg import cho_solve
 from approximation.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.measurements import Measurements
-from surrogate.transforms.measured.draws import Draw, mixture, moments, posterior
+from surrogate.transforms.measured.discrepancy import Draw, mixture, moments, posterior
 from surrogate.use.residuals import Residuals, State
 
 #: Takes scaled constants (k,); gives the model's means at the measured values (n,) and their derivatives (n, k).
@@ -39,7 +39,7 @@ class NotSettledError(ValueError):
 
 @dataclass(frozen=True)
 class Chain:
-    """What one chain has drawn, round by round."""
+    """Draws of one chain, round by round."""
 
     states: tuple[dict[int, State], ...]  # State of every measured output, by its number
     shares: Array  # (rounds,), share of their prior by which single constants are off
@@ -50,7 +50,7 @@ class Chain:
 
 @dataclass(frozen=True)
 class Learnt:
-    """What measured rows say."""
+    """Result of learning from measured rows."""
 
     about: Array  # shape (k,); Scaled constants about which the model was linearised last
     draws: tuple[Draw, ...]  # Equally probable
@@ -67,7 +67,7 @@ class Learnt:
 
     @property
     def covariance(self) -> Array:
-        """Their posterior covariance; the identity where nothing was learnt; (k, k)."""
+        """Posterior covariance of the constants, (k, k); the identity where nothing was learnt."""
         return mixture(self.draws)[1]
 
     @property
@@ -90,7 +90,7 @@ class Learnt:
 
     @property
     def own_odds(self) -> float:
-        """How many times more probable the rows have made it that single constants are off beside their families."""
+        """Bayes factor for single constants being off, compared with their families alone."""
         share = float(self.chain.single.mean())
         return float(share / max(1 - share, 1e-200) * OWN_CHANCE[0] / (1 - OWN_CHANCE[0]))
 
@@ -152,7 +152,7 @@ class _Linearised:
     spread: Array
 
     def at(self, about: Array) -> dict[int, Residuals]:
-        """What the model leaves of every measured output, linear in the constants."""
+        """Return the residuals of every measured output, linear in the constants."""
         rows = self.rows
         mean, slopes = self.forward(about)
         residual = rows.value - mean + slopes @ about

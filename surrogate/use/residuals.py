@@ -1,4 +1,4 @@
-"""What a model leaves of one measured output: a discrepancy or none, how true the stated errors are, and outliers.
+"""Residuals of one measured output: a discrepancy or none, the scale of the stated errors, and outliers.
 
 All of it is drawn from its posterior by Gibbs sampling: a parameter after the other from its conditional density on a
 lattice through where it is, of random step; constants and discrepancy are integrated over throughout. Errors are
@@ -73,7 +73,7 @@ class Residuals:
 
     @property
     def first(self) -> State:
-        """Where a chain begins: larger errors than stated, no discrepancy, no outlier."""
+        """Return the first state of a chain: larger errors than stated, no discrepancy, no outlier."""
         lengths = np.full(self.points.shape[1], np.log(LENGTH))
         amplitude, scale, loose = np.log([_FIRST_AMPLITUDE, _FIRST_SCALE, _FIRST_NOISE]).tolist()
         return State(amplitude, lengths, scale, loose, np.zeros(len(self.residual), np.intp))

@@ -159,7 +159,7 @@ def _expanded(model: GaussianProcess) -> GridGP:
 
 
 def _tails(model: GaussianProcess) -> list[Array]:
-    """For every input, the largest sum of the means' Chebyshev coefficients from a degree on, over their range."""
+    """Return each input's largest sum of the means' Chebyshev coefficients from a degree on, over their range."""
     inputs, tails = model.inputs_, []
     points = 2 * sobol_points(LINES, len(inputs)) - 1
     for k in range(len(inputs)):

@@ -25,12 +25,6 @@ def test_values_and_slopes_are_those_of_the_series(count: int) -> None:
         np.testing.assert_allclose(slope, steep.prod(axis=1), atol=1e-12)
 
 
-def test_constants_alone_have_no_slope() -> None:
-    t = np.zeros((2, 4))
-    assert (products.values(np.zeros((1, 2), dtype=np.intp), t) == 1).all()
-    assert not np.stack(list(products.slopes(np.zeros((1, 2), dtype=np.intp), t))).any()
-
-
 def test_blocks_cover_every_place_once() -> None:
     places = np.arange(11)
     assert np.concatenate([places[block] for block in blocks(11, 4)]).tolist() == places.tolist()

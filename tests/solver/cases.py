@@ -52,10 +52,10 @@ def refused(factors: Any, message: str, *extra: str, positions: Any = None, **op
     """One line that begins so, and has the other words too."""
     with pytest.raises((solver.FactorError, solver.MaterialError)) as caught:
         solver.solve(factors, positions, **options)
-    told = str(caught.value)
-    assert told.startswith(message), told
-    assert all(word in told for word in extra), told
-    assert "\n" not in told
+    line = str(caught.value)
+    assert line.startswith(message), line
+    assert all(word in line for word in extra), line
+    assert "\n" not in line
 
 
 def assert_alike(computed: xr.Dataset, expected: xr.Dataset, share: float, names: Iterable[str] | None = None) -> None:

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import solver
-from solver.curves import FOLLOWS, PULL, REGIONS, SHEAR, TENSION, VON_MISES, described
-from solver.halfplane.interior import principal_tension, von_mises
+from solver.curves import FOLLOWS, REGIONS, described
 
 HALF_PLANE: dict[str, Any] = {"volume_fraction": [0.2, 0.7], "friction": [0.0, 0.25], "radius": 0.05, "load": 1e5}
 FILM: dict[str, Any] = {
@@ -15,14 +14,6 @@ FILM: dict[str, Any] = {
     "base": "steel", "radius": 0.05, "load": 1e5,
     "charge": 2e-6,
 }  # fmt: skip
-
-
-def test_measures_are_those_of_the_stresses() -> None:
-    s = np.random.default_rng(0).normal(size=(50, 4))
-    assert VON_MISES.of(s) == pytest.approx(von_mises(*s.T), rel=1e-14)
-    assert TENSION.of(s) == pytest.approx(np.maximum(principal_tension(*s.T), 0), rel=1e-13)
-    assert SHEAR.of(s[:, :2]) == pytest.approx(np.abs(s[:, 0]))
-    assert PULL.of(s[:, :2]) == pytest.approx(np.maximum(s[:, 1], 0))
 
 
 def test_curves_are_the_fields_inside_at_their_points() -> None:

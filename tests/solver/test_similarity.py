@@ -5,20 +5,14 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given
 
 import solver
 from solver.curves import SIZES
 from solver.fields import EVERY_FIELD, EVERY_INTERIOR
 from solver.names import ALL_QUANTITIES
 from solver.similarity import FACTOR_WEIGHTS, QUANTITY_WEIGHTS, scale_powers, weight_of
-from tests.solver.strategies import decades, loads, materials, property_based
 
 POSITIONS = (-1.3, -0.4, 0.8, 2.0)
-FILM = {
-    "composite": "fibrous", "volume_fraction": 0.6, "friction": 0.3, "radius": 0.05, "load": 4e4, "thickness": 3e-4,
-    "charge": 1.5e-6, "magnetic_charge": 2e-3, "datum": 0.3, "surroundings": "insulated",
-}  # fmt: skip
 
 
 def scaled(case: dict[str, Any], size: float, strength: float) -> dict[str, Any]:
@@ -42,23 +36,8 @@ def assert_similar(first: xr.Dataset, two: xr.Dataset, size: float, strength: fl
         np.testing.assert_allclose(two[name].values, expected, rtol=rtol, atol=rtol * largest, err_msg=name)
 
 
-@property_based
-@given(material=materials(), case=loads(), size=decades(-2, 2), strength=decades(-2, 2))
-def test_half_planes_scale_with_size_and_strength(
-    material: solver.Material, case: dict[str, Any], size: float, strength: float
-) -> None:
-    case = {"material": material, "datum": 1.0, **case}
-    first, two = (solver.solve(c, POSITIONS, regular=True) for c in (case, scaled(case, size, strength)))
-    # potentials are differences of logarithms, sums of these by charges and load
-    assert_similar(first, two, size, strength, 1e-9)
-
-
 LINE: dict[str, Any] = {"composite": "fibrous", "volume_fraction": 0.4, "friction": 0.2, "load": 1e4, "datum": 0.5}
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0, "friction": 0.2}
-AIRY: dict[str, Any] = {
-    "material": "PZT-4", "thickness": 2e-4, "base": "steel", "radius": 0.05, "load": 2e4, "datum": 1.0,
-    "magnetic": "insulating", "surroundings": "air",
-}  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -73,21 +52,6 @@ AIRY: dict[str, Any] = {
 def test_other_profiles_scale_too(case: dict[str, Any], rtol: float) -> None:
     first, two = (solver.solve(c, POSITIONS, peaks=rtol == 1e-6) for c in (case, scaled(case, 0.3, 1.7)))
     assert_similar(first, two, 0.3, 1.7, rtol)
-
-
-@pytest.mark.parametrize("base", ["rigid", "steel"])
-def test_films_scale_with_size_and_strength(base: str) -> None:
-    """Two scalings at once, of which the tables of unit films know nothing but P R/h^2, T/P and J/P."""
-    case = {**FILM, "base": base, "interface_magnetic": "grounded"}
-    first, two = (solver.solve(c, POSITIONS) for c in (case, scaled(case, 4.0, 0.7)))
-    assert_similar(first, two, 4.0, 0.7, 1e-8)
-
-
-def test_films_in_air_scale_with_their_permittivity() -> None:
-    first, two = (
-        solver.solve(c | {"gap_permittivity": tabled}) for c, tabled in ((AIRY, 1.0), (scaled(AIRY, 1.7, 0.8), 0.8))
-    )
-    assert_similar(first, two, 1.7, 0.8, 1e-6)
 
 
 def test_stacks_scale_with_their_layers() -> None:

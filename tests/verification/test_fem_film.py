@@ -4,24 +4,11 @@ import numpy as np
 import pytest
 
 from verification.oracles.fem_film import ELECTRIC, MAGNETIC, FilmContact, Layer, Punch
-from verification.oracles.film_mesh import layered_mesh
 from verification.oracles.sample_materials import BARIUM_TITANATE, isotropic
-from verification.oracles.spectral import Body
 
 #: Theory of films, section 9, case 1: half-length, depth, V, K_D.
 FIGURES = (2.103852975e-04, 6.959044108e-07, -5.393112137e02, 6.164540932e-04)
 FILM, PUNCH = Layer(BARIUM_TITANATE, 0.5e-3), Punch(0.05)
-
-
-@pytest.mark.soak
-def test_contact_under_a_load_is_the_published_one() -> None:
-    contact = FilmContact([FILM], None, PUNCH, FIGURES[0], order=6)
-    numbers = contact.load, contact.depth, contact.potential(ELECTRIC), contact.edge_intensities(ELECTRIC)[0]
-    np.testing.assert_allclose(numbers, (1e5, *FIGURES[1:]), rtol=2e-5)
-    np.testing.assert_allclose(contact.edge_intensities(ELECTRIC)[1], FIGURES[3], rtol=2e-5)
-    assert abs(contact.centre) < 1e-9 * contact.half_length
-    p = -contact.fields([-0.5, 0.0, 0.5], 0.0)["stress_yy"]
-    np.testing.assert_allclose(p, [2.620449157e08, 3.033895065e08, 2.620449157e08], rtol=1e-4)
 
 
 def test_a_coupling_that_is_one_per_cent_off_is_seen() -> None:
@@ -51,10 +38,3 @@ def test_charges_are_held() -> None:
     punch = Punch(0.05, 0.3, 1e-5, 2e-3)
     contact = FilmContact([FILM], None, punch, 2e-4, order=4)
     np.testing.assert_allclose(-contact.loads[:, [ELECTRIC, MAGNETIC]].sum(axis=0), (1e-5, 2e-3), rtol=1e-12)
-
-
-@pytest.mark.parametrize("layer", [0, 1])
-def test_points_outside_of_a_layer_are_refused(layer: int) -> None:
-    body = Body(layered_mesh([1.0, 0.5], rigid=True), [BARIUM_TITANATE] * 2, 2)
-    with pytest.raises(ValueError, match=f"no element of layer {layer}"):
-        body.fluxes(np.zeros((len(body.places), 4)), np.array([[0.0, -1.2 if layer == 0 else -0.5]]), layer)

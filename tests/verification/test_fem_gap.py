@@ -10,7 +10,6 @@ from verification.cases import constants
 from verification.oracles.fem_film import ELECTRIC, MAGNETIC, FilmContact, Layer, Punch
 from verification.oracles.fem_gap import GapContact
 from verification.oracles.sample_materials import BARIUM_TITANATE, isotropic
-from verification.oracles.surface_response import surface_response
 
 FILM, PUNCH, HALF = Layer(BARIUM_TITANATE, 0.5e-3), Punch(0.05, 0.3, 1e-5), 2.1e-4
 solved = partial(GapContact, half_length=HALF, order=4)
@@ -47,17 +46,6 @@ def test_air_has_the_figures_of_boundary_elements() -> None:
     (idle, none), (charged, charged_rate) = rate.values()
     assert none - idle * (charged_rate - none) / (charged - idle) == pytest.approx(85.9e-12, rel=5e-3)
     assert 1e6 < contact.gap_field < 1e9
-
-
-@pytest.mark.soak
-def test_on_a_half_plane_without_potentials_air_changes_nothing() -> None:
-    """The surface has the punch's potential everywhere, and the charge is -r_1 P."""
-    layer, N = Layer(BARIUM_TITANATE, 0.5e-3, ()), surface_response(BARIUM_TITANATE).normal_compliance
-    screening = N[0, 1] / N[1, 1]
-    bare = solved([layer], BARIUM_TITANATE, Punch(0.05), permittivity=0.0)
-    airy = solved([layer], BARIUM_TITANATE, Punch(0.05, charge=-screening * bare.load), permittivity=1.0)
-    assert airy.load == pytest.approx(bare.load, rel=1e-5)
-    assert abs(airy.gap_field) < 1e-3 * abs(bare.potential(ELECTRIC)) / HALF
 
 
 @pytest.mark.parametrize("friction", [pytest.param(0.0, marks=pytest.mark.soak), 0.5])

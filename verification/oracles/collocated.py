@@ -1,4 +1,4 @@
-"""What the collocation tells of quantities and surface fields, named as in ``solver.names``."""
+"""Quantities and surface fields by collocation, named as in ``solver.names``."""
 
 import numpy as np
 

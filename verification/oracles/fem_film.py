@@ -76,7 +76,7 @@ class FilmContact:
         return contact(self.body)
 
     def held(self) -> NDArray[np.bool_]:
-        """Which of (u_x, u_y, phi, psi) of the body's nodes are given."""
+        """Mark prescribed (u_x, u_y, phi, psi) of the body's nodes."""
         below = np.zeros((len(self.body.places), 4), dtype=bool)
         below[self.below[:, None], [1, *self.punch.conducted]] = True
         return below | clamped(self.body, self.layers, self.half_length, rigid=self.base is None)
@@ -105,7 +105,7 @@ class FilmContact:
 
     @cached_property
     def weights(self) -> Array:
-        """Of the states: u_y = w0 + w1 X + w2 X^2, phi = w3, psi = w4 under the punch; scaled."""
+        """Weights of the states in u_y = w0 + w1 X + w2 X^2, phi = w3, psi = w4 under the punch; scaled."""
         loads = self._states[1]
         return self.weighed(loads[:, 1], loads.sum(axis=0))
 
@@ -163,7 +163,7 @@ class FilmContact:
 
     @property
     def depth(self) -> float:
-        """Of the punch [m]; on a half-plane seen, as potentials are, from the surface at ``datum`` on both sides."""
+        """Depth of the punch [m]; on a half-plane relative to the surface at ``datum`` on both sides."""
         return float(self.centre**2 / (2 * self.punch.radius) - self.weights[0] + self._away[1])
 
     def potential(self, number: int) -> float:
@@ -227,7 +227,7 @@ def contact(body: Body) -> Index:
 
 
 def clamped(body: Body, layers: Sequence[Layer], length: float, *, rigid: bool) -> NDArray[np.bool_]:
-    """Which of the four unknowns of the nodes are zero: far away, on the base, at grounded interfaces; (nodes, 4)."""
+    """Mark unknowns of the nodes that are zero: far away, on the base, at grounded interfaces; (nodes, 4)."""
     x, y = body.places.T
     held = np.zeros((len(x), 4), dtype=bool)
     held[np.isclose(np.abs(x), x.max())] = True

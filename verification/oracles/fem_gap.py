@@ -44,7 +44,7 @@ class GapContact(FilmContact):
 
     @property
     def _free(self) -> NDArray[np.bool_]:
-        """Which unknowns are not given; of the punch's, its u alone are."""
+        """Mark free unknowns; of the punch's, only its displacements are."""
         if self._upper is None:
             return np.asarray(~self.held().ravel())
         x, y = self._upper.places.T
@@ -111,7 +111,7 @@ class GapContact(FilmContact):
 
     @property
     def exponents(self) -> tuple[float, float]:
-        """Of the pressure at X = 1 and -1, with what an elastic punch adds."""
+        """Exponents of the pressure at X = 1 and -1, including an elastic punch."""
         if self.elastic is None:
             return super().exponents
         conducted = [potential - 1 for potential in self.punch.conducted]
@@ -151,7 +151,7 @@ class GapContact(FilmContact):
     # -- what is asked of it: depth and potentials on a rigid base -----------------------------------------------------
     @cached_property
     def weights(self) -> Array:
-        """Of the states, scaled."""
+        """Weights of the states, scaled."""
         return self._solved[2]
 
     @cached_property

@@ -54,7 +54,7 @@ class Revolved(Body):
 
 
 def _moduli(material: Mapping[str, float]) -> Array:
-    """Of (d/dr, d/dy, 1/r) of (u_r, u_y, phi, psi); shape (3, 3, 4, 4)."""
+    """Stiffness in (d/dr, d/dy, 1/r) of (u_r, u_y, phi, psi); shape (3, 3, 4, 4)."""
     get = {name: float(material.get(name, 0.0)) for name in (
         "c11", "c12", "c13", "c33", "c44", "e31", "e33", "e15", "f31", "f33", "f15",
         "eps11", "eps33", "g11", "g33", "mu11", "mu33")}  # fmt: skip
@@ -159,7 +159,7 @@ class PointContact:
         return u.reshape(-1, 4, 3), loads.reshape(-1, 4, 3)
 
     def _strength(self, forces: Array) -> Array:
-        """Of the singular pressure at the edge, from nodal forces (nodes, states).
+        """Strength of the singular pressure at the edge, from nodal forces (nodes, states).
 
         What a half-space of the top's material does below r^e is taken off: it has no strength, but a kink at the apex.
         """

@@ -1,4 +1,4 @@
-"""What half-spaces answer over (y, phi), and what a bonded film adds over wavenumbers: an exponential of its equations.
+"""Responses over (y, phi) of half-spaces and of a bonded film, by a matrix exponential in wavenumber space.
 
 Units are of order one: displacements and potentials over ``UNITS``, tractions and charges times ``UNITS / STIFFNESS``.
 """

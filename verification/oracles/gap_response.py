@@ -19,7 +19,7 @@ VACUUM = {ELECTRIC: 8.8541878128e-12, MAGNETIC: 4e-7 * np.pi}
 
 @dataclass(frozen=True, eq=False)
 class Dry:
-    """What the bodies answer without air, and to charges on the surface beside the contact."""
+    """Response of the bodies without air, and to charges on the exterior surface."""
 
     prescribed: Array  # shape (unknowns, states); u of the states without air
     # Unknowns: potentials beside the contact, all four of the contact, u_y beside it
@@ -39,7 +39,7 @@ class Dry:
         cls, stiffness: "csr_array[np.float64]", rows: "csr_array[np.float64]", columns: "csr_array[np.float64]",
         free: NDArray[np.bool_], u: Array, airy: Index, touched: Index, raised: Index,
     ) -> "Dry":  # fmt: skip
-        """From the assembled bodies, their joints, what is free, and the given u of the states.
+        """Solve the assembled bodies from their joints, the free unknowns and the prescribed u of the states.
 
         u: (unknowns, states), given where it is not free, filled in.
         """
@@ -86,12 +86,12 @@ class Gap:
 
     @cached_property
     def nodes(self) -> Index:
-        """By rising x; (side, order + 1)."""
+        """Nodes by rising x; (side, order + 1)."""
         return sides(self.body)
 
     @cached_property
     def shapes(self) -> Array:
-        """Of the nodes at the points; (point, node)."""
+        """Shape functions of the nodes at the points; (point, node)."""
         return lagrange(self.body.line, np.polynomial.legendre.leggauss(self.points)[0])[0]
 
     @cached_property

@@ -22,7 +22,7 @@ STIFFNESS = mpf(10) ** 11
 
 @dataclass(frozen=True, eq=False)
 class HalfPlane:
-    """What the surface of a half-plane answers, and its constitutive matrices (SI units, 4x4 mpmath matrices)."""
+    """Surface response of a half-plane, and its constitutive matrices (SI units, 4x4 mpmath matrices)."""
 
     local: matrix  # -S L^-1 of theory (2.1), the answer to the traction at the point itself
     compliance: matrix  # L^-1 of theory (2.1), the answer to the Hilbert transform of the traction

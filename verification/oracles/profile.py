@@ -19,12 +19,12 @@ class Profile:
 
     @property
     def smooth(self) -> bool:
-        """Whether both edges are."""
+        """Return True if both edges are smooth."""
         return self.sharp_trailing is None and self.sharp_leading is None
 
     @property
     def sharp(self) -> bool:
-        """Whether both edges are."""
+        """Return True if both edges are sharp."""
         return self.sharp_trailing is not None and self.sharp_leading is not None
 
 

@@ -52,13 +52,13 @@ class SlidingGap:
     # -- rings ---------------------------------------------------------------------------------------------------------
     @cached_property
     def _panels(self) -> list[tuple[bool, float, float]]:
-        """Whether beside the contact, and the ends in the angle."""
+        """Panels: True for the exterior, and the ends in the angle."""
         within = [(False, low, high) for low, high in pairwise(_INNER.tolist())]
         return within + [(True, low, high) for low, high in pairwise(_OUTER.tolist())]
 
     @cached_property
     def _angles(self) -> Array:
-        """Of the nodes, those within first; (n,)."""
+        """Angles of the nodes, those within first; (n,)."""
         x = np.polynomial.legendre.leggauss(_NODES)[0]
         return np.concatenate([low + (high - low) * (1 + x) / 2 for _, low, high in self._panels])
 
@@ -136,7 +136,7 @@ class SlidingGap:
 
     @cached_property
     def _edge(self) -> Array:
-        """Of sigma_yy, what is singular at the edge; (count,)."""
+        """Singular part of sigma_yy at the edge; (count,)."""
         row = np.zeros(self._count)
         row[-_NODES:] = _shape(np.array([np.pi / 2]), *_INNER[-2:].tolist())[0]
         return row
@@ -271,7 +271,7 @@ def _towards(target: float, low: float, high: float) -> tuple[Array, Array, Arra
 
 
 def _shape(angle: Array, low: float, high: float) -> Array:
-    """From values at a panel's nodes to those at angles; (angle, node)."""
+    """Interpolation matrix from a panel's nodes to angles; (angle, node)."""
     nodes = np.polynomial.legendre.leggauss(_NODES)[0]
     local = (2 * angle - low - high) / (high - low)
     to_series = np.linalg.inv(np.polynomial.legendre.legvander(nodes, _NODES - 1))

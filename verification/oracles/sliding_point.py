@@ -76,7 +76,7 @@ class SlidingSphere:
         return rfft2(normal, lengths), rfft2(along, lengths)
 
     def _layers(self, r: Array) -> tuple[Array, Array]:
-        """What layers add per traction at a distance: of 1 and of the cosine; (2, 2, ...) and (2, ...)."""
+        """Contribution of the layers per traction at a distance: of 1 and of the cosine; (2, 2, ...) and (2, ...)."""
         places = np.linspace(0, float(np.max(r)) * 1.01, _PLACES)
         k, weights, added = film(self.material, self.thickness, float(places[-1]), self.base)
         added *= weights[:, None, None] / (2 * np.pi)

@@ -175,6 +175,8 @@ class _Reader:
         """Reason for which a column's heading cannot be read, with what was probably meant."""
         if not cell.strip() and not any(True for _ in islice(rows, 1)):
             return "is empty: needs a header of factor names and at least one case"
+        if not cell.strip():
+            return "has no heading; a row index is left out, as by to_csv(index=False)"
         marks = [mark for mark in ("|", ";", "\t", "  ") if mark in cell.strip()]
         if marks:
             return f"separator: columns are separated by {marks[0]!r}; use commas, semicolons or tabs"

@@ -20,10 +20,13 @@ from workflow.study.reading import InputError, number
 MOST_ROWS = 10_000_000
 _LARGEST = 1 << 30  # bytes
 _MOST_TITLES = 500  # rows before the header
+_MOST_RESULTS = 50  # rows of numbers among them: results of specimens
 _NOISE = 0.02  # of the largest force, down to which a force below 0 is noise or an offset
 _RESOLVED = 1e-6  # of the smallest step, to which times must be representable
 _LATE = 1e6  # from which times are subtracted in decimal digits
+_RECENT = 1e9  # s from 1970, from which a time is one of Unix
 _GRAVITY = 9.80665  # m/s^2
+_UNIX = 1e11  # s: 3,000 years, beyond which a time without a unit counts ms, us or ns from 1970
 
 _TIME_UNITS = {
     **dict.fromkeys(["s", "sec", "secs", "second", "seconds", "sekunde", "sekunden", "seg"], 1.0),
@@ -40,6 +43,7 @@ _WEIGHTS = {  # units of load cells that weigh, in newtons
     "ozf": 0.028349523125 * _GRAVITY,
     "dyn": 1e-5,
     **dict.fromkeys(["newton", "newtons"], 1.0),
+    "kn": 1e3,
     **dict.fromkeys(["volt", "volts"], 1.0),
 }
 _TIME_NAMES = """
@@ -62,7 +66,11 @@ _CHANNEL = re.compile(
     re.IGNORECASE,
 )
 _STAMP = re.compile(r"(?:\d{4}-\d\d-\d\d[T ])?\d\d:\d\d:\d\d[.,]\d+ -> ")  # of the Arduino's serial monitor
-_CLOCK = re.compile(r"(?P<hours>\d{1,3}):(?P<minutes>\d\d):(?P<seconds>\d\d(?:[.,]\d+)?)")
+_CLOCK = re.compile(
+    r"(?:(?P<day>\d{1,4}[-./]\d{1,2}[-./]\d{1,4})[ T,]+)?"
+    r"(?:(?P<hours>\d{1,3}):(?P<minutes>\d\d):(?P<seconds>\d\d(?:[.,]\d+)?)|(?P<only>\d{1,3}):(?P<fine>\d\d[.,]\d+))"
+    r"(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?"
+)
 _DATE = re.compile(
     r"(?P<date>\d{4}-\d\d-\d\d)[T ](?P<clock>\d\d:\d\d(?::\d\d)?)(?:[.,](?P<fraction>\d{1,9}))?\s*"
     r"(?P<zone>Z|UTC|[-+]\d\d:?\d\d)?"
@@ -157,11 +165,15 @@ def _read(file: Sheet, rows: Iterator[tuple[int, list[str]]], line: bool, scale:
         texts = texts or [repr(time) for time in seconds]
         texts.append(cells[columns.time].strip())
         lines.append(place)
+    if stray and len(values) < 2:
+        raise InputError(f"{path}: line {stray[0]}: {stray[1]!r} is no row of numbers and times; {_NEEDS}")
     if len(values) < 2:
         raise InputError(f"{path}: {len(values)} rows; a history has 2 to {MOST_ROWS}")
     times, origin = _times(file, texts, seconds, lines, columns)
     forces = np.frombuffer(values) * factor
     remarks = []
+    if columns.time_unit is None and columns.increment is None and not origin and times[0] < _RECENT:
+        remarks.append(f"time has no unit and is read in s: {times[-1] - times[0]:.4g} s from first to last row")
     if origin:
         remarks.append(f"times are counted from the first row, at {origin}")
     if (unit := (columns.force_unit or "").casefold()) in ("kg", "g", "lb", "lbs", "gram", "grams"):
@@ -204,6 +216,7 @@ def _header(
     """The columns of a history from the rows before its numbers, and the rows of numbers."""
     titles: dict[str, list[str]] = {}
     earlier: list[list[str]] = []
+    numeric = 0
     for place, row in rows:
         cells = [_STAMP.sub("", cell).strip() for cell in row]
         cells[0] = cells[0].lstrip("#").strip()
@@ -214,6 +227,8 @@ def _header(
         if cells[0] == "Record Length" and len(cells) > 4:
             return _tektronix(place, row, rows)
         if columns := _matched(file, cells, channels=False) or _matched(file, cells, channels=True):
+            if columns.time_unit is None and (unit := titles.get("horizontal units") or titles.get("unit:")):
+                columns = _with_units(columns, [*unit, ""][1].strip("()"), None)
             if columns.force_unit is None and (unit := titles.get("y_unit_label") or titles.get("vertical units")):
                 columns = _with_units(columns, columns.time_unit, (unit + [""] * 99)[min(columns.force, len(unit) - 1)])
             return _below(columns, rows)
@@ -221,7 +236,8 @@ def _header(
         earlier.append(cells)
         if len(earlier) > _MOST_TITLES:
             break
-        if len([cell for cell in cells if is_number(_pointed(cell, file))]) > 1 and _all_numbers(file, cells):
+        numeric += len([cell for cell in cells if cell]) > 1 and _all_numbers(file, cells)
+        if numeric > _MOST_RESULTS:
             break
     raise InputError(f"{file.path}: {_reason(file, earlier)}")
 
@@ -245,7 +261,7 @@ def _reason(file: Sheet, rows: list[list[str]]) -> str:
     """Reason for which no header was read."""
     if not any(any(row) for row in rows):
         return "is empty: needs a header, as 'time [s],force [N]', and two rows or more"
-    if len(rows) == 1 and _all_numbers(file, rows[0]):
+    if all(_all_numbers(file, row) for row in rows):
         return f"has no header; {_NEEDS}"
     names = {heading(cell, _KNOWN)[0] for row in rows for cell in row if cell}
     if not names & _TIMES:
@@ -260,6 +276,14 @@ def _matched(file: Sheet, cells: list[str], *, channels: bool) -> _Columns | Non
     named = [heading(cell.replace("in ", "time in ", 1) if cell.startswith("in ") else cell, _KNOWN) for cell in cells]
     times = [place for place, (name, _) in enumerate(named) if name in _TIMES]
     forces = [place for place, (name, _) in enumerate(named) if name in _FORCES]
+    if not channels:
+        times = (
+            times
+            or [place for place, (_, unit) in enumerate(named) if (unit or "").rstrip(".").casefold() in _TIME_UNITS][
+                :1
+            ]
+        )
+        forces = forces or [place for place, (_, unit) in enumerate(named) if unit and _is_force(unit)]
     if channels and not forces:
         forces = [place for place, (name, _) in enumerate(named) if _CHANNEL.fullmatch(name) and place not in times[:1]]
         if times and named[times[0]][0] in ("x", "x_axis", "t") and not forces:
@@ -273,7 +297,8 @@ def _matched(file: Sheet, cells: list[str], *, channels: bool) -> _Columns | Non
             raise InputError(f"{file.path}: {said} may both be the force; leave one of them")
         forces = in_newtons
     time, force = times[0], forces[0]
-    unit = named[time][1] or (named[time][0] if named[time][0] in _TIME_UNITS else None)
+    name, unit = named[time]
+    unit = unit or (name if name in _TIME_UNITS else "s" if name == "x_value" else None)  # LabVIEW's is in s
     return _Columns(time, force, cells[force], unit, named[force][1], len(cells))
 
 
@@ -309,7 +334,9 @@ def _below(
                 columns, time if time.casefold() in _TIME_UNITS else None, force if _unit_of(force) else None
             )
             continue
-        if any(cells) and not row[0].lstrip().startswith("#") and (time or force) and "->" in row[0]:
+        if not row[0].lstrip().startswith("#") and (
+            ((time or force) and "->" in row[0]) or (time[:1].isdigit() and force[:1].isdigit())
+        ):
             return columns, chain([(place, row)], rows)
     return columns, iter(())
 
@@ -340,6 +367,12 @@ def _unit_of(text: str) -> units.Unit | None:
     except ValueError:
         return None
     return unit if text.strip() and not is_number(text) else None
+
+
+def _is_force(text: str) -> bool:
+    """Return whether a text is a unit of a force, but for one of mass."""
+    unit = None if text.casefold() in ("g", "kg", "p", "lb", "lbs", "gram", "grams") else _unit_of(text)
+    return unit is not None and unit.fits(units.parse("N"))
 
 
 def _force_scale(path: Path, columns: _Columns, line: bool, scale: str | None) -> tuple[float, bool]:
@@ -381,7 +414,7 @@ def _times(
 ) -> tuple[Array, str]:
     """Ascending times [s] of texts, or else of plain numbers; the first text where times are counted from it."""
     path = file.path
-    unit = (columns.time_unit or "s").strip().casefold()
+    unit = (columns.time_unit or "s").strip().rstrip(".").casefold()
     clock = _is_clock(texts[:1])
     if unit not in _TIME_UNITS and not clock and columns.increment is None:
         raise InputError(f"{path}: time: unit mismatch: {columns.time_unit!r} does not measure a time in s")
@@ -389,6 +422,12 @@ def _times(
     times, late = _read_times(file, texts, lines, clock) if texts else (np.frombuffer(plain), False)
     if not np.isfinite(times).all():
         raise InputError(f"{path}: line {lines[int((~np.isfinite(times)).argmax())]}: time: is not a finite number")
+    if columns.time_unit is None and not clock and columns.increment is None:
+        latest = abs(float(times[-1]) + (float(with_point(texts[0], file.separator)) if late else 0.0))
+        if latest > _UNIX:
+            raise InputError(
+                f"{path}: time: has no unit, and {latest:.4g} s are no time; write 'time [ms]' or its like"
+            )
     if columns.increment is not None:
         times = float(columns.start) + times * float(columns.increment)
     times = times * scale
@@ -424,24 +463,38 @@ def _read_times(file: Sheet, texts: list[str], lines: "array[int]", clock: bool)
         where = f"{file.path}: line {lines[row]}: time"
         if not texts[row] or missing(texts[row]):
             raise InputError(f"{where}: {texts[row]!r}: must be a number; remove the row") from None
-        reason = str(error) if "decimal" in str(error) or "groups" in str(error) else f"{texts[row][:40]!r} is no time"
+        telling = any(word in str(error) for word in ("decimal", "groups", "date changes"))
+        reason = str(error) if telling else f"{texts[row][:40]!r} is no time"
         raise InputError(f"{where}: {reason}; times are numbers, clock times hh:mm:ss or ISO dates") from None
 
 
 def _seconds(first: str) -> Callable[[str], float]:
     """Function that takes a clock time or a date to seconds after the first one."""
-    if _CLOCK.fullmatch(first):
-        start = _clock_seconds(first)
-        return lambda text: float(_clock_seconds(text) - start)
-    begin = _nanoseconds(first)
-    return lambda text: (_nanoseconds(text) - begin) * 1e-9
+    if _DATE.fullmatch(first):
+        begin = _nanoseconds(first)
+        return lambda text: (_nanoseconds(text) - begin) * 1e-9
+    day, start = _clock_seconds(first)
+
+    def seconds(text: str) -> float:
+        now, time = _clock_seconds(text)
+        if now != day:  # day and month stand in either order
+            raise ValueError(f"the date changes from {day} to {now}; day and month may stand in either order")
+        return float(time - start)
+
+    return seconds
 
 
-def _clock_seconds(text: str) -> Decimal:
+def _clock_seconds(text: str) -> tuple[str | None, Decimal]:
+    """The date as it is written, and the time of that day [s]."""
     match = _CLOCK.fullmatch(text)
     if match is None:
         raise ValueError(f"{text!r} is no clock time")
-    return 3600 * int(match["hours"]) + 60 * int(match["minutes"]) + Decimal(match["seconds"].replace(",", "."))
+    if match["only"] is not None:
+        return match["day"], 60 * int(match["only"]) + Decimal(match["fine"].replace(",", "."))
+    hours = int(match["hours"])
+    if match["half"]:
+        hours = hours % 12 + 12 * (match["half"] in "Pp")
+    return match["day"], 3600 * hours + 60 * int(match["minutes"]) + Decimal(match["seconds"].replace(",", "."))
 
 
 def _nanoseconds(text: str) -> int:

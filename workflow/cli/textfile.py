@@ -32,13 +32,19 @@ _FORMATS = {
 _MARKUP = re.compile(rb"\s*<(!doctype|html|\?xml|table|body)", re.IGNORECASE)
 _MISSING_WORDS = """
 na n/a n.a. n.a #n/a #na nan -nan null none nil - -- --- n.d. n.d nd n.m. ? ?? missing void empty tbd . .. ...
-undefined unknown #value! #div/0! #null! #num! #ref!
+<na> nat \\n k.a. undefined unknown #value! #div/0! #null! #num! #ref!
 """
 _MISSING = frozenset(_MISSING_WORDS.split())
 _FILLS = re.compile(r"-9{4,6}(\.0*)?")  # numbers that stand for a missing value
 _BRACKETED = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*(?:\([^()]*\))?)\))\s*")
 _DIVIDED = re.compile(r"(?P<name>[^,;/|]+?)\s*[,;/|]\s*(?P<unit>.+)|(?P<before>.+?)\s+in\s+(?P<behind>\S.*)")
 _DIGITS = re.compile(r"[-+\u2212]?[0-9.,]+")
+_GROUPS = re.compile(
+    r"[-+\u2212]?[0-9]{1,3}(?:(?P<mark>[ '\u2019_\u00a0\u2009\u202f])[0-9]{3})(?:(?P=mark)[0-9]{3})*(?:[.,][0-9]*)?"
+)
+_THOUSANDS = re.compile(r"[-+\u2212]?[1-9][0-9]{0,2}(,[0-9]{3})+")
+_BY_POINTS = re.compile(r"[-+\u2212]?[1-9][0-9]{0,2}(\.[0-9]{3})+(?![0-9.,]).*")
+_WITH_COMMA = re.compile(r"[-+\u2212]?[0-9]+,[0-9]+(?![0-9.,]).*")
 _ERROR = re.compile(r"±|\+/-|\+-")
 
 
@@ -97,7 +103,22 @@ def sheet(path: Path, largest: int, *, blanks: bool = False) -> Sheet:
     text = head.decode(encoding, errors="ignore")
     if control := re.search(r"[\x00-\x08\x0e-\x1b]", text):
         raise InputError(f"{path}: is no text file: it holds the character {control[0]!r}; a table is CSV in UTF-8")
-    return Sheet(path, encoding, _separator(path, text, blanks))
+    separator = _separator(path, text, blanks)
+    if separator in ";\t":
+        _refuse_both_marks(path, text, separator, half=blanks)
+    return Sheet(path, encoding, separator)
+
+
+def _refuse_both_marks(path: Path, text: str, separator: str, *, half: bool) -> None:
+    """InputError for ``1.000`` in a table with decimal commas: it may be one thousand; ``half`` leaves titles out."""
+    lines = text.splitlines()
+    rows = [[cell.strip().strip('"') for cell in line.split(separator)] for line in lines[len(lines) // 2 * half :]]
+    if any(_WITH_COMMA.fullmatch(cell) for row in rows for cell in row):
+        grouped = next((cell for row in rows for cell in row if _BY_POINTS.fullmatch(cell)), None)
+        if grouped is not None:
+            raise InputError(
+                f"{path}: {grouped[:40]!r} may group its digits: other numbers have decimal commas; do not group"
+            )
 
 
 def _encoding(path: Path, head: bytes) -> str:
@@ -216,13 +237,17 @@ def missing(text: str) -> bool:
 
 def with_point(text: str, separator: str) -> str:
     """A cell whose decimal comma is a point; ValueError where commas separate cells, and where it may group digits."""
+    if _GROUPS.fullmatch(text):
+        raise ValueError(f"{text!r} groups its digits; write plain digits")
     digits = _DIGITS.match(text)
     if digits is None or "," not in digits[0]:
         return text
-    if separator == ",":
-        raise ValueError(f"{text!r} has a decimal comma in a table with commas between its cells; write a point")
     if digits[0].count(",") > 1 or "." in digits[0]:
         raise ValueError(f"{text!r} groups its digits; write plain digits")
+    if separator == "," and _THOUSANDS.fullmatch(digits[0]):
+        raise ValueError(f"{text!r} groups its digits, or has a decimal comma; write plain digits and a point")
+    if separator == ",":
+        raise ValueError(f"{text!r} has a decimal comma in a table with commas between its cells; write a point")
     return text.replace(",", ".", 1)
 
 

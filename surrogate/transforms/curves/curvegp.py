@@ -6,23 +6,25 @@ coefficient as an output of a Gaussian process of any kind, and the maximum of w
 polynomials (module `panels`). Its derivatives follow from those of the coefficients: the place is stationary.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from approximation.arrays import Array, Indices, blocks
+from approximation.measure import Measure
+from approximation.panels import Panels
 from surrogate.data.inputs import Input
+from surrogate.data.packing import Rounded
 from surrogate.face.model import GaussianProcess
 from surrogate.face.plain import plain_outputs
 from surrogate.transforms.curves.basis import Basis, Curves, Largest
 from surrogate.transforms.curves.landscape import Landscape
-from surrogate.transforms.curves.links import Links, learnt_name
-from surrogate.transforms.curves.stored import from_arrays, to_arrays
 from surrogate.transforms.groups import Grouping
 from surrogate.transforms.outputs import Scaling
 from surrogate.transforms.transformed import Transformed, groups_of
@@ -30,6 +32,12 @@ from surrogate.transforms.transformed import Transformed, groups_of
 # Curves whose largest values are looked for at a time: their fields stay in cache.
 _BLOCK = 128
 _PROBES = 64
+# Most points of the panels of one file's curves.
+_MOST = 1000
+
+Arrays = dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]
+# Rounding of fields of curves, in their sizes: what follows from them is still the same to 1e-9.
+STEP = 1e-12
 
 
 class CurveGP(Transformed):
@@ -312,3 +320,177 @@ class CurveGP(Transformed):
 
 def _unfitted(names: Sequence[str]) -> GaussianProcess:
     raise ValueError("a model from a file is not fitted again")
+
+
+def to_arrays(curves: Sequence[Curves], bases: Sequence[Basis], largest: Mapping[str, Largest]) -> Arrays:
+    """Return the arrays by name with their dimensions: what `from_arrays` reads."""
+    measures = list(dict.fromkeys(summit.measure for summit in largest.values()))
+    state: Arrays = {
+        "largest_output": (("largest",), np.array(list(largest))),
+        "largest_curves": (("largest",), np.array([summit.curves for summit in largest.values()])),
+        "largest_measure": (("largest",), np.array([measures.index(summit.measure) for summit in largest.values()])),
+        "largest_place": (("largest",), np.array([summit.place for summit in largest.values()])),
+    }
+    for k, measure in enumerate(measures):
+        dims = f"branch_{k}", f"measured_{k}"
+        state[f"measure_linear_{k}"] = dims, measure.linear
+        state[f"measure_root_{k}"] = (dims[0], f"row_{k}", dims[1]), measure.root
+    for k, (curve, basis) in enumerate(zip(curves, bases, strict=True)):
+        state[f"curve_field_{k}"] = (f"field_{k}",), np.array(curve.fields)
+        state[f"curve_size_{k}"] = (f"field_{k}",), np.array(curve.sizes)
+        state[f"curve_across_{k}"] = (f"panel_across_{k}",), np.array(curve.panels.across)
+        state[f"curve_down_{k}"] = (f"panel_down_{k}",), np.array(curve.panels.down)
+        state[f"curve_dim_{k}"] = (), np.array(curve.dim)
+        state |= basis.state(k)
+    return state
+
+
+def from_arrays(stored: xr.Dataset, outputs: Sequence[str]) -> tuple[list[Curves], list[Basis], dict[str, Largest]]:
+    """Return curves, their bases and what follows from them."""
+    curves: list[Curves] = []
+    bases: list[Basis] = []
+    while f"curve_field_{len(curves)}" in stored:
+        k = len(curves)
+        across, down = (tuple(stored[f"curve_{way}_{k}"].values.tolist()) for way in ("across", "down"))
+        if not all(isinstance(count, int) and 0 < count <= _MOST for count in (*across, *down)):
+            raise ValueError(f"curves {k} have panels of {across} by {down} points")
+        fields, sizes = (tuple(map(str, stored[f"curve_{part}_{k}"].values.tolist())) for part in ("field", "size"))
+        curves.append(Curves(fields, sizes, Panels(across, down), str(stored[f"curve_dim_{k}"].item())))
+        bases.append(Basis.restore(stored, k, curves[k].panels))
+        if len(bases[k].mean) != len(fields):
+            raise ValueError(f"the basis of curves {k} does not have their fields")
+    measures: list[Measure] = []
+    while f"measure_linear_{len(measures)}" in stored:
+        k = len(measures)
+        measures.append(Measure(stored[f"measure_linear_{k}"].values, stored[f"measure_root_{k}"].values))
+    columns = [stored[f"largest_{part}"].values.tolist() for part in ("output", "curves", "measure", "place")]
+    largest: dict[str, Largest] = {}
+    for name, curve, measure, place in zip(*columns, strict=True):
+        if name not in outputs or not (0 <= curve < len(curves) and 0 <= measure < len(measures)):
+            raise ValueError(f"what follows as {name!r} is not there")
+        if measures[measure].fields > len(curves[curve].fields) or not -1 <= place < len(curves[curve].fields):
+            raise ValueError(f"{name!r} follows from fields that its curves do not have")
+        largest[str(name)] = Largest(curve, measures[measure], place)
+    return curves, bases, largest
+
+
+def learnt_name(size: str, logarithms: bool) -> str:
+    """Return the name of the smooth output that tells a size."""
+    return f"log {size}" if logarithms else size
+
+
+class Links:
+    """Rows of smooth outputs behind p outputs.
+
+    plain: Outputs that are smooth themselves, and their rows.
+    sizes: Rows of the sizes.
+    scores: Rows of the scores of every element of `curves`.
+    """
+
+    def __init__(
+        self,
+        outputs: Sequence[str],
+        largest: Mapping[str, Largest],
+        curves: Sequence[Curves],
+        bases: Sequence[Basis],
+        logarithms: bool,
+        smooth: Sequence[str],
+    ) -> None:
+        self._outputs, self._largest, self._curves, self._bases = outputs, largest, curves, bases
+        self._logarithms, self._smooth = logarithms, smooth
+        rows = {name: k for k, name in enumerate(smooth)}
+        self.plain = [(k, rows[name]) for k, name in enumerate(outputs) if name not in largest]
+        sizes = sorted({size for curve in curves for size in curve.sizes if size})
+        self.sizes = {size: rows[name] for size in sizes if (name := learnt_name(size, logarithms)) in rows}
+        self.scores = [
+            [rows[name] for k in range(len(basis.vectors)) if (name := f"score {number} {k}") in rows]
+            for number, basis in enumerate(bases)
+        ]
+
+    def searches(self) -> Iterator[tuple[int, Measure, list[str]]]:
+        """Numbers of curves, measures of them, and the outputs that each of these gives."""
+        searched = {(largest.curves, largest.measure): None for largest in self._largest.values()}
+        for number, measure in sorted(searched, key=lambda search: search[0]):
+            key = number, measure
+            names = [name for name, largest in self._largest.items() if (largest.curves, largest.measure) == key]
+            yield number, measure, names
+
+    def size_of(self, name: str) -> str:
+        """Return the name of the size that an output scales by, empty where there is none."""
+        largest = self._largest[name]
+        return self._curves[largest.curves].sizes[max(largest.place, 0)]
+
+    def size(self, name: str, smooth: Array) -> Array:
+        """Return what an output scales by.
+
+        smooth: (q, B); result: (B,).
+        """
+        size = self.size_of(name)
+        if not size:
+            return np.ones(smooth.shape[1])
+        learnt = smooth[self.sizes[size]]
+        return np.asarray(np.exp(learnt) if self._logarithms else learnt)
+
+    def spread(self, smooth: Array) -> Array:
+        """Return every output's standard deviation over that of its witness, from smooth outputs (q, B): (p, B)."""
+        out = np.ones((len(self._outputs), smooth.shape[1]))
+        for k, name in enumerate(self._outputs):
+            if name in self._largest:
+                out[k] = self._typical(name) * self.size(name, smooth)
+        return out
+
+    def _typical(self, name: str) -> float:
+        """The same where the output's size is one."""
+        if name not in self._largest:
+            return 1.0
+        largest = self._largest[name]
+        basis = self._bases[largest.curves]
+        typical = 1 / np.sqrt(basis.mean.size)  # of a score's vector, over the scale of its field
+        return float(typical * (basis.scales[0] if largest.place < 0 else np.ptp(basis.mean[largest.place])))
+
+    def behind(self, outputs: Sequence[str]) -> list[str]:
+        """Return the smooth outputs that some outputs need: plain ones, sizes, scores."""
+        largest = [name for name in outputs if name in self._largest]
+        sizes = sorted({self.size_of(name) for name in largest} - {""})
+        used = sorted({self._largest[name].curves for name in largest})
+        names = [name for name in outputs if name not in self._largest]
+        names += [learnt_name(size, self._logarithms) for size in sizes]
+        return names + [self._smooth[row] for number in used for row in self.scores[number]]
+
+    def described(self, spreads: Array) -> dict[str, Any]:
+        """Return links, measures and curves as plain values.
+
+        spreads: (q,).
+        """
+        measures = list(dict.fromkeys(largest.measure for largest in self._largest.values()))
+        return {
+            "plain": self.plain,
+            "largest": [
+                {
+                    "output": list(self._outputs).index(name),
+                    "net": largest.curves,
+                    "measure": measures.index(largest.measure),
+                    "place": largest.place,
+                    "size": self.sizes[size] if (size := self.size_of(name)) else -1,
+                }
+                for name, largest in self._largest.items()
+            ],
+            "measures": [{"linear": measure.linear.tolist(), "root": measure.root.tolist()} for measure in measures],
+            "logarithms": self._logarithms,
+            "nets": [
+                {
+                    "across": curve.panels.across,
+                    "down": curve.panels.down,
+                    "scores": rows,
+                    "whole": _whole(basis, spreads[rows]),
+                }
+                for curve, basis, rows in zip(self._curves, self._bases, self.scores, strict=True)
+            ],
+            "spread": [self._typical(name) for name in self._outputs],
+        }
+
+
+def _whole(basis: Basis, spreads: Array) -> Rounded:
+    """Mean and vectors of curves, (1 + rank, point, field); ``spreads`` are the sizes of their scores."""
+    whole = np.concatenate([basis.mean[None], basis.vectors]).swapaxes(1, 2)
+    return Rounded(whole, 1 / np.concatenate([[1.0], spreads]), STEP * basis.scales)

@@ -1,4 +1,4 @@
-"""Where a measure of curves is largest, what fields are there, and how both change with the scores of the curves.
+"""Maximum of a measure of curves, its place, and the derivatives of both by the scores of the curves.
 
 A scan of some points finds the hills, Newton's iteration climbs the highest ones on the polynomials of their panels.
 """
@@ -83,7 +83,7 @@ class Landscape:
     def _sensitivity(
         self, jet: Array, by_score: Array, measure: Measure, place: int, summit: Top, members: Indices
     ) -> Array:
-        """From jets of the curves, (n, field, 3, 3), and of what each score multiplies; (n, rank)."""
+        """Return derivatives (n, rank) from jets (n, field, 3, 3) of the curves and of the basis functions."""
         inner, parts = jet[:, : measure.fields], by_score[:, :, : measure.fields]
         bent = measure.bent(inner[..., 0, 0])
         if place < 0:

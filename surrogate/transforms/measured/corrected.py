@@ -12,8 +12,7 @@ from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.measurements import MOST_ROWS, Measurements
 from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL, Normal
-from surrogate.transforms.measured.discrepancy import Discrepancy
-from surrogate.transforms.measured.draws import Draw, mixture, moments
+from surrogate.transforms.measured.discrepancy import Discrepancy, Draw, mixture, moments
 from surrogate.transforms.transformed import Transformed
 
 _MOST_DRAWS = 64  # that a file may hold
@@ -75,7 +74,7 @@ class CorrectedGP(Transformed):
 
     @property
     def calibrated(self) -> bool:
-        """Whether its intervals rest on held-out cases of the nominal model too."""
+        """Return True if the intervals rest on held-out cases of the nominal model too."""
         return self.nominal_.calibrated
 
     @property
@@ -108,7 +107,7 @@ class CorrectedGP(Transformed):
         return mean, weights[0][:, None] * variance
 
     def _drawn(self, draw: Draw, effect: Array, t: Array) -> tuple[Array, Array]:
-        """What one draw adds to the nominal means, and its variance, (p, B) each."""
+        """Return one draw's shift of the nominal means, and its variance, (p, B) each."""
         slopes = effect[..., 1:].transpose(1, 0, 2).copy()
         mean = effect[..., 0].T - slopes @ self.about_
         variance = np.zeros_like(mean)
@@ -128,7 +127,7 @@ class CorrectedGP(Transformed):
         return np.asarray(weights[0][:, None] * variance)
 
     def _slope_parts(self, t: Array) -> list[tuple[Array, Array]]:
-        """What every draw adds to the nominal slopes, and its variance, (d, p, B) each."""
+        """Return every draw's shift of the nominal slopes, and its variance, (d, p, B) each."""
         d, B = t.shape
         effect = self._derivatives(self.effect_, t)[0].reshape(d, len(self.outputs_), self._each, B)
         parts = []
@@ -193,7 +192,7 @@ class CorrectedGP(Transformed):
         return state.assign_attrs(learnt=self.learnt_)
 
     def _flat(self, parts: Sequence[Array]) -> Array:
-        """What every measured output has of its values, in the order of the values."""
+        """Join parts, one a measured output, into an array over the measured values."""
         whole = np.empty((len(self.rows_.value), *parts[0].shape[1:]))
         for q, part in zip(self.rows_.outputs, parts, strict=True):
             whole[self.rows_.of(q)] = part

@@ -43,17 +43,6 @@ def test_air_changes_neither_pressure_nor_charge_per_load_of_a_half_plane() -> N
     assert float(computed["capacitance_at_load"]) == pytest.approx(float(computed["capacitance_per_length"]), rel=1e-9)
 
 
-def test_a_table_holds_both_and_each_case_is_the_case_alone() -> None:
-    pair = solver.solve(FILM | {"surroundings": ["air", "insulated"], "load": [1e4, 2e4], "gap_permittivity": 1.0})
-    assert "capacitance_at_load" not in pair
-    assert "electric_edge_intensity_trailing" not in pair
-    for around in ("air", "insulated"):
-        alone = solver.solve(FILM | {"surroundings": around, "load": 1e4})
-        for name in ("contact_trailing", "voltage", "capacitance_per_length", "charge_per_force"):
-            chosen = pair[name].sel(surroundings=around).isel(load=0)
-            assert float(chosen) == pytest.approx(float(alone[name]), rel=1e-9), name
-
-
 BALL: dict[str, Any] = {
     "material": "PZT-4",
     "profile": "sphere",
@@ -168,12 +157,6 @@ def test_points_in_no_air_are_those_without(case: dict[str, Any]) -> None:
         assert_alike(computed[0], exact[0], 1e-10, {name for name in names_left if not exact[0][name].ndim})
         assert_alike(computed[0], exact[0], 1e-9, names_left)
         assert_alike(computed[1], exact[1], 1e-9)
-
-
-def test_what_is_not_given_of_points_in_air_is_refused() -> None:
-    case = {"material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1.0} | AIR
-    with pytest.raises(solver.FactorError, match="curves: of a body under a point contact are not given; ask for peak"):
-        solver.solve_curves(case, ["body"])
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import numpy as np
 import pytest
 
 import solver
@@ -24,14 +23,6 @@ def test_a_power_law_by_factors_is_the_profile_of_a_stack() -> None:
     body = solver.Stack([profile], base=STEEL)  # of the same law, so that both share tables
     assert_alike(solver.solve(BARE | {"body": body}), by_factors, 1e-12)
     assert set(by_factors.data_vars) == {*QUANTITIES, *FILM_QUANTITIES}
-
-
-def test_a_power_law_is_a_power_of_depth() -> None:
-    depth = np.array([0.0, 0.3, 1.0])
-    law = PowerLaw("laminate", (constants_of(BTO), constants_of(CFO)), 0.9, 0.1, 3.0)
-    expected = solver.laminate(BTO, CFO, 0.9 - 0.8 * depth**3)
-    for name in ("c33", "e31", "eps11", "mu33"):
-        np.testing.assert_allclose(getattr(law(depth), name), getattr(expected, name), rtol=1e-14)
 
 
 @pytest.mark.soak  # the same of a table of its own: test_contact_on_a_graded_film_is_read_from_a_table
@@ -75,8 +66,3 @@ def test_an_electrode_between_layers_shields_and_counts_as_the_ground() -> None:
         1e-9,
         ["contact_trailing", "voltage", "capacitance_per_length", "nominal_field", "depth"],
     )
-
-
-def test_peaks_of_a_graded_film_are_refused() -> None:
-    with pytest.raises(solver.MaterialError, match="peaks: are not given of a film that is graded"):
-        solver.solve(LINEAR, peaks=True)

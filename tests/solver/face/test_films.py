@@ -7,10 +7,7 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.names import ALL_PEAKS, EVERY_FILM_QUANTITY, EVERY_QUANTITY, FILM_PEAKS, FILM_QUANTITIES, QUANTITIES
-from solver.stack.layers import Layer, Stack
-from tests.solver.cases import assert_alike
-from tests.solver.line.films import FIBROUS, cylinder
+from solver.names import ALL_PEAKS, FILM_PEAKS
 
 FILM: dict[str, Any] = {
     "material": "BaTiO3",
@@ -72,15 +69,6 @@ def test_published_figures_are_hit(name: str) -> None:
     np.testing.assert_allclose(index, fields, rtol=1e-8)
 
 
-def test_every_quantity_has_its_unit_and_film_answers_all_but_the_peaks() -> None:
-    out = solver.solve(FILM)
-    assert set(out.data_vars) == {*QUANTITIES, *FILM_QUANTITIES}
-    for name, quantity in (EVERY_QUANTITY | EVERY_FILM_QUANTITY).items():
-        assert name not in out or out[name].attrs["units"] == quantity.units
-    assert "film" in out.attrs["title"]
-    assert "absolute above a grounded interface" in out["voltage"].attrs["comment"]
-
-
 #: Section 9: a/h at zero volts, then P R/a^2 [Pa] and charge/load [pC/N] of PZT-4 and of BaTiO3, depth R/a^2 of PZT-4.
 SHORT_CIRCUIT = {
     0.05: ((6.765708e10, 217.0654), (1.016044e11, 154.2390), 1.836732),
@@ -106,72 +94,6 @@ def test_table_of_short_circuited_films_is_hit_to_every_digit() -> None:
             np.testing.assert_allclose(held["depth"] * radius / half**2, depth, atol=6e-7)
 
 
-def test_many_cases_and_positions_are_those_of_one_each() -> None:
-    X = np.linspace(-2, 2, 600)
-    loads = np.geomspace(1e3, 1e6, 300)
-    many = solver.solve(FILM | {"load": loads}, X)
-    first = solver.solve(FILM | {"load": loads[290]}, X[[5, 580]])
-    for name in ("contact_pressure", "stress_xx", "electric_displacement_y"):
-        np.testing.assert_allclose(
-            many[name][290, [5, 580]], first[name], rtol=1e-7, atol=1e-9 * float(np.max(many[name]))
-        )
-
-
-def test_similarity_and_answers_that_do_not_hang_on_their_neighbours() -> None:
-    """hc/h, V/P, depth/P, K sqrt(h)/P depend on P R/h^2 and T/P alone; a case alone answers as in a table."""
-    h = np.array([0.1e-3, 0.5e-3, 2e-3, 1e-5])
-    factor = h / h[0]
-    load = 2e4 * factor
-    cases = {"radius": 0.05 * factor, "load": load, "charge": 1e-6 * factor, "thickness": h}
-    data = xr.Dataset({name: ("case", values) for name, values in cases.items()})
-    out = solver.solve(data.assign(MIX | {"base": "rigid"} | {name: data[name] for name in cases}))
-    for name, by in {
-        "contact_trailing": h, "contact_offset": h, "voltage": load, "depth": load, "nominal_field": h / h,
-        "electric_edge_intensity_trailing": load / np.sqrt(h), "capacitance_per_length": h / h, "peak_pressure": h / h,
-    }.items():  # fmt: skip
-        np.testing.assert_allclose(out[name] / by, float(out[name][0] / by[0]), rtol=1e-12, err_msg=name)
-    alone = solver.solve(MIX | {"base": "rigid"} | {name: values[2] for name, values in cases.items()})
-    for key in out.data_vars:
-        assert float(alone[key]) == pytest.approx(float(out[key][2]), rel=1e-13), key
-    direct = cylinder(Stack((Layer(FIBROUS, 0.5e-3),)), 0.3, 1e5, (5e-6, 0.0))
-    again = solver.solve(
-        MIX | {"surroundings": "insulated", "base": "rigid", "thickness": 0.5e-3, "charge": 5e-6, "load": 1e5}
-    )
-    assert float(again["contact_trailing"]) == pytest.approx(float(direct.trailing[0]), rel=1e-9)
-
-
-@pytest.mark.parametrize(("load", "friction"), [(1e3, 0.0), (1e5, 0.8), (3e7, 0.3)])
-def test_peak_pressure_is_the_largest_of_a_fine_scan(load: float, friction: float) -> None:
-    X = np.linspace(-0.999, 0.999, 201)
-    case = FILM | {"load": load, "friction": friction, "material": "PZT-4"}
-    out = solver.solve(case, X)
-    top = float(X[np.argmax(out["contact_pressure"].values)])
-    near = solver.solve(case, np.clip(top + np.linspace(-0.02, 0.02, 81), -0.999, 0.999))
-    largest = float(max(out["contact_pressure"].max(), near["contact_pressure"].max()))
-    assert largest * (1 - 1e-9) <= float(out["peak_pressure"]) <= largest * (1 + 1e-6)
-
-
-def test_films_and_half_planes_in_one_table() -> None:
-    punch: dict[str, Any] = {"material": "PZT-4", "radius": 0.05, "friction": 0.2}
-    cases = xr.Dataset(
-        {
-            "thickness": ("case", [np.nan, 0.2e-3, np.nan, 1e-3]),
-            "surroundings": "insulated",
-            "base": ("case", np.array(["", "rigid", "", ""], dtype=object)),
-            "base_modulus": ("case", [np.nan, np.nan, np.nan, 2e11]),
-            "base_poisson": ("case", [np.nan, np.nan, np.nan, 0.3]),
-            "load": ("case", [1e5, 1e5, 2e5, 2e5]),
-        }
-    ).assign(punch)
-    out = solver.solve(cases, POSITIONS)
-    half = solver.solve(punch | {"load": [1e5, 2e5]}, POSITIONS)
-    for key, value in half.data_vars.items():  # bit for bit
-        np.testing.assert_array_equal(out[key][[0, 2]], np.broadcast_to(value, out[key][[0, 2]].shape))
-    named = solver.solve(FILM | punch | {"load": 2e5, "thickness": 1e-3, "base": "steel"}, POSITIONS)
-    assert_alike(out.isel(case=3), named, 1e-12, map(str, half))
-    assert not set(FILM_QUANTITIES) & set(out.data_vars)
-
-
 def test_peaks_of_film_and_interface() -> None:
     out = solver.solve(FILM, peaks=True)
     assert set(FILM_PEAKS) - set(out.data_vars) == {"base_peak_von_mises", "base_peak_principal_tension"}
@@ -185,13 +107,3 @@ def test_peaks_of_film_and_interface() -> None:
     assert set(half.data_vars) & set(ALL_PEAKS) == {"peak_von_mises_depth"}
     with pytest.raises(solver.FactorError, match="peaks: 'shear' is unknown; known are peak_von_mises"):
         solver.solve(FILM, peaks=["shear"])
-
-
-@pytest.mark.parametrize("base", ["silicon", "glass", "aluminium oxide", "copper", "polyimide", "AlN"])
-def test_bases_of_the_library_carry_a_film(base: str) -> None:
-    material = solver.find(base)
-    assert material.source
-    assert material.note
-    film = FILM | {"material": "PZT-4", "thickness": 1e-4, "radius": 0.01, "load": 1e4}
-    out, rigid = solver.solve(film | {"base": base}), solver.solve(film)
-    assert float(out["contact_trailing"]) > float(rigid["contact_trailing"])

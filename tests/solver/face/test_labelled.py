@@ -9,105 +9,15 @@ import xarray as xr
 import solver
 from solver.fields import FIELDS, INTERIOR, INTERIOR_ON_REQUEST
 from solver.names import EVERY_QUANTITY
-from tests.solver.cases import CHARGED, assert_same
+from tests.solver.cases import assert_same
 from verification.cases import SIH_SONG
 
-#: Units as documented, of fields and of quantities.
-FIELDS_BY_UNIT = {
-    "Pa": ("contact_pressure", "shear_traction", "stress_xx"),
-    "C m-2": ("electric_displacement_y", "electric_displacement_x"),
-    "T": ("magnetic_induction_y", "magnetic_induction_x"),
-}
-QUANTITIES_BY_UNIT = {
-    "m": ("contact_trailing", "contact_leading", "depth"),
-    "1": ("pressure_exponent",),
-    "Pa": ("peak_pressure", "trailing_tension", "leading_compression"),
-    "V": ("voltage",),
-    "A": ("magnetic_potential",),
-    "C m-3/2": ("electric_edge_intensity_trailing", "electric_edge_intensity_leading"),
-    "T m1/2": ("magnetic_edge_intensity_trailing", "magnetic_edge_intensity_leading"),
-    "V m N-1": ("voltage_per_load",),
-    "A m N-1": ("magnetic_potential_per_load",),
-    "C N-1": ("charge_per_force",),
-    "Wb N-1": ("flux_per_force",),
-    "m V-1": ("stroke_per_volt",),
-    "m A-1": ("stroke_per_ampere",),
-    "N m-1 V-1": ("blocked_load_per_volt",),
-    "N m-1 A-1": ("blocked_load_per_ampere",),
-}
-FIELD_UNITS = {name: unit for unit, names in FIELDS_BY_UNIT.items() for name in names}
-QUANTITY_UNITS = {name: unit for unit, names in QUANTITIES_BY_UNIT.items() for name in names}
-FACTOR_UNITS = {"radius": "m", "friction": "1", "load": "N m-1", "charge": "C m-1", "magnetic_charge": "Wb m-1"}
-FACTOR_UNITS |= {"datum": "m"}
-GRID: dict[str, Any] = {
-    "composite": ["fibrous", "laminate"],
-    "volume_fraction": [0.0, 0.3, 1.0],
-    "friction": [0.0, 0.4],
-    "radius": [0.01, 0.05, 0.2],
-    "load": [1e3, 1e5],
-    "charge": [-1e-6, 2e-6],
-    "magnetic_charge": 1e-3,
-    "datum": [0.2, 1.0],
-}
 POSITIONS = (-2.0, -0.5, 0.9, 1.001)
 #: Friction, both charges: nothing that depends on the datum does so by chance alone.
 CASE_OF_DATUM: dict[str, Any] = {
     "volume_fraction": 0.67, "radius": 0.14, "load": 1e4, "friction": 0.4, "charge": 1e-7, "magnetic_charge": -1e-3
 }  # fmt: skip
 ONE = {"material": "BaTiO3", "radius": 0.05, "load": 1e5}
-
-
-def test_names_and_units_are_those_of_the_interface() -> None:
-    out = solver.solve({"material": SIH_SONG, **CHARGED}, POSITIONS, regular=True)
-    for name, units in (QUANTITY_UNITS | FIELD_UNITS).items():
-        assert out[name].attrs["units"] == units, name
-        assert out[name].attrs["long_name"], name
-        assert out[name].dims == (("position",) if name in FIELD_UNITS else ()), name
-        assert out[name].dtype == np.float64
-    for name, units in FACTOR_UNITS.items():
-        assert out.coords[name].item() == CHARGED[name]
-        assert out.coords[name].attrs["units"] == units, name
-    assert out.coords["material"].item() == SIH_SONG
-    np.testing.assert_array_equal(out.coords["position"], POSITIONS)
-    for name in set(FIELD_UNITS) - {"contact_pressure", "shear_traction"}:
-        assert out[f"{name}_regular"].attrs["units"] == FIELD_UNITS[name]
-
-
-def test_fields_and_regular_forms_come_only_when_asked_for() -> None:
-    assert not set(solver.solve(ONE).data_vars) & set(FIELD_UNITS)
-    assert not [name for name in solver.solve(ONE, POSITIONS).data_vars if str(name).endswith("_regular")]
-
-
-def test_sequences_span_a_factorial_in_the_order_given() -> None:
-    out = solver.solve(GRID, POSITIONS, regular=True)
-    varied = tuple(name for name, values in GRID.items() if isinstance(values, list))
-    assert out.voltage.dims == varied
-    assert out.stress_xx.dims == (*varied, "position")
-    for name in varied:
-        np.testing.assert_array_equal(out.coords[name], GRID[name])
-    assert out.coords["magnetic_charge"].item() == 1e-3
-    turned = solver.solve(dict(reversed(GRID.items())), POSITIONS, regular=True)
-    assert turned.voltage.dims == varied[::-1]
-    assert_same(turned.transpose(*varied, "position"), out, rtol=1e-15)
-
-
-def test_each_case_of_a_factorial_is_the_case_alone() -> None:
-    out = solver.solve(GRID, POSITIONS, regular=True)
-    sizes = {name: len(values) for name, values in GRID.items() if isinstance(values, list)}
-    rng = np.random.default_rng(7)
-    for _ in range(25):
-        index = {name: int(rng.integers(size)) for name, size in sizes.items()}
-        single = {name: values[index[name]] if name in index else values for name, values in GRID.items()}
-        assert_same(out.isel(index), solver.solve(single, POSITIONS, regular=True))
-
-
-def test_each_material_of_a_list_is_the_material_alone() -> None:
-    names = list(solver.materials())[::4]
-    out = solver.solve({"material": names, **CHARGED, "friction": [0.0, 0.7]}, POSITIONS)
-    assert out.voltage.dims == ("material", "friction")
-    for name in names:
-        single = solver.solve({"material": name, **CHARGED, "friction": [0.0, 0.7]}, POSITIONS)
-        assert_same(out.sel(material=name), single)
 
 
 def test_scattered_cases_share_a_dimension() -> None:
@@ -132,12 +42,6 @@ def test_scattered_cases_share_a_dimension() -> None:
         assert_same(out.isel(case=i), solver.solve(factors, POSITIONS))
 
 
-def test_labels_of_a_dimension_stay_with_it() -> None:
-    loads = xr.DataArray([1e3, 1e4], dims="case", coords={"case": ["light", "heavy"]})
-    out = solver.solve(ONE | {"load": loads})
-    assert list(out.coords["case"].values) == ["light", "heavy"]
-
-
 def test_data_arrays_bring_their_own_dimensions_and_broadcast_with_sequences() -> None:
     loads = xr.DataArray([[1e3, 1e4, 1e5], [2e3, 2e4, 2e5]], dims=("machine", "step"))
     radius = xr.DataArray([0.01, 0.02], dims="machine")
@@ -145,37 +49,6 @@ def test_data_arrays_bring_their_own_dimensions_and_broadcast_with_sequences() -
     assert set(out.depth.dims) == {"machine", "step", "friction"}
     single = solver.solve({"material": "BaTiO3", "radius": 0.02, "load": 2e4, "friction": 0.2})
     assert_same(out.isel(machine=1, step=1, friction=1), single)
-
-
-def test_a_column_of_one_material_is_as_a_scalar() -> None:
-    out = solver.solve({**ONE, "material": ["BaTiO3"], "load": (1e4, 1e5)})
-    assert out.depth.dims == ("material", "load")
-    assert_same(out.isel(material=0, load=1), solver.solve(ONE))
-
-
-def test_numpy_and_python_sequences_alike() -> None:
-    for loads in ([1000, 2000], (1e3, 2e3), np.array([1e3, 2e3]), np.array([1000, 2000]), range(1000, 2001, 1000)):
-        out = solver.solve({**ONE, "load": loads})
-        assert out.coords["load"].dtype == np.float64
-        np.testing.assert_array_equal(out.coords["load"], [1000.0, 2000.0])
-    for positions in ([0.1, 2.0], (0.1, 2.0), np.array([0.1, 2.0]), (x for x in (0.1, 2.0))):
-        np.testing.assert_array_equal(solver.solve(ONE, positions).coords["position"], [0.1, 2.0])
-
-
-def test_defaults_are_no_friction_no_charges_and_a_datum_of_one_metre() -> None:
-    spelled = ONE | {"friction": 0.0, "charge": 0.0, "magnetic_charge": 0.0, "datum": 1.0}
-    spelled |= {"profile": "cylinder", "electric": "conducting", "magnetic": "conducting", "speed": 0.0}
-    assert_same(solver.solve(ONE, POSITIONS), solver.solve(spelled, POSITIONS), rtol=0)
-
-
-def test_a_composite_is_fibrous_titanate_in_ferrite_unless_said_otherwise() -> None:
-    contact = {"radius": 0.05, "load": 1e5, "friction": 0.2}
-    plain = solver.solve({"volume_fraction": 0.4, **contact}, POSITIONS)
-    named = solver.solve({"volume_fraction": 0.4, "composite": "fibrous", **contact}, POSITIONS)
-    material = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.4)
-    alone = solver.solve({"material": material, **contact}, POSITIONS)
-    assert_same(plain, named, rtol=0)
-    assert_same(plain, alone, rtol=1e-15)
 
 
 @pytest.mark.parametrize("composite", ["fibrous", "laminate"])
@@ -203,40 +76,6 @@ def test_own_materials_by_object_and_by_name() -> None:
     assert list(pair.coords["material"].values) == ["steel", "aluminium"]
     assert_same(by_object, by_name, rtol=0)
     assert_same(pair.isel(material=1), by_object)
-
-
-def test_an_own_material_takes_precedence_over_a_built_in_one_of_its_name() -> None:
-    mine = solver.Material.isotropic(1e9, 0.3)
-    out = solver.solve({**ONE, "material": "steel"}, materials={"steel": mine})
-    assert out.contact_trailing.item() == solver.solve({**ONE, "material": mine}).contact_trailing.item()
-
-
-def test_a_material_from_a_mapping_and_from_keywords_is_the_same() -> None:
-    titanate = solver.find("BaTiO3")
-    entries = {name: float(getattr(titanate, name)) for name in ("c11", "c13", "c33", "c44", "e31", "e33", "e15")}
-    entries |= {name: float(getattr(titanate, name)) for name in ("eps11", "eps33", "mu11", "mu33")}
-    arrays: dict[str, Any] = {name: np.array(value) for name, value in entries.items()}
-    first, two = solver.Material.from_mapping(entries), solver.Material(**arrays)
-    computed = [solver.solve({**ONE, "material": m}, POSITIONS) for m in (first, two)]
-    assert_same(computed[0], computed[1], rtol=0)
-    assert_same(solver.solve({**ONE, "material": first}), solver.solve(ONE), rtol=0)
-
-
-def test_the_input_is_left_as_it_was() -> None:
-    loads = np.array([1e4, 1e5])
-    factors = {"material": "BaTiO3", "radius": 0.05, "load": loads}
-    out = solver.solve(factors, POSITIONS)
-    assert set(factors) == {"material", "radius", "load"}
-    np.testing.assert_array_equal(loads, [1e4, 1e5])
-    assert out.sizes == {"load": 2, "position": 4}
-
-
-def test_a_result_can_be_written_and_read_again() -> None:
-    out = solver.solve(GRID, POSITIONS)
-    again = xr.load_dataset(out.to_netcdf())
-    for name in out.data_vars:
-        np.testing.assert_array_equal(again[name], out[name])
-        assert again[name].attrs == out[name].attrs
 
 
 def test_what_is_marked_as_hanging_on_the_datum_is_what_changes_with_it() -> None:

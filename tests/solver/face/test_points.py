@@ -1,6 +1,5 @@
 """Point contacts through the face: half-spaces, films, mixed tables, refusals."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,6 @@ import solver
 from solver.names import POINT_QUANTITIES, POINT_SLIDING
 
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
-DISC: dict[str, Any] = {"profile": "disc", "width": 1e-4, "radius": None}
 COATED = BALL | {"thickness": 1e-4, "surroundings": "insulated", "base": "steel"}
 
 
@@ -20,17 +18,6 @@ def test_ball_on_a_half_space_has_the_figures_of_the_theory() -> None:
     np.testing.assert_allclose(computed["peak_pressure"], [830.4e6, 1088.9e6], rtol=1e-4)
     np.testing.assert_allclose(computed["voltage"], [-728.16, -417.98], rtol=1e-5)
     np.testing.assert_allclose(computed["charge_per_force"], [250.1001e-12, 168.2812e-12], rtol=1e-6)
-
-
-def test_every_quantity_has_its_unit_and_none_hangs_on_a_datum() -> None:
-    computed = solver.solve(COATED)
-    assert set(computed.data_vars) == {*POINT_QUANTITIES, "nominal_field"}
-    for name, value in computed.items():
-        assert "datum" not in f"{value.attrs}", name
-        assert name == "nominal_field" or value.attrs["units"] == POINT_QUANTITIES[str(name)].units
-    assert "half-space" in solver.solve(BALL).attrs["title"]
-    assert "datum" not in computed.attrs["defaults"]
-    assert "charge = 0 C m-1" not in computed.attrs["defaults"]
 
 
 def test_profiles_and_films_may_be_mixed_along_one_dimension() -> None:
@@ -45,15 +32,6 @@ def test_profiles_and_films_may_be_mixed_along_one_dimension() -> None:
         {"material": "BaTiO3", "profile": ["sphere", "cylinder"], "radius": 0.01, "force": 1.0, "load": 1e4}
     )
     assert pair["depth"].shape == (2,)
-
-
-def test_a_power_of_2_is_a_sphere_and_a_conduction_of_cases_is_told_apart() -> None:
-    power = {key: value for key, value in COATED.items() if key != "radius"}
-    kinds = {"electric": ["conducting", "insulating"]}
-    first = solver.solve(COATED | kinds)
-    other = solver.solve(power | kinds | {"profile": "power", "exponent": 2.0, "coefficient": 100.0})
-    assert "voltage" not in first
-    np.testing.assert_allclose(first["contact_radius"], other["contact_radius"], rtol=1e-13)
 
 
 def test_what_friction_adds_is_given_where_it_is_a_factor() -> None:
@@ -96,18 +74,6 @@ def test_rough_sliding_is_told_with_the_size_of_what_is_neglected() -> None:
         solver.solve(BALL | {"friction": 0.8})
 
 
-def test_fields_inside_follow_their_cases() -> None:
-    """Cases of two materials, two forces and friction, together and alone; tractions meet those of the surface."""
-    factors = BALL | {"material": ["PZT-4", "BaTiO3"], "friction": [0.0, 0.3]}
-    together = solver.solve_interior(factors, [-0.5, 0.0, 2.0], [0.0, -0.4], fields=["stress_yy", "von_mises"])
-    alone = solver.solve_interior(BALL | {"friction": 0.3}, [-0.5, 0.0, 2.0], [0.0, -0.4], fields=["von_mises"])
-    np.testing.assert_allclose(
-        together["von_mises"].sel(material="BaTiO3", friction=0.3), alone["von_mises"], rtol=1e-8
-    )
-    surface = solver.solve(factors, [-0.5, 0.0, 2.0])
-    np.testing.assert_allclose(together["stress_yy"].isel(y=0), -surface["contact_pressure"], rtol=1e-9, atol=1.0)
-
-
 def test_a_rigid_base_has_no_fields_and_others_their_own() -> None:
     film = COATED | {"base": ["rigid", "steel"]}
     computed = solver.solve_interior(film, [0.0], [-0.5, -3.0], fields=["stress_yy", "electric_displacement_y"])
@@ -115,19 +81,3 @@ def test_a_rigid_base_has_no_fields_and_others_their_own() -> None:
     assert np.isnan(below["stress_yy"]).all()
     assert computed["stress_yy"].sel(base="steel")[..., 0].max() < 0
     assert abs(computed["electric_displacement_y"].sel(base="steel")[..., 1, 0]) < 1e-12
-
-
-@pytest.mark.parametrize(
-    ("asked", "message"),
-    [
-        ("stress_xx", "half a material: c12: missing; stress_xx needs it [Pa]"),
-        ("von_mises", "half a material: c12: missing; von_mises needs it [Pa]"),
-    ],
-)
-def test_what_is_not_given_inside_is_told_in_one_line(asked: str, message: str) -> None:
-    lacking = replace(solver.find("BaTiO3"), c12=np.array(np.nan), name="half a material")
-    case = BALL | {"material": lacking}
-    assert "stress_yy" in solver.solve_interior(case, [0.0], [-1.0])
-    with pytest.raises((solver.FactorError, solver.MaterialError)) as refusal:
-        solver.solve_interior(case, [0.0], [-1.0], fields=[asked])
-    assert str(refusal.value) == message

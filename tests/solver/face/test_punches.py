@@ -7,23 +7,11 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.halfplane.contact import Contact
-from solver.halfplane.profile import Profile
-from solver.halfplane.quantities import quantities
-from solver.halfplane.sliding import Punch, Sliding
-from solver.halfplane.surface import HalfPlane
 
 STEEL = {"punch_modulus": 210e9, "punch_poisson": 0.3}
 LINE: dict[str, Any] = {"volume_fraction": 0.5, "radius": 0.05, "load": 1e5, "friction": 0.3, "datum": 0.2}
 FILM = LINE | {"thickness": 2e-4, "surroundings": "insulated", "base": "steel", "interface_magnetic": "grounded"}
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
-PROFILES: list[dict[str, Any]] = [
-    {"radius": 0.05},
-    {"profile": "half_cylinder", "radius": 0.05},
-    {"profile": "wedge", "slope": 1e-3},
-    {"profile": "flat", "width": 1e-3},
-]
-BARE = {key: value for key, value in LINE.items() if key != "radius"}
 
 
 def width(out: xr.Dataset) -> xr.DataArray:
@@ -39,23 +27,6 @@ def test_steel_makes_contacts_wider_by_the_published_shares() -> None:
     ball = BALL | {"material": plane["material"], "punch": ["rigid", "steel"]}
     radius = solver.solve(ball)["contact_radius"]
     np.testing.assert_allclose(radius.sel(punch="steel") / radius.sel(punch="rigid") - 1, [0.185, 0.160], atol=5e-4)
-
-
-@pytest.mark.parametrize("profile", PROFILES)
-def test_the_face_gives_what_the_room_gives(profile: dict[str, Any]) -> None:
-    computed = solver.solve(BARE | profile | {"punch": "steel"})
-    original = {
-        "half_cylinder": Profile.half_cylinder(np.array(0.05), "leading"),
-        "wedge": Profile.wedge(np.array(1e-3), "leading"),
-        "flat": Profile.flat(np.array(1e-3), np.array(0.0)),
-    }.get(profile.get("profile", ""), Profile.cylinder(np.array(0.05)))
-    body = HalfPlane(solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5))
-    sliding = Sliding(body, np.array(0.3), np.array([True, True]), Punch.isotropic(210e9, 0.3))
-    punch_datum = np.array(profile.get("radius", profile.get("width", 0.2)))  # a wedge has no length of its own
-    direct = quantities(Contact(sliding, original, np.array(1e5), np.zeros(2)), np.array(0.2), punch_datum)
-    assert set(computed.data_vars) == set(direct)
-    for name, value in direct.items():
-        np.testing.assert_allclose(computed[name], value, rtol=1e-12, err_msg=name)
 
 
 @pytest.mark.parametrize(
@@ -86,20 +57,3 @@ def test_a_material_of_the_library_and_one_s_own_may_be_punches() -> None:
     assert depth[1] == depth[2]
     assert depth[3] == float(width(solver.solve(LINE)))
     assert depth[3] < depth[4] < depth[0]
-
-
-def test_the_depth_says_where_the_punch_is_at_rest() -> None:
-    first, two = (solver.solve(LINE | STEEL | {"radius": R}) for R in (0.05, 0.1))
-    assert "an elastic punch's own: its radius" in first["depth"].attrs["comment"]
-    assert "elastic punch" not in solver.solve(LINE)["depth"].attrs.get("comment", "")
-    on_rigid = {
-        "material": "PZT-4",
-        "radius": 0.05,
-        "load": 1e5,
-        "thickness": 1e-3,
-        "surroundings": "insulated",
-        "base": "rigid",
-    }
-    assert "an elastic punch's own: its radius" in solver.solve(on_rigid | STEEL)["depth"].attrs["comment"]
-    assert "elastic punch" not in solver.solve(BALL | STEEL)["depth"].attrs.get("comment", "")
-    assert float(two["depth"]) != float(first["depth"])

@@ -6,26 +6,17 @@ import numpy as np
 import pytest
 
 import solver
-from solver.arrays import Array
-from solver.gap.rings import rings
-from solver.gap.tractions import from_smaller
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
-from solver.stack.layers import Layer as Coat
-from solver.stack.layers import Stack
-from solver.stack.wavenumbers import panels
-from tests.solver.gap.test_points import BTO, FILM, HALF
+from tests.solver.gap.test_points import FILM, HALF
 
-POSITIONS = np.array([-3.0, -0.5, 0.3, 0.95, 1.05, 2.0, 8.0])
 MET = {
     "contact_pressure": "stress_yy", "electric_displacement": "electric_displacement_y",
     "magnetic_induction": "magnetic_induction_y",
 }  # fmt: skip
 POTENTIALS = {"electric_potential": "electric_displacement", "magnetic_potential": "magnetic_induction"}
-DEPTHS = np.array([-0.02, -0.7, -2.5])
 FIBROUS: dict[str, Any] = {name: value for name, value in HALF.items() if name != "material"} | {
     "composite": "fibrous", "volume_fraction": 0.6, "total_charge": 2e-10,
 }  # fmt: skip
-CASES: dict[str, dict[str, Any]] = {"film": FILM | {"total_charge": 2e-10}, "half-space": FIBROUS}
 
 
 @pytest.mark.parametrize(
@@ -51,16 +42,3 @@ def test_sums_over_b_meet_the_surface_and_both_fields_see_one_gap(case: dict[str
             gaps.append(vacuum * (phi - V)[3:] / np.asarray(surface[density])[3:])
     assert np.all(gaps[0] > 0)
     np.testing.assert_allclose(gaps[-1], gaps[0], rtol=1e-6)
-
-
-def test_what_rings_are_read_at_and_panels_before_the_first() -> None:
-    grid = rings().grid
-    density = np.eye(grid.count)[20]
-    r = grid.distance[[20, 21]]
-    np.testing.assert_allclose(rings().read(r) @ density, [r[0] ** -2, 0.0], atol=1e-12)
-    ends: Array = panels(Stack((Coat(BTO, 1.0, "bonded", "bonded"),), BTO), 1.0)
-    extended = from_smaller(ends, 1e6)
-    np.testing.assert_array_equal(extended[-ends.size + 1 :], ends[1:])
-    assert extended[0] == 0
-    assert extended[1] * 1e6 < 100
-    assert np.all(np.diff(extended) > 0)

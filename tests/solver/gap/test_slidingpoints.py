@@ -13,21 +13,6 @@ from tests.solver.gap.test_pointfields import FIBROUS
 from tests.solver.gap.test_points import FILM, HALF, answer
 
 SLID = {"friction": 0.3}
-POSITIONS, DEPTHS = np.array([-1.05, -0.5, 0.95, 2.0]), np.array([-0.02, -0.7])
-TURNED = ("contact_offset", "trailing_tension", "peak_pressure", "peak_displacement", "gap_field")
-
-
-def test_no_friction_is_no_sliding_and_little_is_a_little() -> None:
-    """First orders are proportions; what is largest beside the centre or at the edge need not be."""
-    rests, still, little, double = (
-        answer(HALF | factors) for factors in ({}, *({"friction": eta} for eta in (0.0, 0.1, 0.2)))
-    )
-    assert set(still) - set(rests) == {"contact_offset", "trailing_tension"}
-    assert all(still[name] == value for name, value in rests.items())
-    assert still["contact_offset"] == 0
-    assert double["contact_offset"] == pytest.approx(2 * little["contact_offset"], rel=1e-13)
-    by_one, by_two = (solution["trailing_tension"] - still["trailing_tension"] for solution in (little, double))
-    assert by_two == pytest.approx(2 * by_one, rel=1e-12)
 
 
 def test_a_dielectric_under_its_own_elasticity_feels_nothing_of_it() -> None:

@@ -33,31 +33,3 @@ def test_conduction_agrees_with_50_digits(name: str, friction: float, electric: 
             )
     for field, values in exact.fields.items():
         np.testing.assert_allclose(computed[field], np.array(values, float), rtol=2e-12, atol=1e-30, err_msg=field)
-
-
-def test_conduction_along_an_axis_is_that_of_each_case() -> None:
-    case = {"material": SIH_SONG, "radius": 0.05, "load": 1e5, "friction": [0.0, 0.5]}
-    whole = solver.solve(case | {"electric": list(KINDS), "magnetic": list(KINDS)}, POSITIONS)
-    assert "voltage" not in whole
-    assert "magnetic_potential" not in whole
-    for electric in KINDS:
-        for magnetic in KINDS:
-            first = solver.solve(case | {"electric": electric, "magnetic": magnetic}, POSITIONS)
-            part = whole.sel(electric=electric, magnetic=magnetic)
-            for name in whole.data_vars:
-                np.testing.assert_allclose(part[name], first[name], rtol=1e-14, atol=1e-30, err_msg=str(name))
-
-
-def test_a_field_that_the_punch_insulates_does_not_leave_the_body() -> None:
-    case = {"material": SIH_SONG, "radius": 0.05, "load": 1e5, "friction": 0.5, "electric": "insulating"}
-    computed = solver.solve(case, POSITIONS)
-    assert np.all(computed["electric_displacement_y"] == 0)
-    assert computed["electric_edge_intensity_trailing"] == 0
-    assert np.any(computed["magnetic_induction_y"] != 0)
-
-
-@pytest.mark.parametrize(("charge", "field"), [("charge", "electric"), ("magnetic_charge", "magnetic")])
-def test_a_charge_on_an_insulating_punch_is_refused(charge: str, field: str) -> None:
-    case = {"material": SIH_SONG, "radius": 0.05, "load": 1e5, field: "insulating", charge: [0.0, 1e-6]}
-    with pytest.raises(solver.FactorError, match=f"^{charge}: 1e-06 .*{field} insulating"):
-        solver.solve(case)

@@ -11,14 +11,18 @@ from solver.halfplane.quantities import Response
 from solver.halfplane.sliding import Punch, Sliding
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
-from solver.material.punches import find_punch, punches
-from tests.solver.line.test_contact import PROFILES
 from tests.solver.quadrature import rule
 from verification.oracles.surface_response import surface_response
 
 FIBROUS = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
 STEEL = Punch.isotropic(210e9, 0.3)
 RADIUS = np.array(0.05)
+PROFILES = {
+    "cylinder": Profile.cylinder(np.array(0.05)),
+    "wedge": Profile.wedge(np.array(0.004), "trailing"),
+    "half cylinder": Profile.half_cylinder(np.array(0.05)),
+    "cubic": Profile.polynomial([1e-4, 15.0, 1e4, 2e7]),
+}
 
 
 def contact(
@@ -42,16 +46,10 @@ def test_isotropic_bodies_are_those_of_the_textbooks(friction: float) -> None:
     assert 2 * float(computed.half_width) == pytest.approx(float(whole), rel=1e-13)
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.7])
-def test_equal_materials_have_no_coupling(friction: float) -> None:
-    computed = contact(Material.isotropic(210e9, 0.3), friction, STEEL)
-    assert float(computed.exponent) == pytest.approx(0.5, abs=1e-13)
-
-
-@pytest.mark.parametrize("name", ["cylinder", "wedge", "half cylinder", "cubic"])
+@pytest.mark.parametrize("name", PROFILES)
 def test_both_surfaces_fit_by_quadrature(name: str) -> None:
     """Slopes of body and punch, each from the Stroh eigenvectors of its own material, differ by that of the profile."""
-    profile = PROFILES[name][0]
+    profile = PROFILES[name]
     computed = contact(FIBROUS, 0.3, STEEL, profile)
     R, X = rule(), np.array([-0.93, -0.41, 0.07, 0.55, 0.9])
     fields = surface_fields(computed, np.concatenate([R.X, X]))
@@ -72,26 +70,7 @@ def test_both_surfaces_fit_by_quadrature(name: str) -> None:
     np.testing.assert_allclose(slope, required, rtol=0, atol=lost * np.max(np.abs(required)))
 
 
-def test_tangents_are_those_of_neighbouring_loads() -> None:
-    def depth(load: float) -> float:
-        return float(Response(contact(FIBROUS, 0.3, STEEL, load=load), np.array(0.2), RADIUS).depth)
-
-    # reciprocity without charges is not asked for: the blocked load follows from depth and voltage by their tangents
-    response = Response(contact(FIBROUS, 0.3, STEEL), np.array(0.2), RADIUS)
-    step = 1e5 * 1e-4
-    slope = (8 * (depth(1e5 + step) - depth(1e5 - step)) - (depth(1e5 + 2 * step) - depth(1e5 - 2 * step))) / 12 / step
-    assert float(response._depth_tangent) == pytest.approx(slope, rel=1e-9)
-
-
 def test_datum_of_the_punch_moves_the_depth_by_a_logarithm() -> None:
     case = contact(FIBROUS, 0.3, STEEL)
     first, two = (float(Response(case, np.array(0.2), np.array(L)).depth) for L in (0.05, 0.5))
     assert two - first == pytest.approx(float(STEEL.compliance) * 1e5 / np.pi * np.log(10), rel=1e-10)
-
-
-def test_library_of_punches_is_admissible_and_says_its_sources() -> None:
-    for name, punch in punches().items():
-        Material.isotropic(punch.modulus, punch.poisson, name=name)
-        assert punch.source, name
-    with pytest.raises(solver.MaterialError, match="did you mean 'steel'"):
-        find_punch("stel")

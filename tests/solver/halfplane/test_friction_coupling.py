@@ -9,13 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 import solver
-from tests.solver.cases import CHARGED, assert_agrees, closed_form
-from verification.cases import SIH_SONG
+from tests.solver.cases import CHARGED, assert_agrees
 from verification.oracles import precise
 from verification.oracles.surface_response import surface_response
 
@@ -55,38 +52,3 @@ def test_values_at_and_about_the_crossing(offset: float) -> None:
     exact = precise.solve(MADE | {"c44": c44}, positions=POSITIONS, **CONTACT)
     material = solver.Material.from_mapping(MADE | {"c44": c44})
     assert_agrees(solver.solve({"material": material, **CONTACT}, POSITIONS), exact)
-
-
-def test_everything_is_smooth_across_the_crossing() -> None:
-    """On a Chebyshev grid about the crossing every output is a polynomial of low degree to rounding."""
-    t = np.cos(np.pi * (np.arange(40) + 0.5) / 40)
-    materials = {
-        f"m{i}": solver.Material.from_mapping(MADE | {"c44": crossing() * (1 + 0.05 * x)}) for i, x in enumerate(t)
-    }
-    out = solver.solve({"material": list(materials), **CONTACT}, POSITIONS, materials=materials)
-    assert_smooth(out.transpose("material", ...), t, 1e-13)
-
-
-def test_everything_is_smooth_in_friction_from_zero_on() -> None:
-    t = np.cos(np.pi * (np.arange(60) + 0.5) / 60)
-    out = solver.solve({"material": SIH_SONG, **CHARGED, "friction": (1 + t) / 2}, POSITIONS)
-    assert_smooth(out.transpose("friction", ...), t, 1e-13)
-
-
-def assert_smooth(out: xr.Dataset, t: NDArray[np.float64], limit: float) -> None:
-    """The last third of the Chebyshev coefficients over the first dimension is below ``limit`` of the largest."""
-    for name in closed_form(out):
-        c = np.abs(np.polynomial.chebyshev.chebfit(t, out[name].values.reshape(len(t), -1), len(t) - 1))
-        assert np.all(c[2 * len(t) // 3 :] <= limit * np.max(c)), name
-
-
-@pytest.mark.parametrize("friction", [1e-300, 1e-100, 1e-16, 1e-9])
-def test_a_trace_of_friction_changes_nothing_but_a_trace(friction: float) -> None:
-    at_rest = solver.solve({"material": SIH_SONG, **CHARGED, "friction": 0.0}, POSITIONS)
-    sliding = solver.solve({"material": SIH_SONG, **CHARGED, "friction": friction}, POSITIONS)
-    for name in closed_form(at_rest):
-        size = float(np.max(np.abs(at_rest[name])))
-        if size:
-            change = float(np.max(np.abs(sliding[name] - at_rest[name]))) / size
-            assert change <= 10 * friction + 4e-16, name
-    np.testing.assert_allclose(sliding["shear_traction"], -friction * sliding["contact_pressure"], rtol=1e-15)

@@ -11,7 +11,6 @@ import solver
 from solver.face.bodies import body_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
-from solver.names import PEAKS
 from verification.cases import SIH_SONG
 
 BASE: dict[str, Any] = {"radius": 0.05, "load": 1e5}
@@ -95,34 +94,6 @@ def test_little_friction_pulls_far_behind_the_punch(friction: float) -> None:
     half = (computed["contact_trailing"] + computed["contact_leading"]).item() / 2
     expected = 5e5 * friction**2 / (np.pi * half)
     assert computed["peak_principal_tension"].item() == pytest.approx(expected, rel=20 * friction)
-
-
-def test_each_case_of_a_factorial_is_found_by_itself() -> None:
-    grid = {"volume_fraction": [0.2, 0.9], "friction": [0.0, 0.15, 0.6], "charge": [0.0, 4e-6], "load": [2e4, 1e5]}
-    whole = solver.solve({"radius": 0.05, **grid}, peaks=True)
-    stacked = whole.stack(case=("volume_fraction", "friction", "charge", "load"))
-    for k in range(0, stacked.sizes["case"], 5):
-        case = stacked.isel(case=k)
-        first = solver.solve({name: case[name].item() for name in ("radius", *grid)}, peaks=True)
-        for name in PEAKS:
-            tolerance = 1e-7 if name.endswith("depth") else 1e-11
-            assert case[name].item() == pytest.approx(first[name].item(), rel=tolerance), name
-            assert whole[name].attrs["units"] == PEAKS[name].units
-
-
-def test_friction_and_its_mirror_image() -> None:
-    """The peaks are even in the direction of sliding: so are those of the mirrored half cylinder."""
-    case = {"material": SIH_SONG, "load": 1e5, "profile": "half_cylinder", "radius": 0.05}
-    leading, trailing = (solver.solve(case | {"corner": corner}, peaks=True) for corner in ("leading", "trailing"))
-    for name in ("peak_von_mises", "peak_von_mises_depth"):
-        assert leading[name].item() == pytest.approx(trailing[name].item(), rel=1e-9)
-
-
-def test_peaks_come_only_when_asked_for_and_need_c12() -> None:
-    assert not set(PEAKS) & set(solver.solve(BASE | {"material": "steel"}).data_vars)
-    constants = {name: float(getattr(solver.find("steel"), name)) for name in ("c11", "c13", "c33", "c44")}
-    with pytest.raises(solver.MaterialError, match="c12: missing; peak_von_mises needs it"):
-        solver.solve(BASE | {"material": solver.Material.from_mapping(constants)}, peaks=True)
 
 
 @pytest.mark.sampled(6)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import solver
-from solver.halfplane.surface import HalfPlane
 from verification.cases import SIH_SONG
 
 AT = {"radius": 0.05, "load": 1e5}
@@ -26,12 +25,6 @@ def test_half_width_and_trailing_tension(name: str, friction: float, half_width:
     assert out.trailing_tension.item() == pytest.approx(tension, abs=0.05e6)
 
 
-@pytest.mark.parametrize(("friction", "alpha"), [(0.0, 0.5), (0.3, 0.481173), (0.5, 0.468686)])
-def test_pressure_exponent(friction: float, alpha: float) -> None:
-    out = solver.solve({"material": SIH_SONG, "friction": friction, **AT})
-    assert out.pressure_exponent.item() == pytest.approx(alpha, abs=0.5e-6)
-
-
 @pytest.mark.parametrize(
     ("name", "lam", "ratio"),
     [(SIH_SONG, 1.365084e-11, 0.197388), ("BaTiO3", 1.548665e-11, 0.242993), ("CoFe2O4", 1.254404e-11, 0.177779)],
@@ -42,48 +35,3 @@ def test_reduced_constants_read_from_the_contact(name: str, lam: float, ratio: f
     width = (at_rest.contact_trailing + at_rest.contact_leading).item()
     assert np.pi * width**2 / (8 * AT["radius"] * AT["load"]) == pytest.approx(lam, abs=0.5e-17)
     assert 1 / np.tan(np.pi * sliding.pressure_exponent.item()) == pytest.approx(ratio, abs=0.5e-6)
-
-
-@pytest.mark.parametrize(
-    ("name", "roots"),
-    [
-        (SIH_SONG, [1.901723j, 1.324019j, 0.935605j, 0.797192j]),
-        ("BaTiO3", [-0.014656 + 1.010938j, 0.014656 + 1.010938j, 0.976530j, 0.707107j]),
-    ],
-)
-def test_stroh_roots(name: str, roots: list[complex]) -> None:
-    np.testing.assert_allclose(HalfPlane(solver.find(name)).roots, roots, rtol=0, atol=0.6e-6)
-
-
-def test_constants_of_the_phases() -> None:
-    titanate, ferrite = solver.find("BaTiO3"), solver.find("CoFe2O4")
-    constants = {
-        "c11": 166e9,
-        "c12": 77e9,
-        "c13": 78e9,
-        "c33": 162e9,
-        "c44": 43e9,
-        "e31": -4.4,
-        "e33": 18.6,
-        "e15": 11.6,
-    }
-    constants |= {"eps11": 11.2e-9, "eps33": 12.6e-9, "mu11": 5e-6, "mu33": 10e-6, "f31": 0.0, "g11": 0.0, "g33": 0.0}
-    assert {name: float(getattr(titanate, name)) for name in constants} == constants
-    constants = {"c11": 286e9, "c12": 173e9, "c13": 170.5e9, "c33": 269.5e9, "c44": 45.3e9, "f31": 580.3, "f33": 699.7}
-    constants |= {
-        "f15": 550.0,
-        "eps11": 0.08e-9,
-        "eps33": 0.093e-9,
-        "mu11": 590e-6,
-        "mu33": 157e-6,
-        "e33": 0.0,
-        "g33": 0.0,
-    }
-    assert {name: float(getattr(ferrite, name)) for name in constants} == constants
-
-
-def test_every_built_in_material_says_where_it_comes_from_and_is_admissible() -> None:
-    for name, material in solver.materials().items():
-        assert material.name == name
-        assert len(material.source) > 10, name
-        material.check()

@@ -9,7 +9,6 @@ from scipy.optimize import brentq
 
 import solver
 from solver.halfplane.speed import limiting_speed, transonic_speed
-from solver.halfplane.surface import HalfPlane
 from verification.cases import SIH_SONG, constants
 from verification.oracles import precise
 from verification.oracles.half_plane import half_plane
@@ -87,30 +86,3 @@ def test_at_the_transonic_speed_a_root_becomes_real(name: str) -> None:
     assert all(determinant(angle, 1 - 1e-6) * sign > 0 for angle in angles)
     lowest = min(angles, key=lambda angle: determinant(angle, 1.0) * sign)
     assert any(determinant(lowest + pi * k / 72000, 1 + 1e-6) * sign < 0 for k in range(-200, 201))
-
-
-def test_conduction_lowers_the_limiting_speed_and_material_axes_broadcast() -> None:
-    materials = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), np.linspace(0.1, 0.9, 3)[:, None])
-    conducts = np.array([[True, True], [True, False], [False, True], [False, False]])
-    limits = limiting_speed(materials, conducts)
-    assert limits.shape == (3, 4)
-    assert np.all(limits[:, :1] <= limits)
-    assert np.all(limits[:, 3:] >= limits)
-    assert np.all(limits <= transonic_speed(materials))
-
-
-def test_a_speed_at_or_above_the_limit_is_refused_by_both_numbers() -> None:
-    limit = float(limiting_speed(solver.find("steel"), BOTH))
-    case = {"material": "steel", "radius": 0.05, "load": 1e5}
-    with pytest.raises(solver.FactorError, match=r"^speed: 3000 m/s is not below the limiting speed 2903\.13 m/s"):
-        solver.solve(case | {"speed": [0.0, 3000.0]})
-    assert solver.solve(case | {"speed": limit * (1 - 1e-4)})["contact_trailing"] > 0
-    with pytest.raises(solver.FactorError, match=r"^speed: "):
-        solver.solve(case | {"speed": limit})
-
-
-def test_a_speed_needs_the_density() -> None:
-    material = solver.Material.isotropic(200e9, 0.3)
-    with pytest.raises(solver.FactorError, match=r"^speed: needs the density rho"):
-        solver.solve({"material": material, "radius": 0.05, "load": 1e5, "speed": 1.0})
-    assert HalfPlane(material).inertia == 0

@@ -83,18 +83,3 @@ def test_a_metal_on_top_has_the_potential_itself() -> None:
     for case in (BALL | {"total_charge": 1e-12}, LINE | {"charge": 1e-9}):
         with pytest.raises(solver.FactorError, match="charge: 1e-"):
             solver.solve(case | {"surroundings": "insulated", "body": stack})
-
-
-@pytest.mark.parametrize(
-    ("entries", "words"),
-    [
-        ({"conductor": "yes"}, "mine: conductor: 'yes' is not true or false"),
-        ({"conductor": True, "e33": 1.0}, "mine: e33 = 1 C m-2: must be 0 in a conductor"),
-    ],
-)
-def test_a_conductor_holds_no_electric_field(entries: dict[str, Any], words: str) -> None:
-    plain = {"name": "mine", "c11": 126e9, "c13": 84.1e9, "c33": 117e9, "c44": 23e9}
-    with pytest.raises(solver.MaterialError, match=words):
-        solver.Material.from_mapping(plain | entries)
-    assert "conductor" not in solver.Material.from_mapping(plain).plain()
-    assert solver.Material.from_mapping(STEEL.plain()).conductor

@@ -1,7 +1,5 @@
 """Films graded with depth: exact exponents, homogeneous limits, staircases, the rough parts of their kernels."""
 
-from itertools import product
-
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -13,8 +11,6 @@ from solver.arrays import Array
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
-from solver.line.assembly import Rough
-from solver.line.basis import Basis
 from solver.line.interior import Interior
 from solver.line.kernel import graded_response, kernel
 from solver.line.system import System
@@ -26,12 +22,10 @@ from solver.stack.electroded import surface as surface_of
 from solver.stack.electrodes import Electrode
 from solver.stack.fourier import Medium
 from solver.stack.grading import Graded, GradedMedium
-from solver.stack.layers import Layer, Stack, StackError
-from solver.stack.reflection import held, waves
-from tests.layers import SOAK
+from solver.stack.layers import Layer, Stack
+from solver.stack.reflection import held
 from tests.solver.cases import assert_alike
 from tests.solver.line.films import BTO, CFO, FIBROUS, STEEL, contact, interior_fields, surface_fields
-from tests.solver.line.test_surface import FIELDS
 
 
 def linear(depth: Array) -> solver.Material:
@@ -123,35 +117,6 @@ def test_a_roller_on_a_film_graded_by_nothing_has_all_that_one_on_a_layer_has(ow
     assert_alike(computed, exact, 1e-8)
 
 
-@pytest.mark.parametrize("covered", [False, True])
-def test_tails_are_those_of_the_response(*, covered: bool) -> None:
-    response = graded_response(FALLING[covered])
-    k = np.array([200.0, 400.0])
-    left = response.difference(k) - sum(response.tails[j] / k[:, None, None] ** (j + 1) for j in range(3))
-    size = np.max(np.abs(left), axis=(1, 2)) * k**4
-    assert size[1] == pytest.approx(size[0], rel=0.1)
-
-
-@pytest.mark.soakable
-def test_surface_fields_of_a_graded_film_are_nearly_those_of_a_staircase() -> None:
-    X = np.array([-4.0, -1.3, -0.5, 0.4, 1.2, 3.0])
-    count = 24 if SOAK else 12
-    middles = (np.arange(count) + 0.5) / count
-    stairs = tuple(Layer(linear(np.array(z)), 2e-4 / count, *(END if z == middles[-1] else ())) for z in middles)
-    graded = contact(narrow(ON_STEEL), CYLINDER, 1e5)
-    first = surface_fields(graded, X)
-    tabled = narrow(Stack(stairs, STEEL), count)
-    other = surface_fields(contact(tabled, CYLINDER, 1e5), X)
-    for field in FIELDS:
-        values = other[field][0]
-        # the layer at the top is not the surface, by the first order: e15/c44 of 24 layers differs there by 6 %
-        size = 24 / count * (5e-2 if field.endswith("_x") else 6e-3) * np.max(np.abs(values))
-        np.testing.assert_allclose(first[field][0], values, atol=size, err_msg=field)
-    stretch = surface_fields(graded, 1 + np.array([1e-12, 1e-4]))["stress_xx"][0]
-    # beside the edge the field is that of M terms, at the edge that of all
-    assert stretch[0] == pytest.approx(graded.edge_stress(1.0)[0], rel=5e-4)
-
-
 def test_linear_grading_converges() -> None:
     half = np.array([0.3, 1.0])
     computed, finer = at_half_lengths(LINEAR, half), at_half_lengths(LINEAR, half, 1.4)
@@ -228,54 +193,6 @@ def test_contact_on_a_graded_film_is_read_from_a_table() -> None:
     np.testing.assert_allclose(inside[0, 0], surface["stress_xx"][0], rtol=2e-4)
     finer = Interior(TractionTable(film.table).read(film), 36).fields(X[None], Y[None, 1:], names)[0, ..., 0]
     np.testing.assert_allclose(inside[:, 1:], finer, atol=1e-4 * float(np.max(np.abs(finer))))
-
-
-@pytest.mark.filterwarnings("ignore::scipy.integrate.IntegrationWarning")  # of edges that are singular
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("smooth", [(True, True), (False, True), (False, False)])
-def test_rough_integrals_are_those_of_quadrature(smooth: tuple[bool, bool]) -> None:
-    basis = Basis(0.07, smooth, 12, 40)
-    A, B = basis.exponents
-    X = np.array([0.3])
-    kernels = (np.sign, lambda d: np.log(abs(d)), lambda d: 1.0)
-
-    def source(s: float, j: int, *, charged: bool) -> float:
-        if charged:
-            return float(np.cos(j * np.arccos(s)) / np.sqrt(1 - s * s))
-        return float((1 - s) ** A * (1 + s) ** B * basis.pressure_factor(np.array([s]))[0, j])
-
-    def integrand(s: float, j: int, charged: bool, number: int, power: int) -> float:
-        return float(source(s, j, charged=charged) * (0.3 - s) ** power * kernels[number](0.3 - s))
-
-    rough = Rough(basis)
-    computed = rough.pressures(X, 1 - X, 1 + X), rough.charges(1 - X, 1 + X)
-    for j, charged, number, power in product((0, 3), (False, True), range(3), range(3)):
-        source_of = (j, charged, number, power)
-        exact = quad(integrand, -1.0, 0.3, source_of)[0] + quad(integrand, 0.3, 1.0, source_of)[0]
-        assert computed[charged][3 * number + power, 0, j] == pytest.approx(exact, abs=2e-7)
-
-
-@pytest.mark.parametrize(
-    ("make", "said"),
-    [
-        (lambda: Stack((Layer(BTO, 1.0), Graded(linear, 1.0))), "only the top layer can be graded"),
-        (lambda: Graded(linear, -1.0), "thickness: -1.0 is not allowed"),
-        (lambda: Graded(linear, 1.0, magnetic="insulated"), "'insulated' is not allowed below a graded layer"),
-        (lambda: Graded(lambda z: solver.fibrous(BTO, CFO, 0.5 + 0.6 * z), 1.0), None),
-        (lambda: Graded(lambda z: solver.fibrous(BTO, CFO, np.where(z < 0.3, 0.2, 0.8)), 1.0), "not a smooth function"),
-    ],
-)
-def test_bad_gradings_are_refused_by_name(make: object, said: str | None) -> None:
-    assert callable(make)
-    with pytest.raises(solver.MaterialError, match=said or "volume_fraction: .* is not within 0 to 1"):
-        kernel(Stack((original,)) if isinstance(original := make(), Layer) else original, 1.0)
-
-
-def test_what_is_not_given_of_graded_layers_is_refused() -> None:
-    with pytest.raises(StackError, match="not graded"):
-        waves(LINEAR, np.ones(1))
-    with pytest.raises(StackError, match="patch_size: of the electrode on top of a film that is graded is not given"):
-        Electrode(FALLING[True], 1).rows(np.ones(1))
 
 
 @pytest.mark.parametrize("load", [1e11, 1e20])

@@ -3,87 +3,8 @@
 import numpy as np
 import pytest
 
-from solver.arrays import Array
-from solver.halfplane.profile import Profile
-from solver.line.contact import FilmContact
-from solver.line.table import table
-from solver.stack.layers import Layer, Stack, StackError
-from tests.solver.line.films import (
-    BTO,
-    CFO,
-    ELASTIC,
-    FIBROUS,
-    ON_STEEL,
-    cylinder,
-    interior_fields,
-    surface_fields,
-)
-
-LAYERED = Stack((Layer(ELASTIC, 0.1e-3, "grounded"), Layer(FIBROUS, 0.1e-3), Layer(BTO, 0.1e-3, "bonded")), ELASTIC)
-
-
-def test_fields_meet_the_surface_and_both_sides_of_interfaces() -> None:
-    film = cylinder(LAYERED, 0.4, 1e5, (2e-5, 1e-3))
-    h = float(film.half_width[0])
-    X = np.array([-1.5, -0.4, 0.2, 0.8, 1.3])
-    at_points = interior_fields(film, X, np.array([-1e-9]), ("stress_yy", "stress_xx", "electric_displacement_y"))[0][
-        :, 0
-    ]
-    surface = surface_fields(film, X)
-    expected = (-surface["contact_pressure"][0], surface["stress_xx"][0], surface["electric_displacement_y"][0])
-    for first, other in zip(at_points, expected, strict=True):
-        np.testing.assert_allclose(first, other, atol=2e-7 * np.max(np.abs(other)))
-    mechanical = ("stress_xy", "stress_yy", "strain_xx")
-    fluxes = ("electric_displacement_y", "electric_field_x", "magnetic_induction_y", "magnetic_field_x")
-    for depth in (1e-4, 2e-4, 3e-4):
-        Y = -np.array([depth * (1 - 1e-13), depth * (1 + 1e-9)]) / h
-        pair = interior_fields(film, X, Y, mechanical + fluxes)[0]
-        for name, values in zip(mechanical + fluxes, pair, strict=True):
-            size = np.max(np.abs(values))
-            if depth == 1e-4 and name.startswith("electric"):
-                continue  # an electrode
-            np.testing.assert_allclose(values[0], values[1], atol=2e-7 * size, err_msg=f"{name} {depth}")
-    Y = -np.array([1e-4 * (1 - 1e-13), 1e-4 * (1 + 1e-9)]) / h
-    inside = interior_fields(film, X, np.array([-0.5e-4 / h]), ("electric_field_x",))[0]
-    grounded = interior_fields(film, X, Y, ("electric_field_x",))[0]
-    assert np.max(np.abs(grounded)) < 1e-6 * np.max(np.abs(inside))
-
-
-def test_stresses_and_fluxes_are_in_equilibrium() -> None:
-    film = cylinder(LAYERED, 0.4, 1e5, (2e-5, 1e-3))
-    h, step = float(film.half_width[0]), 1e-3
-    names = ("stress_xx", "stress_xy", "stress_yy", "electric_displacement_x", "electric_displacement_y",
-             "magnetic_induction_x", "magnetic_induction_y")  # fmt: skip
-    offsets: Array = np.asarray(np.arange(-3, 4) * step, dtype=np.float64)
-    stencil = np.array([-1, 9, -45, 0, 45, -9, 1]) / (60 * step)
-    for depth in (0.5e-4, 1.5e-4, 2.5e-4, 5e-4):
-        v = interior_fields(film, 0.4 + offsets, -depth / h + offsets, names)[0]
-        along, down = v[:, 3] @ stencil, stencil @ v[:, :, 3].T
-        for x, y in ((0, 1), (1, 2), (3, 4), (5, 6)):
-            size = abs(along[x]) + abs(down[y])
-            assert abs(along[x] + down[y]) < 1e-6 * size + 1e-9 * np.max(np.abs(v[[x, y]]))
-
-
-def test_a_rigid_base_has_no_fields_and_an_interface_belongs_to_the_film() -> None:
-    film = cylinder(Stack((Layer(BTO, 0.5e-3),)))
-    edge = 0.5e-3 / film.half_width[0]
-    computed = interior_fields(film, np.zeros(1), -edge * np.array([1.0, 1 + 1e-9, 3.0]), ("stress_xx", "von_mises"))[0]
-    assert np.all(np.isfinite(computed[:, 0]))
-    assert np.all(np.isnan(computed[:, 1:]))
-
-
-def test_many_cases_are_those_of_one_each() -> None:
-    """Of all sizes beside a layered film, whose members have different layers at one y/h."""
-    tabled = table(LAYERED, 0.4, least=0.5, most=6.0, nodes=8)
-    loads = np.array([2e4, 3e4, 2e5])
-    charges = loads[:, None] * np.array([1e-10, 1e-8])
-    X, Y, names = np.array([-1.3, 0.2]), np.array([0.0, -0.4, -0.9, -1.9]), ("stress_xx", "electric_potential")
-    many = FilmContact(tabled, Profile.cylinder(np.array(0.05)), loads, charges, np.array(1.0))
-    computed = interior_fields(many, X, Y, names)
-    for case in range(3):
-        first = FilmContact(tabled, many.profile, loads[[case]], charges[[case]], many.datum)
-        np.testing.assert_allclose(computed[case], interior_fields(first, X, Y, names)[0], rtol=1e-9, atol=1e-9)
-
+from solver.stack.layers import Layer, Stack
+from tests.solver.line.films import BTO, CFO, FIBROUS, ON_STEEL, cylinder, interior_fields
 
 BONDED = Stack((Layer(FIBROUS, 0.2e-3, "bonded", "bonded"),), CFO)
 BETWEEN = Stack((Layer(BTO, 1e-4, "grounded"), Layer(FIBROUS, 1e-4), Layer(CFO, 1e-4)), CFO)
@@ -110,11 +31,3 @@ def test_potentials_are_the_punch_s_on_it_meet_at_interfaces_and_have_the_fields
         for field in (0, 1):
             gradient = np.array([around[field, 2] @ stencil, around[field, :, 2] @ stencil])
             np.testing.assert_allclose(gradient, -fields_there[2 * field : 2 * field + 2], atol=1e-7 * size[field] / h)
-
-
-def test_what_is_not_resolved_is_refused() -> None:
-    film = cylinder(Stack((Layer(BTO, 0.5e-3, magnetic="insulated"),)))
-    with pytest.raises(StackError, match=r"x: 1e\+06 is farther from the contact than the fields inside this film"):
-        interior_fields(film, np.array([1e6]), np.zeros(1), ("stress_xx",))
-    with pytest.raises(StackError, match="magnetic_potential: is not given inside a film on a base that insulates"):
-        interior_fields(film, np.zeros(1), np.zeros(1), ("magnetic_potential",))

@@ -1,6 +1,5 @@
 """Largest stresses from tables against plain searches over the fields."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,10 +11,10 @@ from solver.halfplane.profile import Profile
 from solver.line.contact import FilmContact
 from solver.line.peaks import PeakTable
 from solver.line.stressnets import DEPTH
-from solver.line.table import RangeError, table
+from solver.line.table import table
 from solver.names import FILM_PEAKS
-from solver.stack.layers import Layer, Stack, StackError
-from tests.solver.line.films import FIBROUS, ON_STEEL, cases, interior_fields
+from solver.stack.layers import Layer, Stack
+from tests.solver.line.films import FIBROUS, ON_STEEL, interior_fields
 
 THICKNESS = 0.2e-3
 FILM: dict[str, Any] = {"surroundings": "insulated", "thickness": THICKNESS, "radius": 0.05}
@@ -63,28 +62,6 @@ def test_a_sweep_of_the_load_has_no_steps_where_tables_change(material: str, bas
             assert np.max(np.abs(np.diff(values, 3))) <= 1e-8 * np.max(values), name
 
 
-def test_interface_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
-    peaks, film = read
-    computed = peaks.peaks(film, "interface")
-    for case in (0, 1):
-        state, h = one(film, case), film.half_width[case]
-        edge = THICKNESS / h
-        X = np.concatenate([np.linspace(-1, 1, 201), 1 + np.geomspace(1e-3, 10 * edge, 200)])
-        X = np.unique(np.concatenate([X, -X]))
-        shear, normal = interior_fields(state, X, np.array([-edge]), ("stress_xy", "stress_yy"))[0][:, 0]
-        place = int(np.argmax(np.abs(shear)))
-        largest = zoomed(state, "stress_xy", np.sign(shear[place]), float(X[place]), np.array([edge]))
-        assert computed["interface_shear"][case] == pytest.approx(largest, rel=1e-6)
-        assert computed["interface_shear_position"][case] == pytest.approx(X[place], abs=0.02)
-        if np.max(normal) > 0:
-            place = int(np.argmax(normal))
-            pulled = zoomed(state, "stress_yy", 1.0, float(X[place]), np.array([edge]))
-            assert computed["interface_tension"][case] == pytest.approx(pulled, rel=1e-4, abs=1e-6 * largest)
-        else:
-            assert computed["interface_tension"][case] == 0.0
-            assert np.isnan(computed["interface_tension_position"][case])
-
-
 def test_film_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
     peaks, film = read
     computed = peaks.peaks(film, "film")
@@ -124,13 +101,3 @@ def test_the_base_is_searched_as_far_as_its_tension_rises(case: dict[str, Any], 
     assert np.max(tension) * (1 - 1e-6) <= computed <= np.max(tension) * 1.03
     if largest is not None:
         assert computed == pytest.approx(largest, rel=1e-3)
-
-
-def test_contacts_without_a_film_below_the_least_depth_are_refused() -> None:
-    tabled = table(ON_STEEL, least=1.0, most=12.0, nodes=4)
-    film = FilmContact(tabled, Profile.cylinder(np.array(0.05)), cases(1e6), np.zeros((1, 2)), np.array(1.0))
-    with pytest.raises(RangeError, match="wider than 10 thicknesses"):
-        PeakTable(tabled).peaks(film, "film")
-    rigid = table(Stack((Layer(FIBROUS, THICKNESS),)), least=1.0, most=12.0, nodes=4)
-    with pytest.raises(StackError, match="a rigid base has no stresses"):
-        PeakTable(rigid).peaks(replace(film, table=rigid), "base")

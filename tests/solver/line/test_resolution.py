@@ -15,7 +15,7 @@ from solver.line.kernel import kernel
 from solver.line.surface import local_fields
 from solver.line.system import System
 from solver.line.table import at, table
-from solver.stack.layers import Layer, Stack, StackError
+from solver.stack.layers import Layer, Stack
 from tests.solver.line.films import BTO, CFO, FIBROUS, STEEL
 
 SOFT = solver.Material.isotropic(5e9, 0.35)
@@ -58,12 +58,6 @@ def test_default_tables_are_read_to_1e_8(most: float) -> None:
     size = np.max(np.abs(exact), axis=0)
     assert np.all(np.abs(read - exact)[:, : outputs.EDGE_STRESS.start] <= 3e-8 * size[: outputs.EDGE_STRESS.start])
     assert np.max(np.abs(read[:, 0, 0] / exact[:, 0, 0] - 1)) < 1e-9
-
-
-def test_stack_beyond_what_is_resolved_is_refused() -> None:
-    stack = Stack((Layer(BTO, 1e-9), Layer(FIBROUS, 1.0)))
-    with pytest.raises(StackError, match="beyond the range"):
-        kernel(stack, 1.0)
 
 
 @pytest.mark.parametrize(("material", "half"), [("PMN-PT 67:33", 9.0), ("PMN-PT 67:33", 30.0), ("LiNbO3", 30.0)])

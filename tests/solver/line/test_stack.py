@@ -1,16 +1,12 @@
 """Materials in Fourier space and the recursion of stacks against closed forms and refusals."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import solver
-from solver import MaterialError, find
-from solver.stack.fourier import Medium, falling
-from solver.stack.grading import Graded
+from solver.stack.fourier import falling
 from solver.stack.layers import Layer, Stack
-from solver.stack.reflection import held, low, sideways, waves
+from solver.stack.reflection import sideways, waves
 
 BTO, STEEL, ELASTIC = solver.find("BaTiO3"), solver.find("steel"), solver.Material.isotropic(200e9, 0.3)
 FIBROUS = solver.fibrous(BTO, solver.find("CoFe2O4"), 0.5)
@@ -25,15 +21,6 @@ def test_compliance_and_decay_are_the_decaying_subspace(material: solver.Materia
     assert medium.slowest > 0
 
 
-def test_materials_are_batched() -> None:
-    fractions = np.array([0.2, 0.5, 0.9])
-    batch = solver.fibrous(BTO, solver.find("CoFe2O4"), fractions)
-    scale = Stack((Layer(FIBROUS, 1.0),)).scale
-    whole = falling(Medium(batch, scale).decay, np.array([0.3, 1.0, 4.0]))
-    decay = falling(Medium(FIBROUS, scale).decay, np.array(1.0))
-    np.testing.assert_allclose(whole[1], decay, atol=1e-14)
-
-
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.49])
 def test_isotropic_layer_on_a_rigid_base_is_the_closed_multiplier(poisson: float) -> None:
     stack = Stack((Layer(solver.Material.isotropic(7e10, poisson), 1.0),))
@@ -42,30 +29,6 @@ def test_isotropic_layer_on_a_rigid_base_is_the_closed_multiplier(poisson: float
     kappa, u = 3 - 4 * poisson, K
     exact = (2 * kappa * np.sinh(2 * u) - 4 * u) / (2 * kappa * np.cosh(2 * u) + 1 + kappa**2 + 4 * u**2)
     np.testing.assert_allclose(computed, exact, rtol=1e-11)
-
-
-def test_exponentials_by_series_and_by_eigenvectors_agree() -> None:
-    G = Stack((Layer(FIBROUS, 1.0),)).media[0].decay
-    s = np.array([0.0, 0.01, 1.0, 30.0])
-    values, vectors = np.linalg.eig(G)
-    exact = (vectors * np.exp(-values * s[:, None])[:, None, :]) @ np.linalg.inv(vectors)
-    np.testing.assert_allclose(falling(G, s), exact.real, atol=1e-13)
-    steel = Stack((Layer(STEEL, 1.0),)).media[0].decay
-    half = falling(steel, s / 2)
-    np.testing.assert_allclose(falling(steel, s), half @ half, atol=1e-14)
-    np.testing.assert_allclose(falling(steel, np.array(0.0)), np.eye(4))
-
-
-@pytest.mark.parametrize("material", [BTO, ELASTIC, FIBROUS])
-def test_film_of_its_base_adds_nothing(material: solver.Material) -> None:
-    stack = Stack((Layer(material, 1.0, "bonded"), Layer(material, 0.3, "bonded")), material)
-    assert np.max(np.abs(waves(stack, K)[0].difference)) < 1e-14
-
-
-def test_layer_split_in_two_is_one_layer() -> None:
-    whole = Stack((Layer(FIBROUS, 1.0),), STEEL)
-    split = Stack((Layer(FIBROUS, 0.4), Layer(FIBROUS, 0.6)), STEEL)
-    np.testing.assert_allclose(waves(split, K)[0].difference, waves(whole, K)[0].difference, atol=1e-13)
 
 
 def test_difference_keeps_its_relative_accuracy_where_it_has_decayed() -> None:
@@ -83,51 +46,8 @@ def test_difference_keeps_its_relative_accuracy_where_it_has_decayed() -> None:
     assert abs(computed[1, 1, 1]) < 1e-40
 
 
-def test_held_components_answer_to_nothing() -> None:
-    Y = Stack((Layer(FIBROUS, 1.0),)).media[0].compliance
-    grounded = held(Y, (2,))
-    assert not np.any(grounded[2])
-    t = np.array([0.3, -1.0, 0.0, 0.2])
-    t[2] = -(Y[2] @ t) / Y[2, 2]  # the flux into the body below that holds its potential at zero
-    np.testing.assert_allclose((grounded @ t)[[0, 1, 3]], (Y @ t)[[0, 1, 3]], atol=1e-14)
-    assert not np.any(low(Stack((Layer(FIBROUS, 1.0),))))
-
-
 def test_insulated_base_sends_the_flux_sideways() -> None:
     stack = Stack((Layer(FIBROUS, 0.6, "bonded"), Layer(BTO, 0.4, magnetic="insulated")))
     k = np.array([1e-3, 1e-4])
     Y = stack.media[0].compliance[3, 3] + waves(stack, k)[0].difference[:, 3, 3]
     np.testing.assert_allclose(Y * k, sideways(stack), rtol=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("make", "said"),
-    [
-        (lambda: Layer(BTO, 0.0), "thickness: 0.0 is not allowed"),
-        (lambda: Layer(BTO, float("nan")), "thickness: nan"),
-        (
-            lambda: Layer(BTO, 1.0, "floating"),
-            "interface_electric: 'floating' is unknown; allowed are grounded, bonded",
-        ),
-        (lambda: Stack(()), "layers: none"),
-        (lambda: Stack((Layer(BTO, 1.0),), "soft"), "base: material: 'soft' is unknown"),
-        (lambda: Layer("coper", 1e-6), "material: 'coper' is unknown; did you mean 'copper'"),
-        (lambda: Layer(BTO, "20 V"), "thickness: '20 V': unit mismatch"),
-        (lambda: Layer(BTO, "-20 um"), "thickness: -2e-05 is not allowed"),
-        (lambda: Stack((Layer(BTO, 1.0, "bonded"),)), "interface_electric: 'bonded' is not allowed above a rigid base"),
-        (lambda: Stack((Layer(BTO, 1.0, magnetic="insulated"),), STEEL), "interface_magnetic: 'insulated' is allowed"),
-        (lambda: Stack((Layer(BTO, 1.0, magnetic="bonded"),)), "interface_magnetic: 'bonded' is not allowed"),
-        (lambda: Layer(solver.fibrous(BTO, solver.find("CoFe2O4"), [0.1, 0.2]), 1.0), "has case axes"),
-    ],
-)
-def test_bad_stacks_are_refused_by_name(make: object, said: str) -> None:
-    assert callable(make)
-    with pytest.raises(MaterialError, match=said):
-        make()
-
-
-def test_layers_and_bases_may_be_named_and_thicknesses_bear_units() -> None:
-    named, stated = Stack([Layer("copper", "20 um")], "silicon"), Stack([Layer(find("copper"), 20e-6)], find("silicon"))
-    assert named.name == stated.name
-    assert replace(named.layers[0], thickness=1e-4).material is find("copper")
-    assert Graded(lambda depth: solver.fibrous(BTO, find("CoFe2O4"), 0.5), "200 um").thickness == 2e-4

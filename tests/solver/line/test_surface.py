@@ -5,19 +5,10 @@ import pytest
 
 from solver.arrays import Array
 from solver.line.contact import FilmContact
-from solver.line.table import table
-from solver.stack.layers import Layer, Stack, StackError
+from solver.stack.layers import Layer, Stack
 from solver.stack.reflection import waves
-from tests.solver.line.films import BTO, FIBROUS, ON_STEEL, STEEL, contact, cylinder, surface_fields
-from tests.solver.line.test_contact import PROFILES
+from tests.solver.line.films import BTO, FIBROUS, STEEL, cylinder, surface_fields
 from tests.solver.quadrature import rule
-
-FIELDS = (
-    "contact_pressure", "shear_traction", "electric_displacement_y", "magnetic_induction_y", "stress_xx",
-    "electric_displacement_x", "magnetic_induction_x",
-)  # fmt: skip
-POSITIONS = np.array([-30.0, -1.2, -1.001, -0.99, -0.5, 0.0, 0.3, 0.9, 1.01, 2.5, 100.0])
-
 
 CASES = {
     "rigid": (Stack((Layer(FIBROUS, 0.2e-3),)), 0.3, (2e-5, 1e-2)),
@@ -76,9 +67,3 @@ def test_integral_equations_hold_by_another_quadrature(state: tuple[FilmContact,
         size = np.maximum(size, np.abs(half.compliance / pair) @ np.abs(H[1:, p]))
     error = np.max(np.abs(residual) / size[:, None])
     assert error < 1e-9, error
-
-
-def test_positions_beyond_what_can_be_resolved_are_refused() -> None:
-    film = contact(table(ON_STEEL, nodes=12), PROFILES["cylinder"][0], 1e5)
-    with pytest.raises(StackError, match="beyond the range"):
-        surface_fields(film, np.array([1e7]))

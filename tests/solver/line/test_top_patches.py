@@ -73,11 +73,7 @@ def test_the_charge_is_reciprocal_to_what_its_voltage_moves() -> None:
         assert moved == pytest.approx(row[1], rel=1e-8)
 
 
-@pytest.mark.parametrize(
-    ("punch", "patch"),
-    [(ROLLER, {}), (BALL, {"patch": "disc"})],
-    ids=["strips", "discs"],
-)
+@pytest.mark.parametrize(("punch", "patch"), [(ROLLER, {}), (BALL, {"patch": "disc"})], ids=["strips", "discs"])
 def test_a_cover_that_grows_thin_leads_there(punch: dict[str, Any], patch: dict[str, Any]) -> None:
     """Electrodes below 4 and 2 um of the same film, whose charge comes by waves alone, on a line to no cover at all."""
     read = punch | patch | {"collector": 1, "patch_size": 1e-4, "patch_position": np.array([-1e-4, 3e-5, 1.2e-4, 2e-4])}

@@ -82,13 +82,6 @@ def test_the_bound_itself(name: str, sign: int) -> None:
         solver.Material.from_mapping(c | {name: bound * (1 + 1e-12)})
 
 
-@property_based
-@given(c=constants(), name=st.sampled_from(["c11", "c33", "c44", "eps11", "eps33", "mu11", "mu33"]))
-def test_negative_diagonal_constants_are_refused_by_name(c: dict[str, float], name: str) -> None:
-    with pytest.raises(solver.MaterialError, match=f"{name} = -"):
-        solver.Material.from_mapping(c | {name: -c[name]})
-
-
 def test_one_bad_case_of_many_is_named() -> None:
     steel, rubber = solver.find("steel"), solver.Material.isotropic(1e6, 0.45, name="rubber")
     broken = solver.Material(

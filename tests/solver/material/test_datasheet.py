@@ -61,12 +61,6 @@ def test_what_a_sheet_leaves_out_follows_from_the_rest(change: dict[str, Any]) -
     assert float(Material.from_mapping(sheet).e33) == pytest.approx(15.8, rel=1e-2)  # k33 has two digits and a half
 
 
-def test_isotropic_constants_are_those_of_lame() -> None:
-    glass, same = Material.from_mapping({"E": "70 GPa", "nu": 0.22}), Material.isotropic(70e9, 0.22)
-    for name in ("c11", "c12", "c13", "c33", "c44"):
-        assert float(getattr(glass, name)) == pytest.approx(float(getattr(same, name)), rel=1e-14)
-
-
 @pytest.mark.parametrize("order", ["IEEE", "Abaqus"])
 def test_matrices_of_both_orders_are_read(order: str) -> None:
     material = Material.from_mapping(matrices(order))

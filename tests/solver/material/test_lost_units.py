@@ -66,3 +66,17 @@ def test_usual_materials_and_what_is_computed_of_them_never_ask() -> None:
             plain = variant.plain()
             assert not any(isinstance(plain.get(name), str) for name in USUAL)
     solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 1e-12).check()  # e33 is next to nothing
+
+
+def test_a_constant_in_megapascals_is_told_by_its_coupling_also_beside_constants_with_units() -> None:
+    """126 000 MPa without its unit is the stiffness of a gel; no gel couples by 23 C/m2."""
+    soft = PZT | {"c11": 126e3, "c12": 79.5e3, "c13": 84.1e3, "c33": 117e3, "c44": 23e3}
+    charged = {name: f"{PZT[name]:g} C/m2" for name in ("e31", "e33", "e15")}
+    with pytest.raises(solver.MaterialError, match="more than any material does"):
+        solver.Material.from_mapping({**soft, **charged})
+
+
+@pytest.mark.parametrize("text", ["830 eps0", "830 ε0", "830 ε₀", "830 ϵ_0"])
+def test_a_suggested_unit_can_be_written(text: str) -> None:
+    material = solver.Material.from_mapping(PZT | {"eps33": text})
+    assert material.eps33 == pytest.approx(830 * 8.8541878188e-12, rel=1e-12)

@@ -11,7 +11,6 @@ from solver.material.library import published
 
 FRACTIONS = ("0.0", "0.2", "0.4", "0.6", "0.8", "1.0")
 COUPLED = ("e31", "e33", "f31", "f33", "f15", "eps33", "g33", "mu33", "g11", "mu11")
-ELASTIC = ("c11", "c12", "c13", "c33", "c44")
 
 
 def shear_block(name: str, sign: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
@@ -81,10 +80,6 @@ def test_repaired_tables_differ_in_two_constants(fraction: str) -> None:
         assert float(getattr(material, name)) == pytest.approx(value, rel=1e-3), name
     assert "repaired" in material.source
     assert "-590e-6" in material.note
-
-
-def test_every_material_has_a_source() -> None:
-    assert all(material.source for material in solver.materials().values())
 
 
 def test_pmn_pt_has_the_figures_of_its_abstract() -> None:

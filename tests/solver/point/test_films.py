@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from solver.arrays import Array
-from solver.halfplane.pressing import ContactError
 from solver.line.powerlaw import constants_of
 from solver.line.windows import Coat, Kind
 from solver.point.profile import Shape
@@ -15,7 +14,6 @@ from solver.point.quantities import quantities
 from solver.point.table import PointKind, Window
 from solver.stack.reflection import waves
 from solver.stack.wavenumbers import strip, wavenumbers
-from tests.solver.line.films import ELASTIC
 from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, film, of_coats, on_film
 
 BONDED = film(FIBROUS, CFO, electric="bonded")
@@ -71,24 +69,3 @@ def test_figures_of_the_theory() -> None:
     np.testing.assert_allclose(
         -pressed.grounded.displacement[:, 0] / radii**2, [0.888477, 0.646322, 0.524082], rtol=1e-6
     )
-
-
-def test_potentials_held_are_those_that_the_charges_make() -> None:
-    pressed = on_film(film(FIBROUS, STEEL), 1e-4, 2.0, 100.0, [1.0, 10.0], (2e-10, 1e-9))
-    charged = pressed.charged
-    held = pressed.contact(charged.displacement[:, 1:], (True, True))
-    np.testing.assert_allclose(held.radius, charged.radius, rtol=1e-12)
-    np.testing.assert_allclose(held.loads, charged.loads, rtol=1e-10)
-
-
-@pytest.mark.parametrize("charge", [-1e-7, 3e-9, 8e-9, 1e-6])
-def test_charged_contacts_carry_their_force_and_charges(charge: float) -> None:
-    loads = on_film(film(FIBROUS, ELASTIC), 1e-4, 2.0, 100.0, 1e-3, (charge, 1e-9)).charged.loads
-    # 1 uC carries 5e5 times the force
-    np.testing.assert_allclose(loads, [[1e-3, charge, 1e-9]], rtol=5e-8 if charge == 1e-6 else 1e-9)
-
-
-@pytest.mark.parametrize("force", [1e-14, 1e9])
-def test_radii_beyond_the_tables_are_refused(force: float) -> None:
-    with pytest.raises(ContactError, match=r"^contact: (narrower|wider) than the resolved range, 0.0001 to 60"):
-        quantities(on_film(film(BTO), 1e-4, 2.0, 100.0, force))

@@ -1,6 +1,5 @@
 """Largest stresses below points: Huber's, those of a scan of the fields inside, and where there are none."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,6 @@ from solver.material.constants import Material
 
 NU = 0.3
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
-FILM = BALL | {"thickness": 1e-4, "surroundings": "insulated", "base": "steel", "friction": 0.3}
 
 
 def test_von_mises_below_a_ball_is_huber_s() -> None:
@@ -24,20 +22,3 @@ def test_von_mises_below_a_ball_is_huber_s() -> None:
     )  # fmt: skip
     assert float(solution["peak_von_mises"] / solution["peak_pressure"]) == pytest.approx(-top.fun, rel=1e-9)
     assert float(solution["peak_von_mises_depth"] / solution["contact_radius"]) == pytest.approx(top.x, rel=1e-6)
-
-
-def test_a_film_so_thin_that_nothing_is_below_a_tenth_of_the_radius_is_refused() -> None:
-    with pytest.raises(solver.FactorError, match=r"^contact: radius over thickness 1\d\.?\d* is too wide for peaks"):
-        solver.solve(
-            BALL | {"thickness": 4e-6, "surroundings": "insulated", "base": "steel"}, peaks=["film_peak_von_mises"]
-        )
-
-
-def test_peaks_need_c12_and_are_given_on_request_only() -> None:
-    assert not any("peak_von" in name for name in map(str, solver.solve(FILM)))
-    requested = solver.solve(FILM | {"base": "rigid"}, peaks=["interface_shear", "base_peak_von_mises"])
-    assert "interface_shear" in requested
-    assert "base_peak_von_mises" not in requested
-    bare = replace(solver.find("BaTiO3"), c12=np.array(np.nan), name="bare")
-    with pytest.raises(solver.MaterialError, match=r"^bare: c12: missing; largest stresses under a point need it"):
-        solver.solve(BALL | {"material": bare}, peaks=True)

@@ -62,17 +62,6 @@ def test_films_do_not_hang_on_the_number_of_nodes(monkeypatch: pytest.MonkeyPatc
         np.testing.assert_allclose(usual[name], finer[name], rtol=1e-9, atol=0)
 
 
-def test_friction_at_first_order_is_felt_by_what_a_mirror_tells_apart() -> None:
-    """Force, radius and depth do not change; the punch that is insulating has no D that slides."""
-    at_rest, slid = (solver.solve(BALL | {"friction": eta, "electric": "insulating"}) for eta in (0.0, 0.3))
-    for name in ("contact_radius", "depth"):
-        assert float(slid[name]) == float(at_rest[name])
-    # largest at the centre: of the second order
-    assert 0 < float(slid["peak_pressure"] / at_rest["peak_pressure"]) - 1 < 2e-3
-    assert "electric_edge_intensity_trailing" not in slid
-    assert float(slid["contact_offset"]) > 0
-
-
 POWER: dict[str, Any] = {"material": "BaTiO3", "profile": "power", "exponent": 4.0, "coefficient": 1e8, "force": 10.0}
 RAISED: dict[str, Any] = BALL | {
     "force": 30.0,

@@ -15,7 +15,6 @@ from solver import solve
 from surrogate import (
     FactorialRegressor,
     FormatError,
-    GaussianProcess,
     GridGP,
     Input,
     OutOfBoxError,
@@ -84,12 +83,6 @@ def test_extrapolation_is_computed_and_flagged_when_asked_for(model: GridGP) -> 
     truth = functions.outputs({k: xr.DataArray(v) for k, v in {**MIDDLE, "mixture": 0.951}.items()})["no_bias"]
     assert float(answer["no_bias"][1]) == pytest.approx(float(truth), rel=1e-4)  # close by, where it still holds
     assert "extrapolated" not in model.predict(MIDDLE)
-
-
-def test_the_ends_of_the_box_are_inside(model: GridGP) -> None:
-    for end in (-1.0, 1.0):
-        ends = {one.name: one.from_unit(end) for one in functions.INPUTS}
-        assert np.isfinite(model.predict(ends)["smooth"])
 
 
 @pytest.mark.parametrize(
@@ -200,18 +193,6 @@ def _table(columns: Mapping[str, Any]) -> Any:
     return xr.Dataset({name: ("row", values) for name, values in columns.items()}).to_dataframe()
 
 
-def test_arrays_and_tables_are_points_too(model: GridGP) -> None:
-    held = functions.scattered(20, seed=5)[list(model.box)]
-    named = {name: held[name].values for name in model.box}
-    table = _table(named)
-    points = {name: xr.DataArray(values, dims="point") for name, values in named.items()}
-    expected, ends, slopes = model.predict(points), model.interval(points), model.gradient(points)
-    for points in (table.to_numpy(), table.to_numpy().tolist()):
-        xr.testing.assert_identical(model.predict(points), expected)
-        xr.testing.assert_identical(model.interval(points), ends)
-        xr.testing.assert_identical(model.gradient(points), slopes)
-
-
 @pytest.mark.parametrize(
     ("points", "says"),
     [
@@ -294,12 +275,6 @@ def test_levels_that_are_none_are_refused(model: GridGP, level: float) -> None:
         model.quantile(MIDDLE, [0.5, 2.0])
     with pytest.raises(ValueError, match=r"n 0 must be at least 1"):
         model.sample(MIDDLE, 0, 1)
-
-
-def test_the_common_face_is_no_model() -> None:
-    face: Any = GaussianProcess
-    with pytest.raises(TypeError, match="abstract class GaussianProcess"):
-        face()
 
 
 def test_gradient_is_labelled(model: GridGP) -> None:

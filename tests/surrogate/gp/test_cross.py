@@ -4,11 +4,9 @@ from math import prod
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from approximation.arrays import Array
-from surrogate.gp.cross import Cross, Crossed, interpolation, run
+from surrogate.gp.crossgp import Cross, Crossed, run
 
 SIZES = (7, 6, 5, 4)
 BLOCK, OUTPUTS = 9, 2
@@ -63,14 +61,3 @@ def test_no_batch_repeats_an_entry_and_the_most_ends_the_sweeps() -> None:
     assert len(set(asked)) == len(asked) == got.entries > 30
     assert len(batches) <= 1 + len(SIZES)
     assert got.error.max() > 1e-3
-
-
-@given(st.integers(1, 8), st.integers(2, 12), st.integers(3, 15), st.integers(0, 2), st.integers(0, 99))
-def test_all_rows_follow_from_the_chosen_ones(rank: int, rows: int, columns: int, first: int, seed: int) -> None:
-    random = np.random.default_rng(seed)
-    matrix = random.normal(size=(rows, rank)) @ random.normal(size=(rank, columns))
-    given_first = list(range(min(first, rank, rows, columns)))
-    chosen, weights = interpolation(matrix, 1e-9, given_first)
-    assert chosen[: len(given_first)].tolist() == given_first
-    assert len(set(chosen.tolist())) == len(chosen) <= min(rank, rows, columns)
-    np.testing.assert_allclose(weights @ matrix[chosen], matrix, atol=1e-6 * np.abs(matrix).max())

@@ -8,7 +8,6 @@ import pytest
 import xarray as xr
 
 from surrogate import CrossGP, GridGP, Input, load, save
-from surrogate.gp.tensortrain import compress
 from surrogate.levels import counts, lines
 from surrogate.use.sensitivity import sobol
 
@@ -80,13 +79,6 @@ def test_lines_of_the_cases_decay_as_those_of_the_grid(cases: xr.Dataset, grid: 
             found = some[output][name].coefficients
             assert (found <= decay.coefficients * (1 + 1e-9) + 1e-12).all()
             assert found[1] >= 0.3 * decay.coefficients[1] - 1e-12
-
-
-def test_grams_are_those_of_the_dense_tensor() -> None:
-    tensor = np.random.default_rng(2).normal(size=(3, 4, 2, 5))
-    for k, gram in enumerate(compress(tensor, 0.0).grams()):
-        flat = np.moveaxis(tensor, k, 0).reshape(tensor.shape[k], -1, tensor.shape[-1])
-        np.testing.assert_allclose(gram, np.einsum("msp,nsp->pmn", flat, flat), atol=1e-12)
 
 
 def test_missing_and_bad_cases_are_named(cases: xr.Dataset) -> None:

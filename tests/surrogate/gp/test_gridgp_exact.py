@@ -124,17 +124,6 @@ def test_gradient_agrees_with_differences_of_the_mean() -> None:
     assert_slopes(GridGP(PLANE).fit(data), _physical(0.9 * unit_points(20)), rtol=1e-5)
 
 
-def test_gradient_of_a_polynomial_is_its_derivative() -> None:
-    x, y = Input("x", 1.0, 5.0), Input("y", 0.5, 8.0, "log")
-    a = xr.DataArray(x.levels(6), dims="x", coords={"x": x.levels(6)})
-    b = xr.DataArray(y.levels(7), dims="y", coords={"y": y.levels(7)})
-    model = GridGP(inputs=[x, y], hyperparameters={"x": 1e-3, "y": 1e-3}).fit(xr.Dataset({"f": a**3 * np.log(b) ** 2}))
-    at = {"x": xr.DataArray([1.3, 4.9], dims="point"), "y": xr.DataArray([0.6, 7.0], dims="point")}
-    found = model.gradient(at)["f"]
-    np.testing.assert_allclose(found.sel(input="x"), 3 * at["x"] ** 2 * np.log(at["y"]) ** 2, rtol=1e-9)
-    np.testing.assert_allclose(found.sel(input="y"), at["x"] ** 3 * 2 * np.log(at["y"]) / at["y"], rtol=1e-9)
-
-
 def test_a_million_queries_do_not_hold_memory_of_their_intermediates() -> None:
     import tracemalloc
 

@@ -1,50 +1,13 @@
-"""Cases that a factorial lacks are what its process expects; the kernels of exact processes against their sums."""
+"""Cases that a factorial lacks are what its process expects."""
 
 import numpy as np
 import pytest
 import xarray as xr
 
 from approximation.arrays import Array
-from surrogate import GridGP, Input, chebyshev_levels
-from surrogate.gp import imputation, kernels
+from surrogate import GridGP, Input
+from surrogate.gp import imputation
 from surrogate.gp.factors import Factor
-
-LEVELS = {"a": chebyshev_levels(0.5, 2.0, 9), "b": chebyshev_levels(-1.0, 1.0, 8)}
-
-
-def truth(a: Array, b: Array) -> Array:
-    return np.exp(0.5 * a) * (1 + b**2) + b
-
-
-def test_a_place_left_out_is_what_a_smooth_function_has_there() -> None:
-    whole = xr.Dataset({"y": (("a", "b"), truth(LEVELS["a"][:, None], LEVELS["b"]))}, coords=LEVELS)
-    holes = np.zeros((9, 8), dtype=bool)
-    holes[4, 3] = holes[0, 7] = True
-    lacking = whole.copy(deep=True)
-    lacking["y"].values[holes] = 1e3
-    model = imputation.fit(lambda: GridGP(None, ["y"]), lacking, holes)
-    a, b = (index.ravel() for index in np.meshgrid(LEVELS["a"], LEVELS["b"], indexing="ij"))
-    found = model.predict_array(np.column_stack([a, b]))[:, 0].reshape(9, 8)
-    size = np.ptp(whole["y"].values)
-    np.testing.assert_allclose(found[~holes], whole["y"].values[~holes], atol=1e-9 * size)  # the process interpolates
-    np.testing.assert_allclose(found[holes], whole["y"].values[holes], atol=1e-4 * size)  # what 8 levels can tell
-
-
-def test_the_chebyshev_kernel_is_its_sum() -> None:
-    x, y = np.linspace(-1, 1, 5)[:, None], np.array([[-0.7], [0.2]])
-    first, rho = 0.4, 0.5
-    orders = np.arange(1, 80)
-    angles = np.arccos(x[:, 0]), np.arccos(y[:, 0])
-    terms = np.cos(orders * angles[0][:, None])[:, None] * np.cos(orders * angles[1][:, None])
-    expected = 1 + first * (rho ** (orders - 1.0) * terms).sum(axis=-1)
-    np.testing.assert_allclose(kernels.Chebyshev(np.array([first]), np.array([rho]))(x, y), expected, rtol=1e-12)
-
-
-def test_noise_of_a_case_that_weighs_four_is_a_fourth() -> None:
-    X = np.zeros((2, 1))
-    noise = kernels.Noise(0.2, weights=np.array([1.0, 4.0]))
-    np.testing.assert_allclose(noise(X), np.diag([0.2, 0.05]))
-    assert noise(X, np.ones((3, 1))) == pytest.approx(np.zeros((2, 3)))
 
 
 def smooth(a: Array, b: Array, c: Array) -> Array:

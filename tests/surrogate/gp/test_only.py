@@ -54,13 +54,6 @@ def test_a_part_answers_as_the_whole(model: GridGP, outputs: list[str]) -> None:
     assert model.outputs_ == ("wave", "rise", "root", "flat", "small")  # the model itself stays
 
 
-def test_fewer_outputs_have_lower_ranks(model: GridGP) -> None:
-    ranks = [core.shape[2] for core in model.train_.cores[:-1]]
-    fewer = [core.shape[2] for core in model.only(["small"]).train_.cores[:-1]]
-    assert all(one <= other for one, other in zip(fewer, ranks, strict=True))
-    assert sum(fewer) < sum(ranks)
-
-
 def test_a_scattered_model_answers_no_less() -> None:
     random = np.random.default_rng(3)
     points = {one.name: xr.DataArray(one.from_unit(random.uniform(-1, 1, 40)), dims="case") for one in BOX}

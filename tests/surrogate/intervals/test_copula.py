@@ -13,9 +13,8 @@ from approximation.arrays import Array
 from storage.netcdf import read_whole, write_whole
 from storage.sealed import FormatError
 from surrogate import GridGP, Input, load, save
-from surrogate.intervals.copula import MOST_POINTS, Copula
+from surrogate.intervals.copula import MOST_POINTS, Copula, ends
 from surrogate.intervals.distribution import PROBABILITIES, Normal, Tabulated
-from surrogate.intervals.sums import ends
 
 INPUTS = (Input("x", 0.0, 1.0), Input("y", 1.0, 3.0))
 

@@ -51,12 +51,6 @@ def test_front_of_two_spheres(bulge: float) -> None:
     assert np.abs(np.diff(found.x[:, 0])).max() < 0.02
 
 
-def test_no_front_where_nothing_is_feasible() -> None:
-    problem = spheres(1.0)
-    never = Problem(2, lambda X: (problem.value(X)[0], np.ones((len(X), 1))), problem.slope)
-    assert front(never, 2, scan=16) is None
-
-
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(st.integers(2, 3), st.integers(1, 40), st.integers(0, 1000))
 def test_non_dominated_is_what_the_definition_says(k: int, count: int, seed: int) -> None:
@@ -69,12 +63,3 @@ def test_non_dominated_is_what_the_definition_says(k: int, count: int, seed: int
             assert not beaten
         else:  # beaten, or equal to one that was kept
             assert beaten or np.any(np.all(values[kept] == one, 1))
-
-
-@settings(max_examples=50, deadline=None, derandomize=True)
-@given(st.integers(1, 20), st.integers(0, 1000))
-def test_hypervolume_is_the_share_of_random_points_below(count: int, seed: int) -> None:
-    random = np.random.default_rng(seed)
-    values, drawn = random.uniform(size=(count, 2)), random.uniform(size=(20_000, 2))
-    below = np.any(np.all(drawn[:, None] <= values, -1), 1).mean()
-    assert hypervolume(values, np.zeros(2)) == pytest.approx(below, abs=0.02)

@@ -53,14 +53,6 @@ def test_all_that_is_said_stays_within_the_bounds_and_holds(model: BoundedGP) ->
         np.testing.assert_allclose(model.quantile(at, 0.025)[name], found[f"{name}_lower"], rtol=1e-12)
 
 
-def test_a_process_that_knows_no_bounds_goes_beyond_them() -> None:
-    x, y = INPUTS[0].levels(7), INPUTS[1].levels(4)
-    grid = xr.Dataset({name: (("x", "y"), own) for name, own in truth(x[:, None], y).items()}, {"x": x, "y": y})
-    found = GridGP(inputs=INPUTS).fit(grid).calibrate(cases(1500, 1)).interval(cases(300, 2)[["x", "y"]])
-    assert float(found["share_lower"].min()) < 0
-    assert float(found["share_upper"].max()) > 1
-
-
 def test_derivatives_are_those_of_the_medians(model: BoundedGP) -> None:
     assert_slopes(model, np.array([[0.3, 1.0], [-0.2, 1.7]]), rtol=1e-5)
 

@@ -15,8 +15,7 @@ from storage.netcdf import read_whole, write_whole
 from surrogate import FormatError, GridGP, Input, load, save
 from surrogate.data.measurements import Measurements
 from surrogate.transforms.measured.corrected import CorrectedGP
-from surrogate.transforms.measured.discrepancy import Discrepancy
-from surrogate.transforms.measured.draws import Draw
+from surrogate.transforms.measured.discrepancy import Discrepancy, Draw
 from surrogate.use import residuals
 from surrogate.use.learning import Learnt, NotSettledError, learn
 from surrogate.use.residuals import Residuals
@@ -248,6 +247,13 @@ def test_a_stored_model_gives_the_same_answers(device: Device, found: Learnt, tm
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
+@pytest.fixture(scope="module")
+def stored(device: Device, found: Learnt, tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
+    path = tmp_path_factory.mktemp("corrected") / "a.nc"
+    save(corrected(found, device.rows()), path)
+    return read_whole(path)
+
+
 @pytest.mark.parametrize(
     ("changed", "reason"),
     [
@@ -259,18 +265,11 @@ def test_a_stored_model_gives_the_same_answers(device: Device, found: Learnt, tm
     ],
 )
 def test_an_inconsistent_file_is_refused(
-    changed: dict[str, Any], reason: str, device: Device, found: Learnt, tmp_path: Path
+    changed: dict[str, Any], reason: str, stored: xr.Dataset, tmp_path: Path
 ) -> None:
-    rows = device.rows()
-    assert len(rows.value) == 33
-    save(corrected(found, rows), tmp_path / "a.nc")
-    stored = read_whole(tmp_path / "a.nc")
-    for name, value in changed.items():
-        if name in stored:
-            stored[name] = (stored[name].dims, value, stored[name].attrs)
-        else:
-            stored.attrs[name] = value
-    write_whole(stored, tmp_path / "b.nc")
+    arrays = {name: (stored[name].dims, value, stored[name].attrs) for name, value in changed.items() if name in stored}
+    attrs = {name: value for name, value in changed.items() if name not in stored}
+    write_whole(stored.assign(arrays).assign_attrs(attrs), tmp_path / "b.nc")
     with pytest.raises(FormatError, match=reason):
         load(tmp_path / "b.nc")
 

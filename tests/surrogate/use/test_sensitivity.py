@@ -1,18 +1,14 @@
-"""Sensitivity indices against closed forms and scipy's sampling."""
+"""Sensitivity indices against closed forms."""
 
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
-from numpy.typing import NDArray
-from scipy.stats import sobol_indices, uniform
 
 from surrogate import GridGP, Input, ScatterGP
 from surrogate.use.sensitivity import sobol
 from tests.surrogate import functions
-
-Array = NDArray[np.float64]
 
 
 def ishigami() -> GridGP:
@@ -58,21 +54,7 @@ def test_outputs_of_one_or_no_input_have_trivial_indices() -> None:
 
 @pytest.fixture(scope="module")
 def fine() -> GridGP:
-    return GridGP(inputs=functions.INPUTS).fit(functions.factorial((30, 7, 7, 7, 2)))
-
-
-def test_indices_agree_with_scipy_on_the_test_functions(fine: GridGP) -> None:
-    model, found = fine, sobol(fine)
-
-    def exact(t: Array) -> Array:
-        columns = {one.name: one.from_unit(row) for one, row in zip(functions.INPUTS, t, strict=True)}
-        answers = functions.outputs({name: xr.DataArray(column, dims="case") for name, column in columns.items()})
-        return np.stack([answers[name].values for name in model.outputs_])
-
-    dists: Any = [uniform(-1, 2)] * 5
-    sampled = sobol_indices(func=exact, n=2**15, dists=dists, rng=0)
-    np.testing.assert_allclose(found["first_order"], sampled.first_order, rtol=0, atol=0.01)
-    np.testing.assert_allclose(found["total"], sampled.total_order, rtol=0, atol=0.01)
+    return GridGP(inputs=functions.INPUTS).fit(functions.factorial((22, 6, 6, 6, 2)))
 
 
 def test_intervals_hold_the_indices_of_the_truth_on_a_coarse_grid(fine: GridGP) -> None:

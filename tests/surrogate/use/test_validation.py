@@ -8,8 +8,7 @@ from scipy.integrate import quad
 from scipy.stats import binom, norm
 
 from surrogate import GridGP, Input
-from surrogate.use.baseline import chebyshev_interpolation
-from surrogate.use.validation import LEVELS, crps, ideal, pit, validate
+from surrogate.use.validation import LEVELS, chebyshev_interpolation, crps, ideal, pit, validate
 from tests.surrogate import functions
 
 

@@ -54,6 +54,16 @@ FILES: dict[str, tuple[str, str]] = {
         "time,force [N]\n2024-03-01T12:00:00.000Z,0\n2024-03-01T12:00:00.500Z,2\n2024-03-01T12:00:01.500Z,2\n",
         "utf-8",
     ),
+    "Bluehill": (
+        "Results Table 1\n,Maximum Force\n,(N)\n1,2.00\n2,2.01\n\nTime,Extension,Force\n(s),(mm),(N)\n"
+        '"0.0","0","0"\n"0.5","1","2"\n"1.5","1","2"\n',
+        "utf-8",
+    ),
+    "US dates": (
+        "Time,Force (KN)\n3/14/2024 1:59:59.5 PM,0\n3/14/2024 2:00:00 PM,2e-3\n3/14/2024 2:00:01 PM,2e-3\n",
+        "utf-8",
+    ),
+    "names that are not known": ("測定時間(msec.),荷重(N)\n0,0\n500,2\n1500,2\n", "utf-8"),
     "footer": ("time [s],force [N]\n0,0\n0.5,2\n1.5,2\n\nEOF\n", "utf-8"),
 }
 SCOPES = {  # the force of a volt is 20 N
@@ -64,6 +74,7 @@ SCOPES = {  # the force of a volt is 20 N
     "Keysight": "x-axis,1\nsecond,Volt\n0,0\n+500.0E-03,+100.0E-03\n1.5,0.1\n",
     "PicoScope": "Time,Channel A\n(ms),(mV)\n\n0,0\n500,100\n1500,100\n",
     "Rohde & Schwarz": "in s,C1 in V\n0,0\n0.5,0.1\n1.5,0.1\n",
+    "OWON": "Unit:,(ms)\nFrequency,CH1:0Hz\nTime,CH1\n0,0\n500,0.1\n1500,0.1\n",
     "Rigol": "X,CH1,Start,Increment\nSequence,Volt,0.0,5.0e-01\n0,0,\n1,0.1,\n3,0.1,\n",
 }
 
@@ -77,7 +88,7 @@ def test_files_of_instruments_are_read(name: str, tmp_path: Path) -> None:
     times = file.history.times
     np.testing.assert_allclose(times - times[0], [0, 0.5, 1.5], rtol=1e-9, err_msg=name)
     np.testing.assert_allclose(file.history.forces, [0, 2, 2], rtol=1e-9, err_msg=name)
-    assert file.remarks == [] or name in ("MTS", "logger", "ISO dates")
+    assert file.remarks == [] or name in ("MTS", "logger", "ISO dates", "US dates", "Tektronix with a header")
 
 
 def test_an_oscilloscope_s_steps_of_unix_time_are_not_lost(tmp_path: Path) -> None:
@@ -115,6 +126,13 @@ def test_an_oscilloscope_s_steps_of_unix_time_are_not_lost(tmp_path: Path) -> No
         ("time [s],force [N]\n0,0\n0,5,1,5\n", "line 3: 4 cells, the header has 2; a decimal comma?"),
         ("time [s];force [N]\n0;0\n1;1.000,5\n", "groups its digits"),
         ("time,force\n12:00:00,0\n12:00:61x,1\n", "is no time"),
+        ("time,force\n1710414000000,0\n1710414000100,1\n", "time: has no unit, and 1.71e+12 s are no time"),
+        ("time [s];force [N]\n0,5;0\n1,5;1.000\n2,5;1.000\n", "'1.000' may group its digits"),
+        ('time [s],force [N]\n0,0\n1,"1,000"\n', "groups its digits, or has a decimal comma"),
+        ("time [s],force [N]\n0,0\n1,1 000\n", "groups its digits"),
+        ("time,force\n0 s,0 N\n1 s,1 N\n", "line 2: '0 s 0 N' is no row of numbers"),
+        ("time,force [N]\n12:00,0\n12:01,1\n", "line 2: time: '12:00' is no time"),
+        ("time,force [N]\n31.12.2024 23:59:59,0\n01.01.2025 00:00:00,1\n", "the date changes from 31.12.2024"),
         ("\x00\x01time", "is no text file"),
         ("<html><table>", "is a page of HTML"),
     ],
@@ -133,3 +151,10 @@ def test_noise_below_zero_is_no_pull_and_compression_may_be_negative(tmp_path: P
     file = read_history(path, line=False)
     np.testing.assert_array_equal(file.history.forces, [0.001, 0.5, 0.0])
     assert [remark.partition(": ")[2][:10] for remark in file.remarks] == ["counts com", "1 forces d"]
+
+
+def test_a_time_without_a_unit_is_told_how_it_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "history.csv"
+    path.write_text("time,force\n0,0\n100,1\n5000,0\n", encoding="utf-8")
+    file = read_history(path, line=False)
+    assert file.remarks == ["time has no unit and is read in s: 5000 s from first to last row"]

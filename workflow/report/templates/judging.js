@@ -30,7 +30,7 @@ function carried(tree, values, sizes) {
 }
 
 // How far an expression of several values may be off, their errors going together as those of the held-out rows did: the rule of
-// surrogate/intervals/sums.py at one point. Of each value its column in the model, its deviation and how far its interval reaches.
+// surrogate/intervals/copula.py at one point. Of each value its column in the model, its deviation and how far its interval reaches.
 function offBy(model, tree, values, errors) {
   const told = Object.entries(errors).map(([name, one]) => {
     const at = (size) => evaluate(tree, { ...values, [name]: values[name] + size });

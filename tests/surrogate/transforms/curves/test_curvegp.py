@@ -13,7 +13,7 @@ import surrogate
 from approximation.chebyshev import gauss_points
 from approximation.measure import Measure
 from approximation.panels import Panels
-from surrogate import CurveGP, GridGP
+from surrogate import CurveGP
 from surrogate.face.persistence import ENGINES, nested, restored
 from surrogate.transforms.curves.basis import Basis
 from surrogate.transforms.curves.landscape import Landscape
@@ -80,16 +80,6 @@ def test_groups_may_stand_behind_the_curves(model: CurveGP, cases: xr.Dataset, t
     assert table["coverage"].values.min() >= 0.85
     surrogate.save(over, tmp_path / "over.nc")
     xr.testing.assert_identical(surrogate.load(tmp_path / "over.nc").predict(points), over.predict(points))
-
-
-def test_the_maximum_itself_is_learnt_far_worse(model: CurveGP, cases: xr.Dataset) -> None:
-    levels = np.meshgrid(*(one.levels(n) for one, n in zip(INPUTS, (7, 9), strict=True)), indexing="ij")
-    top = truth(*(one.ravel() for one in levels))[0].reshape(7, 9)
-    grid = xr.Dataset({"top": (("a", "b"), top)}, {"a": levels[0][:, 0], "b": levels[1][0]})
-    plain = GridGP(inputs=INPUTS).fit(grid).predict({name: cases[name] for name in "ab"}, return_std=False)
-    error = float(abs(plain["top"] - cases["top"]).max())
-    own = model.predict({name: cases[name] for name in "ab"}, return_std=False)["top"]
-    assert error > 100 * float(abs(own - cases["top"]).max())
 
 
 def test_gradients_are_those_of_differences(model: CurveGP) -> None:

@@ -1,0 +1,102 @@
+"""Stacks, gradings, tables and fields on films that are refused, each in one line that names what is wrong."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import solver
+from solver import MaterialError, find
+from solver.halfplane.pressing import ContactError
+from solver.halfplane.profile import Profile
+from solver.line.contact import FilmContact
+from solver.line.kernel import kernel
+from solver.line.peaks import PeakTable
+from solver.line.table import table
+from solver.stack.electrodes import Electrode
+from solver.stack.grading import Graded
+from solver.stack.layers import Layer, Stack
+from solver.stack.reflection import waves
+from tests.solver.line.films import BTO, CFO, FIBROUS, ON_STEEL, STEEL, cases, cylinder, interior_fields, surface_fields
+from tests.solver.line.test_grading import FALLING, LINEAR, linear
+
+INSULATED = Stack((Layer(BTO, 0.5e-3, magnetic="insulated"),))
+METAL = {"name": "mine", "c11": 126e9, "c13": 84.1e9, "c33": 117e9, "c44": 23e9}
+
+
+def pressed(radius: float, load: float, charge: float = 0.0) -> object:
+    """Half-length of a cylinder on a film 0.2 mm thick, whose table ends at 10 thicknesses."""
+    tabled = table(Stack((Layer(FIBROUS, 2e-4),)), 0.3, most=10.0)
+    profile, charges = Profile.cylinder(np.array(radius)), np.array([[charge, 0.0]])
+    return FilmContact(tabled, profile, cases(load), charges, np.array(1.0)).half_width
+
+
+def peaked(stack: Stack, load: float, region: str) -> object:
+    tabled = table(stack, least=1.0, most=12.0, nodes=4)
+    profile = Profile.cylinder(np.array(0.05))
+    contact = FilmContact(tabled, profile, cases(load), np.zeros((1, 2)), np.array(1.0))
+    return PeakTable(tabled).peaks(contact, region)
+
+
+def graded(law: Callable[[np.ndarray], solver.Material]) -> object:
+    return kernel(Stack((Graded(law, 1.0),)), 1.0)
+
+
+#: Words of the refusal, and what is refused with them.
+REFUSED: dict[str, Callable[[], object]] = {
+    "thickness: 0.0 is not allowed": lambda: Layer(BTO, 0.0),
+    "thickness: nan": lambda: Layer(BTO, float("nan")),
+    "interface_electric: 'floating' is unknown; allowed are grounded, bonded": lambda: Layer(BTO, 1.0, "floating"),
+    "layers: none": lambda: Stack(()),
+    "base: material: 'soft' is unknown": lambda: Stack((Layer(BTO, 1.0),), "soft"),
+    "material: 'coper' is unknown; did you mean 'copper'": lambda: Layer("coper", 1e-6),
+    "thickness: '20 V': unit mismatch": lambda: Layer(BTO, "20 V"),
+    "thickness: -2e-05 is not allowed": lambda: Layer(BTO, "-20 um"),
+    "'bonded' is not allowed above a rigid base": lambda: Stack((Layer(BTO, 1.0, "bonded"),)),
+    "interface_magnetic: 'insulated' is allowed": lambda: Stack((Layer(BTO, 1.0, magnetic="insulated"),), STEEL),
+    "interface_magnetic: 'bonded' is not allowed": lambda: Stack((Layer(BTO, 1.0, magnetic="bonded"),)),
+    "has case axes": lambda: Layer(solver.fibrous(BTO, CFO, [0.1, 0.2]), 1.0),
+    "mine: conductor: 'yes' is not true or false": lambda: solver.Material.from_mapping(METAL | {"conductor": "yes"}),
+    "mine: e33 = 1 C m-2: must be 0 in a conductor": lambda: solver.Material.from_mapping(
+        METAL | {"conductor": True, "e33": 1.0}
+    ),
+    "only the top layer can be graded": lambda: Stack((Layer(BTO, 1.0), Graded(linear, 1.0))),
+    "thickness: -1.0 is not allowed": lambda: Graded(linear, -1.0),
+    "'insulated' is not allowed below a graded layer": lambda: Graded(linear, 1.0, magnetic="insulated"),
+    "is not within 0 to 1": lambda: graded(lambda z: solver.fibrous(BTO, CFO, 0.5 + 0.6 * z)),
+    "not a smooth function": lambda: graded(lambda z: solver.fibrous(BTO, CFO, np.where(z < 0.3, 0.2, 0.8))),
+    "not graded": lambda: waves(LINEAR, np.ones(1)),
+    "patch_size: of the electrode on top of a film that is graded is not given": lambda: Electrode(
+        FALLING[True], 1
+    ).rows(np.ones(1)),
+    "wider than the resolved range, 0.01 to 10": lambda: pressed(0.05, 1e9),
+    "narrower than the resolved range": lambda: pressed(0.05, 1e-3),
+    "more than one length": lambda: pressed(5e4, 4300.0, -1e-5),
+    "tension": lambda: pressed(0.05, 100.0, 1e-4),
+    "range": lambda: table(ON_STEEL, least=2.0, most=1.0),
+    " range": lambda: table(ON_STEEL, least=0.1, most=1e3),
+    "beyond the range": lambda: kernel(Stack((Layer(BTO, 1e-9), Layer(FIBROUS, 1.0))), 1.0),
+    " beyond the range": lambda: surface_fields(cylinder(ON_STEEL), np.array([1e7])),
+    "x: 1e+06 is farther from the contact than the fields inside this film": lambda: interior_fields(
+        cylinder(INSULATED), np.array([1e6]), np.zeros(1), ("stress_xx",)
+    ),
+    "magnetic_potential: is not given inside a film on a base that insulates": lambda: interior_fields(
+        cylinder(INSULATED), np.zeros(1), np.zeros(1), ("magnetic_potential",)
+    ),
+    "wider than 10 thicknesses": lambda: peaked(ON_STEEL, 1e6, "film"),
+    "a rigid base has no stresses": lambda: peaked(Stack((Layer(FIBROUS, 2e-4),)), 1e5, "base"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("words", REFUSED)
+def test_it_is_refused(words: str) -> None:
+    with pytest.raises((MaterialError, ContactError)) as caught:
+        REFUSED[words]()
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_layers_and_bases_may_be_named_and_thicknesses_bear_units() -> None:
+    named, stated = Stack([Layer("copper", "20 um")], "silicon"), Stack([Layer(find("copper"), 20e-6)], find("silicon"))
+    assert named.name == stated.name
+    assert Graded(lambda depth: solver.fibrous(BTO, CFO, 0.5 + 0 * depth), "200 um").thickness == 2e-4

@@ -1,0 +1,214 @@
+"""The contract of every kind of body: shapes, units, cases, refusals, tangents, reciprocity and similarity."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import solver
+from solver.body import KINDS, Kind, kind_of
+from solver.similarity import QUANTITY_WEIGHTS, weight_of
+from tests.solver.cases import assert_alike, assert_finite, refused
+
+Case = dict[str, Any]
+X, Y = [-1.4, -0.5, 0.3, 2.0], [-0.2, -3.0]
+LINE: Case = {"material": "PZT-4", "radius": 0.05, "load": 2e4, "magnetic": "insulating"}
+BALL: Case = LINE | {"profile": "sphere", "radius": 5e-3, "force": 10.0}
+del BALL["load"]
+COAT: Case = {"thickness": 2e-4, "base": "steel"}
+BARE, AIR = {"surroundings": "insulated"}, {"surroundings": "air"}
+BODIES: dict[str, Case] = {
+    "half-plane": LINE,
+    "half-plane, air": LINE | AIR,
+    "film": LINE | COAT | BARE,
+    "film, air": LINE | COAT | AIR,
+    "half-space": BALL,
+    "half-space, air": BALL | AIR | {"gap_radius": 5e-3},
+    "point film": BALL | COAT | BARE,
+    "point film, air": BALL | COAT | AIR | {"gap_radius": 5e-3},
+}
+LAMINATE: Case = {"composite": "laminate", "volume_fraction": 0.4, "magnetic": "conducting"}
+#: Bodies of further options, for what no option may change: a composite, friction, other punches, speed, a stack.
+VARIANTS = BODIES | {
+    "composite": {name: value for name, value in LINE.items() if name != "material"} | LAMINATE | {"friction": 0.3},
+    "wedge": {name: value for name, value in LINE.items() if name != "radius"} | {"profile": "wedge", "slope": 2e-3},
+    "elastic punch": LINE | COAT | BARE | {"punch": "steel", "friction": 0.2},
+    "moving": LINE | {"speed": 900.0},
+    "sliding ball": BALL | COAT | BARE | {"friction": 0.2},
+}
+each_body = pytest.mark.parametrize("case", BODIES.values(), ids=BODIES)
+each_variant = pytest.mark.parametrize("case", VARIANTS.values(), ids=VARIANTS)
+
+
+def kind(case: Case) -> Kind:
+    return kind_of(case, case.get("profile", "cylinder"), case.get("surroundings", "insulated"))
+
+
+def pressing(case: Case) -> tuple[str, str]:
+    """Names of the factors that press and charge the punch."""
+    return kind(case).loads.force, kind(case).loads.charges[0]
+
+
+def test_every_kind_of_body_is_here() -> None:
+    assert {kind(case).name for case in BODIES.values()} == {known.name for known in KINDS.values()}
+
+
+@each_variant
+def test_names_units_dimensions_and_numbers(case: Case) -> None:
+    force, _ = pressing(case)
+    out = solver.solve(case | {force: [case[force], 1.2 * case[force]]}, X, regular=True)
+    assert_finite(out)
+    known = kind(case).every_quantity | dict(kind(case).fields)
+    assert "peak_von_mises" not in out
+    assert not set(kind(case).fields) & set(solver.solve(case))
+    for name, values in out.data_vars.items():
+        described = known[str(name).removesuffix("_regular")]
+        assert values.attrs["long_name"]
+        assert values.dtype == np.float64
+        assert values.dims == (
+            (force, "position") if str(name) in kind(case).fields or "_reg" in str(name) else (force,)
+        )
+        if name in known:
+            assert values.attrs["units"] == described.units, name
+        else:
+            root = np.sqrt(np.abs(1 - np.square(X)))
+            np.testing.assert_allclose(values, out[str(name).removesuffix("_regular")] * root, rtol=1e-11, atol=1e-300)
+    assert out.attrs["source"].startswith("meecontact")
+    assert out.coords[force].attrs["units"] == ("N m-1" if force == "load" else "N")
+
+
+@each_variant
+def test_cases_together_are_the_cases_alone_in_any_order_and_leave_their_input(case: Case) -> None:
+    force, charge = pressing(case)
+    charges = np.array([0.0, 1e-11 * case[force]])
+    table = case | {force: [case[force], 1.1 * case[force]], charge: charges}
+    whole, inside = solver.solve(table, X), solver.solve_interior(table, X, Y)
+    assert whole["depth"].dims == (force, charge)
+    turned = solver.solve(dict(reversed(table.items())), X)
+    assert turned["depth"].dims == (charge, force)
+    assert_alike(turned.transpose(*whole.dims), whole, 1e-12)
+    assert charges.tolist() == [0.0, 1e-11 * case[force]]
+    single = case | {force: 1.1 * case[force], charge: charges[1]}
+    assert_alike(whole.isel({force: 1, charge: 1}), solver.solve(single, X), 1e-9)
+    assert_alike(inside.isel({force: 1, charge: 1}), solver.solve_interior(single, X, Y), 1e-8)
+
+
+def test_half_planes_in_a_table_are_bit_for_bit_the_half_plane_alone() -> None:
+    table = xr.Dataset(
+        {"thickness": ("case", [np.nan, 2e-4]), "base": ("case", np.array(["", "steel"], dtype=object))}
+    ).assign(LINE | BARE)
+    whole, alone = solver.solve(table, X), solver.solve(LINE, X)
+    for name, values in alone.data_vars.items():
+        np.testing.assert_array_equal(whole[name][0], values)
+
+
+#: Wrong values of a radius or a force, and the words of their refusal.
+NUMBERS: tuple[tuple[object, str], ...] = (
+    (float("nan"), "nan is not"), (float("-inf"), "-inf is not"), (0.0, "0 is not"), (-1.0, "-1 is not"),
+    ("half", "'half' is not"), ([1.0, "half"], "'half' is not"), ([1.0, -7.0], "-7 is not"), (1j, ""), (10**400, ""),
+    ([1.0, [1.0, 2.0]], ""), ([[1.0, 2.0]], "2 dimensions"), ({"a": 1}, "is not"), (np.ma.masked, "nan"),
+)  # fmt: skip
+
+
+@each_body
+def test_bad_factors_and_positions_are_refused_in_one_line(case: Case) -> None:
+    force, charge = pressing(case)
+    for name in ("radius", force):
+        for value, words in NUMBERS:
+            refused(case | {name: value}, f"{name}: ", words)
+        refused({key: value for key, value in case.items() if key != name}, f"{name}: missing")
+    for name, value, words in (
+        (charge, np.inf, "inf is not"), ("friction", -0.1, "-0.1 is not"), ("speed", -1.0, "-1"),
+        ("fricton", 0.3, "did you mean 'friction'"), ("material", "PZT4", "did you mean 'PZT-4'"),
+        ("material", 3, "3"), ("profile", "sphera", "is not one of"), ("electric", "fibros", "is not one of"),
+        ("volume_fraction", 0.5, "not both"), (charge, [0.0, 1e-9], f"^{charge}: 1e-09 .*electric insulating"),
+    ):  # fmt: skip
+        insulating = {"electric": "insulating", "magnetic": "conducting"} if name == charge else {}
+        with pytest.raises((solver.FactorError, solver.MaterialError), match=words):
+            solver.solve(case | insulating | {name: value})
+    for positions in ([0.5, 1.0], [np.nan], [np.inf], [], [[0.1, 0.2]], 0.5, ["a"], "abc"):
+        refused(case, "positions: ", positions=positions)
+    for x, y, fields, words in (
+        ([0.0], [0.1], None, "^y: 0.1 is above the surface"), ([1.0], [0.0], None, "^x: .* edge"),
+        ([np.nan], [-1.0], None, "^x: not a list"), ([], [-1.0], None, "^x: not a list"),
+        ([0.0], [-1.0], ["stress"], "^fields: 'stress' is not one of stress_xx"),
+    ):  # fmt: skip
+        with pytest.raises(solver.FactorError, match=words):
+            solver.solve_interior(case, x, y, fields=fields)
+    with pytest.raises(solver.FactorError, match="peaks: 'shear' is unknown"):
+        solver.solve(case, peaks=["shear"])
+
+
+def slope(answer: Callable[[float], xr.Dataset], step: float) -> xr.Dataset:
+    """Derivative at 0 by central differences, to the fourth order of the step."""
+    near, far = ((answer(k * step) - answer(-k * step)) / (2 * k * step) for k in (1, 2))
+    return (4 * near - far) / 3
+
+
+@each_variant
+def test_tangents_are_differences_and_the_charge_per_force_leaves_no_voltage(case: Case) -> None:
+    force, charge = pressing(case)
+    per, size = force if force == "load" else "force", case[force]
+    result = solver.solve(case)
+    by_force = slope(lambda step: solver.solve(case | {force: size + step}), 1e-3 * size)
+    unit = abs(float(result["charge_per_force"])) * size
+    by_charge = slope(lambda step: solver.solve(case | {charge: step}), 1e-3 * unit)
+    assert float(result[f"voltage_per_{per}"]) == pytest.approx(float(by_force["voltage"]), rel=1e-6)
+    assert float(result["stroke_per_volt"]) == pytest.approx(float(by_charge["depth"] / by_charge["voltage"]), rel=1e-6)
+    determinant = by_force["depth"] * by_charge["voltage"] - by_charge["depth"] * by_force["voltage"]
+    blocked = float(-by_charge["depth"] / determinant)
+    assert float(result[f"blocked_{per}_per_volt"]) == pytest.approx(blocked, rel=1e-5)
+    held = solver.solve(case | {charge: float(result["charge_per_force"]) * size})
+    assert abs(float(held["voltage"])) < 1e-6 * abs(float(result["voltage"]))
+
+
+@pytest.mark.parametrize("name", [name for name in BODIES if name.startswith("half")])
+def test_strokes_and_charges_of_bodies_without_layers_are_reciprocal(name: str) -> None:
+    """d depth/dT = -dV/dP where no length but the contact's own is in the body."""
+    result = solver.solve(BODIES[name])
+    assert float(result["stroke_per_volt"]) == pytest.approx(float(result["charge_per_force"]), rel=1e-9)
+
+
+def scaled(case: Case, size: float, strength: float) -> Case:
+    """The similar case: each number times its powers of size and strength; a gap's permittivity by the strength."""
+    numbers = {name: value for name, value in case.items() if isinstance(value, float) and name != "volume_fraction"}
+    weights = {name: weight_of(name) for name in numbers if name not in ("friction", "speed")}
+    similar = {name: numbers[name] * size**power.size * strength**power.strength for name, power in weights.items()}
+    return case | similar | ({"gap_permittivity": strength} if case.get("surroundings") == "air" else {})
+
+
+@each_variant
+def test_similar_cases_have_similar_answers(case: Case) -> None:
+    if case.get("punch") == "steel":
+        pytest.skip("the stiffness of a punch does not scale")
+    case = case | ({"datum": 0.3} if "load" in case else {})
+    first, other = (solver.solve(similar, X) for similar in (case, scaled(case, 0.7, 1.3)))
+    assert set(first) == set(other)
+    for name, values in first.data_vars.items():
+        power = QUANTITY_WEIGHTS[str(name)]
+        expected = values.values * 0.7**power.size * 1.3**power.strength
+        np.testing.assert_allclose(other[name], expected, rtol=0, atol=1e-6 * np.abs(expected).max(), err_msg=str(name))
+
+
+@each_body
+def test_fields_inside_meet_those_on_the_surface(case: Case) -> None:
+    inside = solver.solve_interior(case, X, [0.0], fields=["stress_yy", "electric_potential"])
+    surface = solver.solve(case, X)
+    pressure = surface["contact_pressure"].values
+    np.testing.assert_allclose(-inside["stress_yy"][0], pressure, rtol=0, atol=1e-6 * pressure.max())
+    np.testing.assert_allclose(inside["electric_potential"][0, 1:3], surface["voltage"], rtol=1e-6)
+
+
+@each_body
+def test_only_what_needs_c12_is_left_out_or_refused_without_it(case: Case) -> None:
+    constants = {
+        name: float(getattr(solver.find("PZT-4"), name)) for name in ("c11", "c13", "c33", "c44", "e33", "eps33")
+    }
+    lacking = case | {"material": solver.Material.from_mapping({"name": "mine", **constants, "eps11": 6e-9})}
+    assert not {"stress_zz", "von_mises"} & set(solver.solve_interior(lacking, X, Y))
+    with pytest.raises(solver.MaterialError, match=r"^mine: c12: missing; von_mises needs it"):
+        solver.solve_interior(lacking, X, Y, fields=["von_mises"])
+    with pytest.raises(solver.MaterialError, match=r"c12: missing; .* need"):
+        solver.solve(lacking, peaks=True)
