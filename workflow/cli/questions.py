@@ -13,7 +13,7 @@ from approximation.arrays import Array
 from solver.names import ALL_QUANTITIES, CHOICES
 from surrogate import GaussianProcess, Input, load
 from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
-from workflow.cli import predictions
+from workflow.cli import query
 from workflow.cli.words import named, quantity, trained
 from workflow.dataset import factorial
 from workflow.design.search import targets
@@ -196,7 +196,7 @@ def _told(axis: Input, mean: float, low: float, high: float, *, si: bool) -> str
     if axis.to_unit(high) - axis.to_unit(low) > _UNTOLD * 2:  # the range is [-1, 1]
         within = f"the study's range is {shown(axis.low, units)} to {shown(axis.high, units)}"
         return f"{axis.name} cannot be told from this: {within}"
-    return f"{axis.name:16s} {predictions.shown(mean, low, high, units, si=si)}"
+    return f"{axis.name:16s} {query.shown(mean, low, high, units, si=si)}"
 
 
 def _measured(name: str, text: str) -> tuple[float, float]:

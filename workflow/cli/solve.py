@@ -35,8 +35,8 @@ from storage.files import output, write_text
 from storage.netcdf import write_whole
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.words import numbers, say, written_as
-from workflow.language.cells import plain
 from workflow.language.given import DESTROYED, lost_unit
+from workflow.language.wordings import plain
 from workflow.study.reading import InputError, read_material
 
 _NAMED = 8  # quantities that a message names

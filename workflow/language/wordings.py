@@ -48,6 +48,7 @@ RENAMED = {
 }
 _NOT_READ = re.compile(r"\b(recalled|not read|somebody's code)\b")  # words of sources
 _YEAR = re.compile(r"\b(19|20)\d\d\b")
+_FORMULA = tuple("=+-@\t\r")  # with which a spreadsheet begins to calculate
 
 
 def unverified(source: str) -> str:
@@ -55,3 +56,8 @@ def unverified(source: str) -> str:
     if _NOT_READ.search(source):
         return " (unverified: not read at its source)"
     return "" if _YEAR.search(source) else " (unverified: no dated source)"
+
+
+def plain(cell: object) -> object:
+    """A cell of CSV: a text that a spreadsheet would calculate stands behind an apostrophe."""
+    return f"'{cell}" if isinstance(cell, str) and cell[:1] in _FORMULA else cell

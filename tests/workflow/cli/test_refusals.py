@@ -10,8 +10,8 @@ from snakemake.cli import parse_config
 
 from tests.workflow.cli.test_main import complaint
 from workflow.cli import main
-from workflow.language.cells import plain
 from workflow.language.spelling import nearest
+from workflow.language.wordings import plain
 from workflow.run.provenance import ROOT
 from workflow.study import layered, location
 
