@@ -9,7 +9,7 @@ from surrogate.search.optimise import maximise
 from surrogate.search.pareto import Front
 from tests.workflow.design import standin
 from workflow.design.question.question import Question
-from workflow.design.search import front, landscape, polish, targets
+from workflow.design.search import front, polish, targets
 from workflow.design.search.candidate import Candidate
 from workflow.study.target import Target
 
@@ -78,7 +78,7 @@ def test_map_and_slices_are_the_terms_about_the_design() -> None:
     study = standin.study()
     limit = "trailing_tension <= 50 MPa"
     design = standin.design(study, AT, maximise="peak_pressure", over=["radius", "load"], subject_to=[limit])
-    pictures = landscape.landscape(design)
+    pictures = targets.map_and_slices(design)
     over = {"radius": pictures["map_x"].values[::20], "load": pictures["map_y"].values[::20]}
     exact = solve({**standin.FIXED, **over}).transpose(*over)
     np.testing.assert_allclose(pictures["map_objective"].values[::20, ::20], exact["peak_pressure"], rtol=1e-9)
