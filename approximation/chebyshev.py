@@ -42,7 +42,7 @@ def coefficients(values: Array, axis: int = 0) -> Array:
 
 
 def interpolation(count: int, places: Array) -> Array:
-    """Return what takes values at `gauss_points` to the polynomial through them at places; (n, count).
+    """Return the interpolation matrix from values at `gauss_points` to places; (n, count).
 
     places: (n,), within [-1, 1].
     """

@@ -118,7 +118,7 @@ def spacing(place: Array, count: int | Indices) -> Array:
 
 
 def rows(count: int, places: Array) -> Array:
-    """Return what takes values at the points of a panel to value and two derivatives at places: (n, 3, count).
+    """Return matrices from values at a panel's points to value and two derivatives at places: (n, 3, count).
 
     places: (n,), within [-1, 1].
     """

@@ -41,7 +41,7 @@ class Interval:
         return np.concatenate([slopes, np.zeros((1, *slopes.shape[1:]))])
 
     def taylor(self, terms: int) -> Array:
-        """Return what takes values at the points to the series of f, f', f''/2 and so on; (term, count, point)."""
+        """Return matrices from values at the points to the series of f, f', f''/2 and so on; (term, count, point)."""
         series = [coefficients(np.eye(self.count))]
         for power in range(1, terms):
             series.append(self.derived(series[-1]) / power)
@@ -89,7 +89,7 @@ class Piecewise:
         return out.reshape(*places.shape, *(self.series.shape[2:] if mixing is None else mixing.shape[1:]))
 
     def halved(self, values: Callable[[Array], Array], which: Flags) -> "Piecewise":
-        """Return the function with some panels cut in halves, which are tabled anew.
+        """Return the function with some panels cut in halves, which are tabulated again.
 
         which: (panel,).
         """

@@ -91,7 +91,7 @@ def climb(
         point = np.array([u, v])
         ahead = np.minimum(np.maximum(point + step, -1.0), 1.0)
         last = np.abs(step).max(axis=0) < close
-        # what the last step brings is its gain on a parabola, to the third order of it
+        # the gain of the last step is that on a parabola, up to third order
         gain = np.where(last, np.maximum((gradient * (ahead - point)).sum(axis=0), 0.0) / 2, 0.0)
         value = bent.value + gain
         up = value > best[2, active]

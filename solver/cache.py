@@ -105,13 +105,13 @@ def trim() -> float:
 
 @cache
 def _return_memory() -> Callable[[int], object]:
-    """The C library's way to return freed memory to the system: glibc keeps what lies between arrays in use."""
+    """The C library's function that returns freed memory to the system: glibc holds memory between arrays in use."""
     trimmed: Callable[[int], object] = getattr(CDLL(None), "malloc_trim", int)
     return trimmed
 
 
 def _size(entry: object, seen: set[int]) -> float:
-    """Bytes of an entry without what was seen before."""
+    """Bytes of an entry, without objects counted before."""
     size, waiting = 0.0, [entry]
     while waiting:
         value = waiting.pop()

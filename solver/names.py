@@ -41,7 +41,7 @@ FACTORS: dict[str, Factor] = {
     "punch_poisson": poisson("the punch"),
 }
 
-#: The factor that says what each composite is made of; the laws are those of ``solver/material/laws.py``.
+#: The factor that states each composite's composition; the laws are those of ``solver/material/laws.py``.
 COMPOSITES = {"fibrous": "volume_fraction", "laminate": "volume_fraction", "AlScN": "scandium_fraction"}
 
 #: How a composite that is no mixture is written by the share that its factor is, and the rest.
@@ -90,7 +90,7 @@ OF_AN_ELECTRODE = (
 #: Factors that name materials.
 MATERIALS = ("material", "base", "punch")
 
-#: Factors that say what the punch is made of: a name, or modulus and Poisson's ratio; without one it is rigid.
+#: Factors of the punch's material: a name, or modulus and Poisson's ratio; without one the punch is rigid.
 OF_A_PUNCH = ("punch", "punch_modulus", "punch_poisson")
 
 #: What is beside a contact whose charges spread along the punch, and the factors that it alone has.
@@ -105,7 +105,7 @@ OF_A_FILM = (
 #: The factor that gives a whole stack of layers (:class:`solver.Stack`), in place of a material and a film's factors.
 BODY = "body"
 
-#: What presses and charges the punch of each kind of contact.
+#: Load and charges on the punch of each kind of contact.
 CONTACTS: dict[Contact, Loads] = {
     "line": Loads("load", ("charge", "magnetic_charge")),
     "point": Loads("force", ("total_charge", "total_flux")),
@@ -163,7 +163,7 @@ RESPONSES = (
      "blocked_load_per_ampere", "permeance_per_length"),
 )  # fmt: skip
 
-#: Quantities of the body below depth 0.1 h, which are searched for and given when asked for.
+#: Quantities of the body below depth 0.1 h, found by a search and returned on request.
 PEAKS: dict[str, Described] = {
     "peak_von_mises": Described("Pa", "largest von Mises stress below depth 0.1 h"),
     "peak_von_mises_depth": Described("m", "depth of the largest von Mises stress below depth 0.1 h"),
@@ -206,7 +206,7 @@ GAP_QUANTITIES: dict[str, Described] = {
     "gap_field": Described("V m-1", "largest electric field in the gap beside the contact"),
 }
 
-#: Quantities of a film that are searched for and given when asked for, in place of ``PEAKS``.
+#: Quantities of a film, found by a search and returned on request, in place of ``PEAKS``.
 FILM_PEAKS: dict[str, Described] = {
     "interface_shear": Described("Pa", "largest abs(sigma_xy) on the upper side of the interface"),
     "interface_shear_position": Described("1", "where, as (x - c)/h"),

@@ -6,8 +6,11 @@ node ids cannot be written to.
 """
 
 import contextlib
+import functools
 import os
+import re
 import sys
+from collections import Counter
 from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import Any
@@ -23,8 +26,8 @@ from xdist.scheduler import LoadScopeScheduling
 
 from storage import quarantine
 from tests import layers, programs
-from tests.closing import closing
 from tests.workflow.conftest import Copy, Project, copy
+from workflow.run.provenance import ROOT
 from workflow.study import model
 
 __all__ = ["copy"]
@@ -38,39 +41,13 @@ model.SILENCE = 3600.0
 # interpreter takes four times as long; both ways are tried by tests/faults/test_hostile.py
 quarantine._has_one_thread = lambda: True
 
-#: Files that look at a run of a pipeline, by the session fixture that makes it.
-FILES = {
-    "ran": (
-        "tests/workflow/test_pipeline.py",
-        "tests/workflow/test_referees.py",
-        "tests/workflow/cli/test_main.py",
-        "tests/workflow/cli/test_questions.py",
-        "tests/workflow/design/test_unreached.py",
-        "tests/workflow/report/test_datum_effect.py",
-        "tests/workflow/report/test_figures.py",
-        "tests/workflow/report/test_firstscreen.py",
-        "tests/workflow/report/test_page.py",
-        "tests/workflow/run/test_standin.py",
-        "tests/workflow/study/test_planned.py",
-    ),
-    "undisturbed": (
-        "tests/faults/test_disk.py",
-        "tests/faults/test_killed.py",
-        "tests/faults/test_tampered.py",
-        "tests/faults/test_together.py",
-    ),
-    "quickstart_run": (
-        "tests/test_docs.py",
-        "tests/test_format.py",
-        "tests/workflow/design/test_search.py",
-        "tests/workflow/report/test_panel.py",
-    ),
-}
+#: Session fixtures that run a pipeline: all files that look at one of them are one worker's.
+RUNS = ("ran", "undisturbed", "quickstart_run")
 
 #: What takes longest begins first, so that the last groups to end are short.
 LONGEST = (
     "tests/faults/test_hostile.py",  # first: it bounds the memory of its process, which no other test may have taken
-    *FILES,
+    *RUNS,
     "tests/test_tutorials.py",
     "tests/workflow/design/test_budget.py",
     "tests/surrogate/use/test_inversion.py",
@@ -78,9 +55,11 @@ LONGEST = (
 )
 
 
+@functools.cache
 def group(file: str) -> str:
-    """The run that a file looks at, else the file itself."""
-    return next((run for run, files in FILES.items() if file in files), file)
+    """Return the run that a file looks at, else the file itself."""
+    text = (ROOT / file).read_text(encoding="utf-8")
+    return next((run for run in RUNS if re.search(rf"\b{run}: Project\b", text)), file)
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
@@ -106,29 +85,24 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 @pytest.hookimpl(tryfirst=True)  # before marks select
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Say each test's layer; bring the longest groups to the front; refuse a run made once more, in another group."""
+    """Mark each test with its layer, and bring the longest groups to the front."""
     layers.leave_to_soak(items)
     for item in items:
         names = {name for mark in item.iter_markers("needs") for name in mark.args}
         if reason := programs.missing(sorted(names)):
             item.add_marker(pytest.mark.skip(reason=reason))
-    for item in items:
         fixtures = set(getattr(item, "fixturenames", ()))
         item.add_marker(layers.layer(item.location[0], [mark.name for mark in item.iter_markers()], fixtures))
-        for run in FILES.keys() & fixtures:
-            if group(item.location[0]) != run:
-                raise pytest.UsageError(f"{item.location[0]} uses {run!r} and is not among its FILES in {__file__}")
-    items.sort(key=lambda item: _rank(group(item.location[0])))
-
-
-def _rank(name: str) -> int:
-    return LONGEST.index(name) if name in LONGEST else len(LONGEST)
+    order = [*LONGEST, ""]
+    items.sort(key=lambda item: order.index(name if (name := group(item.location[0])) in LONGEST else ""))
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """End with one line on what was not run, and on how to get it."""
     reports = terminalreporter.stats.get("skipped", [])
-    terminalreporter.write_line(closing([report.longrepr[2] for report in reports]))
+    counts = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in reports)
+    parts = [f"{count} test{'s' * (count > 1)}: {reason}" for reason, count in counts.items()]
+    terminalreporter.write_line(f"not run: {'; '.join(parts)}" if parts else "nothing was left out")
 
 
 @pytest.hookimpl(wrapper=True)

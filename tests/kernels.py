@@ -8,6 +8,8 @@ import os
 import subprocess
 import sys
 from collections.abc import Sequence
+from itertools import product
+from typing import Any
 
 #: Values of OPENBLAS_CORETYPE; the last one runs on every processor.
 KERNELS = ("Haswell", "SkylakeX", "Zen", "Nehalem")
@@ -30,26 +32,26 @@ def distinct() -> tuple[list[str], list[str]]:
     """Return the kernels that differ on this processor, and those that are left out."""
     kernels: dict[str, str] = {}
     for kernel in KERNELS:
-        variables = {**os.environ, "OPENBLAS_CORETYPE": kernel}
-        command = [sys.executable, "-c", _PROBE]
-        probe = subprocess.run(command, env=variables, capture_output=True, text=True, check=False)
+        probe = _python(["-c", _PROBE], kernel, capture_output=True, text=True)
         if probe.returncode == 0 and probe.stdout.strip():
             kernels.setdefault(probe.stdout.strip(), kernel)
     return list(kernels.values()), [kernel for kernel in KERNELS if kernel not in kernels.values()]
+
+
+def _python(words: Sequence[str], kernel: str, threads: int = 1, **options: Any) -> subprocess.CompletedProcess[Any]:
+    variables = {**os.environ, "OPENBLAS_CORETYPE": kernel, "OMP_NUM_THREADS": str(threads)}
+    return subprocess.run([sys.executable, *words], env=variables, check=False, **options)
 
 
 def main(words: Sequence[str]) -> int:
     """Run the rooms under each kernel that differs here; return the number of runs that failed."""
     soak, failed = "soak" in words, 0
     kernels, left_out = distinct()
-    for kernel in kernels:
-        for threads in (1, 2) if soak else (1,):
-            print(f"{kernel}, threads: {threads}", flush=True)
-            workers = str(max((os.cpu_count() or 1) // threads, 1))
-            files = ["-m", "not slurm", *ALL] if soak else QUICK
-            command = [sys.executable, "-m", "pytest", "-n", workers, *files]
-            variables = {**os.environ, "OPENBLAS_CORETYPE": kernel, "OMP_NUM_THREADS": str(threads)}
-            failed += subprocess.run(command, env=variables, check=False).returncode != 0
+    for kernel, threads in product(kernels, (1, 2) if soak else (1,)):
+        print(f"{kernel}, threads: {threads}", flush=True)
+        workers = str(max((os.cpu_count() or 1) // threads, 1))
+        files = ["-m", "not slurm", *ALL] if soak else QUICK
+        failed += _python(["-m", "pytest", "-n", workers, *files], kernel, threads).returncode != 0
     print(f"kernels not run: {', '.join(left_out) or 'none'}")
     return failed
 

@@ -25,78 +25,39 @@ LAYERS = ("unit", "dense", "process", "browser")
 #: What makes or reads the run of a pipeline.
 RUNS = {"copy", "tiny", "undisturbed", "ran", "quickstart_run"}
 
-#: Files and folders of which every test starts programs, whatever its fixtures.
-PROCESSES = (
-    "tests/faults/",
-    "tests/slurm/",
-    "tests/storage/test_netcdf.py",
-    "tests/test_benchmarks.py",
-    "tests/test_docs.py",
-    "tests/test_public_names.py",
-    "tests/test_recipes.py",
-    "tests/test_tutorials.py",
-    "tests/workflow/calculator/test_calculated.py",
-)
+#: Files and folders of `tests/` of which every test starts programs, whatever its fixtures.
+PROCESSES = """
+faults/ slurm/ storage/test_netcdf.py test_benchmarks.py test_docs.py test_public_names.py test_recipes.py
+test_tutorials.py workflow/calculator/test_calculated.py
+"""
 
-#: Files and folders of dense searches, solutions in 50 digits and fits of studies.
-DENSE = (
-    "tests/solver/face/test_air.py",
-    "tests/solver/face/test_film_bodies.py",
-    "tests/solver/face/test_films.py",
-    "tests/solver/face/test_own_base.py",
-    "tests/solver/face/test_scans.py",
-    "tests/solver/line/",
-    "tests/solver/halfplane/test_coalescing_roots.py",
-    "tests/solver/halfplane/test_conduction.py",
-    "tests/solver/halfplane/test_friction_coupling.py",
-    "tests/solver/halfplane/test_interior.py",
-    "tests/solver/halfplane/test_peaks.py",
-    "tests/solver/halfplane/test_precise.py",
-    "tests/solver/halfplane/test_precision.py",
-    "tests/solver/halfplane/test_speed.py",
-    "tests/solver/point/test_inside.py",
-    "tests/solver/point/test_peaks.py",
-    "tests/solver/point/test_precise.py",
-    "tests/solver/point/test_sliding.py",
-    "tests/solver/gap/",
-    "tests/solver/test_contract.py",
-    "tests/solver/test_curves.py",
-    "tests/surrogate/face/test_persistence.py",
-    "tests/surrogate/gp/test_finiterank.py",
-    "tests/surrogate/gp/test_properties.py",
-    "tests/surrogate/gp/test_scattergp.py",
-    "tests/surrogate/intervals/",
-    "tests/surrogate/search/",
-    "tests/surrogate/transforms/curves/",
-    "tests/surrogate/use/",
-    "tests/test_examples.py",
-    "tests/test_numbers.py",
-    "tests/verification/",
-    "tests/workflow/cli/test_learn.py",
-    "tests/workflow/dataset/",
-    "tests/workflow/design/",
-    "tests/workflow/learning/",
-    "tests/workflow/report/test_figures.py",
-    "tests/workflow/report/test_films.py",
-    "tests/workflow/report/test_firstscreen.py",
-    "tests/workflow/study/test_categories.py",
-    "tests/workflow/study/test_grouped.py",
-    "tests/workflow/study/test_layered.py",
-)
+#: Those of dense searches, solutions in 50 digits and fits of studies.
+DENSE = """
+solver/face/test_air.py solver/face/test_film_bodies.py solver/face/test_films.py solver/face/test_own_base.py
+solver/face/test_scans.py solver/line/ solver/halfplane/test_coalescing_roots.py solver/halfplane/test_conduction.py
+solver/halfplane/test_friction_coupling.py solver/halfplane/test_interior.py solver/halfplane/test_peaks.py
+solver/halfplane/test_precise.py solver/halfplane/test_precision.py
+solver/halfplane/test_speed.py solver/point/test_inside.py solver/point/test_peaks.py solver/point/test_precise.py
+solver/point/test_sliding.py solver/gap/ solver/test_contract.py solver/test_curves.py
+surrogate/face/test_persistence.py surrogate/gp/test_finiterank.py surrogate/gp/test_properties.py
+surrogate/gp/test_scattergp.py surrogate/intervals/ surrogate/search/ surrogate/transforms/curves/ surrogate/use/
+test_examples.py test_numbers.py verification/
+workflow/cli/test_learn.py workflow/dataset/ workflow/design/ workflow/learning/ workflow/report/test_figures.py
+workflow/report/test_films.py workflow/report/test_firstscreen.py workflow/study/test_categories.py
+workflow/study/test_grouped.py workflow/study/test_layered.py
+"""
 
-#: Of those folders, files of moments.
-MOMENTS = (
-    "tests/solver/line/test_stack.py",
-    "tests/solver/gap/test_densities.py",
-    "tests/solver/gap/test_equilibration.py",
-    "tests/verification/test_oracles.py",
-    "tests/workflow/design/test_answer.py",
-    "tests/workflow/design/test_counting.py",
-    "tests/workflow/design/test_judging.py",
-    "tests/workflow/design/test_searching.py",
-    "tests/workflow/design/test_sources.py",
-    "tests/workflow/design/test_spoken.py",
-)
+#: Files of DENSE's folders that take moments.
+MOMENTS = """
+solver/line/test_stack.py solver/gap/test_densities.py solver/gap/test_equilibration.py verification/test_oracles.py
+workflow/design/test_answer.py workflow/design/test_counting.py workflow/design/test_judging.py
+workflow/design/test_searching.py workflow/design/test_sources.py workflow/design/test_spoken.py
+"""
+
+
+def listed(file: str, names: str) -> bool:
+    """Return True where a list holds the file or one of its folders."""
+    return file.startswith(tuple(f"tests/{name}" for name in names.split()))
 
 
 def layer(file: str, marks: Iterable[str], fixtures: Iterable[str]) -> str:
@@ -104,9 +65,9 @@ def layer(file: str, marks: Iterable[str], fixtures: Iterable[str]) -> str:
     named = [name for name in LAYERS if name in set(marks)]
     if named:
         return named[-1]
-    if RUNS & set(fixtures) or file.startswith(PROCESSES):
+    if RUNS & set(fixtures) or listed(file, PROCESSES):
         return "process"
-    return "dense" if file.startswith(DENSE) and file not in MOMENTS else "unit"
+    return "dense" if listed(file, DENSE) and not listed(file, MOMENTS) else "unit"
 
 
 def sample(cases: Sequence[frozenset[tuple[str, object]]], count: int) -> set[int]:

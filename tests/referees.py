@@ -1,9 +1,9 @@
 """What public referees say of a run's files: `python tests/referees.py results/quickstart`, with none of our own code.
 
 CF 1.11 of every netCDF file by the IOOS compliance checker; Croissant by mlcroissant; the Workflow Run RO-Crate by
-roc-validator; all values by Debian's nccopy and nco, where they are installed; `meecontact serve` by the client
-of UM-Bridge. `make referees` and `tests/workflow/test_referees.py` run it, in an environment of its own
-(requirements/referees.in); it exits with 1 where a referee finds a fault.
+roc-validator; all values by Debian's nccopy and nco, where they are installed. `make referees` and
+`tests/workflow/test_referees.py` run it, in an environment of its own (requirements/referees.in); it exits with 1 where
+a referee finds a fault.
 """
 
 import re
@@ -107,12 +107,7 @@ def foreign(folder: Path) -> Iterator[str]:
 
 
 #: What each looks at: not every study has a surrogate.
-REFEREES = {
-    conventions: "*.nc",
-    croissant: "croissant.json",
-    crate: "ro-crate-metadata.json",
-    foreign: "*.nc",
-}
+REFEREES = {conventions: "*.nc", croissant: "croissant.json", crate: "ro-crate-metadata.json", foreign: "*.nc"}
 
 
 def main(folders: list[str]) -> int:

@@ -21,10 +21,10 @@ def smooth(t: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> np.ndarray[t
 @pytest.mark.parametrize("rival", rivals.RIVALS[:3], ids=lambda rival: rival.name)
 def test_rivals_learn_a_smooth_function(rival: rivals.Rival) -> None:
     random = np.random.default_rng(0)
-    t, at = random.uniform(-1, 1, (120, 3)), random.uniform(-0.9, 0.9, (40, 3))
+    t, points = random.uniform(-1, 1, (120, 3)), random.uniform(-0.9, 0.9, (40, 3))
     y = smooth(t)
-    mean, std = rival.fit(t, y)(at, True)
-    assert np.abs(mean - smooth(at)).max() < 0.15
+    mean, std = rival.fit(t, y)(points, True)
+    assert np.abs(mean - smooth(points)).max() < 0.15
     assert (std is not None) == rival.has_std
 
 
@@ -33,9 +33,9 @@ def test_rivals_on_a_grid_learn_a_smooth_function(name: str, room: float) -> Non
     levels = [gauss_points(count) for count in (9, 8, 7)]
     t = np.stack(np.meshgrid(*levels, indexing="ij"), axis=-1)
     predict = rivals.GRID_RIVALS[name](levels, smooth(t.reshape(-1, 3)).reshape(9, 8, 7, 2))
-    at = np.random.default_rng(0).uniform(-0.9, 0.9, (100, 3))
-    mean, std = predict(at, True)
-    error = np.abs(mean - smooth(at))
+    points = np.random.default_rng(0).uniform(-0.9, 0.9, (100, 3))
+    mean, std = predict(points, True)
+    error = np.abs(mean - smooth(points))
     assert error.max() < room
     assert std is None or (error <= 3 * std + 1e-6).mean() > 0.9
 
@@ -47,9 +47,9 @@ def test_the_comparison_measures_errors_on_the_exact_solution(monkeypatch: pytes
     monkeypatch.setattr(surrogates, "LONG", 0.0)
     monkeypatch.setattr(surrogates, "installed", lambda: ([], ["another"]))
     monkeypatch.setattr(surrogates, "ratios", lambda rows: {"some": 2.0})
-    found = surrogates.measure()
-    exact, ours, calibrated, chebyshev, spline, kronecker = found["rows"]
-    assert [row["cases"] for row in found["rows"]] == [0, 576, 776, 576, 576, 576]
+    result = surrogates.measure()
+    exact, ours, calibrated, chebyshev, spline, kronecker = result["rows"]
+    assert [row["cases"] for row in result["rows"]] == [0, 576, 776, 576, 576, 576]
     assert set(exact["error"].values()) == {0.0}
     assert calibrated["error"] == ours["error"]
     for name in surrogates.OUTPUTS:
@@ -61,9 +61,9 @@ def test_the_comparison_measures_errors_on_the_exact_solution(monkeypatch: pytes
         assert calibrated["crps"][name] < calibrated["error"][name]
     assert spline["coverage"] is None
     assert kronecker["crps"] is not None
-    assert [row["method"] for row in found["equal_accuracy"]].count("Chebyshev-kernel GP") >= 1
-    assert all(max(row["error"].values()) <= row["accuracy"] for row in found["equal_accuracy"])
-    text = page.page({"surrogates": found, "exact": {"alone": 1e-3}, "machine": "m", "processor": "p", "versions": {}})
+    assert [row["method"] for row in result["equal_accuracy"]].count("Chebyshev-kernel GP") >= 1
+    assert all(max(row["error"].values()) <= row["accuracy"] for row in result["equal_accuracy"])
+    text = page.page({"surrogates": result, "exact": {"alone": 1e-3}, "machine": "m", "processor": "p", "versions": {}})
     assert "Left out, as not installed here: another." in text
     assert text.count("<img") == 2
     assert "Kronecker RBF GP" in text
@@ -78,13 +78,13 @@ def test_the_comparison_on_scattered_cases_is_with_the_truth_and_tells_who_is_mi
     monkeypatch.setattr(scattered, "FUNCTIONS", noisy)
     absent = scattered.Method("another", "no_such_package", 10_000, scattered.ours)
     monkeypatch.setattr(scattered, "METHODS", [scattered.METHODS[0], absent])
-    found = scattered.measure((800,))
-    of = {key.rsplit(": ", 1)[1]: value for key, value in found.items()}
-    assert all(key.startswith("ScatterGP, circuit with noise, 800 cases: ") for key in found)
+    result = scattered.measure((800,))
+    by_measure = {key.rsplit(": ", 1)[1]: value for key, value in result.items()}
+    assert all(key.startswith("ScatterGP, circuit with noise, 800 cases: ") for key in result)
     # below the noise of 0.01, and intervals of new cases with it
-    assert 1e-4 < of["root-mean-square error over range"] < 0.007
-    assert of["root-mean-square error over range"] < of["largest error over range"]
-    assert 0.92 < of["coverage"] < 0.98
+    assert 1e-4 < by_measure["root-mean-square error over range"] < 0.007
+    assert by_measure["root-mean-square error over range"] < by_measure["largest error over range"]
+    assert 0.92 < by_measure["coverage"] < 0.98
     assert "left out, as not installed here: another" in capsys.readouterr().out
 
 

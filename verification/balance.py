@@ -22,7 +22,7 @@ CASES: dict[str, Case] = {
         "magnetic": "insulating",
     },
 }  # fmt: skip
-#: Components along x and along y of what is conserved.
+#: Components along x and along y of the conserved quantities.
 FLOWS = (
     ("stress_xx", "stress_xy"),
     ("stress_xy", "stress_yy"),

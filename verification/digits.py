@@ -31,7 +31,7 @@ EXTREMES: dict[str, Case] = {
 def run(sizes: Sizes) -> Findings:
     """Random cases, extremes, interior fields."""
     random = np.random.default_rng(sizes.seed)
-    cases = {_told(case): case for case in (_random(random) for _ in range(sizes.cases))}
+    cases = {_description(case): case for case in (_random(random) for _ in range(sizes.cases))}
     compared = "all quantities and surface fields, each over its own size"
     checks: list[Check] = [
         check(f"{kind}: {name}", compared, TOLERANCE, _surface_error, case, places)
@@ -74,7 +74,7 @@ def _random(random: np.random.Generator) -> Case:
     }
 
 
-def _told(case: Case) -> str:
+def _description(case: Case) -> str:
     numbers = ", ".join(f"{name} {case[name]:.2g}" for name in ("radius", "friction", "load"))
     return f"{case['material']}, {numbers}, {case['electric']}/{case['magnetic']}"
 

@@ -24,13 +24,13 @@ CASES: dict[str, Case] = {
     "PZT-4 on steel, air": SLIDING,
     "PZT-4 on steel, air, elastic punch": SLIDING | {"punch_modulus": STEEL[0], "punch_poisson": STEEL[1]},
 }
-#: What is compared, and the tolerance at order 10.
+#: Compared quantities, and the tolerance at order 10.
 COMPARED = {
     "load": ("load that the half-length needs", 3e-7),
     "centre": ("centre of the contact", 3e-6),
     "voltage": ("voltage against the grounded interface", 3e-6),
 }
-#: The same of fields, each over its largest, under a rigid punch: what air changes most.
+#: Compared fields, each over its largest value, under a rigid punch, where air has the largest effect.
 FIELDS_COMPARED = {
     "beside": ("potential of the surface beside the contact, over the voltage", 3e-6),
     "inside": ("stresses and D half way down the film, below the contact and beside it", 1e-6),
@@ -68,21 +68,21 @@ class Compared:
         """Relative error of one of ``COMPARED`` or ``FIELDS_COMPARED``."""
         contact, solved = self.contact, self.solved
         if what in FIELDS_COMPARED:
-            return self._off_beside() if what == "beside" else self._off_inside()
+            return self._exterior_error() if what == "beside" else self._interior_error()
         if what == "load":
             return off(contact.load, self.case["load"])
         if what == "centre":
             return off(contact.centre, solved["contact_offset"])
         return off(contact.potential(ELECTRIC), solved["voltage"])
 
-    def _off_beside(self) -> float:
-        place, phi = self.contact.beside(ELECTRIC)
+    def _exterior_error(self) -> float:
+        place, phi = self.contact.exterior(ELECTRIC)
         compared = np.flatnonzero((np.abs(place) > _FROM) & (np.abs(place) < _TO))[::5]
         inside = solver.solve_interior(self.case, place[compared], [0.0], fields=["electric_potential"])
         difference = inside["electric_potential"].to_numpy()[0] - phi[compared]
         return float(np.max(np.abs(difference)) / abs(self.contact.potential(ELECTRIC)))
 
-    def _off_inside(self) -> float:
+    def _interior_error(self) -> float:
         depth = self.case["thickness"] / 2
         expected, y = self.contact.fields(X, depth), -depth / self.contact.half_length
         inside = solver.solve_interior(self.case, X, [y], fields=INSIDE)

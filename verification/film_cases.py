@@ -1,4 +1,4 @@
-"""Cases of films, and what the solver says of them."""
+"""Cases of films, and the solver's answers for them."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -39,7 +39,7 @@ INTENSITIES = ("electric_edge_intensity", "magnetic_edge_intensity")
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A case, and what the solver says of it."""
+    """A case, and the solver's answer for it."""
 
     case: Case
 

@@ -19,7 +19,7 @@ WHERE = np.sort(np.concatenate([X, BESIDE, [-1.0, 1.0]]))
 _BY_UNIT = {"stress": FIELDS[:3], "electric displacement": FIELDS[3:5], "magnetic induction": FIELDS[5:]}
 _ENDS = ("trailing", "leading")
 _ABOVE = 1 - 1e-9  # of the depth of an interface: its upper side
-#: What is compared, and the tolerance at order 10.
+#: Compared quantities, and the tolerance at order 10.
 COMPARED = {
     "load": ("load that the half-length needs", 1e-6),
     "ends": ("a and b over the half-length", 1e-6),

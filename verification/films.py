@@ -1,4 +1,4 @@
-"""Films against what is known of them: limits (theory of films, section 8), balance, Betti, finer resolution."""
+"""Films against known results: limits (theory of films, section 8), balance, Betti, finer resolution."""
 
 from collections.abc import Callable
 from functools import cache, partial

@@ -47,7 +47,7 @@ PUNCHES: dict[str, tuple[Case, profile.Profile]] = {
         profile.Profile(lambda x: 20 * x + 4e4 * x**2 + 1e9 * x**3),
     ),
 }  # fmt: skip
-#: Thicknesses of what sliding balls are on, with air beside them [m].
+#: Thicknesses of the bodies under sliding balls with air beside them [m].
 AIRY = {"half-space": np.inf, "film": 1e-4}
 CONDUCTED = {(1, 2): "both", (1,): "electric", (2,): "magnetic", (): "neither"}
 X = np.array([-6.0, -1.01, *np.cos(np.pi * (np.arange(40) + 0.5) / 40), 1.01, 2.5])

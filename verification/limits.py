@@ -1,4 +1,4 @@
-"""Classical limits and symmetries: what the closed form must become, by textbook formulas."""
+"""Classical limits and symmetries of the closed form, by textbook formulas."""
 
 import numpy as np
 

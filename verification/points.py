@@ -106,7 +106,7 @@ def _hamilton() -> float:
 
 
 def _precise(case: Mapping[str, Any], exponent: float, coefficient: float) -> float:
-    """Largest relative error of every quantity that the oracle tells, under coefficient r^exponent."""
+    """Largest relative error over all quantities of the oracle, under coefficient r^exponent."""
     charges = {"total_charge": 3e-10, "total_flux": -2e-8}
     solved = solver.solve({"material": "BaTiO3-CoFe2O4 50:50", "force": 10.0} | charges | dict(case))
     exact = point.quantities(

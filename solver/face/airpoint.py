@@ -11,8 +11,7 @@ from solver.face.point import SURFACE, OnPoints
 from solver.face.pointfilm import OnPointFilm, with_nominal_field
 from solver.face.refusal import CaseError
 from solver.fields import POINT_NEED_C12
-from solver.gap.pointfields import fields, inside, peaks
-from solver.gap.pointquantities import quantities
+from solver.gap.pointquantities import fields, inside, peaks, quantities
 from solver.point.contact import Pressed
 from solver.point.sliding import warn_of_order
 

@@ -11,7 +11,7 @@ from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.refusal import FactorError
 from solver.material.constants import Material, MaterialError, combined
-from solver.material.laws import made
+from solver.material.laws import compose
 from solver.material.library import find
 from solver.names import CHOICES, COMPOSITES
 from solver.stack.layers import RIGID
@@ -24,7 +24,7 @@ def material_of(cases: Cases) -> Material:
         return _chosen(cases.values["material"], cases.materials)
     kinds = cases.values.get("composite", np.array(CHOICES["composite"][0]))
     composites = {
-        str(kind): made(str(kind), phases, cases.values[COMPOSITES[kind]]) for kind in dict.fromkeys(kinds.flat)
+        str(kind): compose(str(kind), phases, cases.values[COMPOSITES[kind]]) for kind in dict.fromkeys(kinds.flat)
     }
     if len(composites) == 1:
         return next(iter(composites.values()))

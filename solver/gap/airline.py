@@ -11,16 +11,15 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
-from solver.gap.newton import MOST, Factored, reopened, solved
-from solver.gap.operators import BALANCE, DISPLACEMENT, LOAD
+from solver.gap.newton import Factored, is_open, iterated, opened, reopened, solved
+from solver.gap.operators import BALANCE, DISPLACEMENT, LOAD, SOLVING, AirTable, Near
 from solver.gap.refusal import GapError, require_open
-from solver.gap.table import SOLVING, AirTable, Near
 from solver.line.contact import FilmContact, mean_power
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A contact under one punch, air beside it; units of the stack but where SI is said."""
+    """A contact under one punch with air beside it, in the units of the stack unless SI is stated."""
 
     table: AirTable
     contact: FilmContact
@@ -246,11 +245,6 @@ class State:
         """Fields whose potentials are held."""
         return [f for f in self.problem.fields if self.problem.held[f]]
 
-    @property
-    def open(self) -> bool:
-        """Return True if the gap is positive at every node."""
-        return bool(np.all(self.gap > 0))
-
     def require_gap(self) -> None:
         """Refuse a gap that closes, as :func:`solver.gap.refusal.require_open`."""
         operators = self.problem.table.operators
@@ -340,10 +334,6 @@ class Chord:
         return step
 
 
-_STEPS = 40
-_CLOSE = 1e-11
-_STALLED = 1e-7  # steps below it that no longer shrink are rounding
-_MOST = 0.3  # of log h and c/h in a step
 _SLOW = 0.1  # of a step that the next one is below, or its equations are those of another state
 _ROUNDED = 1e-9  # steps below it are slow by rounding: new equations would make them no faster
 
@@ -358,12 +348,8 @@ class AirContact(Problem):
     def state(self) -> State:
         """The solution."""
         result = self._from_idle
-        if not (result and result.open):
-            result = self._sought(self._start)
-        for _ in range(MOST):
-            if result is None or result.open:
-                break
-            result = self._sought(State(self, result.reopened, result.near)) or result
+        if not (result and is_open(result)):
+            result = opened(self._sought(self._start), self._sought)
         if result is None:
             raise GapError("surroundings: no contact with air beside it is found for this load and these charges")
         result.require_gap()
@@ -391,21 +377,15 @@ class AirContact(Problem):
         return state.moved(np.concatenate([state.unknowns[: start.size], state.densities_at_its_gap]))
 
     def _sought(self, state: State, chord: Chord | None = None) -> State | None:
-        """Limit of Newton's iteration, its gap open or not; None if it does not converge.
+        """Limit of Newton's iteration; the equations of one state serve the next ones while they shrink the steps."""
 
-        The equations of one state serve the next ones as long as they make steps shrink.
-        """
-        last = np.inf
-        for _ in range(_STEPS):
-            step = (chord or state.chord).step(state)
-            if chord and last > _ROUNDED and not np.max(np.abs(step) / state.sizes) < _SLOW * last:
+        def step(state: State, last: float) -> Array:
+            nonlocal chord
+            change = (chord or state.chord).step(state)
+            if chord and last > _ROUNDED and not np.max(np.abs(change) / state.sizes) < _SLOW * last:
                 chord = None
-                step = state.chord.step(state)
+                change = state.chord.step(state)
             chord = chord or state.chord
-            step /= max(1.0, float(np.max(np.abs(step[:_EXTENT]))) / _MOST)
-            size = float(np.max(np.abs(step) / state.sizes))
-            state = state.moved(state.unknowns - step)
-            if size < _CLOSE or (size < _STALLED and size > last / 2):
-                return state
-            last = size
-        return None
+            return change
+
+        return iterated(state, step, _EXTENT)

@@ -11,17 +11,11 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
-from solver.gap.newton import MOST, reopened
+from solver.gap.newton import is_open, iterated, opened, reopened
 from solver.gap.refusal import GapError, require_open
-from solver.gap.ringoperators import Rows
+from solver.gap.ringoperators import RingsByRadius, Rows
 from solver.gap.rings import Rings
-from solver.gap.ringtable import RingsByRadius
 from solver.point.profile import Shape
-
-_STEPS = 40
-_CLOSE = 1e-11
-_STALLED = 1e-7  # steps below it that no longer shrink are rounding
-_MOST = 0.3  # of log a in a step
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,32 +65,22 @@ class AirPoint:
     def within(self) -> "PointState | None":
         """The solution, where there is one and the operators were made for its radius."""
         result = self._solution
-        return result if result and result.open and self.operators.holds(float(result.unknowns[0])) else None
+        return result if result and is_open(result) and self.operators.holds(float(result.unknowns[0])) else None
 
     @cached_property
     def _solution(self) -> "PointState | None":
         result = None if self.near is None else self._sought(PointState(self, self.near))
-        if result is None or not result.open:  # from afar Newton's iteration may come to a gap that is closed
+        if result is None or not is_open(result):  # from afar Newton's iteration may come to a gap that is closed
             result = self._sought(PointState(self, self._first))
-        for _ in range(MOST):
-            if result is None or result.open:
-                break
-            result = self._sought(PointState(self, result.reopened)) or result
-        return result
+        return opened(result, self._sought)
 
     def _sought(self, state: "PointState") -> "PointState | None":
-        """Limit of Newton's iteration, its gap open or not; None if it does not converge."""
-        last = 0.0
-        for _ in range(_STEPS):
-            step = np.linalg.solve(state.jacobian, state.residual)
-            step /= max(1.0, abs(float(step[0])) / _MOST)
-            size = float(np.max(np.abs(step) / state.sizes))
-            state = PointState(self, state.unknowns - step)
-            # steps shrink like squares: the next one would be about size^3 / last^2
-            if size < _CLOSE or size**3 < _CLOSE * last**2 or (size < _STALLED and size > last / 2):
-                return state
-            last = size
-        return None
+        """Limit of Newton's iteration."""
+
+        def step(state: PointState, _last: float) -> Array:
+            return np.asarray(np.linalg.solve(state.jacobian, state.residual))
+
+        return iterated(state, step, 1, quadratic=True)
 
     @property
     def _first(self) -> Array:
@@ -106,7 +90,7 @@ class AirPoint:
         unknowns[0] = np.log(self.start)
         for _ in range(2):
             state = PointState(self, unknowns)
-            # the force stays, and so does the gap: what is left is linear
+            # with force and gap fixed the equations are linear
             unknowns[1:] -= np.linalg.solve(state.frozen[1:, 1:], state.residual[1:])
         return unknowns
 
@@ -117,6 +101,10 @@ class PointState:
 
     problem: AirPoint
     unknowns: Array
+
+    def moved(self, unknowns: Array) -> "PointState":
+        """The same contact at other unknowns."""
+        return PointState(self.problem, unknowns)
 
     @property
     def radius(self) -> float:
@@ -146,7 +134,7 @@ class PointState:
 
     @property
     def columns(self) -> Array:
-        """u0, the profile and the densities over their size: what operators answer; (column,)."""
+        """u0, the profile and the densities over their size: factors of the operators' columns; (column,)."""
         first = self.problem.rows.causes
         return np.concatenate([self.unknowns[1:first], [1.0], self.unknowns[first:]])
 
@@ -249,11 +237,6 @@ class PointState:
         largest = np.max(np.abs(self.over_size), 1, initial=1e-300)
         largest = np.maximum(largest, 1e-3 * self.problem.force / (self.size * self.radius))
         return np.concatenate([[1.0], causes, np.repeat(largest, self.problem.rows.nodes)])
-
-    @property
-    def open(self) -> bool:
-        """Return True if the gap is positive at every node."""
-        return bool(np.all(self.gap > 0))
 
     @property
     def reopened(self) -> Array:

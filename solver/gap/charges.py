@@ -1,4 +1,4 @@
-"""Charges beside one contact with those that they draw into it: values and transforms (theory section 10).
+"""Charges beside one contact and the charge induced in it: values, transforms, spectra (theory section 10).
 
 With X = +-cosh(u) beside the contact, z = cosh(w) above it and C the charge beyond, of the right side
 
@@ -6,22 +6,27 @@ With X = +-cosh(u) beside the contact, z = cosh(w) above it and C the charge bey
 
 F' = H, F = 0 at infinity. Intervals next to w have Gauss's rule with its error at the poles +-w made good: it is what
 1/(u -+ w) alone has, times the residue.
+
+Charges vary on the scale of their distance from the edge. A smooth window in the logarithm of that distance therefore
+has no short waves: each window is integrated only up to the wavenumbers that it contains, over bounded phases.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legint, legval, legvander
+from scipy.special import erf
 
 from solver.arrays import Array, ComplexArray
-from solver.gap.grid import Grid
+from solver.gap.grid import Grid, gauss
 
 _RULE = 10  # nodes of an interval
 _NODES, _WEIGHTS = leggauss(_RULE)
 _TO_SERIES: Array = np.asarray(np.linalg.inv(legvander(_NODES, _RULE - 1)), dtype=np.float64)
 _WIDTH = 0.9  # of the intervals into which the infinite panel is cut
-#: How many they are for fields, to which what lies farther is a charge at infinity, and for potentials: 1e-10 is left.
+#: Number of intervals for fields and for potentials; charge beyond them counts as a charge at infinity, to 1e-10.
 NEAR, FAR = 10, 26
 _ELLIPSE = 4.5  # rho^-20 is left: 1e-13
 _TINY = 1e-300  # of the imaginary part: the upper side of the real axis
@@ -78,7 +83,7 @@ class Charges:
         return np.asarray(within)
 
     @cached_property
-    def _rest(self) -> Array:
+    def _far_charge(self) -> Array:
         """Charge beyond all intervals; (side, 2)."""
         return np.asarray(self.unknowns @ self.grid.totals - np.asarray(legval(-1.0, self._beyond))[..., 0])
 
@@ -89,7 +94,7 @@ class Charges:
         return np.asarray(np.where(X > 0, right, left))
 
     def drawn(self, X: Array) -> Array:
-        """Densities that they draw into the contact, at abs(X) < 1; (2, point)."""
+        """Charge densities induced in the contact, at abs(X) < 1; (2, point)."""
         right, left = self.unknowns @ np.stack([self.grid.induced(X).T, self.grid.induced(-X).T])
         return np.asarray((right + left) / np.sqrt((1 - X) * (1 + X)))
 
@@ -128,7 +133,7 @@ class Charges:
         self._mend(result, w, series, weights, integrated)
         if integrated:
             return np.asarray(-(result + rule.sum(1)[:, None]) / np.pi)
-        return np.asarray((result + self._rest[side, :, None]) / (np.pi * root))
+        return np.asarray((result + self._far_charge[side, :, None]) / (np.pi * root))
 
     def _summed(self, rule: Array, z: ComplexArray) -> tuple[Array, Array]:
         """Real and imaginary part of the sum of rule / (cosh u - z); (2, point) each."""
@@ -140,7 +145,7 @@ class Charges:
         return rule @ (distance / size), (rule @ (1 / size)) * z.imag
 
     def _mend(self, transforms: ComplexArray, w: ComplexArray, series: Array, weights: Array, integrated: bool) -> None:
-        """Add what Gauss's rules miss of the poles at u = w and u = -w."""
+        """Add the error of Gauss's rules at the poles u = w and u = -w."""
         for sign in (1, -1):
             pole = sign * w
             local = (pole - self._middles[:, None]) / self._halves[:, None]
@@ -152,3 +157,102 @@ class Charges:
                 ruled = (1 / (self._u[number] - poles[:, None])) @ weights[number]
                 residue = legval(local[number, points], series[..., number])
                 transforms[:, points] += (sign if integrated else 1) * residue * (exact - ruled)
+
+
+_STEP, _SLOPE = 0.9, 0.2  # of windows in log(abs(X) - 1), and the width of their ends
+_TAIL = 4.8 * _SLOPE  # beyond which 1e-11 of a window is left
+_CUT = 75.0  # wavenumber times the distance of a window's beginning from the edge beyond which 1e-10 of it is left
+_PHASE, _PIECE = 28.0, 24  # across a piece, and its nodes
+_BAND = 6.0  # of wavenumbers that share nodes
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """Charges between two distances from the edge, with smooth ends."""
+
+    charges: Charges  # All of them
+    # Logarithms of the distances
+    start: float
+    stop: float
+    most: float  # Largest wavenumber times the half-length that it has
+
+    @cached_property
+    def _inner(self) -> Array:
+        """Ends in u of the window, cut at the intervals of the charges."""
+        ends = self.charges.ends
+        reach = np.exp(np.minimum([self.start - _TAIL, self.stop + _TAIL], 300.0))
+        least, farthest = np.minimum(np.arccosh(1 + reach), ends[-1])
+        return np.array([least, *ends[(ends > least) & (ends < farthest)], farthest])
+
+    @property
+    def reach(self) -> float:
+        """Largest abs(X) of it."""
+        return float(np.cosh(self._inner[-1]))
+
+    def _rule(self, most: float) -> tuple[Array, Array]:
+        """X of nodes on the right, (node,), and charges right and left, (side, 2, node), for waves up to a number."""
+        cuts = [
+            np.linspace(low, high, 1 + int(most * (np.cosh(high) - np.cosh(low)) / _PHASE), endpoint=False)
+            for low, high in pairwise(self._inner.tolist())
+        ]
+        u, weights = gauss(np.append(np.concatenate(cuts), self._inner[-1]), _PIECE)
+        place = np.log(2 * np.sinh(u / 2) ** 2)
+        share = (erf((place - self.start) / _SLOPE) - erf((place - self.stop) / _SLOPE)) / 2
+        return np.cosh(u), self.charges.densities(u) * (weights * np.sinh(u) * share)
+
+    @cached_property
+    def _bands(self) -> list[tuple[float, float, Array, Array]]:
+        """Bands of wavenumbers with the rule of each."""
+        result, most = list[tuple[float, float, Array, Array]](), self.most
+        while most > 0:
+            least = most / _BAND if most * self.reach > 1 else -1.0
+            result.append((least, most, *self._rule(most)))
+            most = least
+        return result
+
+    def add(self, out: ComplexArray, q: Array) -> None:
+        """Add its spectrum (2, wavenumber) at q.
+
+        out: (2, wavenumber), complex, what is added to; q: (wavenumber,), wavenumbers times the half-length.
+        """
+        for least, most, X, (right, left) in self._bands:
+            members = np.flatnonzero((q > least) & (q <= most))
+            if members.size:
+                phase = q[members, None] * X
+                out[:, members] += (right + left) @ np.cos(phase).T - 1j * ((right - left) @ np.sin(phase).T)
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Spectrum up to a wavenumber."""
+
+    charges: Charges
+    most: float
+
+    @cached_property
+    def windows(self) -> list[Window]:
+        """Windows from the edge outwards."""
+        last = float(np.log(np.cosh(self.charges.ends[-1])))
+        ends = [-np.inf, *np.arange(np.log(_CUT / self.most), last, _STEP).tolist(), np.inf]
+        return [Window(self.charges, *pair, min(self.most, _CUT * float(np.exp(-pair[0])))) for pair in pairwise(ends)]
+
+    def reach(self, q: float) -> float:
+        """Largest abs(X) whose charges count from a wavenumber times the half-length on."""
+        return max((window.reach for window in self.windows if window.most > q), default=1.0)
+
+    def values(self, q: Array) -> ComplexArray:
+        """Integrals of D exp(-i q X) dX over both sides; (2, wavenumber)."""
+        out: ComplexArray = np.zeros((2, q.size), np.complex128)
+        for window in self.windows:
+            window.add(out, q)
+        return out
+
+
+_GROWTH, _FIRST = 2.5, 100.0  # of panels in k towards 0, and the largest phase across the first
+
+
+def from_smaller(ends: Array, farthest: float) -> Array:
+    """Ends of panels in k with smaller ones before, across the first of which the farthest charges are in phase."""
+    turns = np.log(ends[1] * farthest / _FIRST) / np.log(_GROWTH)
+    below = ends[1] * _GROWTH ** -np.arange(1.0, max(turns, 0) + 2)
+    return np.concatenate([[0.0], below[::-1], ends[1:]])

@@ -1,6 +1,6 @@
 """Integrals of a stack's kernels against charges on the right side of a contact.
 
-One rule serves all targets where the kernel is smooth over an interval (:mod:`solver.gap.rules`); elsewhere
+One rule serves all targets where the kernel is smooth over an interval (:mod:`solver.gap.grid`); elsewhere
 intervals end where the kernel's panels do. About the contact, where densities lie on short panels and targets are many,
 the kernel is smooth over all of them: a few Chebyshev points stand for the panels, and a few for the targets.
 """
@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray
 from solver.cache import cached
-from solver.gap.grid import CLOSE, Grid
-from solver.gap.rules import RULE, spans
+from solver.gap.grid import CLOSE, RULE, Grid, spans
 from solver.line.assembly import mixing
 from solver.line.kernel import POTENTIAL, Kernel
 from solver.stack.reflection import low
 
-_DIGITS = 30.0  # exponent of what is left between Chebyshev points: below rounding
+_DIGITS = 30.0  # exponent of the interpolation error between Chebyshev points: below rounding
 
 #: Pieces of panels: target, panel, start and end of each.
 _Pieces = tuple[NDArray[np.intp], NDArray[np.intp], Array, Array]

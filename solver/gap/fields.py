@@ -1,11 +1,12 @@
 """Fields of contacts with air beside them, on the surface and inside, case by case; their peaks and curves."""
 
 from collections.abc import Iterator, Sequence, Set
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from approximation.arrays import Indices
 from approximation.summit import highest
@@ -13,22 +14,174 @@ from solver.arrays import Array, ComplexArray
 from solver.curves import PRINCIPAL, REGIONS, VON_MISES
 from solver.fields import FIELDS
 from solver.gap.airline import State
-from solver.gap.charges import FAR, NEAR
+from solver.gap.charges import FAR, NEAR, Charges, Spectrum, from_smaller
+from solver.gap.densities import Densities
 from solver.gap.quantities import states
-from solver.gap.tractions import AirTractions, Solved
 from solver.halfplane.curves import lines as region_lines
 from solver.halfplane.curves import named
 from solver.halfplane.interior import LINEAR
 from solver.halfplane.potentials import POTENTIALS
 from solver.line import quantities as film
+from solver.line.assembly import Assembly, mixing
 from solver.line.contact import FilmContact
 from solver.line.interior import Interior, fields_of
 from solver.line.interiorfields import in_blocks
+from solver.line.kernel import kernel
 from solver.line.peaks import PeakTable
 from solver.line.similar import Films
 from solver.line.stressnets import Net, Nets, of_whole
 from solver.line.surface import local_fields, of_local
+from solver.line.system import System
+from solver.line.tractions import Tractions
 from solver.names import PEAKS
+from solver.stack.layers import Stack
+from solver.stack.wavenumbers import on_panels, panels, strip
+
+_MIRRORED = np.array([-1.0, -1.0, -1.0, 1.0])  # du/dX of the mirror image, over that of a charge
+
+
+@dataclass(frozen=True, eq=False)
+class AirTractions(Tractions):
+    """Tractions of one contact, as one column; ``charges`` excludes the charge induced by exterior charges."""
+
+    exterior_charges: Charges = field(kw_only=True)
+    widest: float = 0.0
+
+    @cached_property
+    def _whole(self) -> Tractions:
+        """Tractions of the contact, including the induced charge."""
+        drawn = self.exterior_charges.terms(self.charges.shape[2])
+        densities = (self.pressures, self.charges + drawn[None, :, :, None])
+        return Tractions(self.system, self.basis, self.half_lengths, *densities, self.upper)
+
+    @property
+    def _half(self) -> float:
+        return float(self.half_lengths[0])
+
+    @cached_property
+    def _ends(self) -> Array:
+        """Ends of panels in k, from so small ones on that the farthest charges are in phase."""
+        stack = self.system.kernel.stack
+        ends = panels(stack, strip(stack) / 2)
+        return from_smaller(ends, self._half * float(np.cosh(self.exterior_charges.ends[-1])))
+
+    @cached_property
+    def _spectrum(self) -> Spectrum:
+        return Spectrum(self.exterior_charges, float(self._ends[-1] * self._half))
+
+    def part(self, members: slice | NDArray[np.intp]) -> Self:
+        """The contact itself, with its cached spectra: it is the only member."""
+        return self
+
+    def wavenumbers(self, body: Stack, nearest: float, reach: float, width: float) -> tuple[Array, Array]:
+        """Wavenumbers and weights; distant charges extend the range of long waves only."""
+        reach = max(reach, self.widest)
+        nearest_reach = reach - self.longest
+        far = [nearest_reach + self._half * self._spectrum.reach(start * self._half) for start in self._ends[:-1]]
+        return on_panels(self._ends, np.maximum(reach, far))
+
+    def by_distance(self, body: Stack, X: Array) -> list[NDArray[np.intp]]:
+        """All columns together: the charges in the gap lie far from the contact, too."""
+        return [np.arange(X.shape[1])]
+
+    def in_fourier_space(self, k: Array) -> ComplexArray:
+        """(i sigma_xy, sigma_yy, D_y, B_y) at the surface at wavenumbers k [1/m]; (1, k, 4, 1)."""
+        if (key := k.tobytes()) not in self._known:
+            result = self._whole.in_fourier_space(k)
+            result[0, :, 2:, 0] += self._half * self._spectrum.values(k * self._half).T
+            self._known[key] = result
+        return self._known[key]
+
+    @cached_property
+    def _known(self) -> dict[bytes, ComplexArray]:
+        """Spectra computed so far, by their wavenumbers."""
+        return {}
+
+    def on_plane(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
+        """Hilbert transforms at points z (1, point) above the surface, as of a contact; (4, 1, point, 1).
+
+        z: (1, point), complex, X + iY.
+        """
+        result = super().on_plane(z, integrated=integrated)
+        result[2:, 0, :, 0] += self.exterior_charges.transforms(z[0], integrated=integrated)
+        return result
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """Tractions of a contact in air, solved again at its exact half-length."""
+
+    state: State
+    points: Array
+    intervals: int = NEAR
+
+    @cached_property
+    def system(self) -> System:
+        """The contact's, its kernels as far as charges lie."""
+        operators = self.state.problem.table.operators
+        wide, narrow = operators._wide, operators.system.kernel
+        if wide is None:  # a half-plane's kernels are zero, up to the farthest point
+            reach = self.state.half * (1 + float(np.max(np.abs(self.points))))
+            wide = narrow if reach <= narrow.reach else kernel(narrow.stack, reach)
+        return replace(operators.system, kernel=wide)
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """Assembly at the half-length of the solution."""
+        half = np.array([self.state.half])
+        return Assembly(self.system, self.system.basis(self.state.half), half, self.points)
+
+    @cached_property
+    def exterior_charges(self) -> Charges:
+        """Charges beside the contact."""
+        problem = self.state.problem
+        grid, unknowns = problem.table.operators.grid, np.zeros((2, 2, problem.table.operators.grid.count))
+        densities = self.state.densities / problem.powers[1]
+        for place, f in enumerate(problem.fields):
+            unknowns[:, f] = densities[place].reshape(-1, grid.count)  # one side is that of both
+        return Charges(grid, unknowns, self.intervals)
+
+    @cached_property
+    def drawn(self) -> Array:
+        """Charge unknowns of the contact that exterior charges induce; (unknown,)."""
+        basis, result = self.assembly.basis, np.zeros(self.system.unknowns(self.assembly.basis))
+        terms = self.exterior_charges.terms(basis.terms + 1)
+        for f, start in self.system.starts(basis).items():
+            result[start : start + basis.terms + 1] = terms[f]
+        return result
+
+    def carried(self, X: Array) -> Array:
+        """du/dX of (y, phi, psi, x) at X that the kernels make of the charges beside the contact; (4, point)."""
+        operators = self.state.problem.table.operators
+        result = np.zeros((4, X.size))
+        if operators._wide is None:
+            return result
+        mix = np.concatenate([mixing(0.0, np.eye(3)[1 + f])[:, :4] for f in self.system.fields], 1)
+        integrals = Densities(operators.grid, operators._wide).integrals(self.state.half, np.concatenate([X, -X]), mix)
+        right, left = integrals.reshape(2, X.size, len(self.system.fields), 4, -1)
+        for place, f in enumerate(self.system.fields):
+            unknowns = self.exterior_charges.unknowns[:, f]
+            result += self.state.half * (right[:, place] @ unknowns[0] + _MIRRORED * (left[:, place] @ unknowns[1])).T
+        return result
+
+    @cached_property
+    def unknowns(self) -> Array:
+        """Unknowns of the contact, without the induced charge; (unknown,)."""
+        assembly, basis = self.assembly, self.assembly.basis
+        sources = self.carried(basis.nodes)[:3] + assembly.at_nodes[0] @ self.drawn
+        solutions = self.system.solve(basis, assembly.at_nodes, sources=sources[None, :, :, None])[0]
+        causes = self.state._causes[1][0]
+        return np.asarray(solutions @ np.append(causes, 1.0))
+
+    @property
+    def tractions(self) -> AirTractions:
+        """On the whole surface."""
+        basis = self.assembly.basis
+        pressures, charges = self.system.split(basis, self.unknowns)
+        return AirTractions(
+            self.system, basis, self.assembly.half_lengths, pressures[None, :, None], charges[None, :, :, None],
+            exterior_charges=self.exterior_charges,
+        )  # fmt: skip
 
 
 def surface_fields(state: State, positions: Array) -> dict[str, Array]:
@@ -87,7 +240,7 @@ def inside(films: Films, permittivity: Array, x: Array, y: Array, names: tuple[s
 
 
 def peaks(films: Films, permittivity: Array, names: Set[str]) -> dict[str, Array]:
-    """Quantities of ``solver.names.FILM_PEAKS`` that are asked for and the cases have, as without air; (case,) each."""
+    """Requested quantities of ``solver.names.FILM_PEAKS`` that the cases have; (case,) each."""
     return film.peaks(films, names, _tables(films, permittivity))
 
 
@@ -97,7 +250,7 @@ def curves(films: Films, permittivity: Array, regions: Sequence[str]) -> dict[st
 
 
 def body_peaks(films: Films, permittivity: Array, names: Set[str]) -> dict[str, Array]:
-    """Quantities of ``solver.names.PEAKS`` that are asked for, of half-planes as films of themselves; (case,) each."""
+    """Requested quantities of ``solver.names.PEAKS`` of half-planes, treated as films of themselves; (case,) each."""
     out = {name: np.empty(films.load.size) for name in PEAKS if name in names}
     for place, state in states(films, permittivity) if out else ():
         h = np.array([state.half])

@@ -9,20 +9,74 @@ is M/pi times
 
 on the same side and across, the contact's potential changes by -M/pi times theta', and its charge by the coefficients
 -(1/pi) (2 - delta_n0) exp(-n theta') (+-1)^n of T_n / sqrt(1 - X^2).
+
+A rule of n nodes errs by rho^-2n for a function that is analytic within the ellipse with foci at the interval's ends
+whose semi-axes add to rho (over half the interval; Trefethen, SIAM Review 50 (2008) 67). The nearest singularities of
+a stack's kernels lie at the distance of the strip from a target.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from approximation.arrays import Indices
 from approximation.chebyshev import gauss_points, interpolation
 from solver.arrays import Array, BoolArray
 from solver.cache import cached_small
-from solver.gap.rules import GRADED, Rules, gauss, spans
+
+RULE = 12  # nodes where charges and a panel of the kernel meet: exact for both
+GRADED = 0.12 ** np.arange(8.0)  # of the infinite panel, towards the logarithm at its end
+_SHARE, _WEIGHTS = (np.polynomial.legendre.leggauss(RULE) + np.array([[1.0], [0.0]])) / 2  # of an interval
+_ELLIPSE = 4.0  # rho^-16 is left, beside densities of degree 6: 2e-10
+
+
+def spans(start: Array, stop: Array) -> tuple[Array, Array]:
+    """Nodes and weights on each interval; (interval, node) each.
+
+    start, stop: (interval,), ends of the intervals.
+    """
+    length = (stop - start)[:, None]
+    return start[:, None] + length * _SHARE, length * _WEIGHTS
+
+
+def gauss(ends: Array, count: int) -> tuple[Array, Array]:
+    """Gauss's rule on each interval between ends: nodes and weights.
+
+    ends: (interval + 1,).
+    """
+    x, w = _legendre(count)
+    half = np.diff(ends) / 2
+    return (ends[:-1, None] + half[:, None] * (1 + x)).ravel(), (half[:, None] * w).ravel()
+
+
+@cache
+def _legendre(count: int) -> tuple[Array, Array]:
+    return np.polynomial.legendre.leggauss(count)
+
+
+@dataclass(frozen=True, eq=False)
+class Rules:
+    """Rules on intervals of u."""
+
+    panel: NDArray[np.intp]  # Panel of the densities; (interval,)
+    # Ends in u; (interval,)
+    start: Array
+    stop: Array
+    theta: Array  # Nodes; (interval, node)
+    shape: (
+        Array  # Weights times the density at the nodes per unknown of the panel; (interval, node, unknown of the panel)
+    )
+
+    def rough(self, singular: NDArray[np.complex128]) -> BoolArray:
+        """Mark intervals to which singularities at u = ``singular`` (..., interval) lie too close."""
+        z = (2 * singular - self.start - self.stop) / (self.stop - self.start)
+        root = np.sqrt(z - 1) * np.sqrt(z + 1)
+        return np.asarray(np.abs(z + root) < _ELLIPSE)
+
 
 #: Powers with a logarithm far away: by u_y alone above a ground, and where the potentials grow like log X themselves.
 LEVEL, GROWING = (2,), (0, 1, 2)
@@ -33,7 +87,7 @@ _BEYOND = (1.4, 1.9)  # ends of the next ones
 _WIDTH = 0.9  # of the panels beyond
 CLOSE = float(np.cosh(_EDGE[-1]))  # X at which those next to the edge end
 _NODES = 7  # a panel
-_NEAR = 0.04  # theta up to which what is integrated from the edge is better than a difference from the value there
+_NEAR = 0.04  # theta up to which integration from the edge is more accurate than a difference from the edge's value
 _FINE = 24  # of the rules that integrate over a panel
 _RATIO = 0.12  # of pieces towards a singular point
 
@@ -227,7 +281,7 @@ class Grid:
         return np.concatenate([function(theta) @ shape for theta, shape in self._whole], -1)
 
     def induced_terms(self, count: int) -> Array:
-        """Coefficients of T_n / sqrt(1 - X^2) in the charge within the contact that the density draws; (count, n)."""
+        """Coefficients of T_n / sqrt(1 - X^2) in the charge induced within the contact; (count, n)."""
         orders = np.arange(count)[:, None]
         return self.integrated(lambda theta: np.exp(-orders * theta)) * np.where(orders, 2, 1) / -np.pi
 
@@ -242,7 +296,7 @@ class Grid:
         return self.integrated(lambda theta: theta)
 
     def induced(self, X: Array) -> Array:
-        """Charge within the contact, times sqrt(1 - X^2), that the density draws; (point, n)."""
+        """Charge induced within the contact, times sqrt(1 - X^2); (point, n)."""
         distance = (1 - X)[:, None]
         # sinh / (cosh - X), without a difference next to the edge
         return self.integrated(lambda theta: np.sinh(theta) / (2 * np.sinh(theta / 2) ** 2 + distance)) / -np.pi
@@ -309,3 +363,24 @@ class Grid:
 @cached_small
 def _grid(count: int, logarithms: tuple[int, ...]) -> Grid:
     return Grid((*_EDGE, *_BEYOND, *(_BEYOND[-1] + _WIDTH * np.arange(1, count + 1))), logarithms)
+
+
+_SAMPLES = 129  # of a panel
+
+
+def peak_of_panels(values: Array) -> float:
+    """Largest absolute value of polynomials by their values at Gauss's nodes; (panel, node)."""
+    count = values.shape[1]
+    nodes = np.polynomial.legendre.leggauss(count)[0]
+    series = np.linalg.solve(np.polynomial.legendre.legvander(nodes, count - 1), values.T)
+    return _top(np.polynomial.legendre.legval(np.linspace(-1, 1, _SAMPLES), series))
+
+
+def _top(samples: Array) -> float:
+    """Largest absolute value of curves by samples at even distances, between them by parabolas; (curve, sample)."""
+    sizes = np.abs(samples)
+    before, middle, after = sizes[:, :-2], sizes[:, 1:-1], sizes[:, 2:]
+    top = (middle >= before) & (middle >= after)
+    bend = np.where(top, before - 2 * middle + after, -1.0)
+    rise = (after - before)[top] ** 2 / (-8 * np.where(bend < 0, bend, -1.0)[top])
+    return float(max(np.max(sizes), np.max(middle[top] + rise, initial=0.0)))

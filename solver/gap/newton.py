@@ -1,7 +1,8 @@
-"""Newton's iteration of contacts with air, along lines and at points: scaled systems, and gaps that a step shuts."""
+"""Newton's iteration of contacts with air, along lines and at points: scaled systems, steps, and closed gaps."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Self
+from typing import Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ class Factored:
     """
 
     factors: tuple[Array, NDArray[np.int32]]  # Of :func:`scipy.linalg.lu_factor`
-    # What those are multiplied by; (n,) each
+    # Scale factors of rows and columns; (n,) each
     rows: Array
     columns: Array
 
@@ -43,7 +44,73 @@ def solved(matrix: Array, right: Array) -> Array:
     return Factored.of(matrix).solve(right)
 
 
-MOST = 3  # times at most that such a gap is opened
+_STEPS = 40
+_CLOSE = 1e-11
+_STALLED = 1e-7  # steps below it that no longer shrink are rounding
+_LONGEST = 0.3  # of the extent's unknowns in a step
+_REOPENED = 3  # times at most that a closed gap is opened
+
+
+class Iterated(Protocol):
+    """State of a contact at some unknowns, the first of which are its extent."""
+
+    @property
+    def unknowns(self) -> Array:
+        """Unknowns; (unknown,)."""
+
+    @property
+    def sizes(self) -> Array:
+        """Scales of the unknowns, over which steps are measured; (unknown,)."""
+
+    @property
+    def gap(self) -> Array:
+        """Gap at the nodes; (n,)."""
+
+    @property
+    def reopened(self) -> Array:
+        """Unknowns with densities that open a gap which is closed next to an edge; (unknown,)."""
+
+    def moved(self, unknowns: Array) -> Self:
+        """The same contact at other unknowns."""
+
+
+_State = TypeVar("_State", bound=Iterated)
+
+
+def is_open(state: Iterated) -> bool:
+    """Return True if the gap is positive at every node."""
+    return bool(np.all(state.gap > 0))
+
+
+def iterated(
+    state: _State, step: Callable[[_State, float], Array], extents: int, *, quadratic: bool = False
+) -> _State | None:
+    """Limit of Newton's iteration, its gap open or not; None if it does not converge.
+
+    step: Newton's step at a state, by the size of the last step; extents: number of unknowns whose steps are bounded;
+    quadratic: each step solves its state's equations, so that the next one is about size^3 / last^2.
+    """
+    last = np.inf
+    for _ in range(_STEPS):
+        change = step(state, last)
+        change /= max(1.0, float(np.max(np.abs(change[:extents]))) / _LONGEST)
+        size = float(np.max(np.abs(change) / state.sizes))
+        state = state.moved(state.unknowns - change)
+        if size < _CLOSE or (size < _STALLED and size > last / 2):
+            return state
+        if quadratic and np.isfinite(last) and size**3 < _CLOSE * last**2:
+            return state
+        last = size
+    return None
+
+
+def opened(result: _State | None, search: Callable[[_State], _State | None]) -> _State | None:
+    """The result if its gap is open, else the limit of searches from states whose gap is reopened."""
+    for _ in range(_REOPENED):
+        if result is None or is_open(result):
+            break
+        result = search(result.moved(result.reopened)) or result
+    return result
 
 
 def reopened(densities: Array, gap: Array) -> Array:

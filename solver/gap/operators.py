@@ -12,16 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from approximation.chebyshev import gauss_points, interpolation
-from solver.arrays import Array
+from solver.arrays import Array, BoolArray
 from solver.gap.densities import enough, far, sampled
-from solver.gap.grid import CLOSE, Grid
-from solver.gap.rules import gauss
+from solver.gap.grid import CLOSE, GROWING, LEVEL, Grid, gauss
+from solver.gap.refusal import GapError
 from solver.line import outputs
 from solver.line.assembly import Assembly, mixing
 from solver.line.basis import Basis
+from solver.line.contact import FilmContact
 from solver.line.kernel import Kernel, kernel
 from solver.line.system import SAMPLES, System
-from solver.line.table import batches
+from solver.line.table import Table, batches
+from solver.stack.reflection import low
 
 _REACH = 8e4  # widths of the strip at which kernels are cut: beyond, they are their logarithm
 _SIGNS = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0])  # of mirror images: gradients of (y, phi, psi) are odd
@@ -29,7 +31,7 @@ _NOTHING = 1e-13  # of the compliance: kernels of a stack that is a half-plane
 #: Rows: load, balance, displacements, edge stresses and pressures over their weight; then those beside the contact.
 LOAD, BALANCE, DISPLACEMENT, EDGE, PRESSURE = 0, 1, slice(2, 5), slice(5, 7), slice(7, 7 + SAMPLES.size)
 FIRST = PRESSURE.stop
-#: Angles of the places X = cos(angle) within the contact at which densities are told: panels, graded to both edges.
+#: Angles of the places X = cos(angle) within the contact at which densities are output: panels, graded to both edges.
 _ENDS = (0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
 WITHIN = 8  # of them a panel
 _HALF = gauss(np.array([*_ENDS, np.pi / 2]), WITHIN)[0]
@@ -188,7 +190,7 @@ class _Assembled:
         )
 
     def _about(self, number: int) -> tuple[tuple[float, ...], Array | None]:
-        """Points about the contact between which the kernels have all digits, and what takes values there to places.
+        """Points about the contact that resolve the kernels to rounding, and the matrix from them to places.
 
         Places are the nodes next to the right and the left edge, the edges and the contact's nodes. Where the contact
         is narrow, points are a few of Chebyshev's; where it is wide, they are the places, then their mirror images.
@@ -318,3 +320,134 @@ class _Assembled:
 def _flat(values: Array) -> Array:
     """(target, field, channel, n) as (channel, target, field n)."""
     return np.moveaxis(values, 2, 0).reshape(values.shape[2], values.shape[0], -1)
+
+
+#: Rows before those beside the contact: load, balance, displacements.
+SOLVING: int = DISPLACEMENT.stop
+_TERMS = 4  # of Taylor's series about a half-length
+_NEXT = 1e-3  # of log h: its fourth power over the resolution of the tables is below rounding
+
+_LARGEST = 0.5e9  # bytes of a table, of which some copies exist while it is made; usual ones take 0.01 to 0.2 GB
+
+_MARGIN, _MARGIN_OF_BASE = 10.0, 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class AirTable:
+    """Operators at the half-lengths of a table, read between them by Chebyshev's polynomials in log h."""
+
+    table: Table
+    farthest: float = 0.0
+
+    @cached_property
+    def operators(self) -> Operators:
+        """Operators at any half-length of the range."""
+        system = self.table.system
+        even = system.coefficients.friction == 0 and system.degree == 1
+        return Operators(system, grid_of(system, self.table.lower, self.table.upper, self.farthest), even)
+
+    @cached_property
+    def _parts(self) -> tuple[Array, Array]:
+        """Outputs at the half-lengths: rows that the equations need, and the others; (node, row, column) each."""
+        operators = self.operators
+        size = (
+            8.0
+            * self.table.half_lengths.size
+            * operators.rows
+            * (operators.system.causes + len(operators.system.fields) * operators.density_nodes)
+        )
+        if size > _LARGEST:
+            raise GapError(
+                "surroundings: charges spread so far beside the contact that their table would take "
+                f"{size / 1e9:.3g} GB; at most {_LARGEST / 1e9:g} GB; must be insulated"
+            )
+        values = operators.matrices(self.table.half_lengths)
+        solving = self._solving
+        return np.ascontiguousarray(values[:, solving]), np.ascontiguousarray(values[:, ~solving])
+
+    @property
+    def _solving(self) -> BoolArray:
+        """Mark the rows that the equations need; (row,)."""
+        operators = self.operators
+        needed: BoolArray = np.zeros(operators.rows, dtype=bool)
+        needed[:SOLVING] = needed[FIRST : FIRST + operators.density_nodes * (1 + len(operators.system.fields))] = True
+        return needed
+
+    def near(self, log_half: float) -> "Near":
+        """Rows that the equations need about log h."""
+        terms = np.tensordot(self._weights(log_half, _TERMS), self._parts[0], 1)
+        return Near(log_half, terms)
+
+    def outputs(self, log_half: float, columns: Array) -> Array:
+        """All rows at log h, of the sum of causes and densities times ``columns``; (row,).
+
+        columns: (column,), sizes of causes and densities.
+        """
+        weights, result = self._weights(log_half, 1)[0], np.empty(self.operators.rows)
+        for part, rows in zip(self._parts, (self._solving, ~self._solving), strict=True):
+            result[rows] = weights @ (part @ columns)
+        return result
+
+    def _weights(self, log_half: float, count: int) -> Array:
+        """Matrix from values at the half-lengths to Taylor coefficients in log h; (count, node)."""
+        return np.asarray(self.table.polynomials(np.array([log_half]))[0] @ self.table.interval.taylor(count))
+
+
+def grid_of(system: System, shortest: float, longest: float, farthest: float = 0.0) -> Grid:
+    """Panels beside contacts of half-lengths between two, as far as the thickness of the film matters."""
+    stack = system.kernel.stack
+    distance = max(30.0, 40 * stack.thickness / shortest, min(300.0, 2e3 * system.kernel.width / longest), farthest)
+    growing = bool(np.any(np.diagonal(low(stack))[2:]))
+    return Grid.up_to(distance, GROWING if growing else LEVEL)
+
+
+def farthest(contact: FilmContact, permittivity: Array) -> float:
+    """X as far as which charges beside a contact are not yet those of the open gap: 0 or a power of four.
+
+    Over a film they are from where the gap lets pass less than the film, D = eps0 V/(g + eps0 thickness/eps): the last
+    panel, whose terms are powers of 1/X, begins at ten times that distance, which makes 1e-6 of the charges. Over a
+    base whose potential grows it is where the gap is x eps0/eps, and the panel has the logarithms of that.
+    """
+    system, scale = contact.table.system, contact.scale
+    stack, powers = system.kernel.stack, [(i, abs(float(c))) for i, c in enumerate(contact.loading.slope[0]) if i and c]
+    below, reach = np.diagonal(low(stack)), 0.0
+    for f in system.fields:
+        medium = float(permittivity[f] * scale[2 + f] ** 2 / scale[1])
+        film = medium * abs(float(system.coefficients.compliance[1 + f, 1 + f])) * stack.thickness
+        base = medium * abs(float(below[2 + f]))
+        reach = max(reach, _MARGIN * min(((i + 1) * film / c) ** (1 / (i + 1)) for i, c in powers))
+        reach = max(reach, _MARGIN_OF_BASE * min(((i + 1) * base / c) ** (1 / i) for i, c in powers))
+    needed = reach / float(contact.half_width[0])
+    return float(4.0 ** np.ceil(np.log(needed) / np.log(4.0))) if needed > 1 else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Near:
+    """Rows that the equations need, by Taylor's series about one half-length."""
+
+    centre: float
+    terms: Array
+
+    def holds(self, log_half: float) -> bool:
+        """Return True if log h is within the range of the Taylor series."""
+        return abs(log_half - self.centre) <= _NEXT
+
+    def matrix(self, log_half: float, rows: slice = slice(None)) -> Array:
+        """Some rows, or all; (row, column)."""
+        terms = self._terms(log_half)
+        powers = (log_half - self.centre) ** np.arange(len(terms))
+        part = terms[:, rows]
+        return part[0] if log_half == self.centre else np.asarray(np.tensordot(powers, part, 1))
+
+    def products(self, log_half: float, columns: Array) -> tuple[Array, Array]:
+        """Rows times columns, and their derivatives in log h; (row,) each.
+
+        columns: (column,), sizes of causes and densities.
+        """
+        series, change = self._terms(log_half) @ columns, log_half - self.centre
+        k = np.arange(len(series))
+        return change**k @ series, (k[1:] * change ** k[:-1]) @ series[1:]
+
+    def _terms(self, log_half: float) -> Array:
+        """Taylor terms that matter: two if the next one is below rounding."""
+        return self.terms[:2] if abs(log_half - self.centre) < _NEXT**3 else self.terms

@@ -1,26 +1,29 @@
 """Every quantity of point contacts with air beside them by its name (points, 6)."""
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Set
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from solver.arrays import Array
 from solver.cache import cached
 from solver.gap.airpoint import AirPoint, PointState
-from solver.gap.largest import peak_of_panels
-from solver.gap.pointtractions import SolvedPoint
+from solver.gap.grid import peak_of_panels
+from solver.gap.pointtractions import AirPointTractions, SolvedPoint
 from solver.gap.refusal import lacking_at_point, require
-from solver.gap.ringoperators import WITHIN, RingOperators
+from solver.gap.ringoperators import WITHIN, RingOperators, RingsByRadius, RingsOnHalfSpace, RingWindows
 from solver.gap.rings import rings
-from solver.gap.ringtable import RingsByRadius, RingsOnHalfSpace, RingWindows
 from solver.gap.slidingpoint import SlidingPoint, largest_beside, largest_within, trailing_tension, warn_of_charges
+from solver.halfplane.potentials import POTENTIALS
+from solver.halfplane.pressing import ContactError
 from solver.line.windows import FIRST, LAST
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.point.body import Film, HalfSpace
 from solver.point.contact import Contact, Pressed
 from solver.point.friction import Rim
+from solver.point.inside import Inside
 from solver.point.kernel import shear_kernel
+from solver.point.peaks import peaks_of
 from solver.point.profile import SAMPLES, Shape, climbed, finite
 from solver.point.quantities import RESPONSES
 from solver.twoport import Stiffness
@@ -49,7 +52,7 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | Non
 
 
 def solved(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple["Case", PointState, RingOperators]]:
-    """Every case with its solution and the operators that it was found with; arguments and refusals as above."""
+    """Yield every case with its solution and operators; arguments and refusals of :func:`quantities`."""
     for case, contacts in _cases(pressed, permittivity, end):
         state = case.charged(contacts)
         yield case, state, case.operators(state.radius).exact
@@ -200,3 +203,62 @@ def _peak_within(state: PointState, row: int) -> float:
     first, count = SAMPLES.size, (state.inside.size - SAMPLES.size) // len(state.problem.rows.fields)
     densities = state.inside[first + row * count : first + (row + 1) * count]
     return max(peak_of_panels(densities[:-1].reshape(-1, WITHIN)), abs(float(densities[-1])))
+
+
+_FIELDS = ("contact_pressure", "electric_displacement", "magnetic_induction")
+
+
+@dataclass(frozen=True, eq=False)
+class _FieldCase:
+    """One case: surface tractions, units, contact radius and the unit of its body's lengths [m]."""
+
+    at_rest: SolvedPoint
+    slid: SlidingPoint | None
+    units: Array
+    radius: float
+    length: float
+
+    @property
+    def tractions(self) -> AirPointTractions:
+        """On the whole surface, in the units of the body."""
+        return (self.slid or self.at_rest).tractions(self.radius / self.length)
+
+
+def fields(pressed: Pressed, permittivity: Array, end: Array, positions: Array) -> dict[str, Array]:
+    """Tractions of ``solver.fields.POINT_FIELDS`` on the surface and beside the contact, SI; (case, position) each."""
+    if not finite(pressed.body.shape) and np.any(positions == 0):
+        raise ContactError(
+            f"positions: the pressure of r^{pressed.body.shape.exponent:g} is infinite at 0; leave 0 out"
+        )
+    cases = _solved_cases(pressed, permittivity, end)
+    result = np.stack([case.at_rest.surface_tractions(positions) / case.units[:, None] for _, case in cases])
+    result[:, 0] = 0.0 - result[:, 0]
+    return {name: result[:, number] for number, name in enumerate(_FIELDS)}
+
+
+def inside(
+    pressed: Pressed, permittivity: Array, end: Array, body: Inside, x: Array, y: Array, names: tuple[str, ...]
+) -> Array:
+    """Fields of ``solver.halfplane.interior.LINEAR`` and potentials, SI, NaN in a rigid base; (case, field, y, x)."""
+    out = np.empty((pressed.force.size, len(names), y.size, x.size))
+    potentials = [number for number, name in enumerate(names) if name in POTENTIALS]
+    for place, case in _solved_cases(pressed, permittivity, end):
+        out[place] = body.fields(case.tractions, x, y, names)[0]
+        out[place, potentials] *= case.length
+    return out
+
+
+def peaks(pressed: Pressed, permittivity: Array, end: Array, body: Inside, names: Set[str]) -> dict[str, Array]:
+    """Quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and the cases have; (case,) each."""
+    result = [
+        peaks_of(body, case.tractions, np.array([case.radius]), names)
+        for _, case in _solved_cases(pressed, permittivity, end)
+    ]
+    return {name: np.concatenate([part[name] for part in result]) for name in result[0]}
+
+
+def _solved_cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[int, _FieldCase]]:
+    for case, state, operators in solved(pressed, permittivity, end):
+        radius = state.radius * case.length
+        length = case.length if case.layered else radius
+        yield case.place, _FieldCase(SolvedPoint(state, operators), case.slid(state), case.units, radius, length)

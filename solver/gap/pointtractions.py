@@ -13,11 +13,9 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
 from solver.gap.airpoint import PointState
-from solver.gap.charges import Charges
+from solver.gap.charges import Charges, Spectrum, from_smaller
 from solver.gap.ringoperators import RingOperators
 from solver.gap.rings import Rings, rings
-from solver.gap.spectrum import Spectrum
-from solver.gap.tractions import from_smaller
 from solver.point import hankel
 from solver.point.profile import halfspace_form
 from solver.point.system import added_forms
@@ -33,7 +31,7 @@ class AirPointTractions(Tractions):
     exterior_charges: Charges = field(kw_only=True)
 
     def part(self, columns: Indices) -> Self:
-        """The one column: what is known of it is kept."""
+        """The contact itself, with its cached spectra: it is the only column."""
         return self
 
     def nodes(self, radius: float, near: float) -> hankel.Nodes:
@@ -163,7 +161,7 @@ class SolvedPoint:
         return result * self.unit
 
     def bounded(self, r: Array, drawn: Array) -> Array:
-        """Below the contact over C a^(e-1), without what is singular at the edge; (3, place).
+        """Tractions below the contact over C a^(e-1), without their singular part at the edge; (3, place).
 
         r: (place,), r/a, 0 to 1; drawn: (place, n), what rings draw there.
         """

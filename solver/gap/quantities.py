@@ -8,15 +8,49 @@ import numpy as np
 from solver.arrays import Array
 from solver.cache import cached
 from solver.gap.airline import AirContact, State
-from solver.gap.largest import gap_field, peak_density, peak_pressure
-from solver.gap.operators import EDGE
+from solver.gap.grid import peak_of_panels
+from solver.gap.operators import ANGLES, EDGE, FIRST, PRESSURE, WITHIN, AirTable, farthest, grid_of
 from solver.gap.refusal import lacking, require
-from solver.gap.table import AirTable, farthest, grid_of
+from solver.line.peakpressure import largest
 from solver.line.similar import Films
+from solver.line.system import SAMPLES
 from solver.line.windows import Kind, window
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.names import RESPONSES
 from solver.twoport import Compliance
+
+
+def peak_pressure(state: State) -> float:
+    """Largest contact pressure [Pa]."""
+    samples = state.outputs[PRESSURE]
+    series = np.polynomial.chebyshev.chebfit(SAMPLES, samples, SAMPLES.size // 2)
+    contact = state.problem.contact
+    return float(largest(np.asarray(series[None], dtype=np.float64), contact.exponent)[0] / contact.scale[1])
+
+
+def peak_density(state: State, field: int) -> float:
+    """Largest abs(D_y) [C/m2] or abs(B_y) [T] on the contact and beside it."""
+    place = state.problem.fields.index(field)
+    start = FIRST + state.problem.nodes * (1 + len(state.problem.fields)) + place * ANGLES.size
+    within = state.outputs[start : start + ANGLES.size]
+    return max(peak_of_panels(within.reshape(-1, WITHIN)), _exterior(state, place)) / float(
+        state.problem.contact.scale[2 + field]
+    )
+
+
+def gap_field(state: State, field: int) -> float:
+    """Largest field in the gap [V/m, A/m]."""
+    density = _exterior(state, state.problem.fields.index(field)) / float(state.problem.contact.scale[2 + field])
+    return density / float(state.problem.permittivity[field])
+
+
+def _exterior(state: State, place: int) -> float:
+    grid = state.problem.table.operators.grid
+    nodes = grid.count // grid.panels
+    densities = state.densities[place].reshape(-1, grid.panels, nodes)
+    at_edge = densities[:, 0] @ grid.edge[:nodes]
+    return max(peak_of_panels(densities[:, :-1].reshape(-1, nodes)), float(np.max(np.abs(at_edge))))
+
 
 _NODES = 12  # half-lengths of a window: 1e-7 between them
 

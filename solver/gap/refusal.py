@@ -56,7 +56,7 @@ def lacking_at_point(body: HalfSpace | Film, conducts: BoolArray) -> str | None:
 
 
 def require(why: str | None) -> None:
-    """Refuse a contact that cannot have air beside it, by what `lacking` and `lacking_at_point` say."""
+    """Refuse a contact that cannot have air beside it, for the reason from `lacking` or `lacking_at_point`."""
     if why is not None:
         raise SurroundingsError(f"surroundings: 'air' is not allowed: {why}")
 

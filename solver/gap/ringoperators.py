@@ -4,6 +4,10 @@ Everything is linear in the causes u0 = (-depth, V, Psi) and g of the contact an
 it. Lengths are in contact radii, displacements over C a^e and tractions over C a^(e-1), as in :mod:`solver.point`: a
 half-space is then the same at every radius. Below the contact chi is given, so that S at Gauss's nodes solves a system
 of the second kind; beside it gap and potentials are what chi leaves from its value at the edge.
+
+On layers the operators are tabulated over the radius. One table serves every sphere, force, charge and permittivity.
+A contact is sought in a narrow table, which is quick to read. The narrow table is made of the operators themselves if a
+call needs few radii, and of the table of half a decade if it needs many: the choice depends on the call alone.
 """
 
 from dataclasses import dataclass
@@ -13,17 +17,21 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from approximation.piecewise import Interval
 from solver.arrays import Array, BoolArray
 from solver.cache import cached
-from solver.gap.rings import Rings
-from solver.gap.rules import gauss
+from solver.gap.grid import gauss
+from solver.gap.rings import Rings, rings
 from solver.line.kernel import CHANNEL
+from solver.line.windows import number_of
 from solver.point.friction import legendre
-from solver.point.kernel import SurfaceKernel
+from solver.point.kernel import SurfaceKernel, normal_kernel
 from solver.point.profile import SAMPLES, Shape, finite, halfspace_form
 from solver.point.system import added_forms
+from solver.point.table import PointKind, interval
+from solver.stack.wavenumbers import strip
 
-_FIRST, _MORE = 14, 6.0  # of S below a narrow contact, and what wide ones add
+_FIRST, _MORE = 14, 6.0  # nodes of S below a narrow contact, and the growth of their number with the width
 _POWER = 3  # of the nodes where the profile is a power of s that is not even
 _GRADED, _STEEP = 4, 20  # power of those that crowd about both ends, and how many more they are
 
@@ -77,7 +85,7 @@ class ContactRule:
 
 
 _APART = 4.0  # growth of the distances from the target at which rules break
-#: x = sqrt(1 - r^2) below the contact at which densities are told: panels, graded to the edge, and the centre.
+#: x = sqrt(1 - r^2) below the contact at which densities are output: panels, graded to the edge, and the centre.
 _ENDS = (0.0, 0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
 WITHIN = 8  # of them a panel
 X_WITHIN = np.append(gauss(np.array(_ENDS), WITHIN)[0], 1.0)
@@ -162,9 +170,9 @@ class RingOperators:
         rows = self.rows
         below = ContactRule.of(radius / self.width)
         count, profile, inverse = below.nodes.size, rows.causes - 1, self.inverse
-        closed = np.einsum("ij,jnc->inc", inverse, self._given(below.nodes))  # S of a half-space
+        closed = np.einsum("ij,jnc->inc", inverse, self._prescribed(below.nodes))  # S of a half-space
         S, added = self._layered(radius, below, closed, self.rings.grid.distance)
-        edge = inverse @ (self._given(np.ones(1))[:, 0] - added[:, count])
+        edge = inverse @ (self._prescribed(np.ones(1))[:, 0] - added[:, count])
         result = np.empty((rows.count, rows.columns))
         # S of the profile is of_power s^e: of_power (1 - s^e), whose tractions are closed, less than at the edge
         of_power = inverse[:, 0] * self.shape.rise
@@ -193,13 +201,13 @@ class RingOperators:
     def series(self, radius: float) -> Array:
         """Coefficients in f_n (points, 4) of the tractions but for the profile's closed part; (channel, n, column)."""
         below = ContactRule.of(radius / self.width)
-        closed = np.einsum("ij,jnc->inc", self.inverse, self._given(below.nodes))
+        closed = np.einsum("ij,jnc->inc", self.inverse, self._prescribed(below.nodes))
         S = self._layered(radius, below, closed, np.zeros(0))[0]
         closed[..., self.rows.causes - 1] = self.inverse[:, :1] * self.shape.rise
         return np.asarray(np.einsum("mn,inc->imc", below.series, S + closed))
 
     def _form(self, x: Array) -> Array:
-        """Pressure of a half-space of N^-1 = 1; nothing where it has no largest value, which is then not asked for."""
+        """Pressure of a half-space of N^-1 = 1; zero if it has no largest value."""
         return 2 / np.pi * halfspace_form(self.shape, x) if finite(self.shape) else np.zeros_like(x)
 
     def _layered(self, radius: float, below: ContactRule, closed: Array, beside_it: Array) -> tuple[Array, Array]:
@@ -219,7 +227,7 @@ class RingOperators:
         added += summed(kernels, closed)
         if self.shape.exponent % 2:
             fine = ContactRule.of(radius / self.width, even=False)
-            power = self.inverse[:, :1] * self._given(fine.nodes)[0, :, rows.causes - 1]
+            power = self.inverse[:, :1] * self._prescribed(fine.nodes)[0, :, rows.causes - 1]
             added[..., rows.causes - 1] = np.einsum("ijtn,jn->it", self.within(radius, targets, fine), power)
         return self.settled(kernels, added)
 
@@ -237,7 +245,7 @@ class RingOperators:
         return np.asarray(added[:, 1:] - added[:, :1] + np.tensordot(self.channel_compliance, S, 1))
 
     def settled(self, kernels: Array, added: Array) -> tuple[Array, Array]:
-        """S that makes up for what layers add at the nodes below the contact, and what they then add in all.
+        """S that balances the layers' contribution at the nodes below the contact, and the layers' total contribution.
 
         own: (channel, channel, target, node), from S at the nodes to targets, these nodes first; added: (channel,
         target, column), at the targets without that S.
@@ -260,7 +268,7 @@ class RingOperators:
         """N of the channels; (channel, channel)."""
         return self.compliance[np.ix_(self.rows.channels, self.rows.channels)]
 
-    def _given(self, nodes: Array) -> Array:
+    def _prescribed(self, nodes: Array) -> Array:
         """chi below the contact; (channel, node, column)."""
         rows = self.rows
         result = np.zeros((len(rows.channels), nodes.size, rows.columns))
@@ -352,3 +360,147 @@ def summed(kernels: Array, S: Array) -> Array:
 def _drawn(rings: Rings) -> Array:
     """Density below the contact induced by the rings; (x, n)."""
     return rings.poisson(X_WITHIN)
+
+
+NODES, FEW = 18, 8  # radii of half a decade and of a twentieth: interpolation errors are 1e-12, and 1e-9 in derivatives
+
+
+@dataclass(frozen=True, eq=False)
+class RingTable:
+    """Operators on layers between two radii, by Chebyshev's polynomials in log a."""
+
+    exact: RingOperators
+    interval: Interval
+    source: "RingTable | None" = None
+
+    @cached_property
+    def values(self) -> tuple[Array, Array]:
+        """Outputs at the radii, flat: those up to the pressures, and those below the contact; (node, ...)."""
+        result = (self.source or self.exact).over(self.interval.points)
+        split = self.exact.rows.pressure.start
+        return result[:, :split].reshape(len(result), -1), result[:, split:].reshape(len(result), -1)
+
+    def holds(self, log_radius: float) -> bool:
+        """Return True if a radius lies between the ends."""
+        return self.interval.low <= log_radius <= self.interval.high
+
+    def over(self, log_radii: Array) -> Array:
+        """Outputs of every cause and density at several log a (radius,); (radius, row, column)."""
+        local = self.interval.polynomials(log_radii, clipped=False) @ self._series[0]
+        result = np.concatenate([local @ part for part in self.values], 1)
+        return result.reshape(log_radii.size, self.exact.rows.count, -1)
+
+    def read(self, log_radius: float) -> tuple[Array, Array]:
+        """The rows up to the pressures at log a, and their derivatives in it; (row, column) each."""
+        if log_radius not in self._last:
+            self._last.clear()
+            outputs = self._polynomials(log_radius) @ self.values[0]
+            self._last[log_radius] = outputs.reshape(2, self.exact.rows.pressure.start, -1)
+        value, rate = self._last[log_radius]
+        return value, rate
+
+    @cached_property
+    def _last(self) -> dict[float, Array]:
+        """Last result of ``read``: iterations ask again where they begin."""
+        return {}
+
+    def read_inside(self, log_radius: float) -> Array:
+        """The rows below the contact at log a; (row, column)."""
+        result: Array = self._polynomials(log_radius)[0] @ self.values[1]
+        return result.reshape(self.exact.rows.count - self.exact.rows.pressure.start, -1)
+
+    def _polynomials(self, log_radius: float) -> Array:
+        """Interpolation matrix from the radii to the value at log a and its derivative; (2, node)."""
+        local = self.interval.polynomials(np.array([log_radius]), clipped=False)
+        return np.asarray(local @ self._series)[:, 0]
+
+    @cached_property
+    def _series(self) -> Array:
+        return self.interval.taylor(2)
+
+
+@dataclass(frozen=True, eq=False)
+class RingsOnHalfSpace:
+    """Operators on a half-space, the same at every radius."""
+
+    exact: RingOperators
+
+    @cached_property
+    def _values(self) -> Array:
+        return self.exact.matrix(1.0)
+
+    def holds(self, _log_radius: float) -> bool:
+        """Return True: the operators do not depend on the radius."""
+        return True
+
+    def read(self, _log_radius: float) -> tuple[Array, Array]:
+        """The rows up to the pressures, and zeros; (row, column) each."""
+        value = self._values[: self.exact.rows.pressure.start]
+        return value, np.zeros_like(value)
+
+    def read_inside(self, _log_radius: float) -> Array:
+        """The rows below the contact; (row, column)."""
+        return self._values[self.exact.rows.pressure.start :]
+
+
+#: Outputs at every radius of a body.
+RingsByRadius = RingTable | RingsOnHalfSpace
+
+
+_STEP, _BEYOND = 0.11, 0.015  # of log a: length of a part, and its overlap with the next one; air moves a contact less
+_MOST = 2  # parts of half a decade that are made by themselves: the next one has as many radii as the whole
+
+
+@cached
+def _half_decade(kind: PointKind, number: int) -> RingTable:
+    return RingTable(_operators(kind), interval(number, NODES))
+
+
+@cached
+def _part(kind: PointKind, place: int, number: int | None) -> RingTable:
+    """The part of a place in log a, from the table of half a decade or else by itself."""
+    part = Interval(place * _STEP - _BEYOND, (place + 1) * _STEP + _BEYOND, FEW)
+    return RingTable(_operators(kind), part, None if number is None else _half_decade(kind, number))
+
+
+@cached
+def _operators(kind: PointKind) -> RingOperators:
+    stack = kind.film.stack()
+    fields = tuple(field for field in (0, 1) if kind.conducts[field])
+    return RingOperators(rings(), fields, kind.compliance, kind.shape, normal_kernel(stack), strip(stack))
+
+
+def _place(ratio: float) -> int:
+    return int(np.floor(np.log(ratio) / _STEP))
+
+
+def _number(ratio: float) -> int:
+    return int(number_of(np.array([ratio]))[0])
+
+
+@dataclass(frozen=True, eq=False)
+class RingWindows:
+    """Tables of one kind of film."""
+
+    kind: PointKind  # The film and the punch
+    many: frozenset[int]  # Half decades in which the call has many radii
+
+    @classmethod
+    def of(cls, kind: PointKind, ratios: Array) -> Self:
+        """Choose tables for the radii of one call.
+
+        ratios: (...), contact radii over the thickness.
+        """
+        places_of: dict[int, set[int]] = {}
+        for ratio in np.unique(ratios).tolist():
+            places_of.setdefault(_number(ratio), set()).add(_place(ratio))
+        return cls(kind, frozenset(number for number, places in places_of.items() if len(places) > _MOST))
+
+    def narrow(self, ratio: float) -> RingTable:
+        """About a radius over the thickness."""
+        number = _number(ratio)
+        return _part(self.kind, _place(ratio), number if number in self.many else None)
+
+    def wide(self, ratio: float) -> RingTable:
+        """Half a decade that holds it."""
+        return _half_decade(self.kind, _number(ratio))

@@ -18,8 +18,7 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.cache import cached_small
-from solver.gap.grid import Grid
-from solver.gap.rules import gauss
+from solver.gap.grid import Grid, gauss
 
 _FINE = 24  # of the rules in tau, theta' = theta +- tau^2, which has no root at the target
 

@@ -1,4 +1,4 @@
-"""A point contact with air beside it that slides: what its state at rest becomes to the first order in friction.
+"""A sliding point contact with air beside it: the change of its state at rest to first order in friction.
 
 The gap's law of points, 6, about the state at rest: with D = D_0 + D_1 cos(angle) and the gap g_0 + g_1 cos(angle),
 lengths in contact radii, end the punch's radius, c the shift,
@@ -18,12 +18,10 @@ from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.cache import cached
 from solver.gap.airpoint import PointState
-from solver.gap.largest import peak_of_panels
+from solver.gap.grid import gauss, peak_of_panels
 from solver.gap.pointtractions import AirPointTractions, SolvedPoint
-from solver.gap.ringharmonic import CAUSES, RUBBED, SHIFT, HarmonicOutputs, RingHarmonic
-from solver.gap.ringoperators import RingOperators
+from solver.gap.ringoperators import ContactRule, RingOperators, Rows, summed
 from solver.gap.rings import Rings, rings
-from solver.gap.rules import gauss
 from solver.point import hankel
 from solver.point.body import Film, HalfSpace
 from solver.point.friction import Response, Rim, added_tension, edge_sums, legendre
@@ -32,6 +30,116 @@ from solver.point.profile import Shape
 from solver.point.sliding import FirstOrderWarning
 from solver.point.slidingpressure import ray_of, turned_pressures
 from solver.point.tractions import Density
+
+SHIFT, RUBBED, CAUSES = 0, 1, 2  # columns before the densities
+_EDGE = np.ones(1)
+_NEAREST = 1e-13  # to the edge that the integral over the fall of the pressure looks
+_RATIO = 0.35  # of its pieces, and their nodes
+
+
+@dataclass(frozen=True, eq=False)
+class HarmonicOutputs:
+    """Outputs of every column at one radius."""
+
+    edges: Array  # S of the channels just within the edge; (channel, column)
+    raised: Array  # u_y less the shifted profile, and the potentials, beside the contact; (channel, n, column)
+    smooth: Array  # S below the contact without its closed part, at the nodes of ``below``; (channel, node, column)
+    below: ContactRule  # Gauss's nodes
+
+
+@dataclass(frozen=True, eq=False)
+class RingHarmonic:
+    """First-order effect of friction on contacts of one shape and conduction on one stack, or on a half-space.
+
+    Columns are a unit shift c/a, friction eta = 1 below the contact at rest, and the densities of cos(angle) at the
+    exterior nodes. Below the contact chi is that of the shifted profile, s^(e-1), or none. Friction adds
+    k (pi/2) H[phi_sigma], which is steep on both sides of the edge: the part of it without layers stays in closed form.
+    """
+
+    operators: RingOperators
+    response: Response
+    sheared: SurfaceKernel | None = None
+
+    @property
+    def _rows(self) -> Rows:
+        return self.operators.rows
+
+    @property
+    def _columns(self) -> int:
+        return CAUSES + len(self._rows.fields) * self._rows.nodes
+
+    @property
+    def _coupling(self) -> Array:
+        return np.asarray(self.response.coupling[self._rows.channels] * np.pi / 2)
+
+    @property
+    def _edge_chi(self) -> float:
+        """chi of the shifted profile at the edge."""
+        return self.response.shape.exponent * self.response.shape.rise
+
+    def densities(self, place: int) -> slice:
+        """Columns of the densities of a field, by its place."""
+        return slice(CAUSES + place * self._rows.nodes, CAUSES + (place + 1) * self._rows.nodes)
+
+    def outputs(self, radius: float, pressed: Density) -> HarmonicOutputs:
+        """Outputs for a contact at rest."""
+        below = ContactRule.of(radius / self.operators.width)
+        count, rows, rings = below.nodes.size, self._rows, self.operators.rings
+        smooth, added = self._layered(radius, below, pressed)
+        chi = np.zeros((len(rows.channels), self._columns))
+        chi[0, SHIFT] = self._edge_chi
+        chi[:, RUBBED] = -self._coupling * pressed.turned(_EDGE)[0, 0, 0]
+        edges = self.operators.inverse @ (chi - added[:, count])
+        beside_it = self.operators.chi_beside(added[:, count:], edges)
+        beside_it[..., RUBBED] += self._coupling[:, None] * _left(pressed, rings.grid.theta)
+        raised = rings.raised @ beside_it
+        raised[0, :, SHIFT] -= self._edge_chi * rings.power(self.response.shape.exponent - 1)
+        return HarmonicOutputs(edges, raised, smooth, below)
+
+    def _layered(self, radius: float, below: ContactRule, pressed: Density) -> tuple[Array, Array]:
+        """Contribution of the layers to S below the contact, and to N S there, at the edge and outside."""
+        rows = self._rows
+        targets = np.concatenate([below.nodes, _EDGE, self.operators.rings.grid.distance])
+        added = np.zeros((len(rows.channels), targets.size, self._columns))
+        if self.sheared is None:
+            return np.zeros((len(rows.channels), below.nodes.size, self._columns)), added
+        for place, by_density in enumerate(self.operators.from_exterior(radius, targets)):
+            added[..., self.densities(place)] = by_density
+        graded = below.graded
+        closed = self.closed(graded.nodes, pressed)
+        added[..., :CAUSES] = summed(self.operators.within(radius, targets, graded), closed)
+        added[..., RUBBED] += self._pulled(radius, targets, graded, pressed)
+        return self.operators.settled(self.operators.within(radius, targets, below), added)
+
+    def closed(self, s: Array, pressed: Density) -> Array:
+        """S of a half-space below the contact, of shift and friction; (channel, s, 2).
+
+        s: (s,), 0 to 1.
+        """
+        along, moved = self.response.answers
+        columns = [moved[:, None] * s ** (self.response.shape.exponent - 1), -along[:, None] * pressed.turned(s)[0, 0]]
+        return np.asarray(np.pi / 2 * np.stack(columns, -1)[self._rows.channels])
+
+    def _pulled(self, radius: float, targets: Array, rule: ContactRule, pressed: Density) -> Array:
+        """Contribution of the layers to the channels by the shear traction; (channel, target)."""
+        assert self.sheared is not None
+        weights = -radius / 2 * pressed.at(rule.nodes)[0, 0] * rule.weights
+        distance = targets[:, None] - rule.nodes
+        kernels = np.sign(distance)[..., None] * self.sheared.at(radius * np.abs(distance))
+        kernels += self.sheared.at(radius * (targets[:, None] + rule.nodes))
+        return np.asarray(np.einsum("tbi,b->it", kernels, weights)[self._rows.channels])
+
+
+def _left(pressed: Density, theta: Array) -> Array:
+    """H[phi_sigma] at cosh(theta) less that at the edge, by the fall of phi: no difference of near numbers; (n,)."""
+    count = int(np.log(_NEAREST) / np.log(_RATIO))
+    near, weights = gauss(np.append(0.0, _RATIO ** np.arange(count, -1, -1.0) / 2), _RULE)  # from the edge, or the apex
+    from_edge = np.concatenate([near, 1 - near])
+    two_weights = np.concatenate([weights, weights])
+    beyond = 2 * np.sinh(theta[:, None] / 2) ** 2
+    kernel = np.log1p(beyond / from_edge) - np.log1p(beyond / (2 - from_edge))
+    return np.asarray(-(kernel @ (two_weights * pressed.falling(1 - from_edge)[0, 0])) / np.pi)
+
 
 _PART = 2 / np.pi  # a density per S
 _PARTS = 6.0  # panels in b per radius over the distance that layers vary over
@@ -126,7 +234,7 @@ class SlidingPoint:
 
     @cached_property
     def exterior_densities(self) -> tuple[Array, Array]:
-        """Over C a^(e-1) at the nodes: D_y and B_y of cos(angle), and these times what the end does to the gap's field.
+        """Densities D_y and B_y of cos(angle) at the nodes, and the gap's field as a density, over C a^(e-1).
 
         (field, n) each.
         """
@@ -147,7 +255,7 @@ class SlidingPoint:
     # -- tractions -----------------------------------------------------------------------------------------------------
     @cached_property
     def series(self) -> Array:
-        """Coefficients of P_n(2 b - 1) in psi but for what is closed, over C a^(e-1); (3, n)."""
+        """Coefficients of P_n(2 b - 1) in psi without its closed part, over C a^(e-1); (3, n)."""
         if not self._slides:
             return np.zeros((3, 1))
         result = np.zeros((3, 2 * self._turned.below.nodes.size))
@@ -174,7 +282,7 @@ class SlidingPoint:
         at_rest = self.at_rest.tractions(ratio, self.over_size)
         return replace(at_rest, friction=np.array([self.friction]), sines=sines)
 
-    # -- what quantities are made of, over C a^(e-1) -------------------------------------------------------------------
+    # -- parts of the quantities, over C a^(e-1) -----------------------------------------------------------------------
     def along(self, field: int | None) -> Array:
         """A traction along the ray of :mod:`solver.point.slidingpressure`: at rest, and of cos(angle); (2, place).
 
@@ -284,7 +392,7 @@ def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units
 
 
 def warn_of_charges(reach: float) -> None:
-    """Warn by :class:`FirstOrderWarning` where the gap's field goes beyond what a surface carries."""
+    """Warn by :class:`FirstOrderWarning` if the gap's field exceeds the field that a surface carries."""
     if reach > _MOST_REACH:
         warnings.warn(
             f"friction: to its first order the field in the gap beside the edge is {reach:.2g} times that at which the "

@@ -7,7 +7,7 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.material.constants import ANY_SIZE, UNITS, Material
-from solver.material.laws import made
+from solver.material.laws import compose
 from solver.stack.layers import StackError
 
 #: Constants in the order of ``solver.material.constants.UNITS``, None where unknown: NaN never equals itself; then 1 of
@@ -56,4 +56,4 @@ class PowerLaw:
         """The composite at depths over thickness, 0 to 1."""
         fraction = self.surface + (self.base - self.surface) * depth**self.exponent
         first, two = (material_from(constants, "phase") for constants in self.phases)
-        return made(self.composite, (first, two), fraction)
+        return compose(self.composite, (first, two), fraction)

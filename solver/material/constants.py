@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 from solver.arrays import Array, BoolArray, is_finite, unmasked
 from solver.material.datasheet import ENTRIES, converted
 from solver.material.evidence import Alternative, Limit, read_alternatives, read_limits, with_unit
-from solver.material.usual import VACUUM_PERMEABILITY as VACUUM_PERMEABILITY
-from solver.material.usual import VACUUM_PERMITTIVITY as VACUUM_PERMITTIVITY
 from solver.material.usual import question, questions
+from solver.units import VACUUM_PERMEABILITY as VACUUM_PERMEABILITY
+from solver.units import VACUUM_PERMITTIVITY as VACUUM_PERMITTIVITY
 from solver.units import in_si
 
 #: Unit of each constant, by name.

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from solver.arrays import Array, is_finite
-from solver.material.usual import VACUUM_PERMITTIVITY, Usual
-from solver.units import in_si
+from solver.material.usual import Usual
+from solver.units import VACUUM_PERMITTIVITY, in_si
 
 #: Unit of each entry that a data sheet has and `solver.material.constants.UNITS` lacks.
 UNITS: dict[str, str] = {
@@ -140,7 +140,7 @@ def _plain(name: str, value: object) -> float:
 
 
 def _number(name: str, value: object) -> float:
-    """Entry in SI; a bare number whose size no material has is asked about."""
+    """Entry in SI; a bare number of a size that no material has is refused with a question."""
     if isinstance(value, str):
         try:
             return in_si(value, _unit(name))

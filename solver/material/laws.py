@@ -18,7 +18,7 @@ _LAWS: dict[str, Callable[[Phases, float | Array], Material]] = {
 }
 
 
-def made(composite: str, phases: Phases, fraction: float | Array) -> Material:
+def compose(composite: str, phases: Phases, fraction: float | Array) -> Material:
     """The composite of a name."""
     if composite not in _LAWS:
         raise MaterialError(f"composite: {composite!r} is not one of {', '.join(COMPOSITES)}")

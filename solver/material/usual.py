@@ -14,13 +14,13 @@ _MOST_COUPLED = 1e3  # e^2/(c eps) of one field; the strongest relaxor crystals 
 
 @dataclass(frozen=True)
 class Usual:
-    """Smallest and largest size of a constant in any material, and what a number below and above is likely to be."""
+    """Smallest and largest size of a constant in any material, and likely causes of numbers beyond them."""
 
     low: float
     high: float
     below: str = ""  # with the number as {0}
     above: str = ""
-    unit: float = 1.0  # the number times this is what is likely meant above
+    unit: float = 1.0  # factor to the value that is likely meant above
 
 
 # hydrogels have 1 kPa, diamond 1.08 TPa; Landolt-Boernstein tables count in dyn/cm2

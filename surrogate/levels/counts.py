@@ -117,7 +117,10 @@ def evidence(decays: Decays, counts: Mapping[str, int]) -> xr.Dataset:
                 {"long_name": "factor from one coefficient to the next"},
             ),
             "interpolation_error": (over, np.array(errors), {"long_name": "predicted error over range"}),
-            "kinked": (over, np.array([[int(decay.algebraic) for decay in row] for row in table])),
+            "kinked": (
+                over, np.array([[int(decay.algebraic) for decay in row] for row in table]),
+                {"long_name": "1 where coefficients fall as at a kink"},
+            ),
         },
         coords={"output": list(decays), "input": names, "mode": np.arange(modes)},
     )  # fmt: skip

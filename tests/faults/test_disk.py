@@ -61,18 +61,6 @@ def test_a_full_disk_stops_the_run_and_a_rerun_completes(tiny: Maker, undisturbe
         assert left.items() <= expected.items()
 
 
-@pytest.mark.soak
-@pytest.mark.parametrize("kilobytes", range(50, 1500, 100))
-def test_a_full_disk_for_results_at_any_step(kilobytes: int, tiny: Maker, undisturbed: Project) -> None:
-    project, expected = tiny(f"disk{kilobytes}"), contents(undisturbed)
-    with small_disk(project.folder / "results", kilobytes) as enlarge:
-        full = project.run("meecontact", "run", "tiny", "--cores", "2", check=False)
-        leaves_whole_files(full, project, expected)  # none on the smallest disks
-        enlarge()
-        project.run("meecontact", "run", "tiny", "--cores", "2")
-        assert contents(project) == expected
-
-
 def test_an_unwritable_folder_is_named_and_a_rerun_completes(tiny: Maker, undisturbed: Project) -> None:
     project = tiny("unwritable")
     results = project.folder / "results"

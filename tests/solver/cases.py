@@ -1,4 +1,4 @@
-"""What the tests of the solver share: a case with every term, and comparisons with the 50-digit oracle."""
+"""A case with every term, refusals, and comparisons with the 50-digit oracle."""
 
 from collections.abc import Iterable
 from typing import Any

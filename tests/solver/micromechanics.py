@@ -26,20 +26,20 @@ def fibrous(fibre: Mapping[str, float], host: Mapping[str, float], fraction: flo
 def laminate(first: Mapping[str, float], second: Mapping[str, float], fraction: float) -> dict[str, mpf]:
     """Layers normal to the poling axis: gradients along them and fluxes across them are common to both phases."""
     with mp.workdps(DIGITS):
-        one, two, v = _tensor(first), _tensor(second), mpf(fraction)
+        upper, lower, v = _tensor(first), _tensor(second), mpf(fraction)
         along, across = slice(0, 10), slice(10, 15)
-        system = zeros(10)  # unknown: the gradients across the layers in phase one, then in phase two
+        system = zeros(10)  # unknown: the gradients across the layers in the first phase, then in the second
         system[0:5, 0:5], system[0:5, 5:10] = v * eye(5), (1 - v) * eye(5)
-        system[5:10, 0:5], system[5:10, 5:10] = one[across, across], -two[across, across]
+        system[5:10, 0:5], system[5:10, 5:10] = upper[across, across], -lower[across, across]
         mean = zeros(10, 15)  # right-hand sides of a unit mean gradient of each kind
         mean[0:5, across] = eye(5)
-        mean[5:10, along] = two[across, along] - one[across, along]
+        mean[5:10, along] = lower[across, along] - upper[across, along]
         jumps = inverse(system) * mean
         fields = [zeros(15), zeros(15)]
         for phase, field in enumerate(fields):
             field[along, along] = eye(10)
             field[across, :] = jumps[5 * phase : 5 * phase + 5, :]
-        return _constants(v * one * fields[0] + (1 - v) * two * fields[1])
+        return _constants(v * upper * fields[0] + (1 - v) * lower * fields[1])
 
 
 def _tensor(c: Mapping[str, float]) -> matrix:

@@ -10,12 +10,7 @@ from solver.body import (
     FILM_IN_AIR,
     HALF_PLANE,
     HALF_PLANE_IN_AIR,
-    HALF_SPACE,
-    HALF_SPACE_IN_AIR,
     KINDS,
-    POINT_FILM,
-    POINT_FILM_IN_AIR,
-    Kind,
     airless,
     kind_of,
 )
@@ -25,26 +20,14 @@ from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.filmfactors import kinds_of
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, CONTACTS, FACTORS, PROFILES
+from tests.solver.test_contract import BODIES
+from tests.solver.test_contract import kind as named
 
 READ = {"collector": 1, "patch_size": 1e-4, "patch_pitch": 2e-4}
+#: A case of every kind; bare films have a patch besides.
 CASES = {
-    HALF_PLANE.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5},
-    FILM.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5, "thickness": 5e-4, "base": "steel", **READ},
-    HALF_PLANE_IN_AIR.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5, "surroundings": "air"},
-    FILM_IN_AIR.name: {
-        "material": "PZT-4", "radius": 0.05, "load": 1e5, "surroundings": "air", "thickness": 5e-4, "base": "steel",
-    },
-    HALF_SPACE.name: {"material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "friction": 0.0},
-    POINT_FILM.name: {
-        "material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "friction": 0.0,
-        "thickness": 5e-4, "base": "steel",
-        **READ,
-    },
-}  # fmt: skip
-CASES |= {
-    HALF_SPACE_IN_AIR.name: CASES[HALF_SPACE.name] | {"surroundings": "air"},
-    POINT_FILM_IN_AIR.name: {name: first for name, first in CASES[POINT_FILM.name].items() if name not in READ}
-    | {"surroundings": "air"},
+    named(case).name: case | (READ if "thickness" in case and "air" not in case.values() else {})
+    for case in BODIES.values()
 }
 
 
@@ -65,7 +48,7 @@ def test_cases_of_a_table_are_told_apart_one_by_one() -> None:
 
 
 @pytest.mark.parametrize(
-    "own",
+    "options",
     [
         {"electric": "insulating", "magnetic": "insulating"},
         {"electrode": "top"},
@@ -75,18 +58,16 @@ def test_cases_of_a_table_are_told_apart_one_by_one() -> None:
         {"composite": "fibrous", "volume_fraction": 0.5, "base_volume_fraction": 0.2},
     ],
 )
-def test_where_air_cannot_be_the_solver_refuses_it(own: dict[str, object]) -> None:
-    case = {name: value for name, value in CASES[FILM.name].items() if name not in READ} | own | {"surroundings": "air"}
-    if PROFILES[str(own.get("profile", "cylinder"))].contact == "point":
-        case["force"] = case.pop("load")
-    dropped = {"flat": "radius", "disc": "radius", "cone": "radius"}.get(str(own.get("profile"))) or "material" * (
-        "composite" in own
-    )
-    case.pop(dropped, None)
+def test_air_is_refused_by_the_solver_as_the_rule_says(options: dict[str, object]) -> None:
+    point = PROFILES[str(options.get("profile", "cylinder"))].contact == "point"
+    case = BODIES["point film, air" if point else "film, air"] | options
+    if "profile" in options or "composite" in options:
+        del case["material" if "composite" in options else "radius"]
+    case.pop("gap_radius", None)
     assert airless(case)
     with pytest.raises((solver.FactorError, solver.MaterialError), match=r"surroundings|gap_radius"):
         solver.solve(case)
-    assert all((airless(first) == "") == (not {*READ} & first.keys()) for first in CASES.values())
+    assert all((airless(body) == "") == (not {*READ} & body.keys()) for body in CASES.values())
     assert airless({"profile": "cone", "slope": 0.1, "gap_radius": 1e-3}) == ""
 
 
@@ -101,11 +82,11 @@ def test_every_kind_names_what_exists() -> None:
         assert kind.contact in CONTACTS
 
 
-@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
-def test_a_body_answers_what_its_kind_says_it_has(kind: Kind) -> None:
-    cases = Cases(checked(CASES[kind.name]), {}, ("BaTiO3", "CoFe2O4"))
-    assert cases.kind is kind
-    body = body_of(cases)
-    assert body.quantities().keys() == kind.quantities.keys()
-    assert float(cases.force) == 1e5
+@pytest.mark.parametrize("name", CASES)
+def test_a_body_answers_the_quantities_of_its_kind(name: str) -> None:
+    options = {"magnetic": "conducting"} | ({"friction": 0.0} if "force" in CASES[name] else {})
+    cases = Cases(checked(CASES[name] | options), {}, ("BaTiO3", "CoFe2O4"))
+    assert cases.kind.name == name
+    assert body_of(cases).quantities().keys() == cases.kind.quantities.keys()
+    assert float(cases.force) == CASES[name]["force" if "force" in CASES[name] else "load"]
     assert cases.charges.shape == (2,)

@@ -9,7 +9,10 @@ import xarray as xr
 
 import solver
 from solver.body import KINDS, Kind, kind_of
-from solver.similarity import QUANTITY_WEIGHTS, weight_of
+from solver.curves import SIZES
+from solver.fields import EVERY_FIELD, EVERY_INTERIOR
+from solver.names import ALL_QUANTITIES
+from solver.similarity import QUANTITY_WEIGHTS, scale_powers, weight_of
 from tests.solver.cases import assert_alike, assert_finite, refused
 
 Case = dict[str, Any]
@@ -36,6 +39,8 @@ VARIANTS = BODIES | {
     "wedge": {name: value for name, value in LINE.items() if name != "radius"} | {"profile": "wedge", "slope": 2e-3},
     "elastic punch": LINE | COAT | BARE | {"punch": "steel", "friction": 0.2},
     "moving": LINE | {"speed": 900.0},
+    "tilted by a moment": {name: value for name, value in LINE.items() if name != "radius"}
+    | {"profile": "flat", "width": 1e-3, "moment": 0.4, "friction": 0.2},
     "sliding ball": BALL | COAT | BARE | {"friction": 0.2},
 }
 each_body = pytest.mark.parametrize("case", BODIES.values(), ids=BODIES)
@@ -190,6 +195,25 @@ def test_similar_cases_have_similar_answers(case: Case) -> None:
         power = QUANTITY_WEIGHTS[str(name)]
         expected = values.values * 0.7**power.size * 1.3**power.strength
         np.testing.assert_allclose(other[name], expected, rtol=0, atol=1e-6 * np.abs(expected).max(), err_msg=str(name))
+
+
+def test_a_stack_scales_with_its_layers_and_every_name_has_its_powers() -> None:
+    films = [
+        LINE
+        | BARE
+        | {"radius": 0.05 * factor, "load": 2e4 * factor, "datum": factor, "material": None}
+        | {"body": solver.Stack([solver.Layer("BaTiO3", factor * 1e-4), solver.Layer("PZT-4", factor * 2e-4)], "steel")}
+        for factor in (1.0, 2.0)
+    ]
+    first, other = (solver.solve({name: value for name, value in film.items() if value is not None}) for film in films)
+    for name, values in first.data_vars.items():
+        expected = float(values) * 2.0 ** QUANTITY_WEIGHTS[str(name)].size
+        assert float(other[name]) == pytest.approx(expected, rel=1e-10, abs=1e-300), name
+    assert set(QUANTITY_WEIGHTS) == {*ALL_QUANTITIES, *EVERY_FIELD, *EVERY_INTERIOR, *SIZES}
+    with pytest.raises(ValueError, match="'load' and 'charge' scale alike"):
+        scale_powers("depth", "load", "charge")
+    with pytest.raises(ValueError, match="'temperature' has no known powers"):
+        scale_powers("temperature", "load", "radius")
 
 
 @each_body

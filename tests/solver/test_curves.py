@@ -17,7 +17,7 @@ FILM: dict[str, Any] = {
 
 
 def test_curves_are_the_fields_inside_at_their_points() -> None:
-    """At every point of the panels, one case alone: the face of the interior shares only the formula of the fields."""
+    """One case, every point of the panels: solve_interior shares only the formula of the fields."""
     case = HALF_PLANE | {"volume_fraction": 0.7, "friction": 0.25, "charge": 1e-6}
     curves = solver.solve_curves(case, ["body"])
     half = curves["half_length"].item()

@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 
-from storage.blocks import Region, RunningStatistics, write_blocks
-from storage.netcdf import checksum, read_whole, write_whole
+from storage.blocks import Region, write_blocks
+from storage.netcdf import checksum, read_whole
 
 RANDOM = np.random.default_rng(7)
 
@@ -54,15 +54,6 @@ def test_blocks_make_the_file_that_one_write_would_hold(chunks: dict[str, int], 
     assert stored.attrs["checksum"] == checksum(stored)
 
 
-def test_statistics_of_pieces_are_those_of_the_whole() -> None:
-    values = RANDOM.normal(1e3, 1e-3, 10_000)  # a mean that a sum of squares would drown in
-    statistics = RunningStatistics()
-    for part in np.array_split(values, [1, 17, 6000]):
-        statistics.add(part)
-    assert statistics.attrs["mean"] == pytest.approx(np.mean(values), rel=1e-14)
-    assert statistics.attrs["standard_deviation"] == pytest.approx(np.std(values), rel=1e-9)
-
-
 def test_what_is_missing_or_not_finite_leaves_no_file(tmp_path: Path) -> None:
     data = sample()
     with pytest.raises(ValueError, match="depth: 400 of 480 values given"):
@@ -71,22 +62,3 @@ def test_what_is_missing_or_not_finite_leaves_no_file(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="depth: not finite in float64"):
         write_blocks(tmp_path / "a.nc", data, pieces(data), {})
     assert not list(tmp_path.iterdir())
-
-
-def test_data_that_cannot_be_compressed_come_back(tmp_path: Path) -> None:
-    noise = RANDOM.integers(0, 2**62, (6, 10, 8, 12)).view(np.float64)
-    data = sample().assign(depth=(("a", "b", "c", "x"), noise))
-    write_whole(data, tmp_path / "a.nc")
-    write_blocks(tmp_path / "b.nc", data, pieces(data), {"a": 1})
-    for name in ("a.nc", "b.nc"):
-        np.testing.assert_array_equal(read_whole(tmp_path / name)["depth"], noise)
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["a.nc", "b.nc"]
-
-
-def test_some_variables_of_a_verified_file(tmp_path: Path) -> None:
-    data = sample()
-    write_blocks(tmp_path / "a.nc", data, pieces(data), {"a": 1})
-    stored = read_whole(tmp_path / "a.nc", names=["depth"])
-    assert list(stored.data_vars) == ["depth"]
-    assert "kind" in stored.coords
-    np.testing.assert_array_equal(stored["depth"], data["depth"])

@@ -22,14 +22,6 @@ WRITERS: dict[str, Callable[[Path], None]] = {
 }
 
 
-def test_writes_and_replaces(tmp_path: Path) -> None:
-    path = tmp_path / "a.txt"
-    write_text(path, "one\n")
-    write_text(path, "two\n")
-    assert path.read_text(encoding="utf-8") == "two\n"
-    assert list(tmp_path.iterdir()) == [path]
-
-
 def test_a_failed_write_leaves_the_old_file_alone(tmp_path: Path) -> None:
     path = tmp_path / "a.txt"
     write_text(path, "old")
@@ -37,11 +29,6 @@ def test_a_failed_write_leaves_the_old_file_alone(tmp_path: Path) -> None:
         write_text(path, "new \ud800")
     assert path.read_text(encoding="utf-8") == "old"
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_missing_folder_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError):
-        write_text(tmp_path / "absent" / "a.txt", "x")
 
 
 @pytest.mark.parametrize(("mask", "mode"), [(0o022, 0o644), (0o077, 0o600)])

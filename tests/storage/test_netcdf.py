@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import netCDF4
@@ -53,21 +54,13 @@ def test_round_trip_keeps_values_types_and_attributes(tmp_path: Path) -> None:
 
 
 def test_equal_data_sets_give_equal_bytes_and_a_read_one_can_be_written_again(tmp_path: Path) -> None:
-    for name in ("a.nc", "b.nc"):
-        write_whole(sample(), tmp_path / name)
-        time.sleep(1.1)  # a clock in the file would show
+    write_whole(sample(), tmp_path / "a.nc")
+    time.sleep(1.1)  # a clock in the file would show
+    write_whole(sample(), tmp_path / "b.nc")
     write_whole(read_whole(tmp_path / "a.nc"), tmp_path / "c.nc")
     first, second, third = (hashlib.sha256((tmp_path / n).read_bytes()).digest() for n in ("a.nc", "b.nc", "c.nc"))
     assert first == second
     assert first == third
-
-
-def test_large_float_arrays_are_packed(tmp_path: Path) -> None:
-    write_whole(xr.Dataset({"f": ("x", np.repeat(np.arange(100.0), 1000))}), tmp_path / "a.nc")
-    with netCDF4.Dataset(tmp_path / "a.nc") as file:
-        filters = file["f"].filters()
-        assert (filters["zlib"], filters["shuffle"], filters["complevel"]) == (True, True, 1)
-    assert (tmp_path / "a.nc").stat().st_size < 100_000
 
 
 @pytest.mark.parametrize(
@@ -87,33 +80,6 @@ def test_a_root_of_a_metre_is_stored_as_a_scaled_quantity(units: str, stored: st
                 assert (again["f"].attrs["units"], again["f"].attrs["long_name"]) == (units, "intensity")
 
 
-@pytest.mark.needs("ncdump")
-def test_the_systems_own_ncdump_reads_the_values_of_a_large_array(tmp_path: Path) -> None:
-    data = xr.Dataset({"f": ("x", np.repeat(np.arange(10.0), 1000))})
-    write_whole(data, tmp_path / "a.nc")
-    write_blocks(tmp_path / "b.nc", data, [((slice(0, 10_000),), {"f": data["f"].values})], {"x": 5000})
-    for name in ("a.nc", "b.nc"):
-        done = subprocess.run(["ncdump", "-v", "f", name], cwd=tmp_path, capture_output=True, text=True, check=True)
-        numbers = done.stdout.partition(" f = ")[2].rstrip(" ;}\n").split(",")
-        assert [float(number) for number in numbers] == data["f"].values.tolist()
-
-
-def test_coordinates_have_no_fill_value(tmp_path: Path) -> None:
-    data = xr.Dataset({"f": ("x", [1.0, 2.0])}, {"x": [0.0, 1.0]})
-    write_whole(data, tmp_path / "a.nc")
-    write_blocks(tmp_path / "b.nc", data, [((slice(0, 2),), {"f": data["f"].values})], {})
-    for name in ("a.nc", "b.nc"):
-        with netCDF4.Dataset(tmp_path / name) as file:
-            assert not any("_FillValue" in variable.ncattrs() for variable in file.variables.values())  # CF 2.5.1
-
-
-def test_lazy_opening_leaves_arrays_on_disk(tmp_path: Path) -> None:
-    write_whole(sample(), tmp_path / "a.nc")
-    with read_whole(tmp_path / "a.nc", lazy=True) as data:
-        assert not data["field"].variable._in_memory
-        np.testing.assert_array_equal(data["field"][3], sample()["field"][3])
-
-
 def test_truncation_is_found_at_every_length(tmp_path: Path) -> None:
     write_whole(sample(), tmp_path / "a.nc")
     whole = (tmp_path / "a.nc").read_bytes()
@@ -125,28 +91,24 @@ def test_truncation_is_found_at_every_length(tmp_path: Path) -> None:
             assert "\n" not in str(caught.value)
 
 
-def test_a_changed_value_attribute_or_name_is_found(tmp_path: Path) -> None:
-    def value(file: netCDF4.Dataset) -> None:
-        file["field"][5, 5] = 0.0
+CHANGES: dict[str, Callable[[netCDF4.Dataset], object]] = {
+    "value": lambda file: file["field"].__setitem__((5, 5), 0.0),
+    "attribute": lambda file: file["field"].setncattr("units", "kPa"),
+    "header": lambda file: file.setncattr("version", 2),
+    "name": lambda file: file.renameVariable("time", "tine"),
+}
 
-    def attribute(file: netCDF4.Dataset) -> None:
-        file["field"].units = "kPa"
 
-    def header(file: netCDF4.Dataset) -> None:
-        file.version = 2
-
-    def name(file: netCDF4.Dataset) -> None:
-        file.renameVariable("time", "tine")
-
-    for change in (value, attribute, header, name):
-        write_whole(sample(), tmp_path / "a.nc")
-        with netCDF4.Dataset(tmp_path / "a.nc", "a") as file:
-            change(file)
-        with pytest.raises(FormatError, match=r"no seal|do not match its seal"):
-            read_whole(tmp_path / "a.nc")
-        seal(tmp_path / "a.nc")  # a seal put on afterwards does not help
-        with pytest.raises(FormatError, match=r"a\.nc: altered: its contents"):
-            read_whole(tmp_path / "a.nc")
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_changed_value_attribute_or_name_is_detected(change: str, tmp_path: Path) -> None:
+    write_whole(sample(), tmp_path / "a.nc")
+    with netCDF4.Dataset(tmp_path / "a.nc", "a") as file:
+        CHANGES[change](file)
+    with pytest.raises(FormatError, match=r"no seal|do not match its seal"):
+        read_whole(tmp_path / "a.nc")
+    seal(tmp_path / "a.nc")  # a seal put on afterwards does not help
+    with pytest.raises(FormatError, match=r"a\.nc: altered: its contents"):
+        read_whole(tmp_path / "a.nc")
 
 
 def test_a_file_without_its_mark_is_incomplete(tmp_path: Path) -> None:
@@ -157,12 +119,6 @@ def test_a_file_without_its_mark_is_incomplete(tmp_path: Path) -> None:
     seal(tmp_path / "a.nc")
     with pytest.raises(FormatError, match="it has no checksum"):
         read_whole(tmp_path / "a.nc")
-
-
-def test_every_netcdf_reader_opens_a_sealed_file(tmp_path: Path) -> None:
-    write_whole(sample(), tmp_path / "a.nc")
-    with xr.open_dataset(tmp_path / "a.nc", engine="netcdf4", decode_timedelta=False) as data:
-        np.testing.assert_array_equal(data["field"], sample()["field"])
 
 
 def test_a_flipped_byte_anywhere_is_found_before_the_library_reads_it(tmp_path: Path) -> None:

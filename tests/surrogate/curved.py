@@ -40,7 +40,7 @@ def fields(a: Any, b: Any, x: Any, y: Any) -> tuple[Any, Any]:
 
 def data(a: xr.DataArray, b: xr.DataArray) -> xr.Dataset:
     """The curves of cases, their size, and what is smooth itself."""
-    x, y = (xr.DataArray(one, dims="point") for one in points())
+    x, y = (xr.DataArray(coordinate, dims="point") for coordinate in points())
     f, g = fields(a, b, x, y)
     like = xr.broadcast(a, b)[0]
     out = {"f": f, "g": g, "x": x.broadcast_like(f), "size": (b + 0 * a), "plain": (np.exp(a) * b)}
@@ -53,8 +53,10 @@ def data(a: xr.DataArray, b: xr.DataArray) -> xr.Dataset:
 
 def grid() -> xr.Dataset:
     """The curves on 7 x 9 levels."""
-    levels = [one.levels(n) for one, n in zip(INPUTS, (7, 9), strict=True)]
-    a, b = (xr.DataArray(own, {one.name: own}, one.name) for one, own in zip(INPUTS, levels, strict=True))
+    levels = [input_.levels(n) for input_, n in zip(INPUTS, (7, 9), strict=True)]
+    a, b = (
+        xr.DataArray(nodes, {input_.name: nodes}, input_.name) for input_, nodes in zip(INPUTS, levels, strict=True)
+    )
     return data(a, b)
 
 
@@ -65,7 +67,7 @@ def fitted() -> CurveGP:
 
 def fitted_over_groups() -> CurveGP:
     """The same over groups that are the inputs, sizes and what is plain in proportion to b."""
-    groups = tuple(Group(one, {one.name: 1.0}) for one in INPUTS)
+    groups = tuple(Group(input_, {input_.name: 1.0}) for input_ in INPUTS)
 
     def smooth(names: Sequence[str]) -> GroupedGP:
         scalings = {name: Scaling({"b": 1.0} if name in ("size", "plain") else {}) for name in names}

@@ -11,33 +11,25 @@ Array = NDArray[np.float64]
 FactorKernel = Callable[[Array, Array], Array]
 
 
-def predict(
-    kernels: Sequence[FactorKernel], jitter: Sequence[float], levels: Sequence[Array], values: Array, t: Array
-) -> tuple[Array, Array]:
+def predict(kernels: Sequence[FactorKernel], levels: Sequence[Array], values: Array, t: Array) -> tuple[Array, Array]:
     """Mean and variance at t (B, d) given values (n_1, ..., n_d), zero prior mean, product kernel of unit variance."""
-    grid = np.stack(np.meshgrid(*levels, indexing="ij"), axis=-1).reshape(-1, len(levels))
-    K = np.ones((len(grid), len(grid)))
-    cross = np.ones((len(t), len(grid)))
-    prior = np.ones(len(t))
-    for f, kernel in enumerate(kernels):
-        same = grid[:, f][:, None] == grid[:, f]
-        K *= kernel(grid[:, f], grid[:, f]) + jitter[f] * same
-        cross *= kernel(t[:, f], grid[:, f])
-        prior *= np.array([kernel(one, one)[0, 0] for one in t[:, f : f + 1]])
+    K, cross, prior = _matrices(kernels, levels, t)
     L = np.linalg.cholesky(K)
     white = np.linalg.solve(L, cross.T)
-    return white.T @ np.linalg.solve(L, values.ravel()), prior - (white**2).sum(axis=0)
+    return white.T @ np.linalg.solve(L, values.ravel()), np.diag(prior) - (white**2).sum(axis=0)
 
 
-def covariance(kernels: Sequence[FactorKernel], jitter: Sequence[float], levels: Sequence[Array], t: Array) -> Array:
+def covariance(kernels: Sequence[FactorKernel], levels: Sequence[Array], t: Array) -> Array:
     """Posterior covariance between points t (B, d), as `predict` has its diagonal: (B, B)."""
-    grid = np.stack(np.meshgrid(*levels, indexing="ij"), axis=-1).reshape(-1, len(levels))
-    K, cross, prior = np.ones((len(grid), len(grid))), np.ones((len(t), len(grid))), np.ones((len(t), len(t)))
-    for f, kernel in enumerate(kernels):
-        K *= kernel(grid[:, f], grid[:, f]) + jitter[f] * (grid[:, f][:, None] == grid[:, f])
-        cross *= kernel(t[:, f], grid[:, f])
-        prior *= kernel(t[:, f], t[:, f])
+    K, cross, prior = _matrices(kernels, levels, t)
     return np.asarray(prior - cross @ np.linalg.solve(K, cross.T))
+
+
+def _matrices(kernels: Sequence[FactorKernel], levels: Sequence[Array], t: Array) -> list[Array]:
+    """Prior covariances of the grid, of t and the grid, and of t."""
+    grid = np.stack(np.meshgrid(*levels, indexing="ij"), axis=-1).reshape(-1, len(levels))
+    pairs = [(grid, grid), (t, grid), (t, t)]
+    return [np.prod([k(u[:, f], v[:, f]) for f, k in enumerate(kernels)], axis=0) for u, v in pairs]
 
 
 def chebyshev(levels: int, rho: float, amplitude: float) -> FactorKernel:

@@ -34,8 +34,8 @@ def outputs(x: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:
 def factorial(counts: Sequence[int], inputs: Sequence[Input] = INPUTS) -> xr.Dataset:
     """Return the outputs on Chebyshev-Gauss levels; an output keeps only the dimensions that it depends on."""
     x = {
-        one.name: xr.DataArray(one.levels(n), dims=one.name, coords={one.name: one.levels(n)})
-        for one, n in zip(inputs, counts, strict=True)
+        input_.name: xr.DataArray(input_.levels(n), dims=input_.name, coords={input_.name: input_.levels(n)})
+        for input_, n in zip(inputs, counts, strict=True)
     }
     data = xr.Dataset(outputs(x))
     for name in data.data_vars:
@@ -46,5 +46,7 @@ def factorial(counts: Sequence[int], inputs: Sequence[Input] = INPUTS) -> xr.Dat
 def scattered(count: int, seed: int, inputs: Sequence[Input] = INPUTS) -> xr.Dataset:
     """Return inputs, uniform in the scaled coordinates, and outputs over `case`."""
     unit = np.random.default_rng(seed).uniform(-1, 1, (len(inputs), count))
-    x = {one.name: xr.DataArray(one.from_unit(row), dims="case") for one, row in zip(inputs, unit, strict=True)}
+    x = {
+        input_.name: xr.DataArray(input_.from_unit(row), dims="case") for input_, row in zip(inputs, unit, strict=True)
+    }
     return xr.Dataset({**x, **outputs(x)})

@@ -14,7 +14,7 @@ INPUTS = (
     Input("load", 1e4, 1e5, "log", "N m-1"),
     Input("charge", -2e-6, 1e-6, "linear", "C m-1"),
 )
-MIDDLE = {one.name: float(one.from_unit(0.0)) for one in INPUTS}
+MIDDLE = {axis.name: float(axis.from_unit(0.0)) for axis in INPUTS}
 PRESSING = {"load": 1.0, "radius": 1.0, "thickness": -2.0}
 GROUPS = (
     Group(Input("mixture", 0.05, 0.9, "logit"), {"mixture": 1.0}),
@@ -74,5 +74,5 @@ def cases(count: int, seed: int, rough: float = 0.0, to_ends: int = 0) -> xr.Dat
 
 
 def _cases(unit: Array, rough: float) -> xr.Dataset:
-    x = xr.Dataset({one.name: ("case", one.from_unit(row)) for one, row in zip(INPUTS, unit, strict=True)})
+    x = xr.Dataset({input_.name: ("case", input_.from_unit(row)) for input_, row in zip(INPUTS, unit, strict=True)})
     return x.merge(world(x, rough))

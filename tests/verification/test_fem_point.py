@@ -14,7 +14,7 @@ SPHERE, RADIUS = 5e-3, 1e-4
 
 
 def contact(charge: float, permittivity: float = 0.0) -> PointContact:
-    """As wide as the film is thick."""
+    """Contact as wide as the film is thick."""
     return PointContact([LAYER], None, SPHERE, RADIUS, charge, permittivity, order=6)
 
 

@@ -23,7 +23,7 @@ def test_a_film_s_first_order_is_no_half_space_s(monkeypatch: pytest.MonkeyPatch
 
 @pytest.mark.soak
 def test_the_largest_pressure_beside_the_centre_rises_with_friction_as_on_the_grid() -> None:
-    """Of a stiff film on a soft base, largest at 0.7 a: 1.2 % more at eta = 0.05, all of it of the first order."""
+    """A stiff film on a soft base, largest at 0.7 a: 1.2 % more at eta = 0.05, all of it of the first order."""
     grid, first = raised(
         BALL | {"force": 30.0, "thickness": 1e-4, "surroundings": "insulated", "base": "polyimide"}, 0.05, 128
     )

@@ -1,19 +1,22 @@
 """Fixtures of the workflow's tests: a small study, and a folder in which it has run."""
 
-import json
 import os
+import re
 import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import pytest
 
-from tests.workflow import nursery, plans
+from tests.workflow import nursery
 from workflow.run.provenance import ROOMS, ROOT
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import Snakemake
 
 SMALL = """\
 title: A small study
@@ -78,14 +81,35 @@ class Project:
         return self.run("snakemake", "--cores", "2", *arguments, check=check, cold=cold)
 
     def planned(self, target: str) -> set[str]:
-        """Rules that a dry run would execute for a target."""
+        """Return the rules that a dry run would execute for a target."""
         done = self.snakemake("-n", "--quiet", "host", "--", target)
-        return set(plans.rules(done.stdout + done.stderr))
+        output = done.stdout + done.stderr
+        rules = set(re.findall(r"^(?:local)?rule (\w+):$", output, re.MULTILINE))
+        assert rules or "Nothing to be done" in output, output
+        return rules
 
-    def planned_after(self, edits: Sequence[Sequence[tuple[str, str, str]]], target: str) -> list[set[str]]:
-        """The same after edits that are made together, (file, old, new), and then others alone; from one process."""
-        done = self.run("python", plans.__file__, target, said=json.dumps(edits))
-        return [set(rules) for rules in json.loads(done.stdout)]
+    def planned_after(self, edits: Sequence[tuple[str, str, str]], target: str) -> set[str]:
+        """Return the rules of a dry run after edits of files, (file, old, new), which are undone."""
+        before = {file: (self.folder / file).read_text(encoding="utf-8") for file, _, _ in edits}
+        try:
+            for file, old, new in edits:
+                text = (self.folder / file).read_text(encoding="utf-8")
+                assert old in text, (file, old)
+                (self.folder / file).write_text(text.replace(old, new, 1), encoding="utf-8")
+            return self.planned(target)
+        finally:
+            for file, text in before.items():
+                (self.folder / file).write_text(text, encoding="utf-8")
+
+
+def job(study: str, output: str, *inputs: str, parameter: str | None = None) -> "Snakemake":
+    """A job of a study that makes one file out of others, as its script sees it; its log is `a.log`."""
+    from snakemake.iocontainers import InputFiles, Log, OutputFiles, Params, ResourceList, Snakemake, Wildcards
+
+    files = InputFiles(toclone=list(inputs)), OutputFiles(toclone=[output])
+    params = Params() if parameter is None else Params(fromdict={"study": parameter})
+    wildcards, log = Wildcards(fromdict={"study": study}), Log(toclone=["a.log"])
+    return Snakemake(*files, params, wildcards, 1, ResourceList(), log, {}, "slab", None)
 
 
 class Copy(Protocol):

@@ -41,12 +41,7 @@ class Running:
     """A command that runs, of which `poll`, `wait` and `kill` are those of `subprocess.Popen`."""
 
     def __init__(
-        self,
-        command: Sequence[str],
-        folder: Path,
-        packages: Path,
-        streams: Sequence[str | Path],
-        bound: bool = False,
+        self, command: Sequence[str], folder: Path, packages: Path, streams: Sequence[str | Path], bound: bool = False
     ) -> None:
         self._nursery = nursery()
         self.returncode: int | None = None

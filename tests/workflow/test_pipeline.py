@@ -16,35 +16,11 @@ import snakemake
 
 import surrogate
 from solver import solve
-from solver.fields import FIELDS
-from solver.names import QUANTITIES
 from storage.netcdf import read_whole
 from tests.workflow.conftest import Copy, Project
 from workflow.run.provenance import ROOT
 
 REPORT = "results/small/report.html"
-
-
-def test_makes_every_promised_file(ran: Project) -> None:
-    results = ran.folder / "results" / "small"
-    for name in (
-        "quantities.nc", "surrogate.nc", "validation.nc", "sensitivity.nc", "design.nc", "design.csv", "report.html",
-        "provenance.json", "fields/slab_0.nc", "fields/slab_1.nc", "fields/effect_friction.nc",
-        "fields/effect_material.nc",
-    ):  # fmt: skip
-        assert (results / name).is_file(), name
-
-
-def test_quantities_are_the_exact_solution(ran: Project) -> None:
-    data = read_whole(ran.folder / "results/small/quantities.nc")
-    assert list(data.data_vars) == list(QUANTITIES)
-    assert dict(data.sizes) == {"volume_fraction": 8, "friction": 4, "radius": 4, "load": 5}
-    case = data.isel(volume_fraction=5, friction=2, radius=1, load=3)
-    names = ("volume_fraction", "friction", "radius", "load")
-    again = solve({name: float(case[name]) for name in names})
-    for name in QUANTITIES:
-        assert float(case[name]) == pytest.approx(float(again[name]), rel=1e-13)
-        assert data[name].attrs["units"] == QUANTITIES[name].units
 
 
 def test_every_file_speaks_for_itself_to_foreign_programs(ran: Project) -> None:
@@ -71,15 +47,6 @@ def test_every_file_speaks_for_itself_to_foreign_programs(ran: Project) -> None:
         assert attrs["defaults"].startswith(
             "charge = 0 C m-1, magnetic_charge = 0 Wb m-1, speed = 0 m s-1, datum = 1 m"
         )
-
-
-def test_slabs_hold_the_fields_of_the_whole_factorial(ran: Project) -> None:
-    slabs = [read_whole(ran.folder / f"results/small/fields/slab_{k}.nc") for k in (0, 1)]
-    assert [slab.sizes["volume_fraction"] for slab in slabs] == [4, 4]
-    for slab in slabs:
-        assert set(FIELDS) <= set(slab.data_vars)
-        assert slab.sizes["position"] == 20
-        assert not any(np.isnan(slab[name]).any() for name in slab.data_vars)
 
 
 def test_validation_is_on_cases_outside_the_factorial(ran: Project) -> None:
@@ -130,20 +97,6 @@ def test_a_design_is_solved_again_exactly(ran: Project) -> None:
     assert f"Polish: {polish}." in page
 
 
-def test_an_infeasible_target_names_what_binds(ran: Project) -> None:
-    data = read_whole(ran.folder / "results/small/design.nc").sel(target="impossible")
-    assert not bool(data["feasible"])
-    assert str(data["status"].values).startswith("infeasible: trailing_tension <= 1 MPa binds; the least violated")
-    assert "infeasible: trailing_tension" in (ran.folder / "results/small/design.csv").read_text(encoding="utf-8")
-
-
-def test_provenance_names_versions_hashes_and_seed(ran: Project) -> None:
-    content = json.loads((ran.folder / "results/small/provenance.json").read_text(encoding="utf-8"))
-    assert content["seed"] == 1
-    assert content["versions"]["numpy"] == np.__version__
-    assert set(content["results_sha256"]) >= {"quantities.nc", "surrogate.nc", "validation.nc", "design.nc"}
-
-
 def test_the_crate_of_the_run_has_every_file_with_its_hash(ran: Project) -> None:
     results = ran.folder / "results/small"
     graph = json.loads((results / "ro-crate-metadata.json").read_text(encoding="utf-8"))["@graph"]
@@ -156,27 +109,6 @@ def test_the_crate_of_the_run_has_every_file_with_its_hash(ran: Project) -> None
         assert name == "report.html" or entities[name]["sha256"] == hashlib.sha256(content).hexdigest()
     assert (results / action["object"]["@id"]).read_bytes() == (ran.folder / "config/small.yaml").read_bytes()
     assert (results / action["instrument"]["@id"]).read_text(encoding="utf-8").startswith("# The whole pipeline")
-
-
-def test_croissant_tells_the_records_of_the_factorial(ran: Project) -> None:
-    metadata = json.loads((ran.folder / "results/small/croissant.json").read_text(encoding="utf-8"))
-    (cases,) = metadata["recordSet"]
-    fields = {field["name"]: field for field in cases["field"]}
-    assert [key["@id"] for key in cases["key"]] == [
-        f"cases/{n}" for n in ("volume_fraction", "friction", "radius", "load")
-    ]
-    data = read_whole(ran.folder / "results/small/fields/slab_0.nc")
-    assert set(fields) >= set(map(str, data.data_vars))
-    assert fields["contact_pressure"]["arrayShape"] == str(data.sizes["position"])
-    measured = {variable["name"]: variable for variable in metadata["variableMeasured"]}
-    whole = read_whole(ran.folder / "results/small/quantities.nc")
-    assert measured["depth"]["minValue"] == float(whole["depth"].min())
-    assert measured["depth"]["unitText"] == "m"
-
-
-def test_a_second_run_does_nothing(ran: Project) -> None:
-    done = ran.snakemake(REPORT)
-    assert "Nothing to be done" in done.stdout + done.stderr
 
 
 def test_results_of_another_checkout_are_not_taken_for_those_of_this_study(ran: Project, copy: Copy) -> None:
@@ -201,36 +133,20 @@ def again(ran: Project, copy: Copy) -> Project:
     return project
 
 
-def test_edits_rerun_exactly_what_depends_on_them(again: Project) -> None:
-    project = again
-    cards = {"provenance", "report"}
-    designs = {"target", "design", "figure_design", "solved"}
-    everything_after_the_surrogate = cards | designs | {
+def test_edits_rerun_what_depends_on_them(again: Project) -> None:
+    """Edits of sources; those of a study's sections: tests/workflow/study/test_planned.py."""
+    cards, designs = {"provenance", "report"}, {"target", "design", "figure_design", "solved"}
+    after_the_surrogate = cards | designs | {
         "surrogate", "validation", "figure_errors", "sensitivity", "figure_sensitivity"
     }  # fmt: skip
-    effects = {"effect", "figure_effect", "interior", "figure_interior"}
-    study, template = "config/small.yaml", "workflow/report/templates/study.html.j2"
-    of_study = [
-        (study, "A small study", "A smaller study"),
-        (study, "trailing_tension <= 1 MPa", "trailing_tension <= 2 MPa"),
-        (study, "friction: [0.0, 0.3]", "friction: [0.0, 0.2]"),
-    ]
-    edits = [
-        [(template, "<h2>Study", "<h2>The study")],
-        of_study,
-        [("surrogate/gp/gridgp.py", '"""', '"""Edited. ')],
-        [("solver/halfplane/contact.py", '"""', '"""Edited. ')],
-        [("workflow/scripts/design.py", '"""Rule', '"""The rule')],
-    ]
-    *plans, of_script = project.planned_after(edits, REPORT)
     exact = {"slab", "quantities", "card", "cases", "calibration", "figure_fields"}
-    assert plans == [
-        {"report"},
-        {"card"} | cards | designs | effects,
-        everything_after_the_surrogate,
-        everything_after_the_surrogate | effects | exact,
-    ]
-    assert of_script >= {"design", "report"}
+    effects = {"effect", "figure_effect", "interior", "figure_interior"}
+    for file, old, expected in (
+        ("workflow/report/templates/study.html.j2", "<h2>Study", {"report"}),
+        ("surrogate/gp/gridgp.py", '"""', after_the_surrogate),
+        ("solver/halfplane/contact.py", '"""', after_the_surrogate | effects | exact),
+    ):
+        assert again.planned_after([(file, old, f"{old}Edited. ")], REPORT) == expected, file
 
 
 def test_equal_inputs_give_equal_bytes(ran: Project, again: Project) -> None:
@@ -248,17 +164,10 @@ def test_equal_inputs_give_equal_bytes(ran: Project, again: Project) -> None:
         assert (results / name).read_bytes() == (again.folder / "results/small" / name).read_bytes(), name
 
 
-def test_any_intermediate_file_can_be_asked_for(copy: Copy) -> None:
-    project = copy("part")
-    project.snakemake("results/small/fields/slab_1.nc")
-    files = [file.name for file in (project.folder / "results/small").rglob("*") if file.is_file()]
-    assert files == ["slab_1.nc"]
-
-
 def test_snakemake_report_shows_the_figures_with_captions(ran: Project) -> None:
     ran.snakemake("--report", "snakemake-report.html", "--", REPORT)
     page = (ran.folder / "snakemake-report.html").read_text(encoding="utf-8")
-    for word in ("lies among all designs", "Exact surface fields while one factor varies", "residuals"):
+    for word in ("its place among all designs", "Exact surface fields while one factor varies", "residuals"):
         assert word in page
 
 
@@ -292,17 +201,6 @@ def test_as_a_module_with_a_prefix_it_sweeps_and_tells_times(copy: Copy) -> None
     assert not (results / ".left.partial").exists()
 
 
-def test_another_directory_without_studies_says_what_to_do(copy: Copy, tmp_path: Path) -> None:
-    project = copy("directory")
-    done = project.snakemake("--directory", str(tmp_path), "-n", "results/small/report.html", check=False)
-    assert done.returncode == 1
-    output = done.stdout + done.stderr
-    assert f"study: 'small' is unknown: {tmp_path} has no config/*.yaml; go to a folder that has one" in output
-    study = f"study={project.folder / 'config/small.yaml'}"
-    done = project.snakemake("--directory", str(tmp_path), "--config", study, "-n", "results/small/report.html")
-    assert "surrogate" in done.stdout + done.stderr
-
-
 def test_rulegraph_and_lint(ran: Project) -> None:
     graph = ran.snakemake("--rulegraph", "--", REPORT).stdout
     assert all(f'label = "{rule}"' in graph for rule in ("slab", "quantities", "surrogate", "validation", "report"))
@@ -323,14 +221,3 @@ def test_a_bad_study_ends_with_one_line_and_nothing_written(copy: Copy) -> None:
     done = project.run("meecontact", "run", "../small", check=False)
     assert done.returncode == 2
     assert "study: '../small' is unknown" in done.stderr
-
-
-def test_a_study_without_factors_reports_its_effects_only(copy: Copy) -> None:
-    project = copy("effects")
-    only = "title: Effects only\neffects:\n  baseline: {material: PZT-4, radius: 0.05, load: 1e5}\n"
-    only += "  vary: {friction: [0.0, 0.4]}\n"
-    (project.folder / "config/small.yaml").write_text(only, encoding="utf-8")
-    project.snakemake(REPORT)
-    page = (project.folder / REPORT).read_text(encoding="utf-8")
-    assert 'id="figure-effect_friction"' in page
-    assert 'id="surrogate"' not in page

@@ -67,7 +67,7 @@ def said(ran: Project, film: Path, broken: Path) -> list[str]:
 
 
 def test_no_referee_finds_a_fault(said: list[str], ran: Project, film: Path) -> None:
-    names = ("conventions", "croissant", "crate", "foreign", "served")
+    names = ("conventions", "croissant", "crate", "foreign")
     expected = [f"{ran.folder / SMALL}: {name}: no faults" for name in names]
     expected += [f"{film}: {name}: no {'ro-crate-metadata.json' if name == 'crate' else 'faults'}" for name in names]
     assert said[: said.index(expected[-1]) + 1] == expected

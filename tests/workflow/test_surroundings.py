@@ -7,11 +7,8 @@ import pytest
 from solver import solve
 from storage.netcdf import read_whole
 from tests.studies import made
-from tests.workflow.conftest import Copy
 from workflow.dataset import factorial, slabs
-from workflow.dataset.slabs import open_results
 from workflow.design.search import targets
-from workflow.design.verdict import netcdf
 from workflow.design.verdict.answer import Answer
 from workflow.learning import training
 from workflow.report import exact
@@ -55,17 +52,3 @@ def test_data_and_design_of_a_study_in_air(tmp_path: Path) -> None:
     in_air, other = exact.solved(study, {"voltage": design})["designs"]["voltage"]["around"]["quantities"]["voltage"]
     assert in_air / other < 0.95
     read_by_its_capacitance(design)
-
-
-@pytest.mark.soak  # what the page says of air: tests/workflow/report/test_surroundings.py
-def test_a_study_in_air_runs_to_its_page_with_fields(copy: Copy) -> None:
-    project = copy("air")
-    (project.folder / "config" / "air.yaml").write_text(STUDY, encoding="utf-8")
-    project.run("meecontact", "run", "air", "--cores", "2")
-    folder = project.folder / "results" / "air"
-    assert {"capacitance_at_load", "gap_field"} <= set(open_results(folder).data_vars)
-    read_by_its_capacitance(netcdf.read(folder / "design" / "voltage.nc"))
-    page = (folder / "report.html").read_text(encoding="utf-8")
-    assert "faces air (surroundings: air). With an insulated surface, the design would have voltage" in page
-    assert "the punch hangs in air" in page
-    assert 'id="figure-contact_voltage"' in page

@@ -27,6 +27,7 @@ from typing import Any
 
 ROOMS = ("approximation", "meecontact", "solver", "storage", "surrogate", "verification", "workflow")
 SCRIPTS = Path("workflow/scripts")
+PROGRAMS = {"meecontact": "workflow.cli.main", "snakemake": "snakemake.cli"}
 
 #: Jobs begin in threads, and the first of them waits for the modules.
 ONE = threading.Lock()
@@ -69,20 +70,6 @@ def execute(self: Any, fname: str, edit: bool = False) -> None:
         _, status = os.waitpid(process, 0)
     if status:
         raise CalledProcessError(os.waitstatus_to_exitcode(status), fname)
-
-
-def meecontact() -> None:
-    """The program of that name."""
-    from workflow.cli.main import main
-
-    sys.exit(main())
-
-
-def snakemake() -> None:
-    """The program of that name."""
-    from snakemake.cli import main
-
-    sys.exit(main())
 
 
 def python() -> None:
@@ -177,6 +164,8 @@ if __name__ == "__main__":
     sys.path[:] = paths
     gc.freeze()
     program = ordered()
-    if program != "python":
+    if program == "python":
+        python()
+    else:
         sys.argv.insert(0, program)
-    {"meecontact": meecontact, "snakemake": snakemake, "python": python}[program]()
+        sys.exit(importlib.import_module(PROGRAMS[program]).main())

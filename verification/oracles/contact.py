@@ -18,7 +18,7 @@ _LEAST_KAP = mpf("1e-40")
 
 @dataclass(frozen=True, eq=False)
 class Sliding:
-    """Half-plane, friction, radius and conducted fields: what the load does not change."""
+    """Half-plane, friction, radius and conducted fields: the inputs that the load does not change."""
 
     half: HalfPlane
     friction: mpf

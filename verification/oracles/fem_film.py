@@ -164,14 +164,16 @@ class FilmContact:
     @property
     def depth(self) -> float:
         """Depth of the punch [m]; on a half-plane relative to the surface at ``datum`` on both sides."""
-        return float(self.centre**2 / (2 * self.punch.radius) - self.weights[0] + self._away[1])
+        return float(self.centre**2 / (2 * self.punch.radius) - self.weights[0] + self._datum_displacement[1])
 
     def potential(self, number: int) -> float:
         """V [V] (``ELECTRIC``) or Psi [A] (``MAGNETIC``) of a punch that conducts, as depth."""
-        return float(self.weights[3 + self.punch.conducted.index(number)] * UNITS[number] - self._away[number])
+        return float(
+            self.weights[3 + self.punch.conducted.index(number)] * UNITS[number] - self._datum_displacement[number]
+        )
 
     @property
-    def _away(self) -> Array:
+    def _datum_displacement(self) -> Array:
         """u at the datum, mean of both sides; 0 on a rigid base, where the film stands still."""
         return np.zeros(4) if self.base is None else self.u[self._far].mean(axis=0)
 

@@ -76,7 +76,7 @@ class GapContact(FilmContact):
 
     # -- the air -------------------------------------------------------------------------------------------------------
     @cached_property
-    def _beside(self) -> Gap:
+    def _exterior(self) -> Gap:
         """The surface beside the contact."""
         return Gap(self.body, self.order + 6)
 
@@ -88,7 +88,7 @@ class GapContact(FilmContact):
     @cached_property
     def _dry(self) -> Dry:
         """The system without air."""
-        below, nodes = self.below, self._beside.nodes
+        below, nodes = self.below, self._exterior.nodes
         exterior = np.setdiff1d(nodes, below)
         airy = np.array([4 * exterior + potential for potential in self.punch.conducted], dtype=int).ravel()
         touched = (4 * below[:, None] + np.arange(4)).ravel()
@@ -100,11 +100,11 @@ class GapContact(FilmContact):
 
     def _charged(self, gap: Array) -> tuple[Array, Array]:
         """Scaled u (unknowns, states), right on the surface only, and nodal loads (node, 4, states) of the body."""
-        size, count, weights = self._stiffness.shape[0], 4 * len(self.body.places), self._beside.rule[1]
+        size, count, weights = self._stiffness.shape[0], 4 * len(self.body.places), self._exterior.rule[1]
         wide = np.maximum(gap, LEAST * weights.sum(axis=1, keepdims=True))
         air, pushed = csr_array((size, size)), np.zeros((size, 3 + len(self.punch.conducted)))
         for state, potential in enumerate(self.punch.conducted, start=3):
-            spring = self._beside.spring(potential, self._medium(potential) * weights / wide, size)
+            spring = self._exterior.spring(potential, self._medium(potential) * weights / wide, size)
             air, pushed[:, state] = air + spring, spring.sum(axis=1)
         u, loads = self._dry.charged(air, pushed)
         return u, loads[:count].reshape(count // 4, 4, -1)
@@ -126,7 +126,7 @@ class GapContact(FilmContact):
     @cached_property
     def _solved(self) -> tuple[Array, Array, Array, Array]:
         """Scaled u, nodal loads, weights of the states, and the gaps over h (side, point)."""
-        x = self._beside.rule[0]
+        x = self._exterior.rule[0]
         curved = (np.abs(x) - 1) * np.sqrt(np.abs(x) ** 2 - 1) * self.half_length / (2 * self.punch.radius)
         gap = curved if self.permittivity else np.full_like(curved, np.inf)
         last = np.zeros(3 + len(self.punch.conducted))
@@ -142,13 +142,13 @@ class GapContact(FilmContact):
 
     def _gap(self, u: Array, weights: Array) -> Array:
         """Gap over h at Gauss's points beside the contact (side, point)."""
-        x, by_node = self._beside.rule[0], u.reshape(-1, 4)[:, 1]
-        profile = weights[0] + weights[1] * x + weights[2] * x**2 - self._beside.at(by_node)
+        x, by_node = self._exterior.rule[0], u.reshape(-1, 4)[:, 1]
+        profile = weights[0] + weights[1] * x + weights[2] * x**2 - self._exterior.at(by_node)
         if self._upper is not None:
             profile = profile - along(self._upper, by_node[len(self.body.places) :], x)
         return np.asarray(profile / self.half_length)
 
-    # -- what is asked of it: depth and potentials on a rigid base -----------------------------------------------------
+    # -- outputs: depth and potentials on a rigid base -----------------------------------------------------------------
     @cached_property
     def weights(self) -> Array:
         """Weights of the states, scaled."""
@@ -164,14 +164,14 @@ class GapContact(FilmContact):
         """Nodal loads of the contact, as without air."""
         return np.asarray(self._solved[1][self.below] * FORCES)
 
-    def beside(self, which: int) -> tuple[Array, Array]:
+    def exterior(self, which: int) -> tuple[Array, Array]:
         """(x - c)/h of nodes beside the contact, and phi [V] (``ELECTRIC``) or psi [A] (``MAGNETIC``); (node,) each."""
-        nodes = np.setdiff1d(self._beside.nodes, self.below)
+        nodes = np.setdiff1d(self._exterior.nodes, self.below)
         return self.body.places[nodes, 0], self.u[nodes, which]
 
     @cached_property
     def inside(self) -> Array:
-        """u of all of the body's nodes, from what loads its surface; SI units, (nodes, 4)."""
+        """u of all of the body's nodes, from the loads on its surface; SI units, (nodes, 4)."""
         free = ~clamped(self.body, self.layers, self.half_length, rigid=self.base is None).ravel()
         u = np.zeros(free.size)
         u[free] = factorised(self.body.matrix()[free][:, free]).solve(self._solved[1].ravel()[free])
@@ -180,7 +180,7 @@ class GapContact(FilmContact):
     @property
     def gap_field(self) -> float:
         """Largest field in the gap [V/m], at Gauss's points."""
-        gap, phi = self._solved[3], self._beside.at(self.u[:, ELECTRIC])
+        gap, phi = self._solved[3], self._exterior.at(self.u[:, ELECTRIC])
         wide = gap > 1e-7 * np.max(gap[np.isfinite(gap)])
         return float(np.max(np.where(wide, np.abs(self.potential(ELECTRIC) - phi) / gap, 0.0)) / self.half_length)
 

@@ -126,7 +126,7 @@ class PointContact:
         return contact(self.body)
 
     @cached_property
-    def _beside(self) -> Gap:
+    def _exterior(self) -> Gap:
         """The surface beside the contact."""
         return Gap(self.body, self.order + 8)
 
@@ -140,7 +140,7 @@ class PointContact:
         u = np.zeros((4 * len(r), 3))
         u[4 * below + 1, :2] = r[below, None] ** [0, self._profile[0]]
         u[4 * below + ELECTRIC, 2] = 1.0
-        nodes = self._beside.nodes
+        nodes = self._exterior.nodes
         exterior = np.setdiff1d(nodes, below)
         touched = (4 * below[:, None] + np.arange(4)).ravel()
         identity = csr_array(eye_array(u.shape[0]))
@@ -149,11 +149,11 @@ class PointContact:
 
     def _charged(self, gap: Array) -> tuple[Array, Array]:
         """Scaled u and nodal loads of the states u_y = 1, r^e and phi = 1 under the punch; (node, 4, state) each."""
-        r, weights = self._beside.rule
+        r, weights = self._exterior.rule
         wide = np.maximum(gap, LEAST * np.sum(weights, axis=1, keepdims=True))
         strength = self.permittivity * VACUUM[ELECTRIC] * weights * r / (1 + (r * self.radius / self.sphere) ** 2)
         pushed = np.zeros_like(self._dry.prescribed)
-        spring = self._beside.spring(ELECTRIC, strength / wide, len(pushed))
+        spring = self._exterior.spring(ELECTRIC, strength / wide, len(pushed))
         pushed[:, 2] = spring.sum(axis=1)
         u, loads = self._dry.charged(spring, pushed)
         return u.reshape(-1, 4, 3), loads.reshape(-1, 4, 3)
@@ -186,7 +186,7 @@ class PointContact:
     @cached_property
     def _solved(self) -> tuple[Array, Array, Array, Array]:
         """Scaled u, nodal loads, weights of the states, gaps over a (side, point)."""
-        r = self._beside.rule[0]
+        r = self._exterior.rule[0]
         exponent, curved = self._profile
         gap = (r**2 - 1) ** 1.5 * r ** (exponent - 3) * curved / self.radius
         gap = gap if self.permittivity else np.full_like(gap, np.inf)
@@ -201,14 +201,14 @@ class PointContact:
             change = np.max(np.abs(weights - last) / np.maximum(size, SMALL * size.max()))
             if not self.permittivity or change < _CLOSE:
                 return u, loads @ weights, weights, gap
-            gap, last = (weights[0] + curved * r**exponent - self._beside.at(u[:, 1])) / self.radius, weights
+            gap, last = (weights[0] + curved * r**exponent - self._exterior.at(u[:, 1])) / self.radius, weights
         raise ArithmeticError(f"the punch's place and potential still change by {change:.1e} after {STEPS} steps")
 
     def _per_load(self, field: int) -> float:
         """SI per scaled nodal load, over the whole circle."""
         return float(2 * np.pi * FORCES[field] * self.radius)
 
-    # -- what is asked of it -------------------------------------------------------------------------------------------
+    # -- outputs -------------------------------------------------------------------------------------------------------
     @property
     def force(self) -> float:
         """P [N]."""
@@ -224,7 +224,7 @@ class PointContact:
         """V [V]."""
         return float(self._solved[2][2] * UNITS[ELECTRIC])
 
-    def beside(self, which: int) -> tuple[Array, Array]:
+    def exterior(self, which: int) -> tuple[Array, Array]:
         """r/a of nodes beside the contact, and phi [V] (``ELECTRIC``); (node,) each."""
-        nodes = np.setdiff1d(self._beside.nodes, self._below)
+        nodes = np.setdiff1d(self._exterior.nodes, self._below)
         return self.body.places[nodes, 0], self._solved[0].reshape(-1, 4)[nodes, which] * UNITS[which]

@@ -1,4 +1,4 @@
-"""Air beside a contact, on finite elements: what bodies answer without it and to charges; the surface's nodes."""
+"""Air beside a contact, on finite elements: response of the bodies without air and to charges; the surface's nodes."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -28,7 +28,7 @@ class Dry:
     raised: Index
     # Potentials beside the contact and loads of the contact in the states
     prescribed_potentials: Array
-    given_loads: Array
+    prescribed_loads: Array
     # What unit charges on ``airy`` make there, of ``raised`` and of the loads on ``touched``
     flexibility: Array
     lift: Array
@@ -73,7 +73,7 @@ class Dry:
         u[self.airy] = potentials
         u[self.raised] += self.lift @ charges
         loads[self.airy] = charges
-        loads[self.touched] = self.given_loads + self.pressed @ charges
+        loads[self.touched] = self.prescribed_loads + self.pressed @ charges
         return u, loads
 
 

@@ -19,7 +19,7 @@ _UNIT = {1: mpf("1e-9"), 2: mpf("1e-6")}  # C and Wb
 class Punch:
     """A profile C r^e, e > 0, or a disc of a radius, on a material."""
 
-    compliance: matrix  # N over (y, phi, psi) with what an elastic punch adds; 3 x 3
+    compliance: matrix  # N over (y, phi, psi), including an elastic punch; 3 x 3
     conducted: tuple[int, ...]  # Which of 1 (electric) and 2 (magnetic) the punch conducts
     # C and e; of a disc its radius and 0
     coefficient: mpf

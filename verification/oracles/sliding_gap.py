@@ -225,7 +225,7 @@ class SlidingGap:
         solution = np.asarray(np.linalg.solve(rows, right), dtype=np.float64)
         return solution[:-1], float(solution[-1])
 
-    # -- what is asked of it -------------------------------------------------------------------------------------------
+    # -- outputs -------------------------------------------------------------------------------------------------------
     @property
     def force(self) -> float:
         """P [N]."""

@@ -21,7 +21,7 @@ from verification.oracles.film_waves import film, half_space
 from verification.oracles.surface_response import STIFFNESS, UNITS, Array
 
 _ACTIVE = 40  # solutions at most
-_PLACES = 400  # of the spline of what layers add
+_PLACES = 400  # of the spline of the layers' contribution
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from solver.halfplane.sliding import Punch
 from solver.line.powerlaw import constants_of
 from solver.line.windows import Coat, Kind, number_of
 from solver.material.constants import Material
-from solver.material.laws import made
+from solver.material.laws import compose
 from solver.material.library import find
 from solver.material.punches import RIGID_PUNCH, find_punch
 from solver.point.profile import SAMPLES, Shape
@@ -49,7 +49,7 @@ def top_of(film: dict[str, Any]) -> Material:
     """The material of a film."""
     if "material" in film:
         return find(str(film["material"]))
-    return made(str(film["composite"]), (find("BaTiO3"), find("CoFe2O4")), film["scandium_fraction"])
+    return compose(str(film["composite"]), (find("BaTiO3"), find("CoFe2O4")), film["scandium_fraction"])
 
 
 def variants(film: dict[str, Any]) -> Iterator[tuple[Material, Material]]:

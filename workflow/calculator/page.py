@@ -11,7 +11,7 @@ from markupsafe import Markup
 from solver import units
 from solver.halfplane.shape import DIGAMMA_SERIES
 from solver.material.constants import UNITS, VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
-from solver.material.laws import made
+from solver.material.laws import compose
 from solver.material.library import find, materials
 from solver.material.punches import punches
 from solver.names import ALL_QUANTITIES, FACTORS, LIMITS
@@ -110,7 +110,7 @@ def library() -> dict[str, Any]:
 def _alloy() -> dict[str, Any]:
     """Al(1-x)Sc(x)N: every constant is a parabola in x, given by its values at 0, 1/4 and 1/2."""
     phases = find("BaTiO3"), find("CoFe2O4")  # which this alloy has not
-    alloy: Material = made("AlScN", phases, np.array([0.0, 0.25, 0.5]))
+    alloy: Material = compose("AlScN", phases, np.array([0.0, 0.25, 0.5]))
     constants = {name: getattr(alloy, name) for name in UNITS}
     return {
         "values": {
@@ -119,7 +119,7 @@ def _alloy() -> dict[str, Any]:
             if not np.any(np.isnan(values))
         },
         "source": alloy.source,
-        "limits": _marked(made("AlScN", phases, 0.3).plain())["limits"],
+        "limits": _marked(compose("AlScN", phases, 0.3).plain())["limits"],
     }
 
 

@@ -16,7 +16,7 @@ def suggested(name: str, known: Collection[str]) -> str | None:
     called |= {word: word for word in known}
     word = name.strip().replace(" ", "_")
     begun = [candidate for candidate in called if len(word) >= _BEGUN and candidate.startswith(word)]
-    near = begun[:1] or get_close_matches(word, called, 1, 0.5)
+    near = sorted(begun, key=len) or get_close_matches(word, called, 1, 0.5)
     return called[near[0]] if near else None
 
 

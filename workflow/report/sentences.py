@@ -180,6 +180,6 @@ def measurements(rows: Sequence[Row]) -> str:
     counts = (
         f"{count['agrees']} agree",
         f"{count['disagrees']} disagree",
-        f"{count['cannot be counts']} cannot be told",
+        f"{count['cannot be told']} cannot be told",
     )
     return f"Of {len(rows)} published values, without any constant fitted: {listed(counts)}."

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from solver import Material, find
-from solver.material.laws import made
+from solver.material.laws import compose
 from solver.names import CHOICES, MIXTURES
 from solver.stack.layers import RIGID
 from workflow.language.constants import of_the_base, plain
@@ -42,7 +42,7 @@ def allowable(
         return _least(limit, [find(str(factors["material"]), materials)], "")
     kind = str(factors.get("composite", CHOICES["composite"][0]))
     if kind not in MIXTURES:
-        return _least(limit, [made(kind, (), 0.0)], "")
+        return _least(limit, [compose(kind, (), 0.0)], "")
     first, second = (find(phase, materials) for phase in phases)
     fraction = factors.get("volume_fraction")
     parts = [first] if fraction == 1 else [second] if fraction == 0 else [first, second]

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from solver import Material, find
-from solver.material.laws import made
+from solver.material.laws import compose
 from solver.names import ALL_QUANTITIES, CHOICES, MIXTURES
 from solver.stack.layers import RIGID
 from workflow.study.categories import output
@@ -113,7 +113,7 @@ def materials(study: Contents) -> list[Material]:
         composites = [CHOICES["composite"][0]]
     phases = study.phases if any(composite in MIXTURES for composite in composites) else []
     known = dict.fromkeys([*names, *values.get("base", []), *phases])
-    alloys = [made(str(name), (), 0.0) for name in dict.fromkeys(composites) if name and name not in MIXTURES]
+    alloys = [compose(str(name), (), 0.0) for name in dict.fromkeys(composites) if name and name not in MIXTURES]
     return [*(find(str(name), study.own_materials) for name in known if name and name != RIGID), *alloys]
 
 

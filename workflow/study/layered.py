@@ -8,7 +8,7 @@ import xarray as xr
 from pydantic import Field, model_validator
 
 from solver import Layer, Material, MaterialError, Stack, find
-from solver.material.laws import made
+from solver.material.laws import compose
 from solver.names import BODY, COMPOSITES
 from solver.stack.layers import RIGID
 from workflow.language import titles
@@ -77,14 +77,16 @@ class BodyLayer(Strict):
         kind = {"material": self.material} if self.material else {"composite": str(self.composite)}
         return {**kind, **self.at(values)}
 
-    def made(self, values: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Layer:
+    def compose(self, values: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Layer:
         """The solver's layer, with factors at values."""
         numbers = self.at(values)
         if self.material is not None:
             material = find(self.material, materials)
         else:
             kind = str(self.composite)
-            material = made(kind, (find(phases[0], materials), find(phases[1], materials)), numbers[COMPOSITES[kind]])
+            material = compose(
+                kind, (find(phases[0], materials), find(phases[1], materials)), numbers[COMPOSITES[kind]]
+            )
         return Layer(material, numbers["thickness"], self.below.electric, self.below.magnetic)
 
     def words(self) -> str:
@@ -184,7 +186,7 @@ def stack(layers: Layers, values: dict[str, Any], materials: Mapping[str, Materi
     whole = []
     for number, layer in enumerate(layers):
         try:
-            whole.append(layer.made(values, materials, phases))
+            whole.append(layer.compose(values, materials, phases))
         except MaterialError as error:
             raise MaterialError(f"body.{number}: {error}") from None
     if "base" not in values:

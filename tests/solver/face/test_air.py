@@ -1,6 +1,5 @@
 """Air beside the contact by the face: half-planes against their closed form, similarity, tables of both, refusals."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.names import FILM_PEAKS, GAP_QUANTITIES, PEAKS, POINT_GAP_QUANTITIES
+from solver.names import GAP_QUANTITIES, POINT_GAP_QUANTITIES
 from tests.solver.cases import assert_alike
 from workflow.run.provenance import ROOT
 
@@ -103,7 +102,7 @@ def test_the_table_of_films_with_air_is_the_solver_s() -> None:
 
 
 def test_fields_in_no_air_are_those_without() -> None:
-    """Of half-planes by the closed form, of films by their tables."""
+    """Half-planes follow the closed form, films their tables."""
     positions, x, y = [-20.0, -2.0, -0.5, 0.3, 1.4], [-1.5, 0.2, 3.0], [-0.1, -0.7]
     bare, none = {"surroundings": "insulated"}, AIR | {"gap_permittivity": 1e-16}
     for case in (LINE, FILM | {"friction": 0.2, "load": 1e4}):
@@ -113,37 +112,13 @@ def test_fields_in_no_air_are_those_without() -> None:
         assert_alike(inside[1], inside[0], 1e-8)
 
 
-SLIDES = FILM | {"friction": 0.2, "load": 1e4}
-TITANATE = LINE | {"material": "BaTiO3"}
-ELASTIC: dict[str, Any] = BALL | {"material": "BaTiO3", "force": 10.0, "punch": "steel"}
-
-
-@pytest.mark.parametrize(
-    ("case", "names", "region"),
-    [
-        (TITANATE, PEAKS, "body"),
-        *(
-            pytest.param(*options, marks=pytest.mark.soak)
-            for options in ((SLIDES, FILM_PEAKS, "interface"), (ELASTIC, PEAKS, ""))
-        ),
-    ],
-)
-def test_peaks_in_no_air_are_those_without(case: dict[str, Any], names: Mapping[str, Any], region: str) -> None:
-    around = {"surroundings": "insulated"}, AIR | {"gap_permittivity": 1e-16}
-    exact, computed = (solver.solve(case | options, peaks=True) for options in around)
-    assert_alike(computed, exact, 1e-6, names)
-    if region:
-        exact, computed = (solver.solve_curves(case | options, [region]) for options in around)
-        assert_alike(computed, exact, 1e-6)
-
-
 TITANATE_FILM = BALL | {"material": "BaTiO3", "thickness": 1e-4, "base": "steel", "force": 37.0}
 FIBROUS = BALL | {"radius": 5e-3, "force": 10.0, "composite": "fibrous", "volume_fraction": 0.6, "material": None}
 
 
 @pytest.mark.parametrize("case", [TITANATE_FILM, FIBROUS], ids=["film", "half-space"])
 def test_points_in_no_air_are_those_without(case: dict[str, Any]) -> None:
-    """At rest and sliding: quantities, fields on the surface and inside."""
+    """Quantities, fields on the surface and inside, at rest and sliding."""
     options = {name: value for name, value in case.items() if value is not None} | {"total_charge": 2e-10}
     x, y = [-3.0, -1.05, -0.5, 0.3, 0.95, 2.0], [-0.02, -0.7, -2.5]
     for slides in ({}, {"friction": 0.3}):

@@ -2,8 +2,6 @@
 
 from typing import Any
 
-import pytest
-
 import solver
 from solver.line.powerlaw import PowerLaw, constants_of
 from solver.names import FILM_PEAKS, FILM_QUANTITIES, QUANTITIES
@@ -23,20 +21,6 @@ def test_a_power_law_by_factors_is_the_profile_of_a_stack() -> None:
     body = solver.Stack([profile], base=STEEL)  # of the same law, so that both share tables
     assert_alike(solver.solve(BARE | {"body": body}), by_factors, 1e-12)
     assert set(by_factors.data_vars) == {*QUANTITIES, *FILM_QUANTITIES}
-
-
-@pytest.mark.soak  # the same of a table of its own: test_contact_on_a_graded_film_is_read_from_a_table
-def test_fields_inside_a_graded_film_meet_its_surface_and_its_base() -> None:
-    film = LINEAR
-    out = solver.solve(film, [0.5])
-    depth = 0.2e-3 / float(out["contact_trailing"] + out["contact_leading"]) * 2
-    Y = [0.0, -depth, -depth * (1 + 1e-9)]
-    inside = solver.solve_interior(film, [0.5], Y, fields=["stress_yy", "stress_xy", "electric_potential"])
-    assert float(inside["stress_yy"][0, 0]) == pytest.approx(-float(out["contact_pressure"][0]), rel=2e-4)
-    assert float(inside["electric_potential"][0, 0]) == pytest.approx(float(out["voltage"]), rel=2e-4)
-    assert abs(float(inside["electric_potential"][1, 0])) < 1e-4 * abs(float(out["voltage"]))
-    for name in ("stress_yy", "stress_xy"):
-        assert float(inside[name][1, 0]) == pytest.approx(float(inside[name][2, 0]), rel=1e-6)
 
 
 def test_a_stack_of_one_layer_is_a_film_and_a_layer_cut_in_two_is_one() -> None:

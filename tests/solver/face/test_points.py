@@ -49,7 +49,7 @@ def test_what_friction_adds_is_given_where_it_is_a_factor() -> None:
 
 
 def test_what_is_even_in_friction_is_given_of_discs_and_below_electrodes() -> None:
-    """By reflection it is what it is at rest; a disc stays where it is, but its pressure does not."""
+    """Reflection makes it equal to that at rest; a disc stays in place, but its pressure shifts."""
     others = {name: value for name, value in COATED.items() if name != "radius"} | {"friction": [0.0, 0.3]}
     disc = others | {"profile": "disc", "width": 1e-4}
     covered = COATED | others | {"electrode": "top", "magnetic": "insulating"}

@@ -1,4 +1,4 @@
-"""What can not be solved is refused by name, in one line: of every kind of body, punch, film and electrode."""
+"""Refusals by name, in one line, for every kind of body, punch, film and electrode."""
 
 from typing import Any
 

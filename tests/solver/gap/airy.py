@@ -7,7 +7,7 @@ import numpy as np
 
 import solver
 from solver.gap.airline import AirContact
-from solver.gap.table import AirTable, farthest
+from solver.gap.operators import AirTable, farthest
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import RIGID_PUNCH, Punch
 from solver.line.contact import FilmContact

@@ -5,8 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 from solver.gap.densities import Densities
-from solver.gap.grid import Grid
-from solver.gap.rules import Rules, spans
+from solver.gap.grid import Grid, Rules, spans
 from solver.line.kernel import kernel
 from solver.stack.layers import Stack
 from tests.solver.gap.airy import PZT, on_steel
@@ -16,7 +15,7 @@ CHANNEL = 3  # K of (phi, phi)
 
 
 def _adaptive(h: float, target: float, stack: Stack, reach: float) -> float:
-    """Of the unknowns that make the density exp(-theta) on the finite panels."""
+    """Adaptive integral of the density exp(-theta) over the finite panels."""
     wide = kernel(stack, reach, by_distance=True)
     mix = np.eye(19)[:, CHANNEL : CHANNEL + 1]
 

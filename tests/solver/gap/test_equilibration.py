@@ -1,4 +1,4 @@
-"""Where charges far away and next to the edge count: finer and farther panels change nothing."""
+"""Charges far away and next to the edge: finer and farther panels change nothing."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ import solver
 from solver.arrays import Array
 from solver.gap.airline import AirContact
 from solver.gap.newton import solved
-from solver.gap.table import AirTable
+from solver.gap.operators import AirTable
 from solver.stack.layers import Layer, Stack
 from tests.solver.gap.airy import airy, half_plane
 
@@ -41,7 +41,7 @@ def figures(contact: AirContact) -> Array:
     ids=["half-plane", "thin", "bonded"],
 )
 def test_panels_sixteen_times_as_far_change_nothing(stack: Stack, load: float, off: float) -> None:
-    """Of half-planes it was 3e-3: potentials grow like log x, which powers of 1/x on the last panel are not.
+    """The error of half-planes was 3e-3: potentials grow like log x, which powers of 1/x on the last panel are not.
 
     Of AlN on silicon it was 3e-5, and 1e-4 more by rounding: charges far away move the contact by a thousand times
     their density, which left the others no digits. A film bonded to its base moves by 1e-4 of its strain constant.

@@ -9,9 +9,8 @@ import pytest
 from solver.arrays import Array
 from solver.gap.airline import AirContact
 from solver.gap.charges import FAR
-from solver.gap.fields import surface_fields
+from solver.gap.fields import Solved, surface_fields
 from solver.gap.operators import EDGE
-from solver.gap.tractions import Solved
 from solver.line.interior import fields_of
 from solver.material.constants import VACUUM_PERMITTIVITY
 from solver.stack.layers import Layer, Stack
@@ -77,7 +76,7 @@ def test_kernels_and_waves_meet_at_the_surface_and_the_gap_has_its_law(name: str
 
 
 def test_edge_stresses_are_limits_of_the_fields_and_even_without_friction() -> None:
-    """Of the charges on one side the stretch at the other edge had the wrong sign: 14 % here, and two edges unlike."""
+    """Guards a fixed error: charges on one side stretched the other edge with the wrong sign, 14 % here."""
     state = made("steel").state
     edge = state.outputs[EDGE] / state.problem.contact.scale[1]
     near = surface_fields(state, np.array([1 + 1e-7, -1 - 1e-7]))["stress_xx"][0]
@@ -86,7 +85,7 @@ def test_edge_stresses_are_limits_of_the_fields_and_even_without_friction() -> N
 
 
 def test_fields_do_not_see_where_the_intervals_end() -> None:
-    """What lies beyond them is a charge at infinity."""
+    """Charges beyond the intervals count as a charge at infinity."""
     state = made("rigid").state
     few, many = (Solved(state, EDGES, count).tractions for count in (10, FAR))
     x, y = np.array([-2.0, 0.4]), np.array([-0.2, -0.9])

@@ -56,7 +56,7 @@ def test_finite_elements_of_body_and_gap_agree(
     solution = answer(SPHERE | factors | {"force": other.force})
     expected = [radius, other.depth, other.voltage]
     np.testing.assert_allclose([solution[name] for name in ("contact_radius", "depth", "voltage")], expected, rtol=1e-6)
-    r, phi = other.beside(ELECTRIC)
+    r, phi = other.exterior(ELECTRIC)
     compared = np.flatnonzero((r > 1.02) & (r < 6))[::7]
     inside = solver.solve_interior(
         SPHERE | factors | {"force": other.force}, r[compared], [0.0], fields=["electric_potential"]

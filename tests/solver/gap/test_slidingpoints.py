@@ -9,9 +9,11 @@ import pytest
 import solver
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
 from solver.point.sliding import FirstOrderWarning
-from tests.solver.gap.test_pointfields import FIBROUS
 from tests.solver.gap.test_points import FILM, HALF, answer
 
+FIBROUS: dict[str, Any] = {name: value for name, value in HALF.items() if name != "material"} | {
+    "composite": "fibrous", "volume_fraction": 0.6, "total_charge": 2e-10,
+}  # fmt: skip
 SLID = {"friction": 0.3}
 
 

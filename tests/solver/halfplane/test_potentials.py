@@ -40,6 +40,6 @@ def test_differences_are_line_integrals_of_the_fields(name: str, path: tuple[tup
     for field in BOTH:
         integral = weights @ across[f"{field}_field_x"].values[0] * (x1 - x0) / 2
         integral += weights @ down[f"{field}_field_y"].values[:, 0] * (y1 - y0) / 2
-        first, last = (float(one[f"{field}_potential"]) for one in ends)
+        first, last = (float(end[f"{field}_potential"]) for end in ends)
         size = max(abs(first), abs(last), 1e-30)
         assert last - first == pytest.approx(-half_width * integral, rel=1e-9, abs=1e-11 * size)

@@ -16,7 +16,7 @@ LINE: dict[str, Any] = {"radius": 0.05, "load": 1e4}
 
 @pytest.mark.parametrize("punch", [BALL, LINE], ids=["ball", "roller"])
 def test_a_nanometre_of_steel_is_a_grounded_interface(punch: dict[str, Any]) -> None:
-    """What it adds by its stiffness falls with its thickness."""
+    """The share of its stiffness falls with its thickness."""
     grounded = solver.solve(
         punch | {"surroundings": "insulated", "body": Stack([Layer(PZT, 2e-4, "grounded")], SILICON)}
     )
@@ -72,7 +72,7 @@ def test_flux_passes_through_a_metal_by_its_permeability() -> None:
 
 
 def test_a_metal_on_top_has_the_potential_itself() -> None:
-    """What touches it presses, and nothing more: a punch that conducts is one that insulates."""
+    """A conducting punch on the metal acts as an insulating one: it presses, and nothing more."""
     stack = Stack([Layer(solver.find("aluminium"), 1e-6), Layer(PZT, 2e-5)], SILICON)
     pair = [
         solver.solve(BALL | {"surroundings": "insulated", "body": stack, "electric": kind})

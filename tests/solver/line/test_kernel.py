@@ -16,7 +16,7 @@ STEEP = ["PMN-PT 67:33", "PMN-PT 67:33 (alternative 1)"]
 
 
 def of(material: solver.Material, base: str, ratio: float) -> Kernel:
-    """Of a film of unit thickness, for contacts of a half-length over it."""
+    """Kernel of a film of unit thickness, for contacts of a half-length over it."""
     stack = Stack((Layer(material, 1.0, "grounded"),), RIGID if base == "rigid" else solver.find(base))
     return kernel(stack, 2.1 * ratio)
 

@@ -1,4 +1,4 @@
-"""What the default resolution resolves, and the limits of thin films."""
+"""Errors of the default resolution, and the limits of thin films."""
 
 from dataclasses import replace
 

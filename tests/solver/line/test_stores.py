@@ -58,7 +58,7 @@ def test_stores_are_those_between_two_states_of_one_width(
 
 
 def test_figures_that_others_found() -> None:
-    """Of an independent check, four digits: dT/dV between two states of one contact, and an insulated base's exact."""
+    """Four digits of an independent check: dT/dV between two states of one contact, and an insulated base's exact."""
     assert float(solver.solve(ACTIVE | {"load": 3e6})["capacitance_per_length"]) == pytest.approx(9.888e-9, rel=5e-5)
     layers = Layer(solver.find("PZT-5H"), 10e-6), Layer(solver.find("polyimide"), 0.2e-3, magnetic="insulated")
     computed = solver.solve({"surroundings": "insulated", "body": Stack(layers), "radius": 0.05, "load": 1e4})

@@ -8,7 +8,6 @@ from scipy.linalg import expm
 
 import solver
 from solver.arrays import Array
-from solver.point.electrodes import Covered
 from solver.stack.electroded import beyond_local, local
 from solver.stack.electrodes import Electrode, electrodes
 from solver.stack.layers import Layer, Stack
@@ -85,23 +84,6 @@ def test_a_cover_that_grows_thin_leads_there(punch: dict[str, Any], patch: dict[
     size = np.max(np.abs(charges))
     assert np.max(np.abs(covered[1] - charges)) > 5e-3 * size  # that far away is the thinner one
     np.testing.assert_allclose(2 * covered[1] - covered[0], charges, atol=5e-3 * size)
-
-
-def test_covered_parts_of_the_contact_are_what_geometry_says() -> None:
-    """Areas within a circle of radius 1: two discs' lens and a segment, by closed forms."""
-
-    def area(shape: int, distance: float, size: float) -> float:
-        return float(np.sum(Covered(shape, np.array([distance]), np.array([size])).rule(slope=False)[1]))
-
-    d, b = 0.9, 0.5
-    lens = (
-        b**2 * np.arccos((d**2 + b**2 - 1) / (2 * d * b))
-        + np.arccos((d**2 + 1 - b**2) / (2 * d))
-        - np.sqrt((-d + b + 1) * (d + b - 1) * (d - b + 1) * (d + b + 1)) / 2
-    )
-    assert area(0, d, 2 * b) == pytest.approx(lens, rel=1e-10)
-    segment = np.arccos(0.3) - 0.3 * np.sqrt(1 - 0.3**2)
-    assert area(1, 1.3, 2.0) == pytest.approx(segment, rel=1e-10)
 
 
 def test_a_metal_on_top_is_the_electrode_that_is_asked_for_there() -> None:

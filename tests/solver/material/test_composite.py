@@ -47,11 +47,6 @@ def test_composites_are_those_of_the_full_tensors(kind: str, fraction: float) ->
 
 
 @BOTH
-def test_a_phase_with_every_constant_and_a_bare_elastic_one(kind: str) -> None:
-    assert_exact(kind, solver.find("BaTiO3-CoFe2O4 50:50"), solver.find("steel"), 0.6, 1e-12)
-
-
-@BOTH
 @property_based
 @given(first=phases(), second=phases(), fraction=between(0.0, 1.0))
 def test_composites_of_any_admissible_phases(

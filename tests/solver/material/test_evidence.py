@@ -98,13 +98,6 @@ def test_plain_values_come_back_to_the_last_bit(name: str) -> None:
         assert getattr(again, key) == getattr(material, key)
 
 
-def test_an_alternative_that_there_is_not() -> None:
-    with pytest.raises(solver.MaterialError, match=r"'BaTiO3 \(alternative 2\)' is unknown"):
-        solver.find("BaTiO3 (alternative 2)")
-    mine = solver.Material.from_mapping(PLAIN | {"alternatives": [{"c33": 1e11, "source": "x"}]})
-    assert solver.find("mine (alternative 1)", {"mine": mine}).c33 == 1e11
-
-
 def test_what_the_entries_say_of_their_alternatives() -> None:
     """Voltage 10 % higher (BaTiO3) and 2 % lower (PZT-4) at else the same contact; d33 of PMN-PT as its source has."""
     contact: dict[str, Any] = {"radius": 0.05, "load": 1e4, "friction": 0.3}

@@ -20,22 +20,22 @@ EXPECTED = {
 
 @pytest.mark.parametrize("name", COMPOSITES)
 def test_every_name_has_its_own_law(name: str) -> None:
-    mixture = laws.made(name, PHASES, 0.3)
+    mixture = laws.compose(name, PHASES, 0.3)
     for constant in UNITS:
         np.testing.assert_array_equal(getattr(mixture, constant), getattr(EXPECTED[name], constant))
-    assert (name in MIXTURES) == (mixture.c11 != laws.made(name, PHASES[::-1], 0.3).c11)
+    assert (name in MIXTURES) == (mixture.c11 != laws.compose(name, PHASES[::-1], 0.3).c11)
 
 
 def test_a_name_without_law_is_refused_and_a_new_law_serves_the_layers_of_a_study(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     with pytest.raises(MaterialError, match="'woven' is not one of fibrous, laminate, AlScN"):
-        laws.made("woven", PHASES, 0.3)
+        laws.compose("woven", PHASES, 0.3)
     layer = BodyLayer(composite="laminate", volume_fraction=0.3, thickness=1e-4)
     woven = layer.model_copy(update={"composite": "woven"})
     monkeypatch.setitem(COMPOSITES, "woven", "volume_fraction")
 
     with pytest.raises(MaterialError, match="woven"):  # a third law is no laminate
-        woven.made({}, {}, ("BaTiO3", "CoFe2O4"))
+        woven.compose({}, {}, ("BaTiO3", "CoFe2O4"))
     monkeypatch.setitem(laws._LAWS, "woven", lambda phases, fraction: phases[0])
-    assert woven.made({}, {}, ("BaTiO3", "CoFe2O4")).material == PHASES[0]
+    assert woven.compose({}, {}, ("BaTiO3", "CoFe2O4")).material == PHASES[0]

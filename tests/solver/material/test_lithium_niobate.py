@@ -1,4 +1,4 @@
-"""What LiNbO3 loses as a transversely isotropic solid, against the half-plane of the full trigonal crystal."""
+"""LiNbO3 as a transversely isotropic solid, against the half-plane of the full trigonal crystal."""
 
 import numpy as np
 import pytest

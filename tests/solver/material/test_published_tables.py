@@ -44,7 +44,7 @@ def mori_tanaka(sign: float, fraction: float) -> dict[str, float]:
 
 @pytest.mark.parametrize("name", COUPLED)
 def test_published_tables_follow_from_mori_tanaka_with_the_wrong_sign(name: str) -> None:
-    """To a tenth of the column's range, e31 to a sixth: they were read from plots."""
+    """Agreement is a tenth of the column's range, for e31 a sixth: the values were read from plots."""
     column = np.array([published()[fraction][name] for fraction in FRACTIONS])
     wrong, right = (np.array([mori_tanaka(s, float(f))[name] for f in FRACTIONS]) for s in (-1.0, 1.0))
     assert np.max(np.abs(column - wrong)) < (0.17 if name == "e31" else 0.1) * np.ptp(column)

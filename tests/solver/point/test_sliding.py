@@ -75,7 +75,7 @@ RAISED: dict[str, Any] = BALL | {
 @pytest.mark.parametrize("case", [BALL, POWER, POWER | {"exponent": 2.5, "coefficient": 1e3}, RAISED],
                          ids=["ball", "power", "kinked power", "film"])  # fmt: skip
 def test_largest_pressure_is_that_of_the_fields_on_the_surface(case: dict[str, Any]) -> None:
-    """Which are found inside and continued: another way from the same densities."""
+    """The fields are computed inside and continued to the surface: another way from the same densities."""
     sliding = case | {"friction": 0.3}
     coarse = np.linspace(-0.98, 0.98, 50)
     best = coarse[np.argmax(solver.solve(sliding, coarse)["contact_pressure"].values.ravel())]

@@ -38,26 +38,30 @@ def model() -> GridGP:
         Input("c", 0, 2, "linear", "1", "c"),
     ]
     a, b, c = (
-        xr.DataArray(one.levels(n), dims=one.name, coords={one.name: one.levels(n)})
-        for one, n in zip(inputs, (14, 9, 8), strict=True)
+        xr.DataArray(input_.levels(n), dims=input_.name, coords={input_.name: input_.levels(n)})
+        for input_, n in zip(inputs, (14, 9, 8), strict=True)
     )
     bent, small = ufuncs.tanh(3 * a * c) + 1e6 * ufuncs.log(b), 1e-9 * ufuncs.exp(a * b / 10) * ufuncs.cos(c)
     values = {"bent": bent, "small": small}
-    data = xr.Dataset({name: one.transpose("a", "b", "c").assign_attrs(units="1") for name, one in values.items()})
+    data = xr.Dataset(
+        {name: input_.transpose("a", "b", "c").assign_attrs(units="1") for name, input_ in values.items()}
+    )
     return GridGP(inputs, list(map(str, data))).fit(data)
 
 
 def test_means_from_packed_cores_are_those_of_the_model(model: GridGP) -> None:
     stored = exported(model)
     assert stored is not None
-    cores = [unpacked(one) for one in stored["cores"]]
+    cores = [unpacked(core_data) for core_data in stored["cores"]]
     t = np.random.default_rng(1).uniform(-1, 1, (500, 3))
     state = np.ones((500, 1))
     for k, core in zip(stored["order"], cores, strict=True):
         feature = model.factors_[k].features(t[:, k], core.shape[1]).mean
         state = np.einsum("ni,imj,mn->nj", state, core, feature)
-    told = state * plain(stored["scale"]) + plain(stored["offset"])
-    points = np.stack([one.from_unit(t[:, k]) for k, one in enumerate(model.inputs_)], axis=-1)
+    unpacked_means = state * plain(stored["scale"]) + plain(stored["offset"])
+    points = np.stack([core_data.from_unit(t[:, k]) for k, core_data in enumerate(model.inputs_)], axis=-1)
     exact = model.predict_array(points)
-    assert np.abs((told - exact) / np.ptp(exact, axis=0)).max() < 1e-10
-    assert sum(len(one["data"]) for one in stored["cores"]) < 0.6 * sum(core.size * 8 * 4 / 3 for core in cores)
+    assert np.abs((unpacked_means - exact) / np.ptp(exact, axis=0)).max() < 1e-10
+    assert sum(len(core_data["data"]) for core_data in stored["cores"]) < 0.6 * sum(
+        core.size * 8 * 4 / 3 for core in cores
+    )

@@ -31,11 +31,11 @@ def test_a_loaded_model_predicts_the_same_bits(kind: str, tmp_path: Path) -> Non
     again = load(tmp_path / "a.nc")
     assert type(again) is type(model)
     assert again.box == model.box
-    X = np.stack([one.from_unit(np.linspace(-1, 1, 33)) for one in model.box.values()], axis=1)
-    for found, kept in zip(
+    X = np.stack([input_.from_unit(np.linspace(-1, 1, 33)) for input_ in model.box.values()], axis=1)
+    for result, expected in zip(
         again.predict_array(X, return_std=True), model.predict_array(X, return_std=True), strict=True
     ):
-        np.testing.assert_array_equal(found, kept)
+        np.testing.assert_array_equal(result, expected)
     xr.testing.assert_identical(again.predict(X), model.predict(X))
     xr.testing.assert_identical(again.gradient(X), model.gradient(X))
     save(again, tmp_path / "b.nc")
@@ -56,12 +56,12 @@ def test_a_loaded_model_predicts_the_same_bits(kind: str, tmp_path: Path) -> Non
 @pytest.mark.usefixtures("quarantined")
 def test_a_calibrated_model_of_one_input_survives_its_file(tmp_path: Path) -> None:
     """It has no corners of two inputs: nothing of length zero stands in a file."""
-    one = FactorialRegressor().fit(np.linspace(0, 1, 9)[:, None], np.exp(np.linspace(0, 1, 9))).model_
+    model = FactorialRegressor().fit(np.linspace(0, 1, 9)[:, None], np.exp(np.linspace(0, 1, 9))).model_
     t = np.random.default_rng(0).uniform(size=300)
-    one.calibrate(xr.Dataset({"y0": ("case", np.exp(t))}, {"x0": ("case", t)}))
-    save(one, tmp_path / "one.nc")
+    model.calibrate(xr.Dataset({"y0": ("case", np.exp(t))}, {"x0": ("case", t)}))
+    save(model, tmp_path / "one.nc")
     again, points = load(tmp_path / "one.nc"), np.linspace(0, 1, 7)[:, None]
-    np.testing.assert_array_equal(again.interval_array(points, 0.9), one.interval_array(points, 0.9))
+    np.testing.assert_array_equal(again.interval_array(points, 0.9), model.interval_array(points, 0.9))
     with netCDF4.Dataset(tmp_path / "one.nc") as file:
         assert "calibration_guard" in file.variables
         assert all(dimension.size for dimension in file.dimensions.values())

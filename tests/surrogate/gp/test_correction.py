@@ -20,15 +20,15 @@ COUNTS = (24, 8, 6, 8, 4)
 @pytest.mark.parametrize("cases", [100, 400, 1000, 3000])
 def test_every_term_has_its_cases(cases: int) -> None:
     rho = (0.3, 1e-3, 0.02, 0.05, 1e-3)
-    found = degrees(rho, cases)
-    if found is None:
+    result = degrees(rho, cases)
+    if result is None:
         assert cases == 100
         return
-    assert len(found) * 5 <= cases / 7
+    assert len(result) * 5 <= cases / 7
     cost = np.minimum(-0.5 * np.log(rho), 1.5)
     # whatever costs no more than the dearest is there
-    every = np.stack(np.meshgrid(*[np.arange(9)] * 5, indexing="ij"), -1).reshape(-1, 5)
-    assert len(found) == np.count_nonzero(every @ cost <= (found @ cost).max() + 1e-9)
+    degree_grid = np.stack(np.meshgrid(*[np.arange(9)] * 5, indexing="ij"), -1).reshape(-1, 5)
+    assert len(result) == np.count_nonzero(degree_grid @ cost <= (result @ cost).max() + 1e-9)
 
 
 def test_terms_have_no_more_parts_along_shared_factors_than_places_allow() -> None:
@@ -48,30 +48,30 @@ def test_terms_have_no_more_parts_along_shared_factors_than_places_allow() -> No
 
 
 def test_slow_decay_does_not_fill_the_memory() -> None:
-    found = degrees((0.95,) * 6, 10**9)
-    assert found is None or len(found) * 6 <= correction.MOST_TERMS
+    result = degrees((0.95,) * 6, 10**9)
+    assert result is None or len(result) * 6 <= correction.MOST_TERMS
 
 
 def test_an_error_of_its_own_kind_is_found_and_evaluated() -> None:
     rng = np.random.default_rng(0)
     levels, rho = (9, 5), (0.2, 0.1)
     t = rng.uniform(-1, 1, (2, 400))
-    own = degrees(rho, 400)
-    assert own is not None
-    coefficients = rng.normal(size=(2, len(own), 3))
+    terms = degrees(rho, 400)
+    assert terms is not None
+    coefficients = rng.normal(size=(2, len(terms), 3))
     error = np.zeros((3, 400))
     for f, n in enumerate(levels):
-        tensor = np.zeros((*(own.max(axis=0) + 1), 3))
-        tensor[tuple(own.T)] = coefficients[f]
+        tensor = np.zeros((*(terms.max(axis=0) + 1), 3))
+        tensor[tuple(terms.T)] = coefficients[f]
         error += chebval(t[f], np.eye(n + 1)[n]) * chebval2d(t[0], t[1], tensor)
-    made, left = correct(error, t, levels, rho, np.arange(t.shape[1]))
-    assert made is not None
-    np.testing.assert_allclose(Correction(levels, own, coefficients).values(t), error, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(made.values(t), error, rtol=0, atol=1e-10)
+    correction_, left = correct(error, t, levels, rho, np.arange(t.shape[1]))
+    assert correction_ is not None
+    np.testing.assert_allclose(Correction(levels, terms, coefficients).values(t), error, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(correction_.values(t), error, rtol=0, atol=1e-10)
     assert np.abs(left).max() < 1e-9
     step = 1e-6
-    for k, slope in enumerate(made.slopes(t)):
-        up, down = (made.values(t + sign * step * np.eye(2)[k][:, None]) for sign in (1, -1))
+    for k, slope in enumerate(correction_.slopes(t)):
+        up, down = (correction_.values(t + sign * step * np.eye(2)[k][:, None]) for sign in (1, -1))
         np.testing.assert_allclose(slope, (up - down) / (2 * step), rtol=0, atol=1e-7 * np.abs(slope).max())
 
 
@@ -86,21 +86,21 @@ def test_what_is_left_of_a_case_is_what_a_fit_to_the_others_leaves(
     monkeypatch.setattr(correction, "LEAST_GAIN", 0.0 if weighted else np.inf)
     monkeypatch.setattr(correction, "_rough_scale", lambda left, t: scale)
     groups = np.concatenate([np.arange(100), np.full(20, 100), np.full(30, 101)])
-    made, left = correct(error, t, levels, rho, groups)
-    assert made is not None
+    correction_, left = correct(error, t, levels, rho, groups)
+    assert correction_ is not None
     terms = np.stack(
         [
             chebval(t[f], np.eye(n + 1)[n])
             * np.prod([chebval(x, np.eye(a + 1)[a]) for x, a in zip(t, row, strict=True)], 0)
             for f, n in enumerate(levels)
-            for row in made.indices
+            for row in correction_.indices
         ],
         axis=1,
     )
     root = scale**-0.25 if weighted else np.ones(150)
     for case in (0, 17, 149):
-        rest = groups != groups[case]
-        fitted = np.linalg.lstsq(terms[rest] * root[rest, None], (error[0] * root)[rest], rcond=1e-12)[0]
+        others = groups != groups[case]
+        fitted = np.linalg.lstsq(terms[others] * root[others, None], (error[0] * root)[others], rcond=1e-12)[0]
         assert left[0, case] == pytest.approx(error[0, case] - terms[case] @ fitted, rel=1e-6)
 
 
@@ -112,35 +112,35 @@ def test_cases_beyond_the_most_are_held_out_from_the_regression(monkeypatch: pyt
     assert indices is not None
     monkeypatch.setattr(correction, "MOST_CASES", 300)
     monkeypatch.setattr(correction, "BLOCK", 64)
-    made, left = correct(error, t, (7, 5), (0.2, 0.1), np.arange(500))
-    assert made is not None
-    np.testing.assert_allclose(left[:, 300:], (error - made.values(t))[:, 300:], rtol=0, atol=1e-12)
+    correction_, left = correct(error, t, (7, 5), (0.2, 0.1), np.arange(500))
+    assert correction_ is not None
+    np.testing.assert_allclose(left[:, 300:], (error - correction_.values(t))[:, 300:], rtol=0, atol=1e-12)
     assert left.shape == error.shape
 
 
 def test_an_error_that_no_term_explains_leaves_the_mean_alone() -> None:
     rng = np.random.default_rng(3)
     error = rng.standard_normal((2, 400))
-    made, left = correct(error, rng.uniform(-1, 1, (2, 400)), (7, 5), (0.2, 0.1), np.arange(400))
-    assert made is not None
-    assert not made.coefficients.any()
+    correction_, left = correct(error, rng.uniform(-1, 1, (2, 400)), (7, 5), (0.2, 0.1), np.arange(400))
+    assert correction_ is not None
+    assert not correction_.coefficients.any()
     np.testing.assert_array_equal(left, error)
 
 
 def test_cases_that_share_inputs_are_one_group() -> None:
     rng = np.random.default_rng(4)
-    shared, own = np.repeat(rng.uniform(size=(2, 6)), 5, axis=1), rng.uniform(size=(2, 30))
-    groups = sharing(np.concatenate([shared, own]))
+    shared, distinct = np.repeat(rng.uniform(size=(2, 6)), 5, axis=1), rng.uniform(size=(2, 30))
+    groups = sharing(np.concatenate([shared, distinct]))
     assert [len(set(part)) for part in np.split(groups, 6)] == [1] * 6
     assert len(set(groups)) == 6
-    assert len(set(sharing(own))) == 30
-    assert places(np.concatenate([shared, own]), groups).tolist() == [6, 6, 30, 30]
-    assert places(own, sharing(own)).tolist() == [30, 30]
+    assert len(set(sharing(distinct))) == 30
+    assert places(np.concatenate([shared, distinct]), groups).tolist() == [6, 6, 30, 30]
+    assert places(distinct, sharing(distinct)).tolist() == [30, 30]
 
 
 def test_few_cases_leave_the_mean_alone() -> None:
     data = functions.factorial((6, 4, 4, 3, 2))
-    points = functions.scattered(20, seed=5)[[one.name for one in functions.INPUTS]]
+    points = functions.scattered(20, seed=5)[[input_.name for input_ in functions.INPUTS]]
     model = GridGP(inputs=functions.INPUTS).fit(data)
     raw = model.predict(points, return_std=False)
     assert model.calibrate(functions.scattered(60, seed=1)).correction_ is None
@@ -155,14 +155,18 @@ def test_a_corrected_mean_is_far_better_on_fresh_cases_and_in_its_gradient(tmp_p
     assert bool((table["rmse"] < 0.3 * table["raw_rmse"]).all())
     assert float((table["rmse"] / table["raw_rmse"]).median()) < 0.1
     points = fresh[list(model.box)].isel(case=slice(200))
-    one = functions.INPUTS[0]
-    step = 1e-5 * (one.high - one.low)
-    inner = points.where((points[one.name] > one.low + step) & (points[one.name] < one.high - step), drop=True)
-    above, below = (functions.outputs({**_columns(inner), one.name: inner[one.name] + s * step}) for s in (1, -1))
-    plain, found = model.uncalibrated().gradient(inner), model.gradient(inner)
+    input_ = functions.INPUTS[0]
+    step = 1e-5 * (input_.high - input_.low)
+    inner = points.where(
+        (points[input_.name] > input_.low + step) & (points[input_.name] < input_.high - step), drop=True
+    )
+    above, below = (functions.outputs({**_columns(inner), input_.name: inner[input_.name] + s * step}) for s in (1, -1))
+    plain, corrected = model.uncalibrated().gradient(inner), model.gradient(inner)
     for name in ("near_pole", "no_bias"):
         true = (above[name] - below[name]) / (2 * step)
-        before, after = (float(np.abs(own[name].sel(input=one.name) - true).max()) for own in (plain, found))
+        before, after = (
+            float(np.abs(gradient[name].sel(input=input_.name) - true).max()) for gradient in (plain, corrected)
+        )
         assert after < 0.5 * before
     save(model, tmp_path / "a.nc")
     xr.testing.assert_identical(load(tmp_path / "a.nc").predict(points), model.predict(points))

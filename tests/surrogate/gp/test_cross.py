@@ -32,8 +32,8 @@ def found(tensor: Array, cross: Cross, known: Known, batches: list[list[list[int
 def test_a_tensor_of_known_rank_comes_whole_from_few_entries(rank: int) -> None:
     tensor, known = separable(rank), Known()
     got = found(tensor, Cross(SIZES, 1e-9), known)
-    every = np.stack(np.meshgrid(*map(np.arange, SIZES), indexing="ij"), -1).reshape(-1, len(SIZES))
-    whole = got.at(every) * got.scale + got.offset
+    indices = np.stack(np.meshgrid(*map(np.arange, SIZES), indexing="ij"), -1).reshape(-1, len(SIZES))
+    whole = got.at(indices) * got.scale + got.offset
     np.testing.assert_allclose(whole, tensor.reshape(whole.shape), atol=1e-7 * np.ptp(tensor))
     # the offset adds one to the rank
     assert max(core.shape[0] for core in got.cores) <= rank + 1
@@ -47,17 +47,17 @@ def test_an_interrupted_approximation_goes_on_with_the_same_batches_to_the_same_
     whole = found(tensor, cross, Known(), batches)
     half: Known = {tuple(i): tensor[tuple(i)] for batch in batches[:3] for i in batch}
     half |= {tuple(i): tensor[tuple(i)] for i in batches[3][: len(batches[3]) // 2]}
-    rest: list[list[list[int]]] = []
-    again = found(tensor, cross, half, rest)
-    assert rest == [batches[3][len(batches[3]) // 2 :], *batches[4:]]
-    for one, other in zip(whole.cores, again.cores, strict=True):
-        assert one.tobytes() == other.tobytes()
+    remaining: list[list[list[int]]] = []
+    again = found(tensor, cross, half, remaining)
+    assert remaining == [batches[3][len(batches[3]) // 2 :], *batches[4:]]
+    for first, other in zip(whole.cores, again.cores, strict=True):
+        assert first.tobytes() == other.tobytes()
 
 
 def test_no_batch_repeats_an_entry_and_the_most_ends_the_sweeps() -> None:
     tensor, batches = np.random.default_rng(0).normal(size=(*SIZES, 1, OUTPUTS)), list[list[list[int]]]()
     got = found(tensor, Cross(SIZES, 1e-3, most=30), Known(), batches)
-    asked = [tuple(index) for batch in batches for index in batch]
-    assert len(set(asked)) == len(asked) == got.entries > 30
+    entries = [tuple(index) for batch in batches for index in batch]
+    assert len(set(entries)) == len(entries) == got.entries > 30
     assert len(batches) <= 1 + len(SIZES)
     assert got.error.max() > 1e-3

@@ -26,8 +26,8 @@ def crossing(tolerance: float = 1e-9) -> CrossGP:
 
 
 def solved(places: xr.Dataset) -> xr.Dataset:
-    whole = {one.name: one.levels(LEVELS[one.name]) for one in BOX if one.name not in CROSSED}
-    return places.assign_coords(whole).pipe(lambda at: at.assign(truth(at)))
+    whole = {input_.name: input_.levels(LEVELS[input_.name]) for input_ in BOX if input_.name not in CROSSED}
+    return places.assign_coords(whole).pipe(lambda points: points.assign(truth(points)))
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def cases() -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def grid() -> xr.Dataset:
-    return truth(xr.Dataset(coords={one.name: one.levels(LEVELS[one.name]) for one in BOX}))
+    return truth(xr.Dataset(coords={input_.name: input_.levels(LEVELS[input_.name]) for input_ in BOX}))
 
 
 @pytest.fixture(scope="module")
@@ -72,13 +72,13 @@ def test_its_file_is_that_of_a_grid(model: CrossGP, tmp_path: Path) -> None:
 
 
 def test_lines_of_the_cases_decay_as_those_of_the_grid(cases: xr.Dataset, grid: xr.Dataset) -> None:
-    some, every = lines.decays(crossing(), cases), counts.decays(grid, BOX)
-    assert list(some) == list(every)
-    for output, along in every.items():
+    line_decays, grid_decays = lines.decays(crossing(), cases), counts.decays(grid, BOX)
+    assert list(line_decays) == list(grid_decays)
+    for output, along in grid_decays.items():
         for name, decay in along.items():
-            found = some[output][name].coefficients
-            assert (found <= decay.coefficients * (1 + 1e-9) + 1e-12).all()
-            assert found[1] >= 0.3 * decay.coefficients[1] - 1e-12
+            coefficients = line_decays[output][name].coefficients
+            assert (coefficients <= decay.coefficients * (1 + 1e-9) + 1e-12).all()
+            assert coefficients[1] >= 0.3 * decay.coefficients[1] - 1e-12
 
 
 def test_missing_and_bad_cases_are_named(cases: xr.Dataset) -> None:

@@ -37,7 +37,7 @@ def cases(count: int, seed: int, noise: float = NOISE) -> xr.Dataset:
     """Inputs and outputs with noise, over `case`; the first output has five times the noise of the second."""
     t = scaled(count, seed)
     values = truth(t) + noise * np.array([1, 0.2]) * np.random.default_rng(seed + 100).normal(size=(count, 2))
-    columns = {one.name: ("case", one.from_unit(row)) for one, row in zip(INPUTS, t, strict=True)}
+    columns = {input_.name: ("case", input_.from_unit(row)) for input_, row in zip(INPUTS, t, strict=True)}
     return xr.Dataset({**columns, "f": ("case", values[:, 0], {"units": "K"}), "g": ("case", values[:, 1])})
 
 
@@ -79,39 +79,39 @@ def test_the_slopes_of_the_kernel_are_differences() -> None:
 def test_features_are_those_of_the_largest_weights() -> None:
     indices, weights = largest(KERNEL, 60)
     rows = coefficients(25)
-    every = {a: float(np.prod(rows[range(3), a])) for a in product(range(26), repeat=3)}
-    assert sorted(every.values(), reverse=True)[:60] == pytest.approx(weights.tolist(), rel=1e-14)
-    assert [every[tuple(index)] for index in indices.tolist()] == pytest.approx(weights.tolist(), rel=1e-14)
+    all_weights = {a: float(np.prod(rows[range(3), a])) for a in product(range(26), repeat=3)}
+    assert sorted(all_weights.values(), reverse=True)[:60] == pytest.approx(weights.tolist(), rel=1e-14)
+    assert [all_weights[tuple(index)] for index in indices.tolist()] == pytest.approx(weights.tolist(), rel=1e-14)
     assert len({tuple(index) for index in indices.tolist()}) == 60
 
 
 @pytest.mark.parametrize("noise", [0.05, 0.0])
 def test_the_posterior_is_that_of_dense_linear_algebra(noise: float) -> None:
-    t, at = scaled(120), scaled(9, seed=1)
+    t, query = scaled(120), scaled(9, seed=1)
     y = truth(t) + noise * np.random.default_rng(2).normal(size=(120, 2))
     model = FiniteRank.fit(t, y, 30, 0)
     prior = model.directions @ model.directions.T
     np.testing.assert_allclose(prior, np.diag(np.diag(prior)), atol=1e-12 * prior.max())
-    phi, new = features(model.indices, t), features(model.indices, at)
+    phi, new = features(model.indices, t), features(model.indices, query)
     step = 1e-5 * np.eye(3)[1][:, None]
-    slope = (features(model.indices, at + step) - features(model.indices, at - step)) / 2e-5
-    mean, _ = model.mean_variance(at, None)
-    new_case = model.mean_variance(at, np.ones((2, 2)))[1]
-    known = model.mean_variance(at, np.array([[1.0, 1.0], [0.0, 0.0]]))[1]
+    slope = (features(model.indices, query + step) - features(model.indices, query - step)) / 2e-5
+    mean, _ = model.mean_variance(query, None)
+    new_case = model.mean_variance(query, np.ones((2, 2)))[1]
+    known = model.mean_variance(query, np.array([[1.0, 1.0], [0.0, 0.0]]))[1]
     assert new_case is not None
     assert known is not None
     for p in range(2):
         offset, scale = y[:, p].mean(), y[:, p].std()
         K = model.signal[p] * phi.T @ prior @ phi + model.noise[p] * np.eye(120)
         target = np.linalg.solve(K, (y[:, p] - offset) / scale)
-        for found, cross in ((mean[p], new), (model.slopes(at)[1, p], slope)):
+        for computed, cross in ((mean[p], new), (model.slopes(query)[1, p], slope)):
             want = scale * model.signal[p] * cross.T @ prior @ phi @ target
-            np.testing.assert_allclose(found, want + (offset if cross is new else 0), rtol=1e-5, atol=1e-5 * scale)
-        for found, cross in ((known[p], new), (model.slope_variances(at, np.ones((2, 2)))[1, p], slope)):
+            np.testing.assert_allclose(computed, want + (offset if cross is new else 0), rtol=1e-5, atol=1e-5 * scale)
+        for computed, cross in ((known[p], new), (model.slope_variances(query, np.ones((2, 2)))[1, p], slope)):
             k = model.signal[p] * cross.T @ prior @ phi
             before = model.signal[p] * np.einsum("rb,rs,sb->b", cross, prior, cross)
             want = scale**2 * (before - np.einsum("bn,nb->b", k, np.linalg.solve(K, k.T)))
-            np.testing.assert_allclose(found, want, rtol=1e-3, atol=1e-9 * scale**2 * before.max())
+            np.testing.assert_allclose(computed, want, rtol=1e-3, atol=1e-9 * scale**2 * before.max())
         np.testing.assert_allclose(new_case[p] - known[p], scale**2 * model.noise[p], rtol=1e-6, atol=1e-14)
 
         def cost(signal: float, noise: float, p: int = p) -> float:
@@ -144,7 +144,7 @@ def many() -> ScatterGP:
 
 
 def test_gradients_agree_with_differences(many: ScatterGP) -> None:
-    X = np.stack([one.from_unit(0.9 * row) for one, row in zip(INPUTS, scaled(6), strict=True)], axis=1)
+    X = np.stack([input_.from_unit(0.9 * row) for input_, row in zip(INPUTS, scaled(6), strict=True)], axis=1)
     assert_slopes(many, X, rtol=1e-5)
 
 
@@ -154,11 +154,11 @@ def test_a_model_survives_its_file_and_an_altered_one_is_refused(many: ScatterGP
     again = load(tmp_path / "model.nc")
     points = cases(20, seed=8)[["x", "y", "z"]]
     # sums over the features are rounded as memory is aligned and threads share them; variances are differences
-    for one, other in (
+    for first, other in (
         (again.predict(points), model.predict(points)),
         (again.gradient(points, True), model.gradient(points, True)),
     ):
-        xr.testing.assert_allclose(one, other, rtol=1e-7, atol=1e-9)
+        xr.testing.assert_allclose(first, other, rtol=1e-7, atol=1e-9)
     model.calibration_ = None
     stored = read_whole(tmp_path / "model.nc")
     for change, says in (
@@ -172,10 +172,10 @@ def test_a_model_survives_its_file_and_an_altered_one_is_refused(many: ScatterGP
 
 def test_the_number_of_cases_decides_the_process(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(scattergp, "MANY", 30)
-    few, more = (ScatterGP(inputs=INPUTS).fit(cases(count, 0, 0.0)) for count in (30, 31))
+    few, many = (ScatterGP(inputs=INPUTS).fit(cases(count, 0, 0.0)) for count in (30, 31))
     assert len(few.regressors_) == 2
-    assert isinstance(more.process_, FiniteRank)
-    assert len(more.process_.indices) == 15
+    assert isinstance(many.process_, FiniteRank)
+    assert len(many.process_.indices) == 15
     assert isinstance(ScatterGP("chebyshev", INPUTS).fit(cases(30, 0)).process_, FiniteRank)
     t = scaled(40)
     model = FactorialRegressor().fit(t.T, truth(t))

@@ -25,7 +25,7 @@ def unit_points(count: int) -> Array:
 
 def dense_kernels(model: GridGP, counts: tuple[int, ...], p: int) -> list[dense.FactorKernel]:
     """Of every factor, of an output."""
-    fixed = [model.hyperparameters_[one.name] for one in PLANE]
+    fixed = [model.hyperparameters_[input_.name] for input_ in PLANE]
     return [
         dense.chebyshev(n, rho, model.amplitude_[f, p]) for f, (n, rho) in enumerate(zip(counts, fixed, strict=True))
     ]
@@ -34,17 +34,17 @@ def dense_kernels(model: GridGP, counts: tuple[int, ...], p: int) -> list[dense.
 @pytest.mark.parametrize("rho", [0.3, 0.5, 0.8])
 @pytest.mark.parametrize("counts", [(3, 4, 2), (5, 3, 4)])
 def test_it_agrees_with_a_dense_process(rho: float, counts: tuple[int, ...]) -> None:
-    levels = {one.name: one.levels(n) for one, n in zip(PLANE, counts, strict=True)}
+    levels = {input_.name: input_.levels(n) for input_, n in zip(PLANE, counts, strict=True)}
     data, fixed = sample(levels), {"x": rho, "y": rho / 2, "z": 0.3}
     model = GridGP(PLANE, hyperparameters=fixed, compression=0).fit(data)
     t = unit_points(40)
     mean, std = model.predict_array(_physical(t), return_std=True)
-    unit = [one.to_unit(levels[one.name]) for one in PLANE]
+    unit = [input_.to_unit(levels[input_.name]) for input_ in PLANE]
     for p, name in enumerate(model.outputs_):
         values = data[name].transpose("x", "y", "z").values
         offset, scale = values.mean(), values.std()
         kernels = dense_kernels(model, counts, p)
-        want, variance = dense.predict(kernels, [0.0] * 3, unit, (values - offset) / scale, t)
+        want, variance = dense.predict(kernels, unit, (values - offset) / scale, t)
         np.testing.assert_allclose(mean[:, p], offset + scale * want, rtol=0, atol=1e-10 * np.ptp(values))
         room = 1e-10 * model.variance_[p]
         np.testing.assert_allclose((std[:, p] / scale) ** 2, model.variance_[p] * variance, rtol=0, atol=room)
@@ -52,19 +52,19 @@ def test_it_agrees_with_a_dense_process(rho: float, counts: tuple[int, ...]) -> 
 
 def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient() -> None:
     counts, step = (5, 3, 2), 1e-3
-    data = sample({one.name: one.levels(n) for one, n in zip(PLANE, counts, strict=True)})
+    data = sample({input_.name: input_.levels(n) for input_, n in zip(PLANE, counts, strict=True)})
     model = GridGP(PLANE, hyperparameters={"x": 0.5, "y": 0.4, "z": 0.6}, compression=0).fit(data)
-    levels, t = [one.to_unit(data[one.name]) for one in PLANE], unit_points(12)
-    found = model.gradient(_physical(t), return_std=True)
+    levels, t = [input_.to_unit(data[input_.name]) for input_ in PLANE], unit_points(12)
+    slopes = model.gradient(_physical(t), return_std=True)
     for p, name in enumerate(model.outputs_):
         kernels = dense_kernels(model, counts, p)
         size = model.variance_[p] * data[name].values.std() ** 2
-        for k, one in enumerate(PLANE):
+        for k, input_ in enumerate(PLANE):
             ends = np.concatenate([t + step * np.eye(3)[k], t - step * np.eye(3)[k]])
-            C = dense.covariance(kernels, [0.0] * 3, levels, ends)
+            C = dense.covariance(kernels, levels, ends)
             above, below = np.diag(C)[:12], np.diag(C)[12:]
             want = size * (above + below - 2 * np.diag(C[:12, 12:])) / (2 * step) ** 2
-            std = found[f"{name}_std"].sel(input=one.name).values / one.unit_slope(_physical(t)[:, k])
+            std = slopes[f"{name}_std"].sel(input=input_.name).values / input_.unit_slope(_physical(t)[:, k])
             np.testing.assert_allclose(std**2, want, rtol=1e-4, atol=1e-7 * size)
 
 
@@ -72,18 +72,18 @@ def test_leave_one_level_out_errors_are_those_of_refitting_without_the_level() -
     from surrogate.gp.factors import Factor
     from surrogate.gp.hyperparameters import level_errors
 
-    one, n = PLANE[0], 6
-    levels = one.levels(n)
-    t = one.to_unit(levels)
+    input_, n = PLANE[0], 6
+    levels = input_.levels(n)
+    t = input_.to_unit(levels)
     values = np.stack([np.exp(levels), np.sin(2 * levels)])
     factor = Factor(n, 0.4)
     inside = (factor.basis.T @ values.T)[:, :, None] * (factor.basis.T @ values.T)[:, :, None].transpose(2, 1, 0)
     errors, variances = level_errors(factor, inside.transpose(1, 0, 2))
     k = dense.chebyshev(n, 0.4, 1.0)
     for i in range(n):
-        rest = np.arange(n) != i
+        others = np.arange(n) != i
         for p in range(2):
-            mean, variance = dense.predict([k], [0.0], [t[rest]], values[p, rest], t[i : i + 1, None])
+            mean, variance = dense.predict([k], [t[others]], values[p, others], t[i : i + 1, None])
             assert errors[p, i] == pytest.approx((values[p, i] - mean[0]) ** 2, rel=1e-6, abs=1e-12)
             assert variances[i] == pytest.approx(variance[0], rel=1e-6)
 
@@ -92,16 +92,16 @@ def test_mean_has_the_accuracy_of_tensor_chebyshev_interpolation() -> None:
     counts = (16, 6, 5, 6, 2)
     data, held = functions.factorial(counts), functions.scattered(2000, seed=5)
     model = GridGP(inputs=functions.INPUTS).fit(data)
-    points = {one.name: held[one.name] for one in functions.INPUTS}
+    points = {input_.name: held[input_.name] for input_ in functions.INPUTS}
     predicted = model.predict(points)
-    t = {one.name: one.to_unit(held[one.name]) for one in functions.INPUTS}
+    t = {input_.name: input_.to_unit(held[input_.name]) for input_ in functions.INPUTS}
     for name in model.outputs_:
         state = np.ones((held.sizes["case"], 1))
         array = data[name].broadcast_like(xr.Dataset(coords=data.coords)).transpose(*t)
         state = np.broadcast_to(array.values, (held.sizes["case"], *array.shape))
-        for one, n in zip(functions.INPUTS, counts, strict=True):
-            solve = np.linalg.inv(chebvander(one.to_unit(data[one.name]), n - 1))
-            state = np.einsum("bi,bi...->b...", chebvander(t[one.name], n - 1) @ solve, state)
+        for input_, n in zip(functions.INPUTS, counts, strict=True):
+            solve = np.linalg.inv(chebvander(input_.to_unit(data[input_.name]), n - 1))
+            state = np.einsum("bi,bi...->b...", chebvander(t[input_.name], n - 1) @ solve, state)
         interpolation = np.abs(state - held[name].values).max()
         process = np.abs(predicted[name] - held[name]).max()
         assert process <= 1.5 * interpolation + 1e-11 * np.ptp(held[name].values)
@@ -109,7 +109,7 @@ def test_mean_has_the_accuracy_of_tensor_chebyshev_interpolation() -> None:
 
 def test_compression_keeps_its_tolerance() -> None:
     data, held = functions.factorial((12, 5, 5, 5, 2)), functions.scattered(3000, seed=8)
-    points = held[[one.name for one in functions.INPUTS]]
+    points = held[[input_.name for input_ in functions.INPUTS]]
     full = GridGP(inputs=functions.INPUTS, compression=0).fit(data).predict(points)
     for tolerance in (1e-3, 1e-6, 1e-9):
         model = GridGP(inputs=functions.INPUTS, compression=tolerance).fit(data)
@@ -120,7 +120,7 @@ def test_compression_keeps_its_tolerance() -> None:
 
 
 def test_gradient_agrees_with_differences_of_the_mean() -> None:
-    data = sample({one.name: one.levels(n) for one, n in zip(PLANE, (7, 6, 5), strict=True)})
+    data = sample({input_.name: input_.levels(n) for input_, n in zip(PLANE, (7, 6, 5), strict=True)})
     assert_slopes(GridGP(PLANE).fit(data), _physical(0.9 * unit_points(20)), rtol=1e-5)
 
 
@@ -128,7 +128,7 @@ def test_a_million_queries_do_not_hold_memory_of_their_intermediates() -> None:
     import tracemalloc
 
     model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((8, 4, 4, 4, 2)))
-    X = np.stack([one.from_unit(np.linspace(-1, 1, 100_000)) for one in functions.INPUTS], axis=1)
+    X = np.stack([input_.from_unit(np.linspace(-1, 1, 100_000)) for input_ in functions.INPUTS], axis=1)
     tracemalloc.start()
     model.predict_array(X, return_std=True)
     peak = tracemalloc.get_traced_memory()[1]
@@ -138,7 +138,7 @@ def test_a_million_queries_do_not_hold_memory_of_their_intermediates() -> None:
 
 
 def _physical(t: Array) -> Array:
-    return np.stack([one.from_unit(t[:, k]) for k, one in enumerate(PLANE)], axis=1)
+    return np.stack([input_.from_unit(t[:, k]) for k, input_ in enumerate(PLANE)], axis=1)
 
 
 def test_an_output_that_is_zero_everywhere_has_no_spread() -> None:
@@ -149,8 +149,8 @@ def test_an_output_that_is_zero_everywhere_has_no_spread() -> None:
     drawn = np.random.default_rng(0).uniform(0, 1, 60)
     held = xr.Dataset({"f": ("case", np.exp(drawn)), "g": ("case", np.zeros(60))}, coords={"x": ("case", drawn)})
     for points in (np.array([[0.3]]), np.array([[0.3], [0.7]])):
-        for one in (model, model.calibrate(held)):
-            std, ends = one.predict_array(points, return_std=True)[1], np.array(one.interval_array(points))
+        for fitted in (model, model.calibrate(held)):
+            std, ends = fitted.predict_array(points, return_std=True)[1], np.array(fitted.interval_array(points))
             assert (std[:, 0] > 0).all()
             assert not std[:, 1].any()
             assert not ends[..., 1].any()

@@ -17,7 +17,7 @@ def smooth(a: Array, b: Array, c: Array) -> Array:
 def test_a_grid_without_a_corner_is_as_good_where_it_has_cases() -> None:
     """Oracle: the function itself. The bound of the whole grid's error holds beside the hole too, ten times of it."""
     inputs = [Input(name, -1, 1) for name in "abc"]
-    levels = [one.levels(count) for one, count in zip(inputs, (12, 11, 10), strict=True)]
+    levels = [input_.levels(count) for input_, count in zip(inputs, (12, 11, 10), strict=True)]
     axes = np.meshgrid(*levels, indexing="ij")
     holes = axes[0] + axes[1] + 0.3 * axes[2] > 1.25
     assert 0.13 < holes.mean() < 0.14
@@ -27,11 +27,11 @@ def test_a_grid_without_a_corner_is_as_good_where_it_has_cases() -> None:
     model, best = imputation.fit(lambda: GridGP(inputs=inputs), lacking, holes), GridGP(inputs=inputs).fit(whole)
     nodes = np.stack([axis.ravel() for axis in axes], -1)
     size = np.ptp(exact)
-    found = model.predict_array(nodes)[:, 0].reshape(holes.shape)
-    np.testing.assert_allclose(found[~holes], exact[~holes], rtol=0, atol=1e-12 * size)  # it interpolates
+    answer = model.predict_array(nodes)[:, 0].reshape(holes.shape)
+    np.testing.assert_allclose(answer[~holes], exact[~holes], rtol=0, atol=1e-12 * size)  # it interpolates
     X = np.random.default_rng(0).uniform(-1, 1, (4000, 3))
-    kept = X[:, 0] + X[:, 1] + 0.3 * X[:, 2] < 1.25
-    errors = [np.abs(one.predict_array(X)[:, 0] - smooth(*X.T))[kept] / size for one in (model, best)]
+    inside = X[:, 0] + X[:, 1] + 0.3 * X[:, 2] < 1.25
+    errors = [np.abs(input_.predict_array(X)[:, 0] - smooth(*X.T))[inside] / size for input_ in (model, best)]
     assert errors[1].max() < 5e-6  # what 12 x 11 x 10 levels can tell
     assert errors[0].max() < 1.5 * errors[1].max()
     assert np.median(errors[0]) < 1.5 * np.median(errors[1])
@@ -44,12 +44,12 @@ def test_factors_that_do_not_tell_what_is_missing_are_filled_all_along() -> None
     values = random.normal(size=(5, 4, 6, 2))
     holes = np.zeros((5, 4, 6), dtype=bool)
     holes[3:, :, 4:] = True
-    found = imputation.expected(factors, values, holes)
+    result = imputation.expected(factors, values, holes)
     turned = imputation.expected(
         [factors[k] for k in (1, 0, 2)], values.transpose(1, 0, 2, 3), holes.transpose(1, 0, 2)
     )
     filled = np.zeros((5, 4, 6, 2))
-    filled[holes] = found
+    filled[holes] = result
     np.testing.assert_allclose(filled.transpose(1, 0, 2, 3)[holes.transpose(1, 0, 2)], turned, rtol=1e-9)
     # K^-1 y is zero there: by dense matrices, which share no code
     K = np.ones((1, 1))

@@ -27,13 +27,15 @@ def table(points: dict[str, xr.DataArray]) -> xr.Dataset:
 @pytest.fixture(scope="module")
 def model() -> GridGP:
     """Fitted to 9 x 11 x 8 cases and calibrated on 300."""
-    axes = {one.name: xr.DataArray(one.levels(n), dims=one.name) for one, n in zip(BOX, (9, 11, 8), strict=True)}
-    made = GridGP(inputs=BOX, compression=1e-10).fit(
+    axes = {
+        input_.name: xr.DataArray(input_.levels(n), dims=input_.name) for input_, n in zip(BOX, (9, 11, 8), strict=True)
+    }
+    fitted = GridGP(inputs=BOX, compression=1e-10).fit(
         table({name: axis.assign_coords({name: axis}) for name, axis in axes.items()})
     )
     random = np.random.default_rng(1)
-    scattered = {one.name: xr.DataArray(one.from_unit(random.uniform(-1, 1, 300)), dims="case") for one in BOX}
-    return made.calibrate(xr.Dataset({**scattered, **values(**scattered)}))
+    scattered = {input_.name: xr.DataArray(input_.from_unit(random.uniform(-1, 1, 300)), dims="case") for input_ in BOX}
+    return fitted.calibrate(xr.Dataset({**scattered, **values(**scattered)}))
 
 
 @pytest.mark.parametrize("outputs", [["root"], ["small", "wave"], ["flat"], ["small", "flat", "root", "rise", "wave"]])
@@ -41,13 +43,13 @@ def test_a_part_answers_as_the_whole(model: GridGP, outputs: list[str]) -> None:
     random = np.random.default_rng(2)
     points = {one.name: xr.DataArray(one.from_unit(random.uniform(-1, 1, 500)), dims="case") for one in BOX}
     part = model.only(outputs)
-    found, whole = part.predict(points), model.predict(points)
-    assert list(found.data_vars) == [one for name in outputs for one in (name, f"{name}_std")]
+    answer, whole = part.predict(points), model.predict(points)
+    assert list(answer.data_vars) == [one for name in outputs for one in (name, f"{name}_std")]
     slopes, all_slopes = part.gradient(points, return_std=True), model.gradient(points, return_std=True)
     for name in outputs:
         size = float(whole[name].std()) or 1.0
-        np.testing.assert_allclose(found[name], whole[name], rtol=0, atol=2e-9 * size)
-        for one, other in ((found, whole), (slopes, all_slopes)):
+        np.testing.assert_allclose(answer[name], whole[name], rtol=0, atol=2e-9 * size)
+        for one, other in ((answer, whole), (slopes, all_slopes)):
             np.testing.assert_allclose(one[f"{name}_std"], other[f"{name}_std"], rtol=1e-12, atol=0)
         for one, other in zip(slopes[name].values, all_slopes[name].values, strict=True):
             assert np.abs(one - other).max() <= 1e-7 * np.abs(other).max() + 1e-12 * size

@@ -16,12 +16,12 @@ EXAMPLES = 100 if SOAK else 6
 
 @st.composite
 def boxes(draw: st.DrawFn) -> list[Input]:
-    found = []
+    inputs = []
     for name in NAMES[: draw(st.integers(1, 3))]:
         low = draw(st.floats(1e-3, 1e3))
         high = low * (1 + draw(st.floats(0.1, 1e3)))
-        found.append(Input(name, low, high, draw(st.sampled_from(["linear", "log"]))))
-    return found
+        inputs.append(Input(name, low, high, draw(st.sampled_from(["linear", "log"]))))
+    return inputs
 
 
 @st.composite
@@ -33,11 +33,11 @@ def factorials(draw: st.DrawFn) -> tuple[list[Input], xr.Dataset]:
     data = xr.Dataset()
     for name in ("f", "g"):
         product: xr.DataArray = xr.DataArray(1.0)
-        for one in inputs:
-            count = draw(st.integers(2, 8)) if name == "f" else data.sizes[one.name]
-            levels = one.levels(count)
-            values = chebval(one.to_unit(levels), rng.normal(size=rng.integers(1, count + 1)))
-            product = product * xr.DataArray(values, dims=one.name, coords={one.name: levels})
+        for input_ in inputs:
+            count = draw(st.integers(2, 8)) if name == "f" else data.sizes[input_.name]
+            levels = input_.levels(count)
+            values = chebval(input_.to_unit(levels), rng.normal(size=rng.integers(1, count + 1)))
+            product = product * xr.DataArray(values, dims=input_.name, coords={input_.name: levels})
         data[name] = size * (product + rng.normal())
     return inputs, data
 
@@ -54,10 +54,10 @@ def spread(data: xr.Dataset, name: str) -> float:
 @pytest.mark.soakable
 @given(factorials())
 @settings(deadline=None, max_examples=EXAMPLES)
-def test_the_data_are_met_and_nothing_is_unknown_there(made: tuple[list[Input], xr.Dataset]) -> None:
-    inputs, data = made
+def test_the_data_are_met_and_nothing_is_unknown_there(case_data: tuple[list[Input], xr.Dataset]) -> None:
+    inputs, data = case_data
     model = GridGP(inputs).fit(data)
-    answer = model.predict({one.name: data[one.name] for one in inputs})
+    answer = model.predict({input_.name: data[input_.name] for input_ in inputs})
     between = model.predict(unit(inputs, 50))
     for p, name in enumerate(("f", "g")):
         room = 1e-9 * (spread(data, name) + 1e-6 * float(np.abs(data[name]).max()))

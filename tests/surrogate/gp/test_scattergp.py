@@ -45,18 +45,18 @@ def radial(kernel: str, u: Array, v: Array) -> Array:
 def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient(kernel: KernelName) -> None:
     data, held, step = cases(40), cases(10, seed=1), 1e-3
     model = ScatterGP(kernel, INPUTS, nugget=1e-2).fit(data)
-    found = model.gradient(held[["x", "y"]], return_std=True)
-    t = np.stack([one.to_unit(data[one.name]) for one in INPUTS], axis=1) / REACH
-    at = np.stack([one.to_unit(held[one.name]) for one in INPUTS], axis=1)
+    slopes = model.gradient(held[["x", "y"]], return_std=True)
+    t = np.stack([input_.to_unit(data[input_.name]) for input_ in INPUTS], axis=1) / REACH
+    points = np.stack([input_.to_unit(held[input_.name]) for input_ in INPUTS], axis=1)
     for p, name in enumerate(("f", "g")):
         theta = np.exp(model.regressors_[p].kernel_.theta)
         factor = cho_factor(theta[0] * radial(kernel, t / theta[1:], t / theta[1:]) + 1e-2 * np.eye(len(t)))
-        for k, one in enumerate(INPUTS):
-            ends = np.concatenate([at + step * np.eye(2)[k], at - step * np.eye(2)[k]]) / REACH / theta[1:]
+        for k, input_ in enumerate(INPUTS):
+            ends = np.concatenate([points + step * np.eye(2)[k], points - step * np.eye(2)[k]]) / REACH / theta[1:]
             cross = theta[0] * radial(kernel, ends, t / theta[1:])
             C = theta[0] * radial(kernel, ends, ends) - cross @ cho_solve(factor, cross.T)
             want = (np.diag(C)[:10] + np.diag(C)[10:] - 2 * np.diag(C[:10, 10:])) / (2 * step) ** 2
-            std = found[f"{name}_std"].sel(input=one.name).values / one.unit_slope(held[one.name].values)
+            std = slopes[f"{name}_std"].sel(input=input_.name).values / input_.unit_slope(held[input_.name].values)
             size = data[name].values.std() ** 2
             np.testing.assert_allclose(
                 std**2, size * want, rtol=2e-2 if kernel == "matern32" else 1e-3, atol=1e-6 * size
@@ -69,11 +69,11 @@ def test_prediction_is_that_of_a_dense_process(kernel: KernelName) -> None:
     model = ScatterGP(kernel, INPUTS, nugget=1e-4).fit(data)
     held = cases(25, seed=1)
     answer = model.predict(held[["x", "y"]])
-    t = np.stack([one.to_unit(data[one.name]) for one in INPUTS], axis=1) / REACH
-    at = np.stack([one.to_unit(held[one.name]) for one in INPUTS], axis=1)
+    t = np.stack([input_.to_unit(data[input_.name]) for input_ in INPUTS], axis=1) / REACH
+    points = np.stack([input_.to_unit(held[input_.name]) for input_ in INPUTS], axis=1)
     for p, name in enumerate(("f", "g")):
         theta = np.exp(model.regressors_[p].kernel_.theta)
-        a, b = t / theta[1:], at / REACH / theta[1:]
+        a, b = t / theta[1:], points / REACH / theta[1:]
         values = data[name].values
         offset, scale = values.mean(), values.std()
         factor = cho_factor(theta[0] * radial(kernel, a, a) + 1e-4 * np.eye(len(a)))
@@ -108,13 +108,15 @@ def test_few_cases_without_noise_err_no_more_than_by_scikit_learn_s_process() ->
 
     t, fresh = np.random.default_rng(0).uniform(-1, 1, (80, 3)), np.random.default_rng(1).uniform(-1, 1, (500, 3))
     box = [Input(name, -1.0, 1.0) for name in "abc"]
-    data = xr.Dataset({**{one.name: ("case", row) for one, row in zip(box, t.T, strict=True)}, "f": ("case", truth(t))})
+    data = xr.Dataset(
+        {**{input_.name: ("case", row) for input_, row in zip(box, t.T, strict=True)}, "f": ("case", truth(t))}
+    )
     ours = ScatterGP(inputs=box).fit(data).predict_array(fresh)[:, 0]
     kernel = ConstantKernel(1.0, (1e-4, 1e5)) * RBF(np.ones(3), (1e-2, 1e3))
     with warnings.catch_warnings():  # of a search that ends at the rounding of its target
         warnings.simplefilter("ignore", ConvergenceWarning)
         theirs = GaussianProcessRegressor(kernel, alpha=1e-10, normalize_y=True).fit(t, truth(t)).predict(fresh)
-    errors = [float(np.abs(found - truth(fresh)).max()) for found in (ours, theirs)]
+    errors = [float(np.abs(mean - truth(fresh)).max()) for mean in (ours, theirs)]
     assert errors[0] < errors[1]
 
 
@@ -143,7 +145,7 @@ def test_intervals_of_few_cases_hold_inside_and_grow_outside() -> None:
         beyond = beyond[np.abs(beyond).max(axis=1) > 1]
         for count in (20, 40, 60):
             t = random.uniform(-1, 1, (count, d))
-            data = {own.name: ("case", column) for own, column in zip(box, t.T, strict=True)}
+            data = {input_.name: ("case", column) for input_, column in zip(box, t.T, strict=True)}
             model = ScatterGP(inputs=box).fit(xr.Dataset(data | {"f": ("case", truth(t))}))
             inside.append(held(model, truth, points)[0])
             share, near = held(model, truth, beyond)

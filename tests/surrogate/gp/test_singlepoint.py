@@ -29,7 +29,7 @@ def calibrated() -> GridGP:
 def points() -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     """Points within, in corners and on the faces of the box, (n, d)."""
     t = np.clip(np.random.default_rng(0).uniform(-1.3, 1.3, (60, len(functions.INPUTS))), -1, 1)
-    return np.stack([one.from_unit(column) for one, column in zip(functions.INPUTS, t.T, strict=True)], axis=1)
+    return np.stack([input_.from_unit(column) for input_, column in zip(functions.INPUTS, t.T, strict=True)], axis=1)
 
 
 @pytest.mark.parametrize("name", ["plain", "calibrated"])
@@ -47,8 +47,8 @@ def test_a_point_alone_lies_where_its_scale_puts_it(scale: Scale) -> None:
     x = Input("x", 0.05, 0.9, scale)
     model = GridGP(inputs=[x]).fit(xr.Dataset({"f": ("x", np.sin(5 * x.levels(24)))}, {"x": x.levels(24)}))
     for value in (0.05, 0.3, 0.7, 0.9):
-        found = model.predict_array(np.array([[value]])).item()
-        assert found == pytest.approx(np.sin(5 * value), abs=1e-6)  # 24 levels; on another scale 0.2
+        answer = model.predict_array(np.array([[value]])).item()
+        assert answer == pytest.approx(np.sin(5 * value), abs=1e-6)  # 24 levels; on another scale 0.2
 
 
 @pytest.mark.parametrize("name", ["plain", "calibrated"])
@@ -63,9 +63,9 @@ def test_every_way_of_asking_for_one_point_gives_the_same_bits(name: str, reques
         for way in ways:
             labelled = model.predict(way), model.interval(way, 0.9)
             for k, output in enumerate(model.outputs_):
-                found = [labelled[0][output], labelled[0][f"{output}_std"]]
-                found += [labelled[1][f"{output}_{end}"] for end in ("lower", "upper")]
-                assert [float(one.item()) for one in found] == [float(array[0, k]) for array in arrays]
+                result = [labelled[0][output], labelled[0][f"{output}_std"]]
+                result += [labelled[1][f"{output}_{end}"] for end in ("lower", "upper")]
+                assert [float(one.item()) for one in result] == [float(array[0, k]) for array in arrays]
 
 
 def test_answers_at_plain_numbers_are_those_at_labelled_ones_and_share_nothing(calibrated: GridGP) -> None:

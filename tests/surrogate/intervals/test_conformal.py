@@ -77,15 +77,15 @@ def test_calibrated_intervals_are_no_wider_than_they_must_be_and_shown_beside_th
 def test_levels_end_where_the_cases_end(count: int) -> None:
     data = functions.factorial((6, 4, 4, 3, 2))
     model = GridGP(inputs=functions.INPUTS).fit(data).calibrate(functions.scattered(count, seed=1))
-    at = functions.scattered(3, seed=5)[list(model.box)]
+    points = functions.scattered(3, seed=5)[list(model.box)]
     most = min(1 - 2 / (count + 1), 0.999)
-    assert bool((model.interval(at, most)["ratio_upper"] > model.interval(at, 0.9)["ratio_upper"]).all())
+    assert bool((model.interval(points, most)["ratio_upper"] > model.interval(points, 0.9)["ratio_upper"]).all())
     with pytest.raises(
         ValueError, match=f"level 0.9999 is not between 0 and {most:.10g}, all that {count} calibration"
     ):
-        model.interval(at, 0.9999)
+        model.interval(points, 0.9999)
     with pytest.raises(ValueError, match=f"q 0.99999 is not between .*, all that {count} calibration cases tell"):
-        model.quantile(at, 0.99999)
+        model.quantile(points, 0.99999)
 
 
 @pytest.mark.parametrize("count", [60, *(pytest.param(more, marks=pytest.mark.soak) for more in (150, 500))])
@@ -133,15 +133,16 @@ def test_a_scale_that_waves_across_two_inputs_is_followed() -> None:
     learnt = calibrate(errors[:, :6000], [np.zeros((1, 6000))], some, sharing(some))
     assert set(np.flatnonzero(learnt.trend_degree.max(axis=0) > 2)) >= {0, 2}
     assert int((learnt.trend_degree.astype(bool).sum(axis=1) > 1).sum()) == 27 + 3
-    new, at = errors[:, 6000:], t[:, 6000:]
-    inside = held(learnt, at, new)
+    new, points = errors[:, 6000:], t[:, 6000:]
+    inside = held(learnt, points, new)
     assert inside.mean() == pytest.approx(0.955, abs=0.012)
-    along = at[0] - at[2]
+    along = points[0] - points[2]
     for low in np.linspace(-1.4, 1.2, 14):
         assert inside[0, (along >= low) & (along < low + 0.2)].mean() >= 0.9
     additive = replace(learnt, trend=np.where(learnt.trend_degree.astype(bool).sum(axis=1) > 1, 0.0, learnt.trend.T).T)
     slabs = [
-        held(additive, at, new)[0, (along >= low) & (along < low + 0.2)].mean() for low in np.linspace(-1.4, 1.2, 14)
+        held(additive, points, new)[0, (along >= low) & (along < low + 0.2)].mean()
+        for low in np.linspace(-1.4, 1.2, 14)
     ]
     assert min(slabs) < 0.8
 
@@ -194,18 +195,20 @@ def test_bad_cases_are_refused(change: Callable[[xr.Dataset], xr.Dataset], says:
 def test_intervals_of_derivatives_hold_in_about_their_share() -> None:
     model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((10, 4, 4, 4, 2)))
     model.calibrate(functions.scattered(3000, seed=1))
-    at = functions.scattered(600, seed=2)[list(model.box)]
-    found = model.gradient(at, return_std=True)
-    one = functions.INPUTS[0]
-    step = 1e-5 * (one.high - one.low)
-    inner = (at[one.name] > one.low + step) & (at[one.name] < one.high - step)
+    points = functions.scattered(600, seed=2)[list(model.box)]
+    slopes = model.gradient(points, return_std=True)
+    input_ = functions.INPUTS[0]
+    step = 1e-5 * (input_.high - input_.low)
+    inner = (points[input_.name] > input_.low + step) & (points[input_.name] < input_.high - step)
     above, below = (
-        functions.outputs({**{str(key): column for key, column in at.items()}, one.name: at[one.name] + s * step})
+        functions.outputs(
+            {**{str(key): column for key, column in points.items()}, input_.name: points[input_.name] + s * step}
+        )
         for s in (1, -1)
     )
     for name in ("near_pole", "smooth", "ratio"):
         true = (above[name] - below[name]) / (2 * step)
-        own = {end: found[f"{name}_{end}"].sel(input=one.name) for end in ("lower", "upper")}
+        own = {end: slopes[f"{name}_{end}"].sel(input=input_.name) for end in ("lower", "upper")}
         held = ((own["lower"] <= true) & (true <= own["upper"]))[inner]
         assert 0.85 <= float(held.mean()) <= 1
 
@@ -215,11 +218,11 @@ def test_quantile_regression_agrees_with_linear_programming() -> None:
     A = np.stack([np.ones(600), *rng.normal(size=(3, 600))], axis=1)
     y = A @ [1.0, -2.0, 0.5, 0.0] + (1 + 0.5 * A[:, 1] ** 2) * rng.standard_t(4, size=600)
     for level in (0.5, 0.95):
-        found = quantile_regression(A, y, level)
+        result = quantile_regression(A, y, level)
         cost = np.concatenate([np.zeros(4), np.full(600, level), np.full(600, 1 - level)])
         equal = np.concatenate([A, np.eye(600), -np.eye(600)], axis=1)
         best = linprog(cost, A_eq=equal, b_eq=y, bounds=[(None, None)] * 4 + [(0, None)] * 1200)
-        residual = y - A @ found
+        residual = y - A @ result
         reached = float(np.sum(residual * (level - (residual < 0))))
         assert best.fun is not None
         assert reached <= best.fun * 1.005
@@ -232,7 +235,7 @@ def test_two_clusters_of_errors_have_a_quantile() -> None:
     size = np.repeat([1e-9, 1e-3], 30)
     t = np.stack([np.repeat([-0.3, 0.6], 30), random.uniform(-1, 1, 60)])
     error = size * random.standard_normal(60)
-    found = calibrate(error[None], [np.full((1, 60), 1e-6)], t, sharing(t))
-    ends = found.distribution.ends(0.9) * found.std(np.full((1, 60), 1e-6), t)[0, 0]
+    result = calibrate(error[None], [np.full((1, 60), 1e-6)], t, sharing(t))
+    ends = result.distribution.ends(0.9) * result.std(np.full((1, 60), 1e-6), t)[0, 0]
     assert np.all(np.isfinite(ends))
     assert np.mean((ends[0] <= error) & (error <= ends[1])) >= 0.85

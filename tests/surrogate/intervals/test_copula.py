@@ -28,7 +28,7 @@ def truth(x: Array, y: Array) -> dict[str, Array]:
 def cases(count: int, seed: int) -> xr.Dataset:
     random = np.random.default_rng(seed)
     x, y = random.uniform(0, 1, count), random.uniform(1, 3, count)
-    return xr.Dataset({name: ("case", own) for name, own in {"x": x, "y": y, **truth(x, y)}.items()})
+    return xr.Dataset({name: ("case", column) for name, column in {"x": x, "y": y, **truth(x, y)}.items()})
 
 
 @pytest.fixture(scope="module")
@@ -84,10 +84,10 @@ def test_differences_of_near_points_hold(model: GridGP) -> None:
     for k in range(count):
         points = {"x": xr.DataArray([at[k], at[k] + step], dims="end"), "y": float(fresh["y"][k])}
         true = moved["first"][k] - truth(at[k : k + 1], fresh["y"].values[k : k + 1])["first"][0]
-        for together, found in ((True, held), (False, alone)):
+        for together, result in ((True, held), (False, alone)):
             drawn = model.sample(points, 200, k, together=together)["first"].values
             low, high = np.quantile(drawn[:, 1] - drawn[:, 0], [0.025, 0.975])
-            found.append(bool(low <= true <= high))
+            result.append(bool(low <= true <= high))
     assert np.mean(held) == pytest.approx(0.95, abs=4 * np.sqrt(0.95 * 0.05 / count) + 0.015)
     assert np.mean(alone) > np.mean(held)  # wider than they must be
 
@@ -107,8 +107,8 @@ def test_lengths_are_those_that_errors_were_drawn_with() -> None:
     angles = random.uniform(0, np.pi, (2, 1500))
     square = sum(np.subtract.outer(own, own) ** 2 / length**2 for own, length in zip(angles, lengths, strict=True))
     scores = np.linalg.cholesky(np.exp(-0.5 * square) + 1e-8 * np.eye(1500)) @ random.normal(size=(1500, 8))
-    found = Copula.of(scores.T, np.cos(angles)).lengths
-    assert np.abs(np.log(found / lengths)).max() < 0.25
+    result = Copula.of(scores.T, np.cos(angles)).lengths
+    assert np.abs(np.log(result / lengths)).max() < 0.25
 
 
 def test_sums_of_normal_errors_have_the_ends_of_the_normal_distribution() -> None:
@@ -120,12 +120,12 @@ def test_sums_of_normal_errors_have_the_ends_of_the_normal_distribution() -> Non
     normal = Tabulated(np.repeat(Normal().quantile(np.clip(PROBABILITIES, 5e-4, 1 - 5e-4)), 3, axis=1), 1000)
     t = np.cos([[1.0, 1.3, 2.9]])
     for sizes in (np.array([[1.0], [-1], [0.5]]), random.normal(size=(3, 3))):
-        at = t[:, : sizes.shape[1]]
-        near = np.exp(-0.5 * np.subtract.outer(np.arccos(at[0]), np.arccos(at[0])) ** 2 / lengths[0] ** 2)
+        points = t[:, : sizes.shape[1]]
+        near = np.exp(-0.5 * np.subtract.outer(np.arccos(points[0]), np.arccos(points[0])) ** 2 / lengths[0] ** 2)
         deviation = np.sqrt(np.einsum("pn,pq,nm,qm->", sizes, correlation, near, sizes))
         # a quantile of 1,000 rows at 0.025 has a standard error of 4 %
         np.testing.assert_allclose(
-            ends(normal, copula, 0.95, sizes, at), [-1.96 * deviation, 1.96 * deviation], rtol=0.12
+            ends(normal, copula, 0.95, sizes, points), [-1.96 * deviation, 1.96 * deviation], rtol=0.12
         )
     added = ends(normal, None, 0.95, np.array([[1.0], [-1], [0.5]]), t[:, :1])
     np.testing.assert_allclose(added, [-1.96 * 2.5, 1.96 * 2.5], rtol=0.02)  # the table is linear between levels
@@ -139,8 +139,8 @@ def test_draws_over_points_have_the_correlation_of_the_copula() -> None:
     for own in drawn:
         assert np.abs(np.sort(own, axis=0) - (np.arange(20_000) + 0.5)[:, None] / 20_000).max() < 0.015  # uniform
         score = np.clip(own, 1e-9, 1 - 1e-9)
-        found = np.corrcoef(ndtri(score), rowvar=False)
-        np.testing.assert_allclose(found, np.exp(-0.5 * np.subtract.outer(angles, angles) ** 2 / 0.16), atol=0.03)
+        correlation = np.corrcoef(ndtri(score), rowvar=False)
+        np.testing.assert_allclose(correlation, np.exp(-0.5 * np.subtract.outer(angles, angles) ** 2 / 0.16), atol=0.03)
 
 
 def test_too_many_points_are_refused_together(model: GridGP) -> None:
@@ -165,9 +165,9 @@ def test_a_file_of_before_is_read_and_draws_nothing_together(model: GridGP, tmp_
     xr.testing.assert_identical(old.interval(points), model.interval(points))
     with pytest.raises(ValueError, match="the model's file kept no rows of its calibration"):
         old.sample(points, 5, 1)
-    one = np.array([[0.1, 2.0]])
+    point = np.array([[0.1, 2.0]])
     assert (
-        np.abs(old.ends_of_sum(one, np.array([[1.0, -1, 0]]))) > model.ends_of_sum(one, np.array([[1.0, -1, 0]]))
+        np.abs(old.ends_of_sum(point, np.array([[1.0, -1, 0]]))) > model.ends_of_sum(point, np.array([[1.0, -1, 0]]))
     ).all()
 
 

@@ -62,16 +62,16 @@ def test_analytic_functions_are_not_taken_for_kinked(family: Family, count: int)
     ],
 )
 def test_the_predicted_error_covers_that_of_interpolation_without_waste(family: Family, count: int) -> None:
-    found = judged(family, count)
+    decay = judged(family, count)
     fine = np.linspace(-1, 1, 2001)
     for levels in (6, 10, 15, 22, 30):
         x = np.sort(chebgauss(levels)[0])
         weights = np.linalg.solve(chebvander(x, levels - 1), family(x, 0.0))
         error = np.abs(chebvander(fine, levels - 1) @ weights - family(fine, 0.0)).max() / np.ptp(family(fine, 0.0))
         if error > 1e-11 and levels <= 2 * count:
-            assert error <= found.error(levels), levels
+            assert error <= decay.error(levels), levels
         if levels <= count and error > 1e-10:
-            assert found.error(levels) <= 50 * error, levels
+            assert decay.error(levels) <= 50 * error, levels
 
 
 def test_affine_functions_are_found_by_their_noise_alone() -> None:

@@ -29,12 +29,12 @@ class Solver:
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
 def test_the_counts_deliver_and_are_no_waste(tolerance: float) -> None:
     solver = Solver()
-    found = explore(solver, functions.INPUTS, tolerance, 1_000_000)
-    assert found.cases == solver.cases <= 1_000_000
-    assert found.choice.affine == ("bias",)
-    assert found.choice.extrapolated == ()
-    assert max(found.choice.error.values()) <= tolerance
-    counts = list(found.choice.counts.values())
+    result = explore(solver, functions.INPUTS, tolerance, 1_000_000)
+    assert result.cases == solver.cases <= 1_000_000
+    assert result.choice.affine == ("bias",)
+    assert result.choice.extrapolated == ()
+    assert max(result.choice.error.values()) <= tolerance
+    counts = list(result.choice.counts.values())
     fresh = functions.scattered(3000, seed=17)
     assert (
         float(validate(GridGP(inputs=functions.INPUTS).fit(functions.factorial(counts)), fresh, None).max_error.max())
@@ -52,11 +52,11 @@ def test_a_kink_is_told_from_a_near_pole_by_refinement() -> None:
         x, y = (xr.DataArray(levels[name], dims=name, coords={name: levels[name]}) for name in ("x", "y"))
         return xr.Dataset({"pole": 1 / (x + 0.05) + y, "kink": np.maximum(x, 0.4) * y, "smooth": np.exp(x * y)})
 
-    found = explore(solve, [Input("x", 0, 1), Input("y", 0, 1)], 1e-6, 20_000)
-    assert found.choice.kinked == {"kink": ("x",)}
-    assert found.levels["x"] > found.levels["y"]
-    assert bool(found.choice.decay["kinked"].sel(output="kink", input="x"))
-    assert int(found.choice.decay["kinked"].sum()) == 1
+    result = explore(solve, [Input("x", 0, 1), Input("y", 0, 1)], 1e-6, 20_000)
+    assert result.choice.kinked == {"kink": ("x",)}
+    assert result.levels["x"] > result.levels["y"]
+    assert bool(result.choice.decay["kinked"].sel(output="kink", input="x"))
+    assert int(result.choice.decay["kinked"].sum()) == 1
 
 
 def test_given_counts_are_kept_and_blamed_when_too_few() -> None:

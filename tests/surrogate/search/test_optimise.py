@@ -63,27 +63,27 @@ def brute_force(problem: Problem, side: int = 801) -> float:
 
 
 def test_closed_form_on_a_disc() -> None:
-    found = maximise(linear_on_a_disc(1.0))
-    assert found.feasible
-    assert found.objective == pytest.approx(np.sqrt(0.8) * np.hypot(0.9, 0.5), rel=1e-10)
-    np.testing.assert_allclose(found.x, np.sqrt(0.8) * np.array([0.9, 0.5]) / np.hypot(0.9, 0.5), atol=1e-5)
-    assert found.excess.max() == pytest.approx(0.0, abs=1e-9)
+    optimum = maximise(linear_on_a_disc(1.0))
+    assert optimum.feasible
+    assert optimum.objective == pytest.approx(np.sqrt(0.8) * np.hypot(0.9, 0.5), rel=1e-10)
+    np.testing.assert_allclose(optimum.x, np.sqrt(0.8) * np.array([0.9, 0.5]) / np.hypot(0.9, 0.5), atol=1e-5)
+    assert optimum.excess.max() == pytest.approx(0.0, abs=1e-9)
 
 
 def test_the_least_violation_is_found_where_nothing_is_feasible() -> None:
-    found = maximise(linear_on_a_disc(-1.0))
-    assert not found.feasible
-    assert found.excess.max() == pytest.approx(1.2, rel=1e-9)
-    np.testing.assert_allclose(found.x, 0.0, atol=1e-4)
+    optimum = maximise(linear_on_a_disc(-1.0))
+    assert not optimum.feasible
+    assert optimum.excess.max() == pytest.approx(1.2, rel=1e-9)
+    np.testing.assert_allclose(optimum.x, 0.0, atol=1e-4)
 
 
 @settings(max_examples=6, deadline=None, derandomize=True)
 @given(st.floats(-1.5, 1.5), st.floats(-0.2, 1.2))
 def test_never_worse_than_brute_force(shift: float, limit: float) -> None:
     problem = wavy(shift, limit)
-    found = maximise(problem, scan=1024)
-    assert found.feasible
-    assert found.objective >= brute_force(problem) - 1e-9
+    optimum = maximise(problem, scan=1024)
+    assert optimum.feasible
+    assert optimum.objective >= brute_force(problem) - 1e-9
 
 
 def test_no_limits() -> None:
@@ -94,10 +94,10 @@ def test_no_limits() -> None:
         lambda X: (problem.value(X)[0], np.broadcast_to(none, (len(X), 0))),
         lambda x: (problem.slope(x)[0], np.empty((0, 2))),
     )
-    found: Optimum = maximise(free)
-    assert found.feasible
-    assert found.excess.size == 0
-    np.testing.assert_allclose(found.x, [1.0, 1.0], atol=1e-9)
+    optimum: Optimum = maximise(free)
+    assert optimum.feasible
+    assert optimum.excess.size == 0
+    np.testing.assert_allclose(optimum.x, [1.0, 1.0], atol=1e-9)
 
 
 def test_a_free_choice_goes_to_the_largest_margin() -> None:
@@ -107,8 +107,8 @@ def test_a_free_choice_goes_to_the_largest_margin() -> None:
     def slope(x: Array) -> tuple[Array, Array]:
         return np.array([[1.0, 0.0]]), np.array([[0.0, 2 * (x[1] - 0.25)]])
 
-    found = maximise(Problem(2, value, slope))
-    np.testing.assert_allclose(found.x, [1.0, 0.25], atol=1e-5)
+    optimum = maximise(Problem(2, value, slope))
+    np.testing.assert_allclose(optimum.x, [1.0, 0.25], atol=1e-5)
 
 
 @given(st.floats(0.1, 0.9), st.floats(0, 2 * np.pi), st.floats(1e-14, 1e-6))

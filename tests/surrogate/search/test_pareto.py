@@ -39,27 +39,27 @@ def spheres(bulge: float) -> Problem:
 
 @pytest.mark.parametrize("bulge", [1.0, 0.25])
 def test_front_of_two_spheres(bulge: float) -> None:
-    found = front(spheres(bulge), 2)
-    assert found is not None
-    np.testing.assert_allclose(found.x[:, 1], 0.1, atol=1e-6)
+    optimum = front(spheres(bulge), 2)
+    assert optimum is not None
+    np.testing.assert_allclose(optimum.x[:, 1], 0.1, atol=1e-6)
     share = np.linspace(-0.5, 0.5, 200_001)
     exact = np.stack([-(((share - s) ** 2 + 0.01) ** bulge) - 0.02 for s in (0.5, -0.5)], -1)
     reference = exact.min(0)
-    assert hypervolume(found.values, reference) == pytest.approx(hypervolume(exact, reference), rel=5e-3)
-    assert hypervolume(found.values, reference) <= hypervolume(exact, reference) * (1 + 1e-9)
-    np.testing.assert_allclose(found.reference, reference, atol=1e-6)
-    assert np.abs(np.diff(found.x[:, 0])).max() < 0.02
+    assert hypervolume(optimum.values, reference) == pytest.approx(hypervolume(exact, reference), rel=5e-3)
+    assert hypervolume(optimum.values, reference) <= hypervolume(exact, reference) * (1 + 1e-9)
+    np.testing.assert_allclose(optimum.reference, reference, atol=1e-6)
+    assert np.abs(np.diff(optimum.x[:, 0])).max() < 0.02
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(st.integers(2, 3), st.integers(1, 40), st.integers(0, 1000))
 def test_non_dominated_is_what_the_definition_says(k: int, count: int, seed: int) -> None:
     values = np.random.default_rng(seed).integers(0, 6, (count, k)).astype(float)
-    kept = non_dominated(values)
-    for i, one in enumerate(values):
+    front_rows = non_dominated(values)
+    for i, row in enumerate(values):
         others = np.delete(values, i, 0)
-        beaten = np.any(np.all(others >= one, 1) & np.any(others > one, 1))
-        if kept[i]:
+        beaten = np.any(np.all(others >= row, 1) & np.any(others > row, 1))
+        if front_rows[i]:
             assert not beaten
         else:  # beaten, or equal to one that was kept
-            assert beaten or np.any(np.all(values[kept] == one, 1))
+            assert beaten or np.any(np.all(values[front_rows] == row, 1))

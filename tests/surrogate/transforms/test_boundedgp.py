@@ -17,14 +17,19 @@ BOUNDS = {"share": (0.0, 1.0), "size": (0.0, np.inf), "below": (-np.inf, 3.0)}
 
 
 def truth(x: Array, y: Array) -> dict[str, Array]:
-    away = 9 * x * y + 1 / (x + 1.2)
-    return {"share": expit(away), "size": np.exp(-away), "below": 3 - np.exp(np.sin(3 * x) * 4 * y), "free": x * y}
+    exponent = 9 * x * y + 1 / (x + 1.2)
+    return {
+        "share": expit(exponent),
+        "size": np.exp(-exponent),
+        "below": 3 - np.exp(np.sin(3 * x) * 4 * y),
+        "free": x * y,
+    }
 
 
 def cases(count: int, seed: int) -> xr.Dataset:
     random = np.random.default_rng(seed)
     x, y = random.uniform(-1, 1, count), random.uniform(0.5, 2, count)
-    return xr.Dataset({name: ("case", own) for name, own in {"x": x, "y": y, **truth(x, y)}.items()})
+    return xr.Dataset({name: ("case", column) for name, column in {"x": x, "y": y, **truth(x, y)}.items()})
 
 
 @pytest.fixture(scope="module")
@@ -36,21 +41,21 @@ def model() -> BoundedGP:
 
 def test_all_that_is_said_stays_within_the_bounds_and_holds(model: BoundedGP) -> None:
     fresh = cases(1000, 2)
-    at = fresh[["x", "y"]]
+    points = fresh[["x", "y"]]
     X = np.stack([fresh["x"], fresh["y"]], axis=1)
-    found = model.interval(at, 0.95)
+    ends = model.interval(points, 0.95)
     lower, upper = model.interval_array(X, 0.95)
-    drawn, wide = model.sample(at, 20, 0, together=False), model.interval(at, 0.99)
+    drawn, wide = model.sample(points, 20, 0, together=False), model.interval(points, 0.99)
     for k, name in enumerate(model.outputs_):
         low, high = BOUNDS.get(name, (-np.inf, np.inf))
-        own, true = model.predict(at)[name], fresh[name]
-        for some in (own, wide[f"{name}_lower"], wide[f"{name}_upper"], drawn[name]):
-            assert ((low <= some) & (some <= high)).all()
-        held = float(((found[f"{name}_lower"] <= true) & (true <= found[f"{name}_upper"])).mean())
+        mean, true = model.predict(points)[name], fresh[name]
+        for bounded in (mean, wide[f"{name}_lower"], wide[f"{name}_upper"], drawn[name]):
+            assert ((low <= bounded) & (bounded <= high)).all()
+        held = float(((ends[f"{name}_lower"] <= true) & (true <= ends[f"{name}_upper"])).mean())
         assert held == pytest.approx(0.955, abs=4 * np.sqrt(0.05 * 0.95 / 1000) + 0.01)
-        np.testing.assert_allclose(lower[:, k], found[f"{name}_lower"], rtol=1e-12)
-        np.testing.assert_allclose(upper[:, k], found[f"{name}_upper"], rtol=1e-12)
-        np.testing.assert_allclose(model.quantile(at, 0.025)[name], found[f"{name}_lower"], rtol=1e-12)
+        np.testing.assert_allclose(lower[:, k], ends[f"{name}_lower"], rtol=1e-12)
+        np.testing.assert_allclose(upper[:, k], ends[f"{name}_upper"], rtol=1e-12)
+        np.testing.assert_allclose(model.quantile(points, 0.025)[name], ends[f"{name}_lower"], rtol=1e-12)
 
 
 def test_derivatives_are_those_of_the_medians(model: BoundedGP) -> None:
@@ -59,9 +64,11 @@ def test_derivatives_are_those_of_the_medians(model: BoundedGP) -> None:
 
 def test_it_survives_its_file_and_has_parts(model: BoundedGP, tmp_path: Path) -> None:
     save(model, tmp_path / "a.nc")
-    again, at = load(tmp_path / "a.nc"), {"x": [0.1, 0.9], "y": 1.0}
-    xr.testing.assert_identical(again.interval(at), model.interval(at))
-    xr.testing.assert_allclose(model.only(["size"]).interval(at), model.interval(at)[["size_lower", "size_upper"]])
+    again, points = load(tmp_path / "a.nc"), {"x": [0.1, 0.9], "y": 1.0}
+    xr.testing.assert_identical(again.interval(points), model.interval(points))
+    xr.testing.assert_allclose(
+        model.only(["size"]).interval(points), model.interval(points)[["size_lower", "size_upper"]]
+    )
     with pytest.raises(ValueError, match="a model from a file is not fitted again"):
         again.fit(cases(3, 0))
 
@@ -83,10 +90,10 @@ def test_the_estimator_keeps_bounds(count: int) -> None:
     X = random.uniform(-1, 1, (count, 1))
     y = expit(8 * X[:, 0])
     model = FactorialRegressor("scattered", bounds=(0, 1)).fit(X, y)
-    at = np.linspace(-1, 1, 200)[:, None]
-    mean, std = model.predict(at, return_std=True)
+    points = np.linspace(-1, 1, 200)[:, None]
+    mean, std = model.predict(points, return_std=True)
     assert ((mean > 0) & (mean < 1)).all()
     assert (std >= 0).all()
-    np.testing.assert_allclose(mean, expit(8 * at[:, 0]), atol=1e-2)
+    np.testing.assert_allclose(mean, expit(8 * points[:, 0]), atol=1e-2)
     with pytest.raises(ValueError, match="output 'y' is 0, which is not between 0 and 1"):
         FactorialRegressor(bounds=(0, 1)).fit(X, np.zeros(count))

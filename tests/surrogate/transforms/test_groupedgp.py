@@ -30,23 +30,23 @@ def with_ends() -> GroupedGP:
 def test_what_the_groups_tell_is_exact_in_the_inputs(exact: GroupedGP) -> None:
     """Polynomials of the axes' scaled coordinates are as good as exact; powers and logarithms are exact anyway."""
     fresh = cases(500, 2)
-    found = exact.predict({one.name: fresh[one.name] for one in INPUTS}, return_std=False)
+    answer = exact.predict({input_.name: fresh[input_.name] for input_ in INPUTS}, return_std=False)
     for name in SCALINGS:
         true = fresh[name].values
-        np.testing.assert_allclose(found[name].values, true, rtol=1e-9, atol=1e-10 * float(np.ptp(true)))
+        np.testing.assert_allclose(answer[name].values, true, rtol=1e-9, atol=1e-10 * float(np.ptp(true)))
     assert len(exact.reduced_.inputs_) == 3
-    assert list(exact.box) == [one.name for one in INPUTS]
+    assert list(exact.box) == [input_.name for input_ in INPUTS]
 
 
 def test_gradients_are_those_by_the_inputs(with_ends: GroupedGP) -> None:
-    X = np.stack([one.from_unit(np.array([-0.3, 0.2, 0.6])) for one in INPUTS], axis=1)
+    X = np.stack([input_.from_unit(np.array([-0.3, 0.2, 0.6])) for input_ in INPUTS], axis=1)
     assert_slopes(with_ends, X, rtol=1e-5)
 
 
 def test_intervals_hold_at_the_ends_of_groups_and_in_corners(with_ends: GroupedGP) -> None:
     """Even cases hardly reach the ends of groups: 0.5 % of the box's are in the last 5 % of `pressing`."""
     fresh = cases(20_000, 12, 0.2)
-    X = np.stack([fresh[one.name].values for one in INPUTS], axis=1)
+    X = np.stack([fresh[input_.name].values for input_ in INPUTS], axis=1)
     true = np.stack([fresh[name].values for name in with_ends.outputs_], axis=1)
     along = unit_coordinates(GROUPING.axes, GROUPING.products.values(X))
     ends = [sign * row > 0.9 for row in along for sign in (1, -1)]
@@ -62,14 +62,14 @@ def test_intervals_hold_at_the_ends_of_groups_and_in_corners(with_ends: GroupedG
     assert float(table.worst_corner_coverage.min()) >= 0.9
     assert float(table.worst_decile_coverage.min()) > 0.8
     assert (np.abs(table.raw_max_error / table.baseline_max_error - 1) < 0.1).all()
-    slopes = with_ends.gradient({one.name: fresh[one.name][:50] for one in INPUTS}, return_std=True)
+    slopes = with_ends.gradient({input_.name: fresh[input_.name][:50] for input_ in INPUTS}, return_std=True)
     assert all(np.isfinite(slopes[f"{name}_std"]).all() and (slopes[f"{name}_std"] >= 0).all() for name in SCALINGS)
     assert with_ends.distribution.highest_level() == 1 - 2 / 1501
 
 
 def test_a_query_alone_has_the_guard_of_the_box(with_ends: GroupedGP) -> None:
-    at = cases(30, 13, to_ends=60)
-    X = np.stack([at[one.name].values for one in INPUTS], axis=1)
+    points = cases(30, 13, to_ends=60)
+    X = np.stack([points[input_.name].values for input_ in INPUTS], axis=1)
     for parts in zip(
         with_ends.interval_array(X), zip(*map(with_ends.interval_array, X[:, None]), strict=True), strict=True
     ):
@@ -96,32 +96,32 @@ def test_a_file_gives_the_same_answers(with_ends: GroupedGP, tmp_path: Path) -> 
     calibrated = with_ends
     surrogate.save(with_ends, tmp_path / "model.nc")
     again = surrogate.load(tmp_path / "model.nc")
-    at = cases(20, 4, to_ends=20)[[one.name for one in INPUTS]]
-    xr.testing.assert_identical(again.predict(at), calibrated.predict(at))
-    xr.testing.assert_identical(again.interval(at, 0.9), calibrated.interval(at, 0.9))
-    xr.testing.assert_identical(again.gradient(at), calibrated.gradient(at))
+    points = cases(20, 4, to_ends=20)[[input_.name for input_ in INPUTS]]
+    xr.testing.assert_identical(again.predict(points), calibrated.predict(points))
+    xr.testing.assert_identical(again.interval(points, 0.9), calibrated.interval(points, 0.9))
+    xr.testing.assert_identical(again.gradient(points), calibrated.gradient(points))
 
 
 def test_a_part_answers_as_the_whole(with_ends: GroupedGP) -> None:
-    at = cases(30, 5)[[one.name for one in INPUTS]]
-    part, whole = with_ends.only(["depth", "length"]), with_ends.predict(at)
-    found = part.predict(at)
+    points = cases(30, 5)[[input_.name for input_ in INPUTS]]
+    part, whole = with_ends.only(["depth", "length"]), with_ends.predict(points)
+    answer = part.predict(points)
     assert part.outputs_ == ("depth", "length")
     for name in ("depth", "length"):
-        np.testing.assert_allclose(found[name], whole[name], rtol=1e-8)
-        np.testing.assert_allclose(found[f"{name}_std"], whole[f"{name}_std"], rtol=1e-6)
+        np.testing.assert_allclose(answer[name], whole[name], rtol=1e-8)
+        np.testing.assert_allclose(answer[f"{name}_std"], whole[f"{name}_std"], rtol=1e-6)
 
 
 def test_sensitivity_is_that_to_the_inputs(exact: GroupedGP) -> None:
     """Against the indices of a grid process on the inputs themselves."""
     counts = (14, 7, 4, 7, 3)
-    levels = {one.name: (one.name, one.levels(n)) for one, n in zip(INPUTS, counts, strict=True)}
+    levels = {input_.name: (input_.name, input_.levels(n)) for input_, n in zip(INPUTS, counts, strict=True)}
     x = xr.Dataset(coords=levels)
     plain = GridGP(inputs=INPUTS).fit(world(x))
-    one, two = sobol(exact), sobol(plain)
+    input_, two = sobol(exact), sobol(plain)
     for name in ("first_order", "total", "second_order"):
         np.testing.assert_allclose(
-            one[name].sel(output=list(SCALINGS)), two[name].sel(output=list(SCALINGS)), atol=2e-4
+            input_[name].sel(output=list(SCALINGS)), two[name].sel(output=list(SCALINGS)), atol=2e-4
         )
 
 
@@ -151,16 +151,3 @@ def test_cases_that_do_not_have_the_axes_values_are_refused() -> None:
     wrong = factorial().assign_coords(radius=0.03)
     with pytest.raises(ValueError, match="do not have its values of the axis 'pressing'"):
         GroupedGP(GROUPING).fit(wrong)
-
-
-def test_a_logit_scale_maps_there_and_back() -> None:
-    one = Input("x", 0.02, 0.9, "logit")
-    t = np.linspace(-1, 1, 9)
-    x = one.from_unit(t)
-    np.testing.assert_allclose(one.to_unit(x), t, atol=1e-14)
-    np.testing.assert_allclose(x[4], 1 / (1 + np.sqrt(0.98 / 0.02 * 0.1 / 0.9)), rtol=1e-13)
-    slope = (one.to_unit(x + 1e-7) - one.to_unit(x - 1e-7)) / 2e-7
-    np.testing.assert_allclose(one.unit_slope(x), slope, rtol=1e-6)
-    np.testing.assert_array_equal(unit_coordinates([one], x[:, None])[0], one.to_unit(x))
-    with pytest.raises(ValueError, match=r"a logit scale needs 0 < low and high < 1, got \[0, 0.9\]"):
-        Input("x", 0.0, 0.9, "logit")

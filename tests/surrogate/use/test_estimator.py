@@ -53,15 +53,15 @@ def table(X: Array, names: list[str]) -> Any:
 
 @pytest.mark.soak
 def test_every_check_of_scikit_learn_passes() -> None:
-    found = check_estimator(FactorialRegressor(), on_skip=None)
-    assert {one["check_name"] for one in found if one["status"] != "passed"} <= {"check_array_api_input"}
+    checks = check_estimator(FactorialRegressor(), on_skip=None)
+    assert {check["check_name"] for check in checks if check["status"] != "passed"} <= {"check_array_api_input"}
 
 
 def test_the_checks_of_weights_and_one_column_pass_by_the_chebyshev_kernel() -> None:
-    asked = ("check_sample_weight", "check_fit2d_1feature")
+    prefixes = ("check_sample_weight", "check_fit2d_1feature")
     names = set()
     for estimator, check in estimator_checks_generator(FactorialRegressor(kernel="chebyshev")):
-        if check.func.__name__.startswith(asked):
+        if check.func.__name__.startswith(prefixes):
             names.add(check.func.__name__)
             check(estimator)
     assert names >= {"check_fit2d_1feature", "check_sample_weights_pandas_series", "check_sample_weights_not_an_array"}
@@ -72,9 +72,9 @@ def test_levels_of_another_kind_are_scattered_cases_to_the_chebyshev_kernel() ->
     y = np.exp(X[:, 0] / X[:, 1])
     model = FactorialRegressor(kernel="chebyshev").fit(X, y)
     assert isinstance(model.model_, ScatterGP)
-    at = np.random.default_rng(0).uniform([0, 1], [1, 3], (50, 2))
+    points = np.random.default_rng(0).uniform([0, 1], [1, 3], (50, 2))
     # a rank of half of the cases, 28 products of degrees, leaves 3e-3
-    np.testing.assert_allclose(model.predict(at), np.exp(at[:, 0] / at[:, 1]), atol=1e-2)
+    np.testing.assert_allclose(model.predict(points), np.exp(points[:, 0] / points[:, 1]), atol=1e-2)
     with pytest.raises(ValueError, match="8 levels are no Chebyshev-Gauss levels"):
         FactorialRegressor("factorial", "chebyshev").fit(X, y)
     exact = FactorialRegressor(kernel="chebyshev").fit(factorial(LEVELS), factorial(LEVELS)[:, 0])
@@ -94,15 +94,15 @@ def test_the_checks_of_scikit_learn_pass() -> None:
 
 def test_a_factorial_in_any_order_is_the_grid_model_of_its_data_set() -> None:
     X = factorial(LEVELS)
-    both = np.stack([truth(X), X[:, 0] ** 2], axis=1)
-    model = FactorialRegressor().fit(X, both)
+    outputs = np.stack([truth(X), X[:, 0] ** 2], axis=1)
+    model = FactorialRegressor().fit(X, outputs)
     assert isinstance(model.model_, GridGP)
-    assert [one.scale for one in model.model_.inputs_] == ["linear", "log", "linear"]
+    assert [input_.scale for input_ in model.model_.inputs_] == ["linear", "log", "linear"]
     axes = {f"x{k}": levels for k, levels in enumerate(LEVELS)}
     a, b, c = xr.broadcast(*(xr.DataArray(values, dims=name, coords={name: values}) for name, values in axes.items()))
-    own = GridGP().fit(xr.Dataset({"f": np.exp(0.5 * a) * np.log(b) + 0.1 * c, "g": a**2}))
+    grid_model = GridGP().fit(xr.Dataset({"f": np.exp(0.5 * a) * np.log(b) + 0.1 * c, "g": a**2}))
     mean, std = model.predict(fresh(), return_std=True)
-    wanted = own.predict_array(fresh(), return_std=True)
+    wanted = grid_model.predict_array(fresh(), return_std=True)
     np.testing.assert_allclose(mean, wanted[0], rtol=1e-11)
     np.testing.assert_allclose(std, wanted[1], rtol=1e-6)
     single = FactorialRegressor().fit(X, truth(X))
@@ -188,18 +188,18 @@ def test_double_rows_count_once_and_missing_ones_are_told() -> None:
     again = FactorialRegressor().fit(doubled, truth(doubled))
     assert isinstance(again.model_, GridGP)
     np.testing.assert_allclose(again.predict(fresh()), whole.predict(fresh()), rtol=1e-12)
-    some = factorial([LEVELS[0], LEVELS[2]])
-    noisy = np.concatenate([some, some[:1]])
-    y = np.append(some[:, 0], some[0, 0] + 0.1)  # no interpolation of it
+    partial = factorial([LEVELS[0], LEVELS[2]])
+    noisy = np.concatenate([partial, partial[:1]])
+    y = np.append(partial[:, 0], partial[0, 0] + 0.1)  # no interpolation of it
     assert isinstance(FactorialRegressor().fit(noisy, y).model_, ScatterGP)
-    found = whole.predict(fresh())
+    expected = whole.predict(fresh())
     # the second: as many cases as combinations, but one of them twice; the last lacks eight
-    for some, missing in ((X[1:], 1), (X[[1, *range(1, 210)]], 1), (X[8:], 8)):
+    for partial, missing in ((X[1:], 1), (X[[1, *range(1, 210)]], 1), (X[8:], 8)):
         with pytest.warns(UserWarning, match=f"{missing} of the 210 combinations of 6 x 7 x 5 levels are missing"):
-            model = FactorialRegressor().fit(some, truth(some))
+            model = FactorialRegressor().fit(partial, truth(partial))
         assert isinstance(model.model_, GridGP)
         # what fills in is as good as the factorial: its own error here is 1e-8 of the range
-        np.testing.assert_allclose(model.predict(fresh()), found, atol=1e-10 * np.ptp(found))
+        np.testing.assert_allclose(model.predict(fresh()), expected, atol=1e-10 * np.ptp(expected))
 
 
 def test_a_scaler_before_it_changes_nothing() -> None:

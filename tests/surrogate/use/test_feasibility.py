@@ -51,7 +51,7 @@ def test_no_more_refused_cases_pass_than_is_promised(above: Callable[[Array], Ar
 @pytest.fixture(scope="module")
 def model() -> GridGP:
     inputs = [Input("a", 0.0, 2.0), Input("b", 1.0, 100.0, "log"), Input("c", -1.0, 1.0)]
-    coords = {one.name: one.levels(4) for one in inputs}
+    coords = {input_.name: input_.levels(4) for input_ in inputs}
     grid = xr.Dataset(coords=coords)
     fitted = GridGP(inputs=inputs).fit(grid.assign(f=grid.a * np.log(grid.b) + grid.c))
     fitted.region_ = learnt(plane, 0, 200)
@@ -60,10 +60,10 @@ def model() -> GridGP:
 
 def test_points_beyond_the_edge_are_refused_with_the_reason(model: GridGP) -> None:
     inside, beyond = {"a": 0.5, "b": 5.0, "c": 0.0}, {"a": 1.95, "b": 98.0, "c": 0.5}
-    told = r"a = 1.95, b = 98, c = 0.5 is beyond the edge of the cases that have answers: too far"
+    message = r"a = 1.95, b = 98, c = 0.5 is beyond the edge of the cases that have answers: too far"
     for ask in (model.predict, model.interval, model.gradient, lambda points: model.sample(points, 2, 0)):
         ask(inside)
-        with pytest.raises(OutOfRegionError, match=told):
+        with pytest.raises(OutOfRegionError, match=message):
             ask(beyond)
     X = np.array([list(inside.values()), list(beyond.values())])
     with pytest.raises(OutOfBoxError, match=r"\(1 of 2 points are beyond it\): too far"):

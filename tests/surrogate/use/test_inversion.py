@@ -16,7 +16,7 @@ INPUTS = [Input("a", -2.0, 3.0), Input("b", 0.1, 10.0, "log"), Input("c", 0.0, 1
 
 def model(second: str) -> GridGP:
     """A model of u = a + c and v = log b (linear), or v = (log b + a / 2)^2 (folded: two answers)."""
-    levels = {one.name: one.levels(n) for one, n in zip(INPUTS, (6, 8, 2), strict=True)}
+    levels = {input_.name: input_.levels(n) for input_, n in zip(INPUTS, (6, 8, 2), strict=True)}
     a, b, c = (xr.DataArray(values, dims=name, coords={name: values}) for name, values in levels.items())
     v = np.log(b) if second == "linear" else (np.log(b) + a / 2) ** 2
     data = xr.Dataset({"u": (a + c + 0 * b), "v": v + 0 * a + 0 * c}).transpose("a", "b", "c")
@@ -26,29 +26,29 @@ def model(second: str) -> GridGP:
 def test_a_linear_model_has_truncated_gaussian_posteriors() -> None:
     inversion = Inversion(model("linear"), ["a", "b"], ["u", "v"], {"c": 0.25})
     for u, v, errors in ((1.0, 0.3, (0.2, 0.4)), (3.2, 2.4, (0.3, 0.5)), (0.5, -1.0, (1e-6, 1e-7)), (0, 0, (50, 1e-3))):
-        found = inversion.estimate(np.array([u, v]), np.array(errors, dtype=float))
+        estimate = inversion.estimate(np.array([u, v]), np.array(errors, dtype=float))
         for k, (centre, low, high) in enumerate(((u - 0.25, -2.0, 3.0), (v, np.log(0.1), np.log(10)))):
             std = errors[k]
             exact = stats.truncnorm((low - centre) / std, (high - centre) / std, centre, std)
-            ends = np.array([found.low[k], found.high[k]])
+            ends = np.array([estimate.low[k], estimate.high[k]])
             ends = np.log(ends) if k else ends
             np.testing.assert_allclose(ends, exact.ppf([0.025, 0.975]), atol=1e-2 * exact.std(), rtol=0)
 
 
 def test_two_answers_are_both_within_the_interval() -> None:
     inversion = Inversion(model("folded"), ["b"], ["v"], {"c": 0.0, "a": 0.0})
-    found = inversion.estimate(np.array([1.0]), np.array([1e-3]))
-    assert found.low[0] == pytest.approx(np.exp(-1), rel=3e-3)
-    assert found.high[0] == pytest.approx(np.exp(1), rel=3e-3)
+    estimate = inversion.estimate(np.array([1.0]), np.array([1e-3]))
+    assert estimate.low[0] == pytest.approx(np.exp(-1), rel=3e-3)
+    assert estimate.high[0] == pytest.approx(np.exp(1), rel=3e-3)
 
 
 @pytest.mark.parametrize("value", [1e20, 1e200, 1e308])
 def test_a_reading_beyond_everything_comes_to_an_end(value: float) -> None:
-    found = Inversion(model("linear"), ["a", "b"], ["u", "v"], {"c": 0.25}).estimate(
+    estimate = Inversion(model("linear"), ["a", "b"], ["u", "v"], {"c": 0.25}).estimate(
         np.array([value, 0.3]), np.full(2, 0.1)
     )
-    assert found.misfit > 1e15
-    assert np.isnan(found.mean).all()
+    assert estimate.misfit > 1e15
+    assert np.isnan(estimate.mean).all()
 
 
 @pytest.mark.parametrize(("value", "error"), [(1.0, 1e308), (1.0, 0.0), (1.0, 1e-200), (np.inf, 1.0), (1.0, np.nan)])
@@ -60,8 +60,8 @@ def test_numbers_whose_squares_are_none_are_refused(value: float, error: float) 
 
 def test_an_error_beyond_all_outputs_leaves_the_whole_range() -> None:
     inversion = Inversion(model("linear"), ["a"], ["u"], {"b": 1.0, "c": 0.25})
-    found = inversion.estimate(np.array([1.0]), np.array([1e140]))
-    assert [found.low[0], found.high[0]] == pytest.approx([-2 + 0.125, 3 - 0.125], rel=1e-6)
+    estimate = inversion.estimate(np.array([1.0]), np.array([1e140]))
+    assert [estimate.low[0], estimate.high[0]] == pytest.approx([-2 + 0.125, 3 - 0.125], rel=1e-6)
 
 
 def test_disagreement_shows_in_the_misfit() -> None:
@@ -79,10 +79,10 @@ def test_intervals_hold_the_truth_as_often_as_they_say(error: float, trials: int
     held = []
     for _ in range(trials):
         t = random.uniform(-1, 1, 2)
-        a, b = (float(one.from_unit(x)) for one, x in zip(INPUTS, t, strict=False))
+        a, b = (float(input_.from_unit(x)) for input_, x in zip(INPUTS, t, strict=False))
         measured = np.array([a, (np.log(b) + a / 2) ** 2]) + error * random.standard_normal(2)
-        found = inversion.estimate(measured, np.full(2, error))
-        held.append((found.low <= [a, b]) & ([a, b] <= found.high))
+        estimate = inversion.estimate(measured, np.full(2, error))
+        held.append((estimate.low <= [a, b]) & ([a, b] <= estimate.high))
     spread = np.sqrt(0.95 * 0.05 / trials)
     assert np.mean(held, axis=0) == pytest.approx(0.95, abs=3.2 * spread)
 

@@ -56,9 +56,9 @@ class Device:
         """Points, those that are measured first, and the true outputs there."""
         random = np.random.default_rng((self.seed, 2))
         t = random.uniform(-1, 1, (self.count + held_out, 2))
-        X = np.stack([one.from_unit(t[:, k]) for k, one in enumerate(INPUTS)], 1)
-        away = cdist(t, t, "mahalanobis", VI=np.diag(random.uniform(1, 3, 2) ** -2.0))
-        root = np.linalg.cholesky(np.exp(-0.5 * away**2) + 1e-9 * np.eye(len(t)))
+        X = np.stack([input_.from_unit(t[:, k]) for k, input_ in enumerate(INPUTS)], 1)
+        separation = cdist(t, t, "mahalanobis", VI=np.diag(random.uniform(1, 3, 2) ** -2.0))
+        root = np.linalg.cholesky(np.exp(-0.5 * separation**2) + 1e-9 * np.eye(len(t)))
         return X, model(X, self.constants) + self.size * SIZES * (root @ random.normal(size=(len(t), 2)))
 
     def rows(self, noise: float = 0.01) -> Measurements:
@@ -78,7 +78,7 @@ def learnt(rows: Measurements) -> Learnt:
 
 
 GRID = {"x": INPUTS[0].levels(8), "y": INPUTS[1].levels(6)}
-NODES = np.stack([one.ravel() for one in np.meshgrid(*GRID.values(), indexing="ij")], -1)
+NODES = np.stack([axis.ravel() for axis in np.meshgrid(*GRID.values(), indexing="ij")], -1)
 
 
 def fitted(values: Array) -> GridGP:
@@ -91,12 +91,14 @@ def nominal() -> GridGP:
     return fitted(model(NODES, np.zeros(3)))
 
 
-def corrected(found: Learnt, rows: Measurements) -> CorrectedGP:
+def corrected(posterior: Learnt, rows: Measurements) -> CorrectedGP:
     """The corrected surrogate of the synthetic model, both of its members grid surrogates."""
-    shift = model(NODES, found.about) - model(NODES, np.zeros(3))
-    change = np.concatenate([shift[..., None], slopes(NODES, found.about)], -1)
+    shift = model(NODES, posterior.about) - model(NODES, np.zeros(3))
+    change = np.concatenate([shift[..., None], slopes(NODES, posterior.about)], -1)
     effect = fitted(change.reshape(len(NODES), -1))
-    return CorrectedGP(nominal(), effect, CONSTANTS, found.about, found.draws, rows, np.zeros(2), "what it taught")
+    return CorrectedGP(
+        nominal(), effect, CONSTANTS, posterior.about, posterior.draws, rows, np.zeros(2), "what it taught"
+    )
 
 
 # of two, whose shares scatter by 0.105, 0.033 and 0.12 from device to device, three standard deviations more
@@ -107,17 +109,17 @@ def test_intervals_hold_on_synthetic_devices(count: int, slack: float) -> None:
     for seed in range(count):
         device = Device(seed, size=(0.0, 0.003, 0.01, 0.03, 0.1)[seed % 5])
         measured = device.rows()
-        found = learnt(measured)
+        posterior = learnt(measured)
         X, truth = device.cases()
-        lower, upper = corrected(found, measured).interval_array(X[device.count :])
+        lower, upper = corrected(posterior, measured).interval_array(X[device.count :])
         inside = (lower <= truth[device.count :]) & (truth[device.count :] <= upper)
         truths.append(inside.mean())
-        rows.append((abs(measured.value - found.left_out[0]) < 1.96 * found.left_out[1]).mean())
-        constants.append((abs(device.constants - found.mean) < 1.96 * found.contraction).mean())
-    more = slack / np.sqrt(count)
-    assert abs(np.mean(truths) - 0.95) <= 0.02 + more * 0.105
-    assert abs(np.mean(rows) - 0.95) <= 0.02 + more * 0.033
-    assert np.mean(constants) >= 0.93 - more * 0.12
+        rows.append((abs(measured.value - posterior.left_out[0]) < 1.96 * posterior.left_out[1]).mean())
+        constants.append((abs(device.constants - posterior.mean) < 1.96 * posterior.contraction).mean())
+    margin = slack / np.sqrt(count)
+    assert abs(np.mean(truths) - 0.95) <= 0.02 + margin * 0.105
+    assert abs(np.mean(rows) - 0.95) <= 0.02 + margin * 0.033
+    assert np.mean(constants) >= 0.93 - margin * 0.12
 
 
 @pytest.fixture(scope="module")
@@ -126,63 +128,70 @@ def device() -> Device:
 
 
 @pytest.fixture(scope="module")
-def found(device: Device) -> Learnt:
+def posterior(device: Device) -> Learnt:
     return learnt(device.rows())
 
 
 def dense(rows: Measurements, about: Array, draw: Draw, X: Array, output: int) -> tuple[Array, Array]:
     """Mean and variance of an output by conditioning all that is unknown at once: one large matrix, no blocks."""
-    every = np.concatenate([rows.points, X])
-    t = np.stack([one.to_unit(every[:, k]) for k, one in enumerate(INPUTS)], 1)
+    whole_points = np.concatenate([rows.points, X])
+    t = np.stack([one.to_unit(whole_points[:, k]) for k, one in enumerate(INPUTS)], 1)
     where = np.concatenate([rows.row, len(rows.points) + np.arange(len(X))])
     which = np.concatenate([rows.output, np.full(len(X), output)])
-    J = slopes(every, about)[where, which]
+    J = slopes(whole_points, about)[where, which]
     covariance = J @ J.T
     for q, one in draw.discrepancies.items():
-        away = cdist(t[where] / one.lengths, t[where] / one.lengths)
-        covariance += np.outer(which == q, which == q) * one.amplitude**2 * np.exp(-0.5 * away**2)
+        separation = cdist(t[where] / one.lengths, t[where] / one.lengths)
+        covariance += np.outer(which == q, which == q) * one.amplitude**2 * np.exp(-0.5 * separation**2)
     n = len(rows.value)
     noise = np.empty(n)
     for q, one in draw.discrepancies.items():
         noise[rows.of(q)] = one.noise
-    mean = model(every, about)[where, which] - J @ about
+    mean = model(whole_points, about)[where, which] - J @ about
     weights = np.linalg.solve(covariance[:n, :n] + np.diag(noise), covariance[:n, n:]).T
     left = covariance[n:, n:] - weights @ covariance[:n, n:]
     return mean[n:] + weights @ (rows.value - mean[:n]), np.diag(left)
 
 
-def test_predictions_are_those_of_one_joint_gaussian(device: Device, found: Learnt) -> None:
+def test_predictions_are_those_of_one_joint_gaussian(device: Device, posterior: Learnt) -> None:
     rows, X = device.rows(), device.cases()[0][device.count :]
-    surrogate = corrected(found, rows)
+    surrogate = corrected(posterior, rows)
     mean, std = surrogate.predict_array(X, return_std=True)
     for output in range(2):
-        parts = [dense(rows, found.about, draw, X, output) for draw in found.draws]
-        means, variances = (np.array(each) for each in zip(*parts, strict=True))
+        parts = [dense(rows, posterior.about, draw, X, output) for draw in posterior.draws]
+        means, variances = (np.array(column) for column in zip(*parts, strict=True))
         np.testing.assert_allclose(mean[:, output], means.mean(axis=0), rtol=1e-6)
-        own = nominal().predict_array(X, return_std=True)[1][:, output]
-        whole = (variances + means**2).mean(axis=0) - means.mean(axis=0) ** 2 + own**2
+        nominal_std = nominal().predict_array(X, return_std=True)[1][:, output]
+        whole = (variances + means**2).mean(axis=0) - means.mean(axis=0) ** 2 + nominal_std**2
         np.testing.assert_allclose(std[:, output] ** 2, whole, rtol=1e-5)
 
 
-def test_values_left_out_are_predicted_from_all_other_rows(device: Device, found: Learnt) -> None:
+def test_values_left_out_are_predicted_from_all_other_rows(device: Device, posterior: Learnt) -> None:
     rows = device.rows()
-    kept = rows.row != rows.row[5]
-    others = Measurements(rows.points, rows.row[kept], rows.output[kept], rows.value[kept], rows.error[kept])
+    remaining = rows.row != rows.row[5]
+    others = Measurements(
+        rows.points, rows.row[remaining], rows.output[remaining], rows.value[remaining], rows.error[remaining]
+    )
     parts = []
-    for draw in found.draws:
-        own = {}
-        for q, one in draw.discrepancies.items():
-            some = kept[rows.of(q)]
-            own[q] = Discrepancy(
-                one.points[some], one.noise[some], one.amplitude, one.lengths, one.residual[some], one.slopes[some]
+    for draw in posterior.draws:
+        discrepancies = {}
+        for q, discrepancy in draw.discrepancies.items():
+            selected = remaining[rows.of(q)]
+            discrepancies[q] = Discrepancy(
+                discrepancy.points[selected],
+                discrepancy.noise[selected],
+                discrepancy.amplitude,
+                discrepancy.lengths,
+                discrepancy.residual[selected],
+                discrepancy.slopes[selected],
             )
         mean, variance = dense(
-            others, found.about, Draw.of(own, np.ones(3)), rows.points[rows.row[5]][None], rows.output[5]
+            others, posterior.about, Draw.of(discrepancies, np.ones(3)), rows.points[rows.row[5]][None], rows.output[5]
         )
         parts.append((mean[0], variance[0] + draw.discrepancies[rows.output[5]].noise.min()))  # of no outlier
     means, variances = np.array(parts).T
-    assert found.left_out[0][5] == pytest.approx(means.mean(), rel=1e-6)
-    assert found.left_out[1][5] ** 2 == pytest.approx(variances.mean() + means.var(), rel=1e-5)
+    assert posterior.left_out[0][5] == pytest.approx(means.mean(), rel=1e-6)
+    assert posterior.left_out[1][5] ** 2 == pytest.approx(variances.mean() + means.var(), rel=1e-5)
 
 
 def test_what_is_unknown_is_drawn_from_its_density(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -191,11 +200,13 @@ def test_what_is_unknown_is_drawn_from_its_density(monkeypatch: pytest.MonkeyPat
     random = np.random.default_rng(5)
     x = np.linspace(-1, 1, 9)
     value = 0.06 * np.sin(2.5 * x) + 0.02 * random.normal(size=9)
-    some = Residuals.of(x[:, None], value, 0.02 * x[:, None], np.full(9, 0.01), np.full(9, 1e-3), np.ones(9))
+    output_residuals = Residuals.of(
+        x[:, None], value, 0.02 * x[:, None], np.full(9, 0.01), np.full(9, 1e-3), np.ones(9)
+    )
     mean, covariance = np.array([0.3]), np.array([[0.5]])
-    state, drawn, odds = some.first, [], []
+    state, drawn, odds = output_residuals.first, [], []
     for _ in range(1200):
-        state, log_odds = some.swept(state, mean, covariance, random)
+        state, log_odds = output_residuals.swept(state, mean, covariance, random)
         drawn.append([state.amplitude, state.lengths[0], state.scale])
         odds.append(log_odds)
     grids = (
@@ -203,39 +214,40 @@ def test_what_is_unknown_is_drawn_from_its_density(monkeypatch: pytest.MonkeyPat
         np.linspace(np.log(0.1), np.log(50), 24),
         np.linspace(np.log(0.3), np.log(30), 36),
     )
-    a, length, scale = (one.ravel() for one in np.meshgrid(*grids, indexing="ij"))
+    a, length, scale = (axis.ravel() for axis in np.meshgrid(*grids, indexing="ij"))
     prior = 0.5 * a - 0.5 * (np.exp(a) / 0.2) ** 2 - 0.5 * ((length - np.log(2)) / 0.7) ** 2
     trust = -1.5 * np.log1p((scale / residuals.TRUST) ** 2 / 2)
-    away, square = value - 0.02 * x * 0.3, (x[:, None] - x) ** 2
+    residual, square = value - 0.02 * x * 0.3, (x[:, None] - x) ** 2
     base = 0.5 * 0.02**2 * np.outer(x, x) + 1e-6 * np.eye(9)
     noise = (0.01 * np.exp(scale))[:, None, None] ** 2 * np.eye(9)
     process = np.exp(2 * a)[:, None, None] * np.exp(-0.5 * square * np.exp(-2 * length)[:, None, None])
 
     def density(covariances: Array) -> Array:
         return np.asarray(
-            -0.5 * (np.linalg.solve(covariances, away[:, None])[..., 0] @ away + np.linalg.slogdet(covariances)[1])
+            -0.5
+            * (np.linalg.solve(covariances, residual[:, None])[..., 0] @ residual + np.linalg.slogdet(covariances)[1])
         )
 
     likely = density(base + noise + process) + prior + trust
     share = np.exp(likely - likely.max())
     share /= share.sum()
-    for k, one in enumerate((a, length, scale)):
-        middle = share @ one
-        assert np.mean(drawn, axis=0)[k] == pytest.approx(middle, abs=0.25 * np.sqrt(share @ (one - middle) ** 2))
+    for k, axis in enumerate((a, length, scale)):
+        middle = share @ axis
+        assert np.mean(drawn, axis=0)[k] == pytest.approx(middle, abs=0.25 * np.sqrt(share @ (axis - middle) ** 2))
     against = np.logaddexp.reduce(likely) - np.logaddexp.reduce(prior)
     without = np.logaddexp.reduce(density(base + noise) + trust) - np.log(len(a))
     assert -np.log(np.mean(np.exp(-np.array(odds)))) == pytest.approx(against - without, abs=0.5)
 
 
-def test_gradients_are_those_of_the_means(device: Device, found: Learnt) -> None:
-    surrogate = corrected(found, device.rows())
+def test_gradients_are_those_of_the_means(device: Device, posterior: Learnt) -> None:
+    surrogate = corrected(posterior, device.rows())
     X = np.array([[0.3, 2.0], [0.8, 6.0]])
     assert_slopes(surrogate, X, rtol=1e-5)
     assert (surrogate.gradient(X, return_std=True)["f0_std"] > 0).all()
 
 
-def test_a_stored_model_gives_the_same_answers(device: Device, found: Learnt, tmp_path: Path) -> None:
-    surrogate = corrected(found, device.rows())
+def test_a_stored_model_gives_the_same_answers(device: Device, posterior: Learnt, tmp_path: Path) -> None:
+    surrogate = corrected(posterior, device.rows())
     save(surrogate, tmp_path / "a.nc")
     again = load(tmp_path / "a.nc")
     assert isinstance(again, CorrectedGP)
@@ -248,9 +260,9 @@ def test_a_stored_model_gives_the_same_answers(device: Device, found: Learnt, tm
 
 
 @pytest.fixture(scope="module")
-def stored(device: Device, found: Learnt, tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
+def stored(device: Device, posterior: Learnt, tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
     path = tmp_path_factory.mktemp("corrected") / "a.nc"
-    save(corrected(found, device.rows()), path)
+    save(corrected(posterior, device.rows()), path)
     return read_whole(path)
 
 
@@ -274,26 +286,26 @@ def test_an_inconsistent_file_is_refused(
         load(tmp_path / "b.nc")
 
 
-def test_what_rows_do_not_tell_stays_as_it_was(found: Learnt) -> None:
-    assert found.contraction[2] == pytest.approx(1.0, abs=1e-6)
-    contraction, directions = found.directions
+def test_what_rows_do_not_tell_stays_as_it_was(posterior: Learnt) -> None:
+    assert posterior.contraction[2] == pytest.approx(1.0, abs=1e-6)
+    contraction, directions = posterior.directions
     assert contraction[-1] == pytest.approx(1.0, abs=1e-6)
     assert abs(directions[2, -1]) == pytest.approx(1.0, abs=1e-6)
-    assert found.contraction[:2].max() < 0.7
+    assert posterior.contraction[:2].max() < 0.7
 
 
 def test_a_discrepancy_is_found_where_there_is_one() -> None:
-    real, none = learnt(Device(11, 0.1, 40).rows()), learnt(Device(11, 0.0, 40).rows())
+    real, none = learnt(Device(11, 0.1, 28).rows()), learnt(Device(11, 0.0, 28).rows())
     assert min(real.odds.values()) > 20
     assert max(none.odds.values()) < 3
 
 
 def test_unknown_errors_of_measurement_are_estimated() -> None:
-    rows = Device(3, 0.0, 40).rows(0.02)
+    rows = Device(3, 0.0, 28).rows(0.02)
     nobody = Measurements(rows.points, rows.row, rows.output, rows.value, np.full_like(rows.error, np.nan))
-    found = learnt(nobody)
+    posterior = learnt(nobody)
     for q in range(2):
-        noise = np.sqrt(np.mean([one.discrepancies[q].noise[0] for one in found.draws]))
+        noise = np.sqrt(np.mean([draw.discrepancies[q].noise[0] for draw in posterior.draws]))
         assert noise == pytest.approx(0.02 * SIZES[q], rel=0.35)
 
 

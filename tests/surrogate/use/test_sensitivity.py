@@ -13,7 +13,7 @@ from tests.surrogate import functions
 
 def ishigami() -> GridGP:
     inputs = [Input(name, -np.pi, np.pi) for name in ("x1", "x2", "x3")]
-    levels = {one.name: one.levels(n) for one, n in zip(inputs, (26, 30, 10), strict=True)}
+    levels = {input_.name: input_.levels(n) for input_, n in zip(inputs, (26, 30, 10), strict=True)}
     x = [xr.DataArray(values, dims=name, coords={name: values}) for name, values in levels.items()]
     f = np.sin(x[0]) + 7 * np.sin(x[1]) ** 2 + 0.1 * x[2] ** 4 * np.sin(x[0])
     return GridGP(inputs=inputs).fit(xr.Dataset({"f": f, "constant": 0 * x[0] + 3, "single": 2 * x[2] ** 2}))
@@ -24,32 +24,32 @@ def test_indices_of_the_ishigami_function_are_the_known_ones() -> None:
     a, b, pi = 7.0, 0.1, np.pi
     v1, v2, v13 = 0.5 * (1 + b * pi**4 / 5) ** 2, a**2 / 8, b**2 * pi**8 * (1 / 18 - 1 / 50)
     whole = v1 + v2 + v13
-    found = sobol(ishigami()).sel(output="f")
-    assert float(found["mean"]) == pytest.approx(a / 2, rel=1e-10)
-    assert float(found["variance"]) == pytest.approx(whole, rel=1e-10)
-    np.testing.assert_allclose(found["first_order"], np.array([v1, v2, 0]) / whole, rtol=0, atol=1e-10)
-    np.testing.assert_allclose(found["total"], np.array([v1 + v13, v2, v13]) / whole, rtol=0, atol=1e-10)
+    indices = sobol(ishigami()).sel(output="f")
+    assert float(indices["mean"]) == pytest.approx(a / 2, rel=1e-10)
+    assert float(indices["variance"]) == pytest.approx(whole, rel=1e-10)
+    np.testing.assert_allclose(indices["first_order"], np.array([v1, v2, 0]) / whole, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(indices["total"], np.array([v1 + v13, v2, v13]) / whole, rtol=0, atol=1e-10)
     want = np.zeros((3, 3))
     want[0, 2] = want[2, 0] = v13 / whole
-    np.testing.assert_allclose(found["second_order"], want, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(indices["second_order"], want, rtol=0, atol=1e-10)
 
 
 def test_main_effects_are_the_conditional_means() -> None:
-    found = sobol(ishigami()).sel(output="f")
-    x = found["value"]
+    indices = sobol(ishigami()).sel(output="f")
+    x = indices["value"]
     want: dict[str, Any] = {
         "x1": np.sin(x.sel(input="x1")) * (1 + 0.1 * np.pi**4 / 5),
         "x2": 7 * np.sin(x.sel(input="x2")) ** 2 - 3.5,
         "x3": 0 * x.sel(input="x3"),
     }
     for name, effect in want.items():
-        np.testing.assert_allclose(found["main_effect"].sel(input=name), effect, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(indices["main_effect"].sel(input=name), effect, rtol=0, atol=1e-9)
 
 
 def test_outputs_of_one_or_no_input_have_trivial_indices() -> None:
-    found = sobol(ishigami())
-    np.testing.assert_allclose(found["total"].sel(output="single"), [0, 0, 1], atol=1e-10)
-    np.testing.assert_array_equal(found["total"].sel(output="constant"), 0)
+    indices = sobol(ishigami())
+    np.testing.assert_allclose(indices["total"].sel(output="single"), [0, 0, 1], atol=1e-10)
+    np.testing.assert_array_equal(indices["total"].sel(output="constant"), 0)
 
 
 @pytest.fixture(scope="module")

@@ -36,15 +36,15 @@ def test_pit_and_coverage_of_a_right_model_are_uniform_and_nominal() -> None:
 def test_ideal_parts_fall_short_by_chance_alone() -> None:
     """The least of 10 deciles of 50 cases each, of one input and one output: by the distribution of binomial counts."""
     box, cases = {"x": Input("x", 0, 1)}, {"x": xr.DataArray(np.linspace(0, 1, 500), dims="case")}
-    found = ideal(box, cases, 1)
+    result = ideal(box, cases, 1)
     at_least = 1 - binom.cdf(np.arange(-1, 50), 50, 0.95)  # P(count >= k), k = 0 .. 50
     mean = (at_least[1:] ** 10).sum() / 50
-    assert found["worst_decile_coverage"] == pytest.approx(mean, abs=0.02)
-    assert np.isnan(found["worst_corner_coverage"])  # of one input there is none
-    np.testing.assert_allclose(found["low"], LEVELS, atol=0.03)
-    assert found["low"] == found["high"]
+    assert result["worst_decile_coverage"] == pytest.approx(mean, abs=0.02)
+    assert np.isnan(result["worst_corner_coverage"])  # of one input there is none
+    np.testing.assert_allclose(result["low"], LEVELS, atol=0.03)
+    assert result["low"] == result["high"]
     many = ideal(box, cases, 40)
-    assert many["worst_decile_coverage"] < found["worst_decile_coverage"] - 0.03
+    assert many["worst_decile_coverage"] < result["worst_decile_coverage"] - 0.03
     assert all(low < high for low, high in zip(many["low"], many["high"], strict=True))
 
 
@@ -52,7 +52,7 @@ def test_the_table_is_that_of_the_definitions() -> None:
     data, held = functions.factorial((8, 4, 4, 4, 2)), functions.scattered(400, seed=4)
     model = GridGP(inputs=functions.INPUTS).fit(data)
     table = validate(model, held, data)
-    predicted = model.predict(held[[one.name for one in functions.INPUTS]])
+    predicted = model.predict(held[[input_.name for input_ in functions.INPUTS]])
     for name in model.outputs_:
         row, true = table.sel(output=name), held[name].values
         error, std = predicted[name].values - true, predicted[f"{name}_std"].values
@@ -67,7 +67,7 @@ def test_the_table_is_that_of_the_definitions() -> None:
         assert float(row["decile_coverage"].sel(input="angle", decile=1)) == pytest.approx(inside[lowest].mean())
         assert float(row["worst_decile_coverage"]) == float(row["decile_coverage"].min())
     assert table["pit"].shape == (6, 400)
-    plain = chebyshev_interpolation(data, functions.INPUTS, held[[one.name for one in functions.INPUTS]])
+    plain = chebyshev_interpolation(data, functions.INPUTS, held[[input_.name for input_ in functions.INPUTS]])
     want = np.abs(plain["ratio"] - held["ratio"]).max() / table["range"].sel(output="ratio")
     assert float(table["baseline_max_error"].sel(output="ratio")) == pytest.approx(float(want), rel=1e-12)
 
@@ -83,5 +83,5 @@ def test_the_baseline_is_the_polynomial_through_the_data() -> None:
     matrix = chebvander2d(grid[0].ravel(), grid[1].ravel(), [5, 4])
     coefficients = np.linalg.solve(matrix, values.ravel()).reshape(6, 5)
     points = {"x": xr.DataArray(s, dims="point"), "y": xr.DataArray(y.from_unit(t), dims="point")}
-    found = chebyshev_interpolation(data, [x, y], points)
-    np.testing.assert_allclose(found["f"], chebval2d(s, t, coefficients), rtol=0, atol=1e-13)
+    result = chebyshev_interpolation(data, [x, y], points)
+    np.testing.assert_allclose(result["f"], chebval2d(s, t, coefficients), rtol=0, atol=1e-13)

@@ -149,12 +149,3 @@ def test_the_command_writes_the_page(
     library, films = (written.partition(f'id="{name}">')[2].partition("</script>")[0] for name in ("library", "films"))
     assert set(json.loads(library)["units"]) >= set(ALL_QUANTITIES)
     assert [table["punch"] for table in json.loads(films)] == list(PUNCHES)
-
-
-def test_the_command_refuses_what_is_no_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "mine.txt"
-    with pytest.raises(SystemExit, match="2"):
-        main.main(["calculator", "-o", str(path)])
-    refusal = f"argument -o/--output: '{path}': must end in .html: the answer is written as HTML\n"
-    assert capsys.readouterr().err == f"meecontact calculator: {refusal}"
-    assert list(tmp_path.iterdir()) == []

@@ -13,32 +13,6 @@ from storage.netcdf import read_whole
 from workflow.cli import main
 from workflow.language import grammar
 
-PUNCHES = """\
-material,radius,load,punch,punch_modulus [GPa],punch_poisson,thickness [mm],base
-PZT-4,0.05,1e5,,,,,
-PZT-4,0.05,1e5,steel,,,,
-PZT-4,0.05,1e5,,210,0.3,,
-PZT-4,0.05,1e5,brass,,,0.5,steel
-"""
-
-
-def test_a_table_mixes_punches_and_bodies(tmp_path: Path) -> None:
-    table, out = tmp_path / "punches.csv", tmp_path / "out.nc"
-    table.write_text(PUNCHES, encoding="utf-8")
-    assert main.main(["solve", str(table), "-o", str(out)]) == 0
-    data = read_whole(out)
-    punch: dict[str, Any] = {"material": "PZT-4", "radius": 0.05, "load": 1e5}
-    cases: list[dict[str, Any]] = [
-        {}, {"punch": "steel"}, {"punch": "steel"}, {"punch": "brass", "thickness": 5e-4, "base": "steel"},
-    ]  # fmt: skip
-    for row, case in enumerate(cases):
-        for name in ("contact_trailing", "depth", "voltage"):
-            exact = float(solver.solve(punch | case)[name])
-            assert float(data[name][row]) == pytest.approx(exact, rel=1e-12), (row, name)
-    assert data["punch"].values.tolist() == ["", "steel", "", "brass"]
-    np.testing.assert_array_equal(data["punch_modulus"], [np.nan, np.nan, 210e9, np.nan])
-
-
 AIRY = """\
 material,radius,load,magnetic,surroundings,gap_permittivity,thickness [mm],base
 PZT-4,0.05,1e4,insulating,,,,
@@ -65,12 +39,13 @@ def test_a_table_mixes_surroundings_and_says_what_is_empty(tmp_path: Path, capsy
 
 
 LINES_AND_POINTS = """\
-material,profile,radius [mm],width [um],load,force,thickness [mm],base,friction,electric,surroundings
-BaTiO3,cylinder,50,,1e4,,,,0.1,,
-BaTiO3,sphere,5,,,1,,,,,
-BaTiO3,sphere,5,,,1,0.1,steel,,,insulated
-BaTiO3,disc,,100,,1,,,,insulating,
-PZT-4,,50,,1e4,,0.2,rigid,,,insulated
+material,profile,radius [mm],width [um],load,force,thickness [mm],base,friction,electric,surroundings,\
+punch_modulus [GPa],punch_poisson,punch
+BaTiO3,cylinder,50,,1e4,,,,0.1,,,210,0.3,
+BaTiO3,sphere,5,,,1,,,,,,,,
+BaTiO3,sphere,5,,,1,0.1,steel,,,insulated,,,brass
+BaTiO3,disc,,100,,1,,,,insulating,,,,
+PZT-4,,50,,1e4,,0.2,rigid,,,insulated,,,
 """
 
 
@@ -82,8 +57,8 @@ def test_a_table_mixes_lines_and_points_and_is_written_as_one(tmp_path: Path) ->
     ball: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 1.0}
     disc: dict[str, Any] = {"material": "BaTiO3", "profile": "disc", "width": 1e-4, "force": 1.0}
     cases: list[dict[str, Any]] = [
-        {"material": "BaTiO3", "radius": 0.05, "load": 1e4, "friction": 0.1},
-        ball, ball | {"thickness": 1e-4, "base": "steel", "surroundings": "insulated"},
+        {"material": "BaTiO3", "radius": 0.05, "load": 1e4, "friction": 0.1, "punch": "steel"},
+        ball, ball | {"thickness": 1e-4, "base": "steel", "surroundings": "insulated", "punch": "brass"},
         disc | {"electric": "insulating"},
         {"material": "PZT-4", "radius": 0.05, "load": 1e4, "thickness": 2e-4, "base": "rigid",
          "surroundings": "insulated"},

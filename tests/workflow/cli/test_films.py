@@ -48,16 +48,6 @@ def test_the_example_mixes_films_and_half_planes(
             np.testing.assert_allclose(data[name][row], exact[name], rtol=1e-9, err_msg=str(name))
 
 
-def test_films_alone_have_their_own_columns(tmp_path: Path) -> None:
-    cases, out = tmp_path / "cases.csv", tmp_path / "out.nc"
-    cases.write_text("material,thickness,base,radius,load\nPZT-4,1e-4,glass,0.05,1e4\n", encoding="utf-8")
-    assert main.main(["solve", str(cases), "-o", str(out)]) == 0
-    data = read_whole(out)
-    voltage, thickness = float(data["voltage"][0]), float(data["thickness"][0])
-    assert float(data["nominal_field"][0]) == pytest.approx(abs(voltage) / thickness)
-    assert float(data["capacitance_per_length"][0]) > 0
-
-
 def test_fields_inside_films_and_half_planes(films: Path, tmp_path: Path) -> None:
     out = tmp_path / "inside.nc"
     example, grid = str(films), ["--x=0,0.5", "--y=-4,-0.5", "--fields=stress_yy,von_mises"]

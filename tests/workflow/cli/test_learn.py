@@ -91,6 +91,8 @@ def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, caps
         ("load,", "speed,", "speed: neither an input"),
         (",laminate,", ",AlScN,", "composite: 'AlScN'; must be one of fibrous, laminate"),
         (",laminate,", ",,", "composite: empty; must be one of fibrous, laminate"),
+        (HEADER, HEADER + "3,3e4,laminate,1e-6,-1e-9,\n", "line 3: depth_std: -1e-09: must be a positive number"),
+        (HEADER, HEADER + "3,3e4,laminate,1e-6,1e300,\n", "depth[laminate]: an error of 1e+300 m; must be at"),
         ("voltage [kV]", "voltage [nV]", "voltage[laminate]: measured values are 1.1e-12 times"),
     ],
 )
@@ -108,90 +110,35 @@ def test_rows_that_do_not_fit_are_refused(
     assert sorted(project.rglob("*")) == before
 
 
-SOL_GEL = """\
-title: A ball on a sol-gel film
-fixed: {surroundings: insulated,
-        material: PZT-4, profile: sphere, punch: tungsten_carbide, radius: 500 um, thickness: 700 nm, base: silicon,
-        magnetic: insulating}
-factors: {force: {low: 0.1 N, high: 2 N, levels: 6, scale: log}}
-surrogate: {outputs: [charge_per_force]}
-"""
-
-
-def test_one_row_of_a_film_tells_e33_over_c33_and_not_the_two_apart(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["--instrument", "voltage=3%"], "'voltage' is not QUANTITY_gain or QUANTITY_offset of one of depth,"),
+        (["--instrument", "charge_gain=3%"], "--instrument: 'charge_gain' is not QUANTITY_gain"),
+        (["--instrument", "voltage_gain=90%"], "voltage_gain: '90%' is not a number above 0 and up to 0.5 (50 %)"),
+        (["--instrument", "voltage_offset=1um"], "--instrument: voltage_offset: unit mismatch: '1um'"),
+        (["--instrument", "voltage_offset=2%"], "voltage_offset: '2%' is not a positive size with a unit"),
+        (["--instrument", "voltage_gain=1%,voltage_gain=2%"], "--instrument: voltage_gain: given twice"),
+        (["--instrument", "voltage_gain=1%,"], "--instrument: a name is missing in 'voltage_gain=1%,'"),
+        (["--instrument", "contact_trailing_gain=1%"], "no row holds a measured contact_trailing"),
+        (["--uncertain", "CoFe2O4 stifness"], "did you mean 'CoFe2O4 stiffness'?"),
+        (["--uncertain", "CoFe2O4 stiffness=2"], "is not a number above 0 and up to 0.5"),
+        (["--uncertain", "CoFe2O4 stiffness=x"], "is not a number above 0 and up to 0.5"),
+        (["--uncertain", "CoFe2O4 stiffness=0"], "is not a number above 0 and up to 0.5"),
+    ],
+)
+def test_instruments_and_constants_that_do_not_fit_are_refused(
+    project: Path, capsys: pytest.CaptureFixture[str], words: list[str], reason: str
 ) -> None:
-    """The PZT film of `config/measured.yaml`, 39 to 45 pC/N: the example of docs/learning.md."""
-    for folder in ("config", "results/study"):
-        (tmp_path / folder).mkdir(parents=True)
-    _, model = study_of(SOL_GEL, tmp_path / "config")
-    save(model, tmp_path / "results/study/surrogate.nc")
-    (tmp_path / "row.csv").write_text(
-        "force,charge_per_force [pC/N],charge_per_force_std [pC/N]\n0.5,42,3\n", encoding="utf-8"
-    )
-    words = ["learn", str(tmp_path / "row.csv"), "--on", str(tmp_path / "results/study/surrogate.nc"), "--json"]
-    assert main.main([*words, "--uncertain", "PZT-4 e33=50%,PZT-4 c33=30%"]) == 0
-    summary = json.loads(capsys.readouterr().out)
-    e33, c33 = summary["constants"]
-    (together,) = summary["known_together"]
-    assert e33["mean"] + e33["std"] < 0
-    assert min(e33["std"], c33["std"]) > 0.5
-    # the charge goes with e33 and against c33, and hardly with what leaves their ratio
-    assert together["combination"].startswith("+0.")
-    assert " PZT-4 e33 -0." in together["combination"]
-    assert together["posterior_over_prior"] < 0.4
-    assert summary["discrepancies"] == []
-    corrected = load(tmp_path / "results/study/corrected.nc")
-    assert isinstance(corrected, CorrectedGP)
-    said = corrected.learnt_.split("\n")
-    assert said[0] == "1 row, 1 measured value"
-    assert said[-1].startswith("fewer than 10 rows: constants, a discrepancy, errors and outliers are not told apart")
-    after = float(corrected.predict_array(np.array([[0.5]]))[0, 0])
-    assert after == pytest.approx(42e-12, abs=2 * 3e-12 + 0.1 * 42e-12)
-
-
-def test_errors_that_are_not_positive_and_no_rows_are_refused(
-    project: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    lines = (project / "rows.csv").read_text(encoding="utf-8").splitlines(keepends=True)
-    cells = lines[3].split(",")
-    cells[4] = "-1e-9"
-    vague = [*cells[:4], "1e300", *cells[5:]]
-    for text, reason in (
-        ("".join([*lines[:3], ",".join(cells), *lines[4:]]), "line 4: depth_std: -1e-09: must be a positive number"),
-        ("".join([*lines[:3], ",".join(vague), *lines[4:]]), "depth[laminate]: an error of 1e+300 m; must be at most"),
-        ("".join([*lines[:2], "3,2e4,laminate,,,\n"]), "0 rows with a measured value; must be 1 to 1000"),
-    ):
-        (project / "bad.csv").write_text(text, encoding="utf-8")
-        assert asked(project, rows="bad.csv") == 2
-        assert reason in capsys.readouterr().err
-
-
-def test_instruments_that_do_not_fit_are_refused(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = sorted(project.rglob("*"))
-    for word, reason in (
-        ("voltage=3%", "--instrument: 'voltage' is not QUANTITY_gain or QUANTITY_offset of one of depth,"),
-        ("charge_gain=3%", "--instrument: 'charge_gain' is not QUANTITY_gain"),
-        ("voltage_gain=90%", "--instrument: voltage_gain: '90%' is not a number above 0 and up to 0.5 (50 %)"),
-        ("voltage_offset=1um", "--instrument: voltage_offset: unit mismatch: '1um'"),
-        ("voltage_offset=2%", "--instrument: voltage_offset: '2%' is not a positive size with a unit"),
-        ("voltage_gain=1%,voltage_gain=2%", "--instrument: voltage_gain: given twice"),
-        ("voltage_gain=1%,", "--instrument: a name is missing in 'voltage_gain=1%,'"),
-        ("contact_trailing_gain=1%", "contact_trailing_gain: no row holds a measured contact_trailing"),
-    ):
-        assert asked(project, "--instrument", word) == 2
-        said = capsys.readouterr()
-        assert reason in said.err
-        assert said.out == ""
+    assert asked(project, *words) == 2
+    said = capsys.readouterr()
+    assert reason in said.err
+    assert said.out == ""
     assert sorted(project.rglob("*")) == before
 
 
-def test_other_surrogates_and_constants_are_refused(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert asked(project, "--uncertain", "CoFe2O4 stifness") == 2
-    assert "did you mean 'CoFe2O4 stiffness'?" in capsys.readouterr().err
-    for word in ("CoFe2O4 stiffness=2", "CoFe2O4 stiffness=x", "CoFe2O4 stiffness=0"):
-        assert asked(project, "--uncertain", word) == 2
-        assert "is not a number above 0 and up to 0.5" in capsys.readouterr().err
+def test_surrogates_of_another_study_are_refused(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     model = load(project / "results/study/surrogate.nc")
     model.made_from_ = "another study"
     (project / "results/other").mkdir(exist_ok=True)

@@ -82,20 +82,6 @@ def test_limits_and_alternatives_with_units(tmp_path: Path, capsys: pytest.Captu
     assert "coercive_field 800 kV/m another" in printed
 
 
-def test_material_tells_what_the_library_knows(capsys: pytest.CaptureFixture[str]) -> None:
-    for name in ("PZT-4", "glass", "P(VDF-TrFE) 75:25"):
-        material = solver.find(name)
-        assert main.main(["material", name]) == 0
-        out = capsys.readouterr().out
-        assert max(map(len, out.splitlines())) <= 100
-        printed = " ".join(out.split())
-        for source in (
-            *(limit.source for limit in material.limits.values()),
-            *(limit.source for limit in material.alternatives),
-        ):
-            assert " ".join(source.split()) in printed
-
-
 def test_the_compliance_of_a_material_has_the_solver_s_numbers(capsys: pytest.CaptureFixture[str]) -> None:
     name = "BaTiO3-CoFe2O4 50:50"
     assert main.main(["material", name]) == 0
@@ -109,6 +95,43 @@ def test_the_compliance_of_a_material_has_the_solver_s_numbers(capsys: pytest.Ca
     np.testing.assert_allclose(values, [*half.compliance, half.friction_coupling], rtol=5e-6)
 
 
+GOOD = "c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (EVIDENCE.replace("27 MPa", "27 MV"), "limits: tensile_strength: value: '27 MV': unit mismatch: 'MV' does not"),
+        (EVIDENCE.replace("27 MPa", "-27 MPa"), "tensile_strength: value: '-27000000.0' is not a finite number > 0"),
+        (EVIDENCE.replace("tensile_strength", "strength"), "limits: 'strength': unknown entry; known are tensile_str"),
+        (EVIDENCE.replace("c44: 25 GPa", "c44: 25 GV"), "alternatives: 1: c44: '25 GV': unit mismatch"),
+        (EVIDENCE.replace("c44: 25 GPa", "c44: -25 GPa"), "(alternative 1): c44 = -2.5e+10 Pa: must be positive"),
+        (EVIDENCE.replace("{c44: 25 GPa", "[c44"), "not valid YAML"),
+        (EVIDENCE.partition("  - {")[0] + "  - c44\n", "alternatives: 1: 'c44' is not a mapping"),
+        (EVIDENCE.replace(", source: another lot", ""), "alternatives: 1: source: '' is not a text that says where"),
+        ("c11: 115 GPas\n", "m: c11: 'GPas' is not a unit"),
+        ("c11: 115 GV\n", "m: c11: '115 GV': unit mismatch: 'GV' does not measure what 'Pa' measures"),
+        ("c11: 1e308 GPa\n", "m: c11: '1e308 GPa' is not a finite number [Pa]"),
+        ("c11: '115e9'\n", "m: c11: '115e9' is not a finite number [Pa], nor one with its unit"),
+        (f"c11: {'1' * 2000} GPa\n", "11' is not a finite number [Pa]"),
+        ("c11: 1e11\n", "c13: missing"),
+        (GOOD.replace("1e10", "abc"), "c44: 'abc' is not a finite number [Pa]"),
+        (GOOD + "c99: 1\n", "c99: unknown entry"),
+        (GOOD.replace("5e10", "2e11"), "c13 = 2e+11 Pa: needs c13^2 < c11 c33"),
+        (GOOD + "g11: 9e-6\n", "g11 = 9e-06 N s V-1 C-1: needs g11^2"),
+        ("- 1\n", "not a mapping"),
+    ],
+)
+def test_bad_material_files_are_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, expected: str
+) -> None:
+    path = tmp_path / "m.yaml"
+    path.write_text(text, encoding="utf-8")
+    refusal = complaint(capsys, "material", path)
+    assert refusal.startswith(f"meecontact: {path}: ")
+    assert expected in refusal
+
+
 def plain(text: str) -> str:
     """A printed value as a file may hold it."""
     powers = re.sub("×10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)", lambda power: "e" + power[1].translate(LOWERED), text.replace("−", "-"))
@@ -119,64 +142,3 @@ LOWERED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 #: Slopes over tractions: [1/Pa], [V/m / Pa], [A/m / Pa], ...
 UNITS_OF_N = [["Pa-1", "V/Pa/m", "A/Pa/m"], ["m2 C-1", "V m C-1", "A m C-1"], ["A m N-1", "A m C-1", "A m-1 T-1"],
               ["Pa-1", "V m N-1", "A m N-1"]]  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "expected"),
-    [
-        ("value: 27 MPa", "value: 27 MV", "limits: tensile_strength: value: '27 MV': unit mismatch: 'MV' does not"),
-        (
-            "value: 27 MPa",
-            "value: -27 MPa",
-            "limits: tensile_strength: value: '-27000000.0' is not a finite number > 0",
-        ),
-        ("tensile_strength", "strength", "limits: 'strength': unknown entry; known are tensile_strength, "),
-        ("c44: 25 GPa", "c44: 25 GV", "alternatives: 1: c44: '25 GV': unit mismatch: 'GV' does not measure what 'Pa'"),
-        ("c44: 25 GPa", "c44: -25 GPa", "(alternative 1): c44 = -2.5e+10 Pa: must be positive"),
-        ("  - {c44: 25 GPa", "  - [c44", "not valid YAML"),
-        (
-            "  - {c44: 25 GPa, eps33: 12.7 nF/m, source: another lot}",
-            "  - c44",
-            "alternatives: 1: 'c44' is not a mapping",
-        ),
-        (", source: another lot", "", "alternatives: 1: source: '' is not a text that says where it comes from"),
-    ],
-)
-def test_bad_limits_and_alternatives_are_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, expected: str
-) -> None:
-    assert old in EVIDENCE
-    path = tmp_path / "m.yaml"
-    path.write_text(EVIDENCE.replace(old, new), encoding="utf-8")
-    assert expected in complaint(capsys, "material", path)
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("c11: 115 GPas\n", "m: c11: 'GPas' is not a unit"),
-        ("c11: 115 GV\n", "m: c11: '115 GV': unit mismatch: 'GV' does not measure what 'Pa' measures"),
-        ("c11: 1e999 GPa\n", "m: c11: '1e999 GPa' is not a finite number [Pa]"),
-        ("c11: 1e308 GPa\n", "m: c11: '1e308 GPa' is not a finite number [Pa]"),
-        ("c11: '115e9'\n", "m: c11: '115e9' is not a finite number [Pa], nor one with its unit"),
-        ("c11: 115e GPa\n", "m: c11: '115e GPa' is not a finite number [Pa], nor one with its unit"),
-        (f"c11: {'1' * 2000} GPa\n", "11' is not a finite number [Pa]"),
-        ("c11: 1e11\n", "c13: missing"),
-        ("c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: abc\n", "c44: 'abc' is not a finite number [Pa]"),
-        ("c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\nc99: 1\n", "c99: unknown entry"),
-        ("c11: 1e11\nc13: 2e11\nc33: 1e11\nc44: 1e10\n", "c13 = 2e+11 Pa: needs c13^2 < c11 c33"),
-        (
-            "c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\ng11: 9e-6\n",
-            "g11 = 9e-06 N s V-1 C-1: needs g11^2",
-        ),
-        ("- 1\n", "not a mapping"),
-    ],
-)
-def test_bad_constants_are_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, expected: str
-) -> None:
-    path = tmp_path / "m.yaml"
-    path.write_text(text, encoding="utf-8")
-    refusal = complaint(capsys, "material", path)
-    assert refusal.startswith(f"meecontact: {path}: ")
-    assert expected in refusal

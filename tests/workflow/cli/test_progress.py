@@ -75,13 +75,12 @@ def test_every_rule_has_words() -> None:
     assert all(rule.startswith("figure_") or "drawing" not in step(study, rule, names) for rule in rules)
 
 
-def test_a_log_is_told_nothing_of_what_takes_a_while(capsys: pytest.CaptureFixture[str]) -> None:
+def test_only_a_terminal_sees_what_is_done_now(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     with busy("searching") as tell:
         tell("polishing")
     assert capsys.readouterr() == ("", "")
-
-
-def test_a_terminal_sees_what_is_done_now_and_in_the_end_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = Terminal()
     monkeypatch.setattr("sys.stderr", terminal)
     with busy("searching") as tell:

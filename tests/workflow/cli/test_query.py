@@ -2,7 +2,6 @@
 
 import csv
 import os
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -32,10 +31,16 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("point_text", "says"),
     [
-        ("radius=-1,friction=0.1", "--at: radius = -1 (trained within [0.01, 0.2] m): no finite answer so far outside"),
-        ("radius=0.1,friction=1e200", "--at: friction = 1e+200 (trained within [0, 0.5] 1): no finite answer so far"),
-        ("radius=1_0,friction=0.1", "--at: radius: '1_0' is not a finite number"),
+        ("radius=-1,friction=0.1", "radius = -1 (trained within [0.01, 0.2] m): no finite answer so far outside"),
+        ("radius=0.1,friction=1e200", "friction = 1e+200 (trained within [0, 0.5] 1): no finite answer so far"),
+        ("radius=1_0,friction=0.1", "radius: '1_0' is not a finite number"),
         ("radius=\u0663,friction=0.1", "is not a finite number"),
+        ("radius=nan,friction=0.1", "nan"),
+        ("radius=0.1", "friction: missing; the surrogate needs radius, friction"),
+        ("radius=0.1,raduis=0.2", "raduis: not an input of the surrogate; did you mean 'radius'?"),
+        ("radius=0.1,radius=0.2", "radius: given twice"),
+        ("radius", "'radius' is not of the form NAME=VALUE"),
+        ("radius=5kg", "radius: '5kg': unit mismatch: 'kg' does not measure what 'm' measures"),
     ],
 )
 def test_no_answer_is_no_number(model: Path, capsys: pytest.CaptureFixture[str], point_text: str, says: str) -> None:
@@ -118,22 +123,3 @@ def test_nothing_is_written_over_inputs_or_devices(
     assert model.read_bytes() == before
     assert pipe.is_fifo()
     assert Path("/dev/null").is_char_device()
-
-
-def test_an_output_that_is_a_link_is_written_where_it_leads(tmp_path: Path) -> None:
-    cases, link = tmp_path / "cases.csv", tmp_path / "link.nc"
-    cases.write_text("material,radius,load\nsteel,0.05,1e5\n", encoding="utf-8")
-    (tmp_path / "disk").mkdir()
-    link.symlink_to(tmp_path / "disk/out.nc")
-    assert main.main(["solve", str(cases), "-o", str(link)]) == 0
-    assert link.is_symlink()
-    assert (tmp_path / "disk/out.nc").is_file()
-
-
-def test_the_command_alone_helps(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main.main([]) == 0
-    assert capsys.readouterr().out.startswith("usage: meecontact")
-    with pytest.raises(SystemExit) as stopped:
-        main.main(["--version"])
-    assert stopped.value.code == 0
-    assert capsys.readouterr().out == f"meecontact {version('meecontact')}\n"

@@ -16,16 +16,6 @@ from workflow.design.wording.table import as_csv, as_json
 from workflow.study.reading import InputError
 
 
-def asked(ran: Project, *words: str, check: bool = True) -> str:
-    """What the command prints on either stream."""
-    done = ran.run("meecontact", "design", "results/small", *words, check=check)
-    if not check:
-        assert done.returncode == 2
-        assert done.stdout == ""
-        assert done.stderr.count("\n") == 1
-    return done.stdout + done.stderr
-
-
 def test_answers_as_a_table_and_as_json(
     ran: Project, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -90,14 +80,38 @@ def test_an_answer_is_written_as_its_ending_says_or_not_at_all(
     assert {path.name for path in tmp_path.iterdir()} == {"x.csv", "x.json"}
 
 
-def test_several_goals_give_a_front(ran: Project) -> None:
-    words = ["--maximise", "abs(voltage_per_load)", "--minimise", "trailing_tension"]
-    words += ["--over", "radius=0.05:0.2,volume_fraction", "--at", "load=1e4,friction=0.3", "--json"]
-    front = json.loads(asked(ran, *words))["front"]
-    assert len(front) > 30
-    sensitivity, tension = (np.array([row[name] for row in front]) for name in front[0])
-    assert np.all(np.diff(sensitivity) > 0)
-    assert np.all(np.diff(tension) > 0)
+POINT = "load=1e4,volume_fraction=0.5"
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["maximise=depht", "over=radius", "at=load=1e4"], "design: 'depht': 'depht' is not a quantity; did you mean"),
+        (["maximise=voltage", "over=radius", "at=load=1e4"], "design: 'volume_fraction' is missing; p"),
+        (["maximise=voltage", "over=radios", "at=load=1e4"], "design: over.radios: 'radios' is not"),
+        (["maximise=depth", "over=radius=1:0", "at=load=1e4"], "design: over.radius: low = 1 must"),
+        (["maximise=depth", "over=radius=b", "at=load=1e4"], "--over: radius: 'b' is not a finite"),
+        (["maximise=depth", "over=radius", "at=load"], "--at: load: '' is not a finite number"),
+        (["maximise=depth", "over=radius,radius"], "--over: radius: given twice"),
+        (["maximise=depth", "over=radius,"], "--over: a name is missing in 'radius,'"),
+        (["maximise=peak_pressure", "over=radius", f"at={POINT}", "limit=peak_von_mises < 100 MPa"],
+         "design: 'peak_von_mises' needs dataset: peaks: true"),
+        (["over=radius"], "design: maximise or minimise: missing"),
+        (["maximise=depth", "over=radius", "uncertain=friction=0.2"], "--uncertain: friction: '0.2' is"),
+        (["maximise=depth", "over=radius", "worst_case=friction=0.2"], "--worst-case: friction: '0.2'"),
+        (["maximise=peak_pressure", "over=radius", f"at={POINT}", "limit=trailing_tension <= 1 mm"],
+         "design: 'trailing_tension <= 1 mm': unit mismatch"),
+        (["maximise=load", "over=radius", f"at={POINT}"], "'load' is constant"),
+        (["maximise=peak_pressure", "over=radius", "at=load=5e4,volume_fraction=0.5,friction=0.4",
+          "limit=trailing_tension <= 1 MPa"], "infeasible: trailing_tension <= 1 MPa binds; the least violated"),
+    ],
+)  # fmt: skip
+def test_refuses_in_one_line(ran: Project, words: list[str], reason: str) -> None:
+    options = {option: [text] for option, _, text in (word.partition("=") for word in words)}
+    with pytest.raises(InputError) as caught:
+        questions.ask(ran.folder / "results/small", options)
+    assert reason in str(caught.value)
+    assert "\n" not in str(caught.value)
 
 
 def test_uncertain_factors_choices_and_defaults(ran: Project) -> None:
@@ -115,47 +129,6 @@ def test_uncertain_factors_choices_and_defaults(ran: Project) -> None:
         study, {"maximise": ["peak_pressure"], "over": ["radius"], "at": ["load=1e4,volume_fraction=0.5"]}
     )
     assert plain.at["friction"] == 0.0  # its default
-
-
-@pytest.mark.parametrize(
-    ("words", "reason"),
-    [
-        (["--maximise", "depht", "--over", "radius", "--at", "load=1e4"], "design: 'depht': 'depht' is not a quant"),
-        (["--maximise", "voltage", "--over", "radius", "--at", "load=1e4"], "design: 'volume_fraction' is missing; p"),
-        (["--maximise", "voltage", "--over", "radios", "--at", "load=1e4"], "design: over.radios: 'radios' is not"),
-        (["--maximise", "depth", "--over", "radius=1:0", "--at", "load=1e4"], "design: over.radius: low = 1 must"),
-        (["--maximise", "depth", "--over", "radius=b", "--at", "load=1e4"], "--over: radius: 'b' is not a finite"),
-        (["--maximise", "depth", "--over", "radius", "--at", "load"], "--at: load: '' is not a finite number"),
-        (["--maximise", "depth", "--over", "radius,radius"], "--over: radius: given twice"),
-        (["--maximise", "depth", "--over", "radius,"], "--over: a name is missing in 'radius,'"),
-        (["--maximise", "peak_pressure", "--over", "radius", "--at", "load=1e4,volume_fraction=0.5", "--limit",
-          "peak_von_mises < 100 MPa"], "design: 'peak_von_mises' needs dataset: peaks: true"),
-        (["--over", "radius"], "design: maximise or minimise: missing"),
-        (["--maximise", "depth", "--over", "radius", "--uncertain", "friction=0.2"], "--uncertain: friction: '0.2' is"),
-        (["--maximise", "depth", "--over", "radius", "--worst-case", "friction=0.2"], "--worst-case: friction: '0.2'"),
-        (["--maximise", "peak_pressure", "--over", "friction", "--at", "load=1e4,radius=0.1,volume_fraction=0.5",
-          "--limit", "trailing_tension <= 1 mm"], "design: 'trailing_tension <= 1 mm': unit mismatch"),
-        (["--maximise", "voltage_per_load / friction", "--over", "friction", "--at",
-          "load=1e4,radius=0.1,volume_fraction=0.5"], "is unbounded: friction in a divisor passes 0 in the ranges"),
-        (["--maximise", "load", "--over", "radius", "--at", "load=1e4,volume_fraction=0.5"], "'load' is constant"),
-        (["--maximise", "peak_pressure", "--over", "radius", "--at", "load=5e4,volume_fraction=0.5,friction=0.4",
-          "--limit", "trailing_tension <= 1 MPa"], "infeasible: trailing_tension <= 1 MPa binds; the least violated"),
-    ],
-)  # fmt: skip
-def test_refuses_in_one_line(ran: Project, words: list[str], reason: str) -> None:
-    folder = ran.folder / "results/small"
-    options: dict[str, list[str]] = {}
-    for option, text in zip(words[::2], words[1::2], strict=True):
-        options.setdefault(option.removeprefix("--").replace("-", "_"), []).append(text)
-    with pytest.raises(InputError) as caught:
-        questions.ask(folder, options)
-    assert reason in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
-def test_the_command_says_it_in_one_line(ran: Project) -> None:
-    line = asked(ran, "--maximise", "depht", "--over", "radius", check=False)
-    assert line.startswith("meecontact: design: 'depht': 'depht' is not a quantity; did you mean 'depth'?")
 
 
 def test_results_must_be_there_and_of_this_study(ran: Project, tmp_path: Path) -> None:

@@ -11,7 +11,6 @@ from snakemake.cli import parse_config
 from tests.workflow.cli.test_main import complaint
 from workflow.cli import main
 from workflow.language.spelling import nearest
-from workflow.language.wordings import plain
 from workflow.run.provenance import ROOT
 from workflow.study import layered, location
 
@@ -30,12 +29,6 @@ def test_netcdf_is_not_written_under_the_name_of_another_format(
     assert not out.exists()
 
 
-def test_the_help_of_query_shows_single_percent_signs(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        main.main(["query", "--help"])
-    assert "%%" not in capsys.readouterr().out
-
-
 def test_a_composite_is_no_misspelt_material(capsys: pytest.CaptureFixture[str]) -> None:
     refusal = complaint(capsys, "material", "AlScN")
     assert "is a composition, not one material: a case says composite=AlScN and scandium_fraction" in refusal
@@ -51,7 +44,7 @@ def test_the_page_s_own_names_lead_to_the_interface_s() -> None:
 def test_a_composite_without_a_law_is_no_laminate() -> None:
     layer = layered.BodyLayer.model_construct(composite="third", volume_fraction=0.5, thickness=1e-3)
     with pytest.raises(KeyError, match="third"):
-        layer.made({}, {}, ("BaTiO3", "CoFe2O4"))
+        layer.compose({}, {}, ("BaTiO3", "CoFe2O4"))
 
 
 @pytest.mark.process
@@ -79,11 +72,6 @@ def test_a_folder_in_which_no_netcdf_file_can_be_is_refused(
     monkeypatch.chdir(tmp_path / "a\\b")
     assert main.main(["run", "quickstart"]) == 2
     assert "backslash" in capsys.readouterr().err
-
-
-def test_no_cell_of_the_designs_is_a_formula() -> None:
-    assert [plain(text) for text in ("=1+1", "+x", "-x", "@x")] == ["'=1+1", "'+x", "'-x", "'@x"]
-    assert [plain(cell) for cell in ("a,b", -1.0)] == ["a,b", -1.0]
 
 
 @pytest.mark.process

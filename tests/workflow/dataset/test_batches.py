@@ -5,9 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 
-from solver.line.windows import window
 from storage.netcdf import read_whole, write_whole
 from surrogate import GridGP
 from tests.studies import edited, fitted, made, refusal
@@ -98,24 +96,6 @@ def test_the_card_counts_what_was_solved(study: Study, slabs: list[Path]) -> Non
     assert card["cases"] == 6 * places == 6 * sum(file["levels"] for file in card["files"])
     assert card["positions"] == []
     assert "a cross approximation asked for" in datacard.markdown(card)
-
-
-def test_films_that_differ_in_size_alone_share_their_tables(study: Study) -> None:
-    cases = {"volume_fraction": 0.471, "lower_volume_fraction": 0.522, "load": 2e4}
-    answer = factorial.exact(study, {**cases, "thickness": xr.DataArray([2e-4], dims="thickness")})
-    misses = window.misses
-    factorial.exact(study, {**cases, "thickness": xr.DataArray([2e-4, 2.1e-4], dims="thickness")})
-    assert window.misses == misses
-    # by dimension: twice the lengths under twice the load
-    fixed = study.model_copy(update={"fixed": {**study.fixed, "radius": 0.1}})
-    twice = factorial.exact(fixed, {**cases, "load": 4e4, "thickness": xr.DataArray([4e-4], dims="thickness")})
-    for name, times in {
-        "voltage": 2.0,
-        "peak_pressure": 1.0,
-        "contact_offset": 2.0,
-        "capacitance_per_length": 1.0,
-    }.items():
-        np.testing.assert_allclose(twice[name].values, times * answer[name].values, rtol=1e-10)
 
 
 @pytest.mark.parametrize(

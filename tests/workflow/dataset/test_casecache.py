@@ -60,15 +60,6 @@ def test_nested_levels_take_the_cases_of_before_and_give_equal_bytes(film: Study
     )
 
 
-def test_half_of_a_file_is_solved_again(film: Study, tmp_path: Path) -> None:
-    _, whole = slab(film, tmp_path)
-    cases = sorted((tmp_path / casecache.FOLDER).rglob("*.nc"))
-    assert len(cases) == 2
-    cases[0].write_bytes(cases[0].read_bytes()[:1000])
-    again, bytes_ = slab(film, tmp_path)
-    assert (again.taken, bytes_) == (18, whole)
-
-
 def test_random_cases_are_those_of_the_solver(film: Study, tmp_path: Path) -> None:
     cache, again = (CaseCache(tmp_path, tmp_path / "film/cases/validation.nc") for _ in range(2))
     first, second = (factorial.cases(film, "validation", job_cache) for job_cache in (cache, again))
@@ -89,16 +80,6 @@ def test_other_constants_and_other_questions_are_other_cases(film: Study, tmp_pa
         ("friction: 0.2", "friction: 0.25"),
     ):
         assert slab(made(FILM.replace(old, new)), tmp_path)[0].taken == 0
-
-
-def test_cases_that_take_microseconds_are_not_kept(tmp_path: Path) -> None:
-    text = FILM.replace("categories: {base: [rigid, steel]}\n", "").replace(
-        ", interface_electric: grounded, interface_magnetic: grounded", ""
-    )
-    half = made("\n".join(line for line in text.split("\n") if "thickness" not in line))
-    cache, _ = slab(half, tmp_path)
-    assert cache.cases == 0
-    assert not list((tmp_path / casecache.FOLDER).rglob("*.nc"))
 
 
 def test_what_was_used_longest_ago_is_swept(tmp_path: Path) -> None:

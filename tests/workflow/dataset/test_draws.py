@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import kstest
 
-from tests.studies import made
-from workflow.dataset import draws
+from tests.studies import made, shipped
+from workflow.dataset import draws, factorial
 
 STUDY = """\
 title: A film
@@ -36,3 +36,15 @@ def test_cases_are_even_and_as_many_again_lie_towards_the_ends(ends: bool) -> No
         assert kstest(shares[even > 0], "uniform").statistic < 0.081
         if ends and name not in study.tabled:
             assert (np.abs(shares[even == 0] - 0.5) > 0.4).mean() > 0.4
+
+
+def test_samples_are_in_the_box_and_follow_the_seed() -> None:
+    study = shipped("quickstart")
+    first, again, other = (factorial.sample(study, 400, seed) for seed in ((1, 0), (1, 0), (1, 1)))
+    assert first.equals(again)
+    assert not first.equals(other)
+    for name, axis in study.factors.items():
+        values = first[name].values
+        assert axis.low <= values.min() <= values.max() <= axis.high
+        middle = np.sqrt(axis.low * axis.high) if axis.scale == "log" else (axis.low + axis.high) / 2
+        assert abs(np.mean(values < middle) - 0.5) < 0.1  # uniform in the axis's own scale

@@ -56,11 +56,6 @@ def test_chosen_levels_reach_the_tolerance(tmp_path: Path) -> None:
     assert float(table["kinked"].sum()) == 0
 
 
-def test_nothing_open_nothing_chosen() -> None:
-    config = made(OPEN)
-    assert levels.with_levels(config, []) is config
-
-
 def test_the_first_axis_has_a_level_for_every_slab() -> None:
     config = made(edited(OPEN, "factors:", "factors:\n  magnetic_charge: {low: -1e-4, high: 1e-4}"))
     assert next(iter(config.factors)) == "magnetic_charge"

@@ -4,18 +4,15 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from solver import FactorError
 from tests.studies import made
-from workflow.dataset import draws, factorial
+from workflow.dataset import factorial
 from workflow.study import representatives
-from workflow.study.model import Study, load
-from workflow.study.reading import InputError
+from workflow.study.model import Study
 
 STUDY = """\
 title: Films in groups
@@ -36,30 +33,6 @@ validation: {cases: 20, calibration: 40}
 @pytest.fixture(scope="module")
 def study() -> Study:
     return made(STUDY)
-
-
-def test_cases_for_calibration_reach_the_ends_of_groups(study: Study) -> None:
-    """As many again as the even ones, each at the place of one of them."""
-    held = factorial.training_data(study, factorial.cases(study, "calibration"))
-    even = held["evenly_drawn"].values == 1
-    drawn = draws.points(study, 40, (study.validation.seed, 2))
-    for name, column in drawn.items():
-        np.testing.assert_array_equal(held[name].values[even], column)
-    assert np.count_nonzero(even) == np.count_nonzero(~even) == 40
-    assert "evenly_drawn" not in factorial.cases(study, "validation")
-
-    def near(cases: np.ndarray[Any, np.dtype[np.bool_]]) -> float:
-        x = np.abs(held["charge"].values[cases] - 5e-7) / 1.5e-6
-        return float(np.mean(x > 0.9))
-
-    assert near(~even) > 3 * near(even)
-    mixture = study.model_copy(update={"factors": {**study.factors, "friction": study.factors["charge"]}})
-    drawn = draws.points(mixture, 40, (5, 0)) | {"friction": xr.DataArray(np.repeat([0.3, 0.1], 20), dims="case")}
-    assert mixture.tabled == ["friction"]
-    both_samples, flags = draws.towards_ends(mixture, drawn, (5, 1))
-    np.testing.assert_array_equal(both_samples["friction"], np.repeat([0.3, 0.1], 40))  # as they came, and together
-    assert flags.reshape(2, 2, 20)[:, 0].all()
-    assert not flags.reshape(2, 2, 20)[:, 1].any()
 
 
 def test_a_case_that_is_refused_is_named(study: Study) -> None:
@@ -115,20 +88,3 @@ def test_equal_inputs_give_equal_bytes_whatever_python_hashes_texts_to(tmp_path:
     first = told(0)
     assert "load" in first
     assert told(1) == first
-
-
-def test_what_hangs_on_the_datum_otherwise_is_not_learned(study: Study, tmp_path: Path) -> None:
-    assert study.added == {"depth"}
-    assert not {"blocked_load_per_volt", "blocked_load_per_ampere"} & set(study.outputs)
-    path = tmp_path / "asked.yaml"
-    path.write_text(STUDY + "surrogate: {outputs: [blocked_load_per_volt]}\n", encoding="utf-8")
-    with pytest.raises(InputError, match="groups: blocked_load_per_volt depend on the datum, which is in no group"):
-        load(path)
-
-
-def test_blocks_of_the_data_set_are_over_the_axes(study: Study) -> None:
-    data = factorial.exact(study, factorial.axes(study))
-    assert data["voltage"].dims == ("load_radius_per_thickness2", "charge_per_load", "base")
-    assert data["load_radius_per_thickness2"].attrs["units"] == "Pa"
-    charged, axis = data["charge"] / data["load"], data["charge_per_load"]
-    np.testing.assert_allclose(charged, axis.broadcast_like(charged), rtol=1e-12)

@@ -55,8 +55,7 @@ ANSWER = Answer(
 
 
 @pytest.mark.parametrize(
-    "bare",
-    [{}, {"figures": (), "overload": None, "constants": (), "tolerated": None, "categories": (), "choices": ()}],
+    "bare", [{}, {"figures": (), "overload": None, "constants": (), "tolerated": None, "categories": (), "choices": ()}]
 )
 def test_a_file_holds_all_of_an_answer(tmp_path: Path, bare: dict[str, object]) -> None:
     terms = [replace(GOAL, effect=(), spread=0.0), replace(LIMIT, effect=(), spread=0.0)] if bare else [GOAL, LIMIT]

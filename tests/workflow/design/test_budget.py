@@ -9,12 +9,9 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from solver import find, solve
+from solver import solve
 from surrogate import GaussianProcess
-from tests.solver import micromechanics
 from tests.studies import fitted
-from verification.oracles import interior
-from verification.oracles.half_plane import CONSTANTS
 from workflow.dataset import factorial
 from workflow.design.question import budget
 from workflow.design.question.question import Question
@@ -108,21 +105,6 @@ def test_a_limit_on_what_is_searched_for_holds_and_costs_no_regret(
     assert answer.variable("radius").sensitivity.margin_left == pytest.approx(-0.005, abs=2e-4)  # ~ 1/sqrt(radius)
 
 
-def test_the_tension_of_a_design_is_that_of_an_independent_solution(sensor: Callable[[str], Answer]) -> None:
-    """Fields in 50 digits by eigenvectors and quadrature, and their largest principal stress at the limit's depth."""
-    answer = sensor(CRACK)
-    worst = answer.term(CRACK).worst
-    fibre, host = ({key: float(getattr(find(phase), key)) for key in (*CONSTANTS, "c12")} for phase in STUDY.phases)
-    constants = micromechanics.fibrous(fibre, host, worst["volume_fraction"])
-    material = {key: float(value) for key, value in constants.items()}
-    points = [(float(x), -0.1) for x in np.linspace(1.1, 1.3, 9)]
-    peak = interior.solve(material, points, radius=worst["radius"], load=5e4, friction=worst["friction"])
-    xx, yy, xy, zz = (np.array(peak[f"stress_{name}"]) for name in ("xx", "yy", "xy", "zz"))
-    largest = np.maximum((xx + yy) / 2 + np.hypot((xx - yy) / 2, xy), zz)
-    assert 0 < largest.argmax() < len(points) - 1
-    assert 60e6 * (1 - 1e-3) <= largest.max() <= 60e6
-
-
 def test_a_chance_and_a_mean(model: GaussianProcess) -> None:
     chance = target(uncertain=DRAWN, subject_to=[f"{CRACK} with probability 0.99"], robust="mean - 2 std")
     answer = targets.answer(STUDY, "sensor", chance, model)
@@ -183,24 +165,6 @@ def test_a_limit_at_a_kink_is_met(kinked: tuple[Study, GaussianProcess], bound: 
     friction = answer.variable("friction").value
     assert excess(friction) <= 0
     assert friction == pytest.approx(brentq(excess, 0.2, 0.5, xtol=1e-12), rel=1e-5)
-
-
-def test_a_goal_that_is_best_at_a_kink(kinked: tuple[Study, GaussianProcess]) -> None:
-    """Twice as steep beyond the kink as before it; what is searched for is led by the surrogate, which rounds it."""
-    goal = "friction - 1.06 * peak_von_mises / peak_pressure"
-    best = Target.model_validate({"maximise": goal, "over": ["friction"], "at": {"volume_fraction": 0.9}})
-    answer = targets.answer(kinked[0], "best", best, kinked[1])
-    exact = across(np.linspace(0.35, 0.45, 201))
-    dense = exact["friction"] - 1.06 * exact["peak_von_mises"] / exact["peak_pressure"]
-    assert 10 < int(dense.argmax("friction")) < 190
-    assert answer.terms[0].exact >= float(dense.max()) - 1e-3 * abs(float(dense.max()))
-
-
-def test_a_surrogate_that_errs_does_not_break_a_limit(low: GaussianProcess) -> None:
-    cracking = target(worst_case=RANGE, subject_to=[CRACK], allow_outside_interval=True)
-    answer = targets.answer(STUDY, "sensor", cracking, low)
-    assert answer.feasible
-    assert 0 <= answer.term(CRACK).margin <= 1e-6
 
 
 def test_what_cannot_be_afforded_is_said_and_judged_exactly(

@@ -8,10 +8,9 @@ import pytest
 
 from approximation.arrays import Array
 from workflow.design.question import risk, terms
-from workflow.design.question.pilot import smooth_pieces, unit_notes
+from workflow.design.question.pilot import smooth_pieces
 from workflow.language import statements, statistics
 from workflow.language.grammar import parse
-from workflow.study.reading import InputError
 from workflow.study.target import Distribution, Target
 
 
@@ -49,16 +48,6 @@ def test_the_least_of_smooth_pieces_is_the_expression(text: str) -> None:
     least = np.min([np.broadcast_to(piece.evaluate(known), 61) for piece in pieces], 0)
     np.testing.assert_allclose(least, expression.evaluate(known), atol=1e-12)
     assert smooth_pieces(expression, -1.0, known) == [expression]  # the most of them is no least
-
-
-def test_a_bound_without_a_unit_is_told_or_refused() -> None:
-    limit = terms.limited(statements.limit("peak_pressure <= 500"), 1.0, 500.0, drawn=False)
-    stresses = np.array([[1e8, 4e8]])
-    with pytest.raises(InputError, match=r"no design satisfies: .* did you mean 500 MPa\?"):
-        unit_notes("mine", limit, stresses)
-    loose = terms.limited(statements.limit("peak_pressure <= 5e12"), 1.0, 5e12, drawn=False)
-    assert "which every design satisfies" in unit_notes("mine", loose, stresses)[0]
-    assert unit_notes("mine", term("peak_pressure <= 2e8", 2e8), stresses) == []
 
 
 def test_a_new_statistic_is_one_class_and_its_measure() -> None:

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from solver import find
 from tests.studies import shipped
 from tests.workflow.design import standin
 from workflow.design.verdict import assessment, linearity, merit
-from workflow.design.verdict.answer import Constant
+from workflow.design.verdict import assessment as sensitivity
 
 HERTZ = {"friction": 0.0}  # then the largest pressure goes as the root of load over radius
 AT = {"radius": 0.1, "load": 1e4}
@@ -17,7 +16,7 @@ def test_elasticities_and_costs_are_those_of_hertz() -> None:
     study = standin.study(fixed=standin.FIXED | HERTZ)
     design = standin.design(study, AT, minimise="peak_pressure", over=["radius", "load"], subject_to=["load >= 9 kN/m"])
     exact, _ = assessment.exactly(design, design.terms)
-    sensitivities = assessment.sensitivities(design, exact)
+    sensitivities = sensitivity.sensitivities(design, exact)
     assert sensitivities["radius"].elasticity == pytest.approx((-0.5, 0.0), abs=1e-6)
     assert sensitivities["load"].elasticity == pytest.approx((0.5, 1.0), rel=1e-6)
     assert sensitivities["radius"].cost == pytest.approx(0.99**-0.5 - 1, rel=1e-9)
@@ -43,35 +42,6 @@ def test_the_load_at_the_first_limit_is_that_of_hertz(room: float) -> None:
     overload = merit.first_limit(free, [AT, AT])
     assert overload is not None
     assert (overload.overload, overload.overload_term) == (merit.MOST_LOAD, "")
-
-
-def test_a_device_has_the_figures_of_its_charge() -> None:
-    device = {"electrode_length": "10 mm", "amplifier": {"input_capacitance": "10 pF", "charge_noise": "1 fC"}}
-    study = standin.study(device=device)
-    design = standin.design(study, AT, maximise="load", over=["radius", "load"])
-    corner = {"charge_per_force": np.array([[2e-11, 3e-11]])}
-    corner |= {f"contact_{side}": np.full((1, 2), 1e-4) for side in ("trailing", "leading")}
-    figures = {figure.figure: (figure.figure_low, figure.figure_high) for figure in merit.over(design, corner)}
-    assert figures["force"] == pytest.approx((100.0, 100.0))  # N, of 10 kN/m along 10 mm
-    assert figures["signal_charge"] == pytest.approx((2e-9, 3e-9))
-
-
-def test_what_exceeds_the_library_is_told_with_its_source() -> None:
-    study = standin.study()
-    limits = find("BaTiO3").limits
-    strength = limits["tensile_strength"].value
-    corner = {"trailing_tension": np.array([[0.5 * strength, 1.1 * strength]])}
-    ((words, source),) = linearity.beyond(study, corner)
-    assert words.startswith("tension behind the contact of ")
-    assert "exceeds the tensile strength of BaTiO3, " in words
-    assert source == limits["tensile_strength"].source
-    assert linearity.beyond(study, {"trailing_tension": np.array([[0.9 * strength]])}) == []
-
-
-def test_effects_of_constants_add_as_squares() -> None:
-    spreads = assessment.Spread((Constant("a", "5 %"), Constant("b", "5 %")), np.array([[0.03, -0.04], [0.0, np.nan]]))
-    assert spreads.whole == pytest.approx([0.05, np.nan], nan_ok=True)
-    assert np.isnan(assessment.Spread((), np.empty((2, 0))).whole).all()
 
 
 def test_a_design_is_judged_with_a_surrogate_that_errs() -> None:

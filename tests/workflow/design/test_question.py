@@ -3,7 +3,6 @@
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,11 +10,10 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy import stats
 
-from surrogate import GridGP, Input
+from surrogate import GridGP
 from workflow.dataset import factorial
 from workflow.design.question import risk, scenarios
 from workflow.design.question.pilot import ask
-from workflow.design.question.question import Question
 from workflow.design.question.sources import Exact, Factors, Predicted
 from workflow.design.search import targets
 from workflow.study.model import Study, load
@@ -78,20 +76,6 @@ def test_risk_measures_of_draws_are_those_of_the_distributions() -> None:
 
 
 @pytest.mark.parametrize(
-    ("distribution", "exact"),
-    [
-        (Distribution(uniform=[2.0, 6.0]), stats.uniform(2, 4)),
-        (Distribution(triangular=[1.0, 2.0, 5.0]), stats.triang(0.25, 1, 4)),
-        (Distribution(triangular=[1.0, 1.0, 5.0]), stats.triang(0.0, 1, 4)),
-    ],
-)
-def test_quantiles_of_distributions(distribution: Distribution, exact: Any) -> None:
-    share = np.linspace(0, 1, 21)
-    np.testing.assert_allclose(distribution.quantile(share), exact.ppf(share), rtol=1e-12)
-    np.testing.assert_allclose(distribution.support, (exact.ppf(0), exact.ppf(1)))
-
-
-@pytest.mark.parametrize(
     "measure", [risk.WorstCase(), risk.MeanDeviation(-2.0), risk.Quantile(0.9), risk.RelativeDeviation()]
 )
 def test_jacobians_of_risk_measures(measure: risk.RiskMeasure) -> None:
@@ -104,13 +88,6 @@ def test_jacobians_of_risk_measures(measure: risk.RiskMeasure) -> None:
         moved[1].flat[k] -= step
         rows = measure.rows(moved)
         np.testing.assert_allclose(jacobian[:, k], (rows[0] - rows[1]) / (2 * step), atol=1e-8)
-
-
-def test_corners_hold_the_ends_and_the_supports() -> None:
-    corner = scenarios.corners(TARGETS["drawn"], scenarios.JUDGED)
-    assert corner.values["friction"].min() == pytest.approx(0.1)
-    assert corner.values["friction"].max() == pytest.approx(0.4)
-    assert (corner.values["load"].min(), corner.values["load"].max()) == (pytest.approx(7e3), pytest.approx(1.3e4))
 
 
 @pytest.mark.parametrize(
@@ -136,22 +113,10 @@ def test_questions_without_sense_are_named(study: Study, model: GridGP, change: 
 @pytest.mark.parametrize(
     ("limit", "refused", "meant"),
     [
-        (
-            "trailing_tension <= 50",
-            True,
-            "50 without .* 50 Pa, which no design satisfies: .*; did you mean 50 MPa",
-        ),
-        (
-            "radius >= 20",
-            True,
-            "20 without .* 20 m, which no design satisfies: .* 0.005 to 0.2 m; did you mean 20 mm",
-        ),
+        ("trailing_tension <= 50", True, "50 without .* 50 Pa, which no design satisfies: .*; did you mean 50 MPa"),
+        ("radius >= 20", True, "20 without .* 20 m, which no design satisfies: .* 0.005 to 0.2 m; did you mean 20 mm"),
         ("load / depth >= 3e15", True, "which no design satisfies: .*; write a unit after the number"),
-        (
-            "contact_trailing <= 0.3",
-            False,
-            "0.3 without .* 0.3 m, which every design satisfies: .* mean 0.3 mm",
-        ),
+        ("contact_trailing <= 0.3", False, "0.3 without .* 0.3 m, which every design satisfies: .* mean 0.3 mm"),
         ("trailing_tension <= 50 Pa", False, ""),
         ("trailing_tension <= 5e7", False, ""),
         ("voltage >= 0", False, ""),
@@ -188,26 +153,6 @@ def test_a_chance_constraint_binds_at_its_probability(study: Study, model: GridG
     assert answer.terms[0].exact == pytest.approx(mean, rel=1e-4)
 
 
-def test_choices_are_searched_one_by_one(study: Study, model: GridGP) -> None:
-    target = Target.model_validate(
-        TARGETS["worst"].model_dump()
-        | {"over": {"volume_fraction": {"low": 0.2, "high": 0.8}, "radius": {"choices": [0.01, 0.05, 0.1]}},
-           "worst_case": {"friction": [0.1, 0.4]}, "at": {"charge": 0.0, "load": 1e4}, "subject_to": []}
-    )  # fmt: skip
-    loose = study.model_copy(update={"validation": study.validation.model_copy(update={"tolerance": 1.0})})
-    best = targets.answer(loose, "mine", target, model)
-    radius = best.variable("radius").value
-    assert radius in (0.01, 0.05, 0.1)
-    grid = factorial.exact(
-        study,
-        {"volume_fraction": np.linspace(0.2, 0.8, 400), "radius": [0.01, 0.05, 0.1], "load": 1e4, "charge": 0.0,
-         "friction": np.linspace(0.1, 0.4, 13)},
-    )  # fmt: skip
-    dense = (abs(grid["voltage"]) / grid["depth"]).min("friction").max("volume_fraction")
-    assert best.terms[0].exact >= float(dense.max()) * (1 - 1e-9)
-    assert radius == pytest.approx(float(dense["radius"][int(dense.values.argmax())]))
-
-
 def test_an_exact_value_outside_its_interval_fails_unless_allowed(
     study: Study, model: GridGP, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -226,10 +171,3 @@ def test_an_exact_value_outside_its_interval_fails_unless_allowed(
         targets.answer(study, "mine", target, model)
     allowed = targets.answer(study, "mine", target.model_copy(update={"allow_outside_interval": True}), model)
     assert not all(term.inside for term in allowed.terms)
-
-
-def test_inputs_may_be_narrower_than_the_factor(study: Study, model: GridGP) -> None:
-    changed = {"over": {"radius": {"low": 0.01, "high": 0.02}}, "at": {"charge": 0.0, "volume_fraction": 0.5}}
-    target = Target.model_validate(TARGETS["worst"].model_dump() | changed)
-    question = Question(study, target, Predicted(model), Exact(study))
-    assert question.inputs["radius"] == Input("radius", 0.01, 0.02, "log", "m", "punch radius R")

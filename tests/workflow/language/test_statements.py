@@ -88,17 +88,12 @@ def test_precedence(text: str, value: float) -> None:
         ("depth + voltage", "cannot be added \\(unit mismatch\\)"),
         ("__import__('os').system('true')", "'__import__' is not a function"),
         ("abs(depth", "a bracket is not closed"),
-        ("depth.real", "'.' is not expected there"),
         ("depth depth", "'depth' is not expected there"),
         ("1 + 2", "names no quantity"),
         ("depth ^ 0.5", "an exponent must be a whole number"),
-        ("depth ^ ²", "an exponent must be a whole number"),
         ("exp(depth)", "needs a pure number"),
         ("min(depth)", "takes 2 or more, not 1"),
-        ("abs(depth, depth)", "takes 1, not 2"),
-        ("1e999 * depth", "is not a finite number"),
         ("(" * 60 + "depth" + ")" * 60, "nested more than 40 deep"),
-        ("-" * 60 + "depth", "nested more than 40 deep"),
         ("depth +" * 200 + "depth", "longer than 1000"),
         ("abs(voltage_sensitivty)", "did you mean 'voltage_per_load'"),
     ],
@@ -139,6 +134,9 @@ def test_any_text_is_read_or_refused_in_one_line(text: str) -> None:
         ("deviation(voltage / load) <= 2 %", 0.02, True),
         ("electric_edge_intensity_trailing <= 2 mC m-3/2", 2e-3, True),
         ("pressure_exponent > 0.4", 0.4, False),
+        ("nominal_field <= 0.3 coercive_field", 0.3, True),
+        ("peak_pressure <= 50 % of depoling_stress with probability 0.99", 0.5, True),
+        ("base_peak_von_mises <= base_yield_strength", 1.0, True),
     ],
 )
 def test_reads_limits_in_si(text: str, value: float, upper: bool) -> None:
@@ -147,26 +145,19 @@ def test_reads_limits_in_si(text: str, value: float, upper: bool) -> None:
     assert limit.upper is upper
     assert limit.probability == (0.99 if "probability" in text else None)
     assert limit.deviation is text.startswith("deviation")
-
-
-@pytest.mark.parametrize(
-    ("text", "share", "allowable"),
-    [
-        ("nominal_field <= 0.3 coercive_field", 0.3, "coercive_field"),
-        ("trailing_tension < tensile_strength", 1.0, "tensile_strength"),
-        ("peak_pressure <= 50 % of depoling_stress with probability 0.9", 0.5, "depoling_stress"),
-        ("base_peak_von_mises <= base_yield_strength", 1.0, "base_yield_strength"),
-    ],
-)
-def test_reads_limits_that_name_what_a_material_bears(text: str, share: float, allowable: str) -> None:
-    limit = statements.limit(text)
-    assert (limit.value, limit.allowable, limit.unitless) == (share, allowable, False)
+    allowable = next(
+        (name for name in ("coercive_field", "depoling_stress", "base_yield_strength") if name in text), ""
+    )
+    assert (limit.allowable or "") == allowable
 
 
 def test_figures_of_a_device_are_read_as_their_formulas() -> None:
     text = "abs(signal_voltage) * circuit_capacitance / signal_charge * time_constant / input_resistance"
     tree = grammar.parse(text)
     assert str(tree.unit()) == "F"
+    products = {"abs(voltage) / load": "V m N-1", "charge * voltage": "N", "sqrt(peak_pressure)": "Pa1/2"}
+    for product, unit in (products | {"1 / voltage": "V-1", "radius / speed": "s"}).items():
+        assert str(statements.objective(product).expression.unit()) == unit
     names = {"charge_per_force": 3e-10, "load": 2e4, "electrode_length": 0.01, "capacitance_per_length": 2e-8}
     known = {**names, "input_capacitance": 1e-11, "cable_capacitance": 1e-10, "input_resistance": 1e12}
     value = tree.evaluate({name: np.array(value) for name, value in known.items()})
@@ -182,16 +173,11 @@ def test_figures_of_a_device_are_read_as_their_formulas() -> None:
         ("depth <= tensile_strength", "unit mismatch: tensile_strength is in Pa, the expression in m"),
         ("peak_pressure <= 3 mm depoling_stress", "'m' before depoling_stress: must be a pure number or %"),
         ("peak_pressure <= -1 depoling_stress", "-1 of depoling_stress is no bound"),
-        ("depth < x", "is not of the form"),
-        ("depth <= 1e", "is not of the form"),
         ("depth <= nan", "is not of the form"),
-        ("depth = 1", "is not of the form"),
         ("1 < depth < 2", "is not of the form|not expected"),
         ("depth <= 5 MPa", "unit mismatch: the limit is in MPa, the expression in m"),
-        ("volume_fraction <= 3 mm", "unit mismatch: the limit is in mm, the expression in 1"),
         ("depth <= 5 furlong", "'furlong' is not a unit"),
         ("depth <= 5 mm with probability 1.2", "probability 1.2 is not from 0.5"),
-        ("depth <= 5 mm with probability 0.01", "probability 0.01 is not from 0.5"),
         ("deviation(depth) >= 2 %", "a deviation takes a positive upper bound"),
         ("depth <= 1e999", "not a finite number"),
     ],
@@ -201,12 +187,13 @@ def test_refuses_other_limits(text: str, reason: str) -> None:
         statements.limit(text)
 
 
-def test_statistics_of_the_objective() -> None:
-    assert statistics.statistic("worst case") == statistics.Worst()
-    assert statistics.statistic("mean") == statistics.statistic("mean - 0 std") == statistics.Mean(0.0)
-    assert statistics.statistic("mean - 2.5 std") == statistics.Mean(2.5)
-    with pytest.raises(ValueError, match="'best case' is not 'worst case', 'mean'"):
-        statistics.statistic("best case")
+@pytest.mark.parametrize(
+    ("text", "statistic"),
+    [("worst case", statistics.Worst()), ("mean", statistics.Mean(0.0)), ("mean - 0 std", statistics.Mean(0.0)),
+     ("mean - 2.5 std", statistics.Mean(2.5))],
+)  # fmt: skip
+def test_statistics_of_the_objective(text: str, statistic: statistics.Statistic) -> None:
+    assert statistics.statistic(text) == statistic
 
 
 def test_every_unit_of_the_interface_is_known() -> None:
@@ -220,10 +207,8 @@ def test_every_unit_of_the_interface_is_known() -> None:
     [
         ("V1/0", "'1/0': an exponent must be a whole number from -9 to 9, or one over 2 to 9"),
         ("kV999", "'999': an exponent must be"),
-        ("V99999999999999999999", "an exponent must be"),
         ("V٣", "'٣' is not a unit"),
         ("kV9 " * 12, "beyond the range of numbers"),
-        ("mV9 " * 12, "beyond the range of numbers"),
         ("V " * 60, "a unit of 119 characters is longer than 100"),
     ],
 )
@@ -241,29 +226,6 @@ def test_units_agree_with_the_si_brochure(unit: str, other: str, ratio: float) -
     a, b = units.parse(unit), units.parse(other)
     assert a.fits(b)
     assert a.scale / b.scale == pytest.approx(ratio, rel=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("abs(voltage) / load", "V m N-1"),
-        ("abs(stroke_per_volt) * 3e5 * (contact_trailing + contact_leading)", "m2 V-1"),
-        ("voltage_per_load * load", "V"),
-        ("charge * voltage", "N"),
-        ("load / radius", "Pa"),
-        ("charge / load", "C N-1"),
-        ("peak_pressure * radius", "Pa m"),
-        ("sqrt(peak_pressure)", "Pa1/2"),
-        ("depth / radius", "1"),
-        ("1 / voltage", "V-1"),
-        ("radius / speed", "s"),
-    ],
-)
-def test_units_of_expressions_are_those_that_the_reader_knows(text: str, expected: str) -> None:
-    unit = statements.objective(text).expression.unit()
-    assert str(unit) == expected
-    assert unit is not None
-    assert units.parse(expected).fits(unit)
 
 
 def test_a_charge_amplifier_has_its_own_voltage_decay_and_noise() -> None:

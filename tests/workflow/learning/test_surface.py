@@ -45,6 +45,10 @@ def test_fields_are_the_exact_ones_up_to_the_edges(study: Study, models: tuple[G
         i.name: xr.DataArray(i.from_unit(random.uniform(-1, 1, 200)), dims="case") for i in factorial.inputs(study)
     }
     X = np.array([-1 + 1e-6, -0.97, -0.5, 0.0, 0.3, 0.9, 0.999, 1 - 1e-6])
+    with pytest.raises(ValueError, match="positions: 1 is not under the punch"):
+        surface.predict(*models, points, np.array([0.0, 1.0]))
+    with pytest.raises(OutOfBoxError, match="load = 10 is outside"):
+        surface.predict(*models, {**points, "load": 10.0}, np.array([0.0]))
     predicted = surface.predict(*models, points, X)
     exact = solve({**study.fixed, **points}, X)
     for name in surface.NAMES:
@@ -62,15 +66,6 @@ def test_intervals_of_the_regular_parts_hold(study: Study, models: tuple[GridGP,
     np.testing.assert_allclose(table["coverage"], 0.95, rtol=0, atol=0.025)
     assert float(table["worst_decile_coverage"].min()) >= 0.85
     assert float(table["max_error"].max()) < 1e-4
-
-
-def test_points_and_positions_are_checked(models: tuple[GridGP, GaussianProcess]) -> None:
-    point = {"volume_fraction": 0.5, "friction": [0.1, 0.2], "load": 1e4, "charge": 0.0, "radius": 0.05}
-    assert dict(surface.predict(*models, point, np.array([0.0, 0.5])).sizes) == {"friction": 2, "position": 2}
-    with pytest.raises(ValueError, match="positions: 1 is not under the punch"):
-        surface.predict(*models, point, np.array([0.0, 1.0]))
-    with pytest.raises(OutOfBoxError, match="load = 10 is outside"):
-        surface.predict(*models, {**point, "load": 10.0}, np.array([0.0]))
 
 
 @pytest.mark.parametrize("kind", ["electric: insulating", "profile: half_cylinder"])

@@ -28,42 +28,32 @@ def spread(value: float, deviation: float = 0.0) -> Spread:
     return Spread(value * 1e-12, deviation * 1e-12, 1)
 
 
-def test_deviations_hold_the_error_and_the_spread_together() -> None:
-    verdict = judged(row(), [spread(20.0, 4.0)])
-    assert verdict.deviations == pytest.approx((2.0,))  # 10 over the root of 9 and 16
-
-
 @pytest.mark.parametrize(
-    ("off", "word"), [(1.99, "agrees"), (-1.99, "agrees"), (2.01, "disagrees"), (-2.01, "disagrees")]
+    ("changed", "modelled", "word"),
+    [
+        ({}, spread(10 + 3 * 1.99), "agrees"),
+        ({}, spread(10 - 3 * 1.99), "agrees"),
+        ({}, spread(10 + 3 * 2.01), "disagrees"),
+        ({}, spread(10 - 3 * 2.01), "disagrees"),
+        ({}, spread(20.0, 8.0), "agrees"),  # by the spread of constants
+        ({"error": None}, spread(10.0), "agrees"),
+        ({"error": None}, spread(11.0), "cannot be told"),
+        ({"error": None, "outside": "domains turn"}, spread(11.0), "disagrees"),
+        ({"open": "nobody says how"}, spread(10.0), "cannot be told"),
+    ],
 )
-def test_two_standard_deviations_decide(off: float, word: str) -> None:
+def test_two_standard_deviations_decide(changed: dict[str, Any], modelled: Spread, word: str) -> None:
+    assert judged(row(**changed), [modelled]).word == word
+
+
+def test_a_verdict_has_its_deviations_and_its_reason() -> None:
     assert AGREES_WITHIN == 2
-    assert judged(row(), [spread(10 + 3 * off)]).word == word
-
-
-def test_a_spread_of_constants_can_make_a_row_agree_which_its_own_value_does_not() -> None:
-    assert judged(row(), [spread(20.0)]).word == "disagrees"
-    assert judged(row(), [spread(20.0, 8.0)]).word == "agrees"
-
-
-def test_a_row_says_which_rules_it_rules_out() -> None:
+    assert judged(row(), [spread(20.0, 4.0)]).deviations == pytest.approx((2.0,))  # 10 over the root of 9 and 16
+    assert "10 % off" in judged(row(error=None), [spread(11.0)]).because
+    assert judged(row(open="no constants", model=[]), []).deviations == ()
     rival = [D33, {"quantity": "clamped_d33", "case": {"material": "PZT-4"}}]
     verdict = judged(row(rivals=rival), [spread(10.0)], [spread(30.0), spread(12.0)])
     assert verdict.because.endswith("; free d33 does not fit; clamped d33 fits too")
-
-
-def test_without_an_error_only_what_is_the_same_agrees() -> None:
-    assert judged(row(error=None), [spread(10.0)]).word == "agrees"
-    verdict = judged(row(error=None), [spread(11.0)])
-    assert (verdict.word, verdict.deviations) == ("cannot be told", (None,))
-    assert "10 % off" in verdict.because
-    assert judged(row(error=None, outside="domains turn"), [spread(11.0)]).word == "disagrees"
-
-
-def test_an_open_row_cannot_be_told_however_near_the_numbers_are() -> None:
-    verdict = judged(row(open="nobody says how"), [spread(10.0)])
-    assert (verdict.word, verdict.because) == ("cannot be told", "nobody says how")
-    assert judged(row(open="no constants", model=[]), []).deviations == ()
 
 
 @pytest.mark.parametrize(

@@ -48,10 +48,3 @@ def test_a_name_crosses_no_line_and_covers_no_other(others: tuple[str, ...], tmp
         aside = np.maximum(np.maximum(left - starts[:, 0], starts[:, 0] - right), 0)
         below = np.maximum(np.maximum(top - starts[:, 1], starts[:, 1] - bottom), 0)
         assert np.hypot(aside, below).min() < HIGH  # it is its line's
-
-
-@needs_node
-def test_a_long_name_has_two_lines(tmp_path: Path) -> None:
-    words = ["voltage over thickness at most 500 kV/m", "depth at most 1 um", "a" * 40]
-    inside = in_node(SCRIPT, f"{words}.map(inLines)", tmp_path)
-    assert inside == [["voltage over thickness", "at most 500 kV/m"], ["depth at most 1 um"], ["a" * 40]]

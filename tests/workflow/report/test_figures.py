@@ -53,10 +53,7 @@ def test_the_drawing_of_the_problem_follows_light_and_dark() -> None:
 
 def test_no_text_is_cut_and_no_power_of_ten_stands_apart_from_its_ticks(ran: Project) -> None:
     study, folder = load(ran.folder / "config/small.yaml"), ran.folder / "results/small"
-    answer, long = (
-        netcdf.read(folder / "design/sensor.nc"),
-        "abs(voltage_per_load) * (contact_trailing + radius) / 2",
-    )
+    answer, long = (netcdf.read(folder / "design/sensor.nc"), "abs(voltage_per_load) * (contact_trailing + radius) / 2")
     goal = replace(answer.terms[0], statement=statements.objective(long))
     answer = replace(answer, terms=(goal, *answer.terms[1:]))
     drawn = [*design_plots.figures_of(answer, study.design["sensor"]).values()]

@@ -48,6 +48,9 @@ def test_times_of_films_hold_their_tables_and_the_panel_knows_no_closed_form(
     # one composition for the thicknesses of the factorial, one for every scattered case, none that has tables already
     assert [quantity.size for quantity in calls] == [1, 8, 1]
     assert np.unique(np.concatenate([*calls, cases["volume_fraction"].values])).size == 10 + 4
+    drawings = page._problem(study), page._problem(shipped("parametric"))
+    assert ["half-plane</title>" in drawn for drawn in drawings] == [False, True]
+    assert all("film on its base" in drawn for drawn in drawings)
     hangs = hanging(study)
     content = whatif.content(study, model, quantities, [], hangs)
     assert content is not None
@@ -71,12 +74,3 @@ def test_what_hangs_on_the_datum_is_said_of_the_base_where_it_does(study: Study)
     depths = solver.solve({**case, "datum": [0.1, 1.0, 10.0]})["depth"]
     np.testing.assert_allclose(rows["depth[steel]"]["values"], depths, rtol=1e-12)
     assert np.isfinite(rows["depth[steel]"]["slope"])
-
-
-def test_a_study_shows_the_bodies_that_it_has(study: Study) -> None:
-    drawn = page._problem(study)
-    assert "film on its base" in drawn
-    assert "half-plane</title>" not in drawn
-    drawn = page._problem(shipped("parametric"))
-    assert "film on its base" in drawn
-    assert "half-plane</title>" in drawn

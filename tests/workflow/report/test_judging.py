@@ -76,18 +76,6 @@ def test_the_map_allows_a_limit_what_the_list_below_it_allows(tmp_path: Path) ->
     assert evaluated(SCRIPTS + beyond, "judge.cell([1, 1]).broken", tmp_path)
 
 
-def test_a_study_with_a_device_tells_its_figures_and_no_other() -> None:
-    names = [figure["name"] for figure in whatif.figures(made(STUDY))]
-    assert names == [
-        "force",
-        "signal_charge",
-        "circuit_capacitance",
-        "signal_voltage",
-        "smallest_force",
-        "dynamic_range",
-    ]
-
-
 @needs_browser
 def test_figures_at_the_sliders_are_those_of_python(tmp_path: Path) -> None:
     study = made(STUDY)

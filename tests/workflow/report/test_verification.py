@@ -7,9 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.workflow.conftest import Copy, Project
-from workflow.cli import launch, main
 from workflow.report.verification import RedError, verdict
-from workflow.run.provenance import ROOT
 
 FEW, DRAWN = ("limits", "films"), ("films",)
 GROUPS = len(FEW)
@@ -52,7 +50,7 @@ def test_a_red_check_fails_the_run_and_the_page_shows_it(copy: Copy) -> None:
         f"{group}.json" for group in FEW
     }
     edit = ("verification/findings.py", '"""', '"""Edited. ')  # a source that every group reaches
-    (planned,) = project.planned_after([[edit]], "results/verification/verdict.txt")
+    planned = project.planned_after([edit], "results/verification/verdict.txt")
     assert planned == {"check", "figure_convergence", "provenance", "report", "verdict"}
 
     for file in (results / "verification").glob("*.json"):
@@ -79,14 +77,3 @@ def test_the_verdict_counts(tmp_path: Path) -> None:
     file.write_text(json.dumps({"checks": []}), encoding="utf-8")
     with pytest.raises(RedError, match="0 of 0"):
         verdict([file])
-
-
-def test_without_the_packages_of_the_tests_the_run_says_so(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(ROOT)
-    monkeypatch.setattr(launch, "find_spec", lambda name: None if name == "skfem" else object())
-    assert main.main(["run", "verification"]) == 2
-    assert capsys.readouterr().err == (
-        "meecontact: study: 'verification' needs skfem of requirements/dev.txt; `make run` installs them\n"
-    )

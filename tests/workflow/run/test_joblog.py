@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from snakemake.iocontainers import InputFiles, Log, OutputFiles, Params, ResourceList, Snakemake, Wildcards
 
 from storage import netcdf
 from storage.blocks import write_blocks
 from storage.sealed import FormatError
+from tests.workflow.conftest import job
 from workflow.run import joblog, lock
 
 STATE, OTHER = "fixed factors: 0123", "fixed factors: 4567"
@@ -29,18 +29,16 @@ def _run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     netcdf.bind({}, {})
 
 
-def job(study: str, output: str, *inputs: str, state: str = STATE) -> None:
+def begin(study: str, output: str, *inputs: str, state: str = STATE) -> None:
     """Begin a job that makes one file out of others."""
-    files = InputFiles(toclone=list(inputs)), OutputFiles(toclone=[output])
-    words = Params(fromdict={"study": state}), Wildcards(fromdict={"study": study})
-    joblog.bind(Snakemake(*files, *words, 1, ResourceList(), Log(), {}, "rule", None))
+    joblog.bind(job(study, output, *inputs, parameter=state))
 
 
 def slab(study: str, number: int, state: str = STATE) -> str:
     """A slab as a job writes it."""
     path = Path(f"mee/results/{study}/fields/slab_{number}.nc")
     path.parent.mkdir(parents=True, exist_ok=True)
-    job(study, str(path), state=state)
+    begin(study, str(path), state=state)
     if number:
         netcdf.write_whole(DATA, path)
     else:
@@ -50,7 +48,7 @@ def slab(study: str, number: int, state: str = STATE) -> str:
 
 def test_a_file_answers_what_its_path_and_study_say() -> None:
     first, second, foreign = slab("own", 0), slab("own", 1), slab("other", 0)
-    job("own", "mee/results/own/quantities.nc", first, second)
+    begin("own", "mee/results/own/quantities.nc", first, second)
     for path in (first, second):
         assert netcdf.read_whole(path).attrs.keys().isdisjoint([netcdf.ANSWERS])
         with netcdf.read_whole(path, lazy=True) as lazy, netcdf.read_whole(path, names=["x"]) as part:
@@ -69,16 +67,16 @@ def test_a_file_answers_what_its_path_and_study_say() -> None:
 
 def test_a_file_of_another_state_of_the_study_is_refused() -> None:
     path = slab("own", 0, OTHER)
-    job("own", "mee/results/own/quantities.nc", path)
+    begin("own", "mee/results/own/quantities.nc", path)
     with pytest.raises(FormatError, match=r"made from another state of the study \(fixed factors\); remove it"):
         netcdf.read_whole(path)
     netcdf.bind({}, {})
     netcdf.write_whole(DATA, path)  # by nobody's job
-    job("own", "mee/results/own/quantities.nc", path)
+    begin("own", "mee/results/own/quantities.nc", path)
     with pytest.raises(FormatError, match="holds no name of a file"):
         netcdf.read_whole(path)
     lock.release()  # a script that runs alone knows the path only
-    job("own", path, state=OTHER)
+    begin("own", path, state=OTHER)
     netcdf.write_whole(DATA, path)
-    job("own", "mee/results/own/quantities.nc", path)
+    begin("own", "mee/results/own/quantities.nc", path)
     assert netcdf.read_whole(path).sizes == {"case": 3}

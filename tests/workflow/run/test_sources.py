@@ -5,8 +5,8 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from snakemake.iocontainers import InputFiles, Log, OutputFiles, Params, ResourceList, Snakemake, Wildcards
 
+from tests.workflow.conftest import job
 from workflow.run import joblog, lock, sources
 from workflow.run.sources import ChangedError
 
@@ -53,21 +53,10 @@ def test_a_job_is_held_to_the_sources_of_the_run_that_holds_its_results(
     """The edit lies between the start of the run and that of the job, here in what the run is told of its sources."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(joblog, "_log_to", lambda _: None)
-    files = InputFiles(), OutputFiles(toclone=["mee/results/own/fields/slab_0.nc"])
-    job = Snakemake(
-        *files,
-        Params(),
-        Wildcards(fromdict={"study": "own"}),
-        1,
-        ResourceList(),
-        Log(toclone=["a.log"]),
-        {},
-        "slab",
-        None,
-    )
-    script = {"snakemake": job, "__file__": str(sources.ROOT / "workflow/scripts/slab.py")}
+    own_job = job("own", "mee/results/own/fields/slab_0.nc")
+    script = {"snakemake": own_job, "__file__": str(sources.ROOT / "workflow/scripts/slab.py")}
     began = sources.digests()
-    assert joblog.start(script) is job  # no run
+    assert joblog.start(script) is own_job  # no run
     for digests, refused in ((began, ""), (began | {"workflow/run/joblog.py": "other"}, "workflow/run/joblog.py")):
         lock.claim({"own": {}}, "mee/results", digests)
         try:
@@ -75,6 +64,6 @@ def test_a_job_is_held_to_the_sources_of_the_run_that_holds_its_results(
                 with pytest.raises(ChangedError, match=refused):
                     joblog.start(script)
             else:
-                assert joblog.start(script) is job
+                assert joblog.start(script) is own_job
         finally:
             lock.release()

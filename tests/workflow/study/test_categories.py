@@ -90,10 +90,8 @@ def test_choices_of_numbers_and_names_together(study: Study, model: GaussianProc
     assert "charge,given,profile,,,,cylinder,,," in rows
 
 
-@pytest.mark.parametrize("materials", [("BaTiO3", "PZT-5H"), pytest.param(MATERIALS, marks=pytest.mark.soak)])
-def test_the_front_is_that_of_all_combinations(
-    study: Study, model: GaussianProcess, materials: tuple[str, ...]
-) -> None:
+def test_the_front_is_that_of_all_combinations(study: Study, model: GaussianProcess) -> None:
+    materials = ("BaTiO3", "PZT-5H")
     over = {"radius": {}, "material": {"choices": list(materials)}, "profile": {}}
     target = Target.model_validate(study.design["front"].model_dump(exclude_unset=True) | {"over": over})
     answer = targets.answer(study, "front", target, model)
@@ -125,8 +123,6 @@ def test_questions_in_words(study: Study) -> None:
     assert target.at["profile"] == "cylinder"  # its default
     for words, says in (
         ({"over": ["radius,material=PZT-6"]}, "design: material: 'PZT-6' is not one of BaTiO3, PZT-4, PZT-5H"),
-        ({"over": ["radius=PZT-4,material"]}, "--over: radius: 'PZT-4' is not a finite number"),
-        ({"over": ["radius"]}, "design: 'material' is missing; put it in over or at"),
         ({"at": ["load=1e4,profile=wedge"]}, "design: profile: 'wedge' is not one of cylinder, half_cylinder"),
         ({"worst_case": ["profile=0:1"]}, "worst_case.profile"),
         ({"over": ["radius,material=1:2"]}, "material: 1.0 is not one of BaTiO3, PZT-4"),
@@ -139,17 +135,10 @@ def test_questions_in_words(study: Study) -> None:
     ("edit", "says"),
     [
         (("  profile: [cylinder, half_cylinder]", "  profile: [cylinder, cylinder]"), "a name is given twice"),
-        (
-            ("  profile: [cylinder, half_cylinder]", "  profile: [cylinder, conical]"),
-            "profile: 'conical' is not one of",
-        ),
         (("  profile: [cylinder, half_cylinder]", "  colour: [red, blue]"), "'colour' is not a category"),
-        (("[BaTiO3, PZT-4,", "[CoFe2O5, PZT-4,"), "'CoFe2O5' is unknown"),
         (("  charge: 0.0", "  profile: flat"), "fixed: profile: is one of the categories already"),
         (("[radius, material, profile]", "[radius, material]"), "design: voltage: 'profile' is missing"),
-        (("at: {material: PZT-4, ", "at: {"), "readout: voltage: 'material' is missing; put it in at"),
         (("  outputs: [", "  fields: 8\n  outputs: ["), "are not learned over categories: material, profile"),
-        (("stroke_per_volt, trailing", "peak_pressure, trailing"), "some of these cases have no 'peak_pressure'"),
     ],
 )
 def test_bad_categories_are_named(edit: tuple[str, str], says: str) -> None:

@@ -14,13 +14,9 @@ from workflow.study.reading import InputError
     ("config", "entries", "reason"),
     [
         ({"stduy": "peaks"}, (), "'stduy': not read; did you mean 'study'"),
-        ({"Study": "peaks"}, (), "'Study': not read; did you mean 'study'"),
         ({"study": "peaks", "friction": 0.4}, (), "'friction': not read; the pipeline reads"),
-        ({"title": "t", "factors": {}}, (), "'title', 'factors': not read"),
         ({"study": None}, (), "None is no study"),
-        ({"study": " "}, (), "' ' is no study"),
         ({"study": {"friction": "0.4"}}, (), "is no study"),
-        ({"study": ["peaks", "film"]}, (), "is no study"),
         ({"study": "film"}, ("study=peaks", "study=film"), "study=peaks study=film: study is given 2 times"),
     ],
 )
@@ -28,11 +24,6 @@ def test_unread_configuration_is_refused(config: dict[str, Any], entries: tuple[
     with pytest.raises(InputError, match=reason) as refusal:
         configuration.study(config, entries)
     assert "\n" not in str(refusal.value)
-
-
-def test_a_study_is_read_and_the_quickstart_is_the_default() -> None:
-    assert configuration.study({}, None) == "quickstart"
-    assert configuration.study({"study": "peaks"}, ("study=peaks",)) == "peaks"
 
 
 @pytest.mark.process  # Snakemake's command line looks for Slurm

@@ -1,7 +1,5 @@
 """Fields that no material couples to are not shown, nor the quantities that measure them."""
 
-import xarray as xr
-
 from tests.studies import shipped
 from workflow.study import coupling
 from workflow.study.model import Study
@@ -33,9 +31,3 @@ def test_quantities_of_a_field_that_is_none_are_not_told_unless_they_are_asked_f
     surrogate = study.surrogate.model_copy(update={"outputs": ["depth", "magnetic_potential"]})
     assert coupling.told(study.model_copy(update={"surrogate": surrogate})) == ["depth", "magnetic_potential"]
     assert coupling.told(QUICKSTART) == QUICKSTART.outputs
-
-
-def test_a_file_keeps_the_fields_that_a_study_has() -> None:
-    units = {"stress_xx": "Pa", "magnetic_induction_y": "T", "electric_displacement_y": "C m-2"}
-    data = xr.Dataset({name: ((), 1.0, {"units": unit}) for name, unit in units.items()})
-    assert list(coupling.kept(data, {"electric"})) == ["stress_xx", "electric_displacement_y"]

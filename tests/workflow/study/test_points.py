@@ -9,10 +9,10 @@ import xarray as xr
 import solver
 from solver.body import HALF_SPACE
 from solver.fields import POINT_FIELDS
-from solver.names import POINT_QUANTITIES, POINT_SLIDING
+from solver.names import POINT_QUANTITIES
 from surrogate import Input
 from tests.studies import data_set, edited, fitted, made, refusal
-from workflow.dataset import effects, factorial, similar
+from workflow.dataset import effects, factorial
 from workflow.dataset import slabs as dataset
 from workflow.language.constants import DEVICE, FIGURES_BY
 from workflow.report.figures import field_panels
@@ -88,18 +88,6 @@ def test_figures_of_a_device_are_whole_and_the_force_is_a_factor(study: Study) -
     assert "electrode_length" in DEVICE
 
 
-def test_every_case_follows_from_the_group(study: Study) -> None:
-    """Two cases of one group, solved alone, differ by the powers of force and thickness that the study says."""
-    sliding = {"thickness": 50e-6, "radius": 10e-3, "force": 0.1}
-    other = sliding | {"thickness": 100e-6, "radius": 20e-3, "force": 0.4}
-    first, second = (factorial.exact(study, dict(case)) for case in (sliding, other))
-    for name in study.quantities:
-        powers = similar.scale(study, name)
-        factor = np.prod([(other[key] / sliding[key]) ** power for key, power in powers.items()])
-        if abs(float(first[name])) > 0:
-            assert float(second[name] / first[name]) == pytest.approx(float(factor), rel=1e-9), name
-
-
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -108,16 +96,8 @@ def test_every_case_follows_from_the_group(study: Study) -> None:
             "{electrode_length: 10 mm, amplifier:",
             "device: electrode_length: a point contact has none: its forces and charges are whole",
         ),
-        (
-            "profile: sphere",
-            "profile: cylinder",
-            "device: electrode_length: missing; must be a number with a unit [m]",
-        ),
         ("groups:", "surrogate: {fields: 8}\ngroups:", "surrogate: fields: point contacts have none; must be 0"),
-        ("force * radius / thickness^3", "force / thickness^2", "groups: radius x"),
         ("peak_pressure <=", "leading_compression <= 1 MPa, peak_pressure <=", "'leading_compression' is not one of"),
-        ("abs(signal_charge) <= 100 pC", "blocked_force <= 1 N", "device: drive_voltage: missing"),
-        ("punch: steel,", "punch: steel, datum: 1.0,", "datum: the profile sphere has none"),
         (
             "groups:",
             "categories: {profile: [sphere, cylinder]}\ngroups:",
@@ -127,28 +107,6 @@ def test_every_case_follows_from_the_group(study: Study) -> None:
 )
 def test_what_a_point_has_not_is_refused_in_one_line(old: str, new: str, message: str) -> None:
     assert message in refusal(edited(BALL, old, new))
-
-
-def test_largest_stresses_and_friction_are_asked_for_as_along_a_line() -> None:
-    """Limits on stresses inside and behind a sliding ball; their exact values scale as the study says."""
-    text = BALL.replace("groups:", "dataset: {peaks: [film_peak_von_mises]}\ngroups:")
-    text = text.replace("punch: steel,", "punch: steel, friction: 0.2,")
-    text = text.replace(
-        "peak_pressure <=", "film_peak_von_mises <= 300 MPa, trailing_tension <= 90 MPa, peak_pressure <="
-    )
-    study = made(text)
-    assert {*POINT_SLIDING, "film_peak_von_mises"} <= set(study.quantities)
-    larger = {"thickness": 50e-6, "radius": 10e-3, "force": 0.1}
-    other = larger | {"thickness": 100e-6, "radius": 20e-3, "force": 0.4}
-    first, second = (factorial.exact(study, dict(case)) for case in (larger, other))
-    for name in ("film_peak_von_mises", "trailing_tension"):
-        assert float(second[name]) == pytest.approx(float(first[name]), rel=1e-9)
-
-
-def test_groups_of_a_power_are_refused() -> None:
-    power = BALL.replace("profile: sphere", "profile: power, exponent: 4.0, coefficient: 1e9").replace("radius:", "#")
-    power = power.replace("force * radius / thickness^3", "force / thickness^2").replace(", radius]", "]")
-    assert "groups: profile: power: its coefficient scales by its exponent" in refusal(power)
 
 
 EFFECTS = """\
@@ -165,7 +123,6 @@ def test_effects_of_points_have_their_fields_over_the_distance_from_the_middle()
     assert study.kind is HALF_SPACE
     of_force, of_profile = (effects.effect(study, name) for name in ("force", "profile"))
     assert of_force.attrs["fields"].split() == list(POINT_FIELDS)
-    assert of_force["position"].attrs["long_name"].startswith("surface position r/a")
     middle = np.abs(of_force["position"].values) < 0.2
     assert (of_force["contact_pressure"].diff("force").values[..., middle] > 0).all()
     assert "peak_pressure" not in of_profile  # infinite under a cone and at the rim of a disc
@@ -173,14 +130,8 @@ def test_effects_of_points_have_their_fields_over_the_distance_from_the_middle()
     shown = [ax.get_xlabel() for ax in drawn.axes if ax.get_visible()]
     assert len(shown) == len(POINT_FIELDS) - 1  # nothing couples magnetically: what is zero everywhere is not drawn
     assert "r/a" in shown
-
-
-def test_effects_of_points_are_drawn_inside_with_no_half_plane_beside() -> None:
     message = refusal(EFFECTS + "  film: {thickness: 1e-4, base: steel}\n")
     assert "effects: film: is not drawn of a point; a film stands in the baseline" in message
-    study = made(EFFECTS + "  interior: {across: 9, down: 5, fields: [von_mises]}\n")
-    drawn = field_panels.interior(effects.interior(study, "profile"))
-    assert {ax.get_xlabel() for ax in drawn.axes} == {"", "x/a"}
 
 
 def test_the_data_set_holds_the_radial_fields(study: Study, tmp_path: Path) -> None:

@@ -21,16 +21,6 @@ factors:
   load: {low: 2e4, high: 1e5, levels: 6, scale: log}
 surrogate: {outputs: [depth, contact_trailing, voltage]}
 """
-LAYERS = """\
-title: layers
-fixed: {surroundings: insulated, base: copper, radius: 0.05, friction: 0.1}
-body:
-  - {material: PZT-4, thickness: thickness}
-  - {material: steel, thickness: 1e-3}
-factors:
-  thickness: {low: 1e-4, high: 1e-3, levels: 3}
-  load: {low: 1e4, high: 2e4, levels: 3}
-"""
 
 
 @pytest.fixture(scope="module")
@@ -51,14 +41,6 @@ def test_families_and_their_priors(film: Study) -> None:
     assert {priors["steel poisson"], priors["steel modulus"], priors["CoFe2O4 stiffness"]} == {0.02, 0.05}
 
 
-def test_materials_of_layers_and_bases() -> None:
-    names = {constant.name for constant in uncertainty.uncertain(made(LAYERS))}
-    assert names == {
-        "PZT-4 stiffness", "PZT-4 piezoelectricity", "PZT-4 permittivity", "steel modulus", "steel poisson",
-        "copper modulus", "copper poisson",
-    }  # fmt: skip
-
-
 def test_a_moved_study_is_solved_with_moved_constants(film: Study) -> None:
     constants = uncertainty.uncertain(film, {"steel modulus": 0.1, "steel poisson": None, "BaTiO3 e33": 0.2})
     moved = uncertainty.moved(film, constants, np.array([1.0, -1.0, 0.5]))
@@ -66,10 +48,7 @@ def test_a_moved_study_is_solved_with_moved_constants(film: Study) -> None:
     answer = factorial.exact(moved, {**case, "base": "steel"})
     ceramic = find("BaTiO3").plain() | {"e33": 18.6 * np.exp(0.1), "alternatives": []}
     base = Material.isotropic(200e9 * np.exp(0.1), 0.28, name="steel")
-    exact = solve(
-        {**film.fixed, **case, "base": base},
-        phases=(Material.from_mapping(ceramic), "CoFe2O4"),
-    )
+    exact = solve({**film.fixed, **case, "base": base}, phases=(Material.from_mapping(ceramic), "CoFe2O4"))
     for name in ("voltage", "depth", "capacitance_per_length"):
         assert float(answer[name]) == pytest.approx(float(exact[name]), rel=1e-9)
     assert uncertainty.concerned(film, constants[0]) == {"base": "steel"}

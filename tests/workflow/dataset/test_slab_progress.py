@@ -1,0 +1,43 @@
+"""Progress of slabs: on a terminal, and in no log."""
+
+import os
+import pty
+import struct
+import sys
+import termios
+from fcntl import ioctl
+from pathlib import Path
+from subprocess import PIPE, Popen
+
+from workflow.run.provenance import ROOT
+
+CODE = """
+from pathlib import Path
+from workflow.dataset import slabs
+from workflow.study import model
+study = model.load('config/quickstart.yaml')
+dataset = study.dataset.model_copy(update={{"slabs": 26}})
+slabs.write_slab(study.model_copy(update={{"dataset": dataset}}), 0, Path({path!r}))
+"""
+
+
+def test_progress_shows_on_a_terminal_and_stays_out_of_a_log(tmp_path: Path) -> None:
+    code = CODE.format(path=str(tmp_path / "slab.nc"))
+    quiet = Popen([sys.executable, "-c", code], cwd=ROOT, stderr=PIPE)
+    assert quiet.communicate()[1] == b""
+    ours, theirs = pty.openpty()
+    ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 100, 0, 0))
+    shown = Popen([sys.executable, "-c", code], cwd=ROOT, stderr=theirs)
+    os.close(theirs)
+    text = b""
+    while True:
+        try:
+            part = os.read(ours, 4096)
+        except OSError:  # the other end is closed
+            break
+        if not part:
+            break
+        text += part
+    assert shown.wait() == 0
+    assert b"slab 1 of 26" in text
+    assert b"/1600" in text
