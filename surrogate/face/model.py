@@ -360,7 +360,7 @@ class GaussianProcess(Core):
                 attrs = self.attrs_[name]
                 derivative = {"long_name": f"{what} of {attrs.get('long_name', name)} with respect to the input"}
                 derivative |= {"units": f"({attrs['units']}) / input_units"} if "units" in attrs else {}
-                slopes_of_output = values[:, k].reshape(-1, *named.shape)
+                slopes_of_output = values[:, k].reshape(len(self.inputs_), *named.shape)
                 answer[f"{name}{suffix}"] = xr.Variable(("input", *named.dims), slopes_of_output, derivative)
         flags = {name: (flag, EXTRAPOLATED[name]) for name, flag in self._flags(named, extrapolate).items()}
         return named.dataset(flags).assign_coords(coords).assign(answer)

@@ -199,7 +199,8 @@ def test_who_decides_reads_the_first_screen_only(looked: Callable[[int], dict[st
     for word in ("A small study", "640", "91.7 MPa", "1 MPa: 9070 % beyond the limit", "91.8 MPa", "broken"):
         assert word in text, word
     assert seen["shut"] == [False] * 3  # evidence is a line of verdict until it is opened
-    assert re.search(r"^Surrogate Largest error .* of range \(.*\): asked 0\.001, met\.$", seen["lines"][0])
+    assert seen["lines"][0].startswith("Surrogate ")
+    assert "0.001 is met" in seen["lines"][0]
 
 
 def test_the_page_is_self_contained_escaped_and_of_the_present_study(
@@ -424,7 +425,7 @@ def test_lists_choose_what_the_panel_shows(chosen: Project, tmp_path: Path, monk
     assert seen["seen"][-1]["names"] == ["laminate", "half_cylinder"]
     assert [shown["verdict"] for shown in seen["seen"][-2]["limits"]] == ["held"]
     assert seen["seen"][-1]["limits"] == []
-    assert "Best of every choice, on the surrogate: fibrous, cylinder" in seen["text"]
+    assert "fibrous, cylinder" in seen["text"]
     words = ["--maximise", "abs(voltage_per_load)", "--over", "radius,composite", "--at", "volume_fraction=0.6"]
     printed = chosen.run("meecontact", "design", "results/chosen", *words).stdout
     assert "  composite                                    fibrous                   variable\n" in printed

@@ -32,7 +32,7 @@ def test_imports_by_their_lines_are_those_that_python_reads() -> None:
     [
         (
             "slab.py",
-            "solver/face/solution.py solver/halfplane/fields.py solver/material/materials.toml "
+            "solver/face/solution.py solver/halfplane/contact.py solver/material/materials.toml "
             "workflow/dataset/factorial.py",
             "workflow/report/page.py workflow/design/search/targets.py workflow/cli/main.py surrogate/gp/gridgp.py",
         ),
