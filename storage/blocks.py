@@ -119,10 +119,7 @@ def write_blocks(
     chunks: Mapping[str, int],
     last: Callable[[], xr.Dataset] = xr.Dataset,
 ) -> None:
-    """Write a data set to a netCDF-4 file in blocks; the file appears whole or not at all.
-
-    Every variable gets its statistics as attributes: `actual_range`, `mean`, `standard_deviation`.
-    """
+    """Write a data set to a netCDF-4 file in blocks, with statistics of every variable; it appears whole or not."""
     frame = as_stored(frame.drop_encoding())
     frame.attrs |= standard(frame) | purpose(Path(path))
     with appearing(Path(path), sealed=True) as partial:

@@ -9,10 +9,7 @@ LICENSE = "MIT"
 
 
 def described(dataset: xr.Dataset, title: str, source: str, meanings: Mapping[str, str]) -> xr.Dataset:
-    """A copy in which every variable has `long_name` and `units`, and the data set `title` and `source`.
-
-    What a variable says of itself stays. A name with a number at its end means what it means without.
-    """
+    """Return a copy in which every variable has `long_name` and `units`, and the data set `title` and `source`."""
     copy = dataset.copy()
     for name, variable in copy.variables.items():
         plain = str(name).rstrip("0123456789").removesuffix("_")

@@ -10,8 +10,9 @@ import pytest
 from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole, write_whole
 from surrogate import GaussianProcess
-from workflow.dataset import datacard, factorial, quantities
+from workflow.dataset import datacard, factorial
 from workflow.dataset import slabs as dataset
+from workflow.dataset.slabs import gather
 from workflow.learning import training
 from workflow.run.provenance import ROOT
 from workflow.study import partition
@@ -68,6 +69,6 @@ def data_set(study: Study, folder: Path) -> list[Path]:
     for index, slab in enumerate(slabs):
         dataset.write_slab(study, index, slab)
     parts = [read_whole(slab, names=[*ALL_QUANTITIES, REFUSAL, REASON]) for slab in slabs]
-    write_whole(quantities.gather(parts), folder / "quantities.nc")
+    write_whole(gather(parts), folder / "quantities.nc")
     (folder / dataset.CARD).write_text(json.dumps(datacard.card(study, "some", slabs, [])), encoding="utf-8")
     return slabs

@@ -24,8 +24,8 @@ from tests.solver.point.points import BTO, film, on_film
 from workflow.language import grammar
 from workflow.language.constants import Meeting
 from workflow.run.provenance import ROOT
-from workflow.study.device import Device
 from workflow.study.reading import read_yaml
+from workflow.study.sections import Device
 
 LIMITS, FILMS, POINTS = (
     " ".join((ROOT / f"docs/{name}.md").read_text(encoding="utf-8").split())

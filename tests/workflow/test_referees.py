@@ -13,7 +13,7 @@ import surrogate
 from storage.netcdf import read_whole
 from tests.studies import data_set, made
 from tests.workflow.conftest import Project
-from workflow.dataset import croissant, datacard
+from workflow.dataset import datacard
 from workflow.learning import training
 from workflow.run.provenance import ROOT
 
@@ -43,7 +43,7 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
     study = made(FILM)
     card = datacard.card(study, "films", data_set(study, folder), [])
     surrogate.save(training.fit(study, read_whole(folder / "quantities.nc")), folder / "surrogate.nc")
-    (folder / "croissant.json").write_text(json.dumps(croissant.croissant(card)), encoding="utf-8")
+    (folder / "datacard.json").write_text(json.dumps(datacard.croissant(card)), encoding="utf-8")
     return folder
 
 

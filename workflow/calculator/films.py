@@ -61,10 +61,7 @@ def variants(film: dict[str, Any]) -> Iterator[tuple[Material, Material]]:
 
 
 def tables(names: Iterable[str] = FILMS) -> list[dict[str, Any]]:
-    """Films under every punch as plain data; a series is a list of coefficients, rising.
-
-    `variants` of a table are those of other constants, each with the constants of its top.
-    """
+    """Return the films under every punch, and their `variants` by constants, as rising series of coefficients."""
     return [_with_variants(name, punch) for name in names for punch in PUNCHES]
 
 

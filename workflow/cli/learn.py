@@ -100,7 +100,7 @@ def _share(option: str, name: str, text: str) -> float:
 def _instruments(words: list[str] | None, study: "Study") -> "list[Instrument]":
     """``QUANTITY_gain=3%`` and ``QUANTITY_offset=0.1um`` between commas: what readings may be off by."""
     from solver.names import ALL_QUANTITIES
-    from workflow.language.sizes import size
+    from workflow.language.given import size
     from workflow.learning.instruments import Instrument
 
     instruments: list[Instrument] = []

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from solver import FactorError, MaterialError, PrecisionWarning
 from solver.threads import one_thread
 from storage.files import output, write_text
 from surrogate import FormatError, OutOfBoxError
-from workflow.cli import calculating, learn, materials, sensing, solve, studies
+from workflow.cli import learn, materials, sensing, solve, studies
 from workflow.cli.helping import Parser, exemplify
 from workflow.cli.launch import launch
 from workflow.cli.progress import busy
@@ -174,7 +174,7 @@ def _parser() -> Parser:
     command.set_defaults(run=_invert)
 
     sensing.add(commands)
-    calculating.add(commands)
+    add(commands)
 
     solve.add_interior(commands)
     learn.add(commands)
@@ -228,3 +228,26 @@ def _list(options: argparse.Namespace) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     return launch(options.study, options.cores, options.profile, dry=options.dry_run)
+
+
+def add(commands: "argparse._SubParsersAction[Any]") -> None:
+    """Add the command to those of the program."""
+    command = commands.add_parser(
+        "calculator",
+        help="write a web page that calculates contacts, without a server",
+        description="One file: every material, punch and profile of the library by closed forms, a few films by "
+        "tables, own constants pasted in.",
+    )
+    command.add_argument(
+        "-o", "--output", type=written_as(html="HTML"), default=Path("calculator.html"), metavar="OUT.html"
+    )
+    command.set_defaults(run=write)
+
+
+def write(options: argparse.Namespace) -> None:
+    """Write the page."""
+    from workflow.calculator.page import page  # tables of films: not for every command
+
+    path = output(options.output)
+    write_text(path, page())
+    say(f"wrote {path}: open it in a browser")

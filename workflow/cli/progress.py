@@ -56,10 +56,7 @@ def step(study: Study, rule: str, wildcards: Mapping[str, str]) -> str:
 
 
 class Progress(logging.Filter):
-    """Says what runs in the place of Snakemake's own lines, which only its log file keeps; errors pass.
-
-    On a terminal one line counts the jobs; in a log every job that begins is a line.
-    """
+    """Prints one counting line on a terminal, or a line a job in a log, in place of Snakemake's; errors pass."""
 
     def __init__(self, words: Callable[[str, Mapping[str, str]], str], stream: TextIO) -> None:
         super().__init__()

@@ -3,7 +3,8 @@
 import argparse
 import csv
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from math import floor, isfinite, log10
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ import surrogate
 from storage.files import output, writing
 from surrogate import GaussianProcess, OutOfBoxError
 from surrogate.data.points import outside
-from workflow.cli import predictions
+from surrogate.intervals.distribution import NOMINAL
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.words import place, say, trained
 from workflow.dataset import factorial
@@ -26,6 +27,8 @@ from workflow.study import model as studies
 from workflow.study.reading import InputError, one_line
 
 _ROWS = 4096  # of an answer that are written at a time
+#: Figures of a number whose interval says nothing of them, and the fewest and most that an interval asks for.
+_DIGITS, _FEWEST, _MOST = 10, 4, 15
 
 
 def query(options: argparse.Namespace) -> None:
@@ -68,7 +71,7 @@ def _predicted(model: GaussianProcess, table: Table, level: float, *, extrapolat
     wrong = outside(X, model.inputs_)
     try:
         with np.errstate(all="ignore"):  # what is not finite is named below
-            answer = predictions.predicted(model, named, level, extrapolate=extrapolate)
+            answer = predicted(model, named, level, extrapolate=extrapolate)
     except OutOfBoxError as error:
         raise InputError(f"{table.at(int((~model.has_answers(X)).argmax()))}: {error}") from None
     except ValueError as error:
@@ -114,7 +117,7 @@ def _with_exact(answer: xr.Dataset, model: GaussianProcess, table: Table, study:
 def _print_answer(answer: xr.Dataset, outputs: list[str], level: float, *, si: bool) -> None:
     if "extrapolated" in answer and bool(answer["extrapolated"].values[0]):
         print("extrapolated: the point lies outside the trained box; its intervals are not to be trusted")
-    said = predictions.table(answer, outputs, level, si=si)
+    said = prediction_table(answer, outputs, level, si=si)
     for name in outputs:
         exact = f"  exact {_exact(answer[f'{name}_exact'], si=si)}" if f"{name}_exact" in answer else ""
         print(one_line(f"{said[name]}{exact}").rstrip())
@@ -137,3 +140,43 @@ def _write_answer(path: Path, points: Mapping[str, NDArray[Any]], answer: xr.Dat
             plain = [column.astype(int if column.dtype == bool else float).tolist() for column in block]
             lines = (",".join(map(repr, row)) + "\n" for row in zip(*plain, strict=True))  # every digit of a float
             file.write("".join(lines).encode())
+
+
+def predicted(
+    model: GaussianProcess, points: Mapping[str, xr.DataArray], level: float, *, extrapolate: bool = False
+) -> xr.Dataset:
+    """``<output>``, ``<output>_std``, ``<output>_lower`` and ``<output>_upper`` of every output, in this order."""
+    answer = model.predict(points, extrapolate=extrapolate)
+    whole = answer.assign(model.interval(points, level, extrapolate=extrapolate).data_vars)
+    names = [f"{name}{part}" for name in model.outputs_ for part in ("", "_std", "_lower", "_upper")]
+    return whole[names + (["extrapolated"] if extrapolate else [])]
+
+
+def prediction_table(answer: xr.Dataset, outputs: Sequence[str], level: float, *, si: bool = False) -> dict[str, str]:
+    """A line for every output, ``name value [lower, upper] unit (95 %)`` at the first point, all of one length."""
+    units = {name: str(answer[name].attrs.get("units", "")) for name in outputs}
+    ends = {name: [float(answer[f"{name}{part}"].values[0]) for part in ("", "_lower", "_upper")] for name in outputs}
+    lines = {
+        name: f"{name:34s} {shown(value, lower, upper, units[name], level, si=si)}"
+        for name, (value, lower, upper) in ends.items()
+    }
+    length = max(map(len, lines.values()))
+    return {name: line.ljust(length) for name, line in lines.items()}
+
+
+def shown(
+    value: float, lower: float, upper: float, units: str = "", level: float = NOMINAL, *, si: bool = False
+) -> str:
+    """``value [lower, upper] unit (95 %)`` with two figures of the interval's half width."""
+    scale, text = (1.0, units) if si else prefixed(max(abs(lower), abs(upper)), units)
+    value, lower, upper = value / scale, lower / scale, upper / scale
+    count = _digits(max(abs(lower), abs(upper)), (upper - lower) / 2)
+    zeros = "#" if upper > lower else ""  # an exact value has no digits to keep
+    middle, low, high = (f"{number:{zeros}.{count}g}".rstrip(".") for number in (value, lower, upper))
+    return f"{f'{middle} [{low}, {high}] {text}'.rstrip()} ({100 * level:g} %)"
+
+
+def _digits(size: float, half_width: float) -> int:
+    if not (isfinite(size) and half_width > 0):
+        return _DIGITS
+    return min(max(floor(log10(size)) - floor(log10(half_width)) + 2, _FEWEST), _MOST)

@@ -13,16 +13,16 @@ from approximation.arrays import Array
 from solver.names import ALL_QUANTITIES, CHOICES
 from surrogate import GaussianProcess, Input, load
 from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
-from workflow.cli import predictions
+from workflow.cli import query
 from workflow.cli.words import named, quantity, trained
 from workflow.dataset import factorial
 from workflow.design.search import targets
 from workflow.design.verdict.answer import Answer
 from workflow.design.wording.words import verdict
 from workflow.language.factors import FACTORS
+from workflow.language.given import size
 from workflow.language.numbers import shown
 from workflow.language.renamed import renamed
-from workflow.language.sizes import size
 from workflow.language.spelling import nearest
 from workflow.learning import wider_box
 from workflow.study import location
@@ -30,9 +30,8 @@ from workflow.study import model as studies
 from workflow.study.categories import output
 from workflow.study.consistency import check_target, check_values
 from workflow.study.keys import Origin
-from workflow.study.messages import first_problem
 from workflow.study.model import Study
-from workflow.study.reading import InputError
+from workflow.study.reading import InputError, first_problem
 from workflow.study.target import Target
 
 _BARE = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
@@ -197,7 +196,7 @@ def _told(axis: Input, mean: float, low: float, high: float, *, si: bool) -> str
     if axis.to_unit(high) - axis.to_unit(low) > _UNTOLD * 2:  # the range is [-1, 1]
         within = f"the study's range is {shown(axis.low, units)} to {shown(axis.high, units)}"
         return f"{axis.name} cannot be told from this: {within}"
-    return f"{axis.name:16s} {predictions.shown(mean, low, high, units, si=si)}"
+    return f"{axis.name:16s} {query.shown(mean, low, high, units, si=si)}"
 
 
 def _measured(name: str, text: str) -> tuple[float, float]:

@@ -24,9 +24,8 @@ from workflow.device.contact import ContactCurves, film
 from workflow.device.signal import DROP, Figures, History, Signal, read
 from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.numbers import shown
-from workflow.study.device import Amplifier, Device
-from workflow.study.messages import first_problem
-from workflow.study.reading import InputError, number, read_material
+from workflow.study.reading import InputError, first_problem, number, read_material
+from workflow.study.sections import Amplifier, Device
 
 _MOST_WRITTEN = 1_000_000  # rows of a table of the signal
 _WRITTEN_TOGETHER = 2**16  # rows

@@ -1,35 +1,59 @@
 """``meecontact solve`` and ``meecontact interior``: a table of cases, and its exact answer as a file."""
 
 import argparse
+import csv
+import io
 import sys
-from collections.abc import Callable, Mapping
-from itertools import product
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from itertools import chain, product
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
+from tqdm import tqdm
 
-from solver import Material, solve, solve_interior
+from approximation.arrays import Indices
+from solver import FactorError, Material, MaterialError, solve, solve_interior
 from solver.body import kind_of
+from solver.face.attributes import of_output, united
+from solver.face.filmfactors import present, settled
+from solver.fields import ACROSS, ALONG, EVERY_INTERIOR
 from solver.names import (
     ALL_QUANTITIES,
     CHOICES,
     ELECTRODE_QUANTITIES,
     FACTORS,
+    OF_A_FILM,
+    OF_A_PUNCH,
     OF_AN_ELECTRODE,
     POINT_SLIDING,
 )
-from storage.files import output
+from storage.files import output, write_text
 from storage.netcdf import write_whole
-from workflow.cli.case_solver import as_csv, solved
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.words import numbers, say, written_as
 from workflow.language.given import DESTROYED, lost_unit
+from workflow.language.wordings import plain
 from workflow.study.reading import InputError, read_material
 
 _NAMED = 8  # quantities that a message names
 Commands: TypeAlias = "argparse._SubParsersAction[Any]"
+_DEFAULTS: dict[str, float | str | None] = {name: factor.default for name, factor in FACTORS.items()}
+_DEFAULTS |= {name: choices[0] for name, choices in CHOICES.items() if name not in ("composite", "corner")}
+# a case without: a half-plane, a rigid punch
+_DEFAULTS |= {name: np.nan if name in FACTORS else "" for name in (*OF_A_FILM, *OF_A_PUNCH)}
+# choices by which cases have unlike outputs
+_APART = ("profile", "corner", "electric", "magnetic", "surroundings", "electrode")
+_ON_DATUM = {name: output for name, output in (ALL_QUANTITIES | EVERY_INTERIOR).items() if output.on_datum}
+_EMPTY = "no number where a case has none"
+_CASES = 512  # solved at a time at most: searched contacts (tilted flats) take 100 kB of temporaries each
+_VALUES = 2**17  # of a field at a time: some hundred temporaries of 8 bytes each inside the body
+_MOST_BYTES = 2**32  # of an answer, which is kept in memory until it is written
+_OF_OPTIONS = ("positions", "x", "y", "fields")  # what a message opens with that is about no row
+_REFUSALS = (FactorError, MaterialError, np.linalg.LinAlgError)
 
 
 def add_solve(commands: Commands) -> None:
@@ -140,3 +164,162 @@ def _solved(
 def _wrote(options: argparse.Namespace, out: xr.Dataset, what: str) -> None:
     (as_csv if options.output.suffix == ".csv" else write_whole)(out, options.output)
     say(f"wrote {options.output}: {out.sizes['case']} case{'s' if out.sizes['case'] != 1 else ''}, {what}")
+
+
+def solved(table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int = 1) -> xr.Dataset:
+    """Return outputs over dimension ``case`` in the order of the rows, with progress on a terminal."""
+    table = _surrounded(table)
+    whole = _Whole(table)
+    with tqdm(total=len(table.lines), unit=" cases", delay=2, disable=None, leave=False) as bar:
+        for names, rows in _blocks(table, min(_CASES, max(1, _VALUES // points))):
+            try:
+                part = solve(_factors(table, names, rows))
+            except _REFUSALS as error:
+                raise _explained(table, names, rows, solve, error) from None
+            whole.add(rows, part)
+            bar.update(len(rows))
+    return whole.dataset()
+
+
+def _surrounded(table: Table) -> Table:
+    """With what is beside every contact where any is a film, by which cases have unlike outputs."""
+    around = settled({name: xr.DataArray(cells, dims="case") for name, cells in table.columns.items()})
+    if "surroundings" not in around:
+        return table
+    column = np.broadcast_to(around["surroundings"].values.astype(object), len(table.lines))
+    return replace(table, columns=table.columns | {"surroundings": column})
+
+
+def _blocks(table: Table, most: int) -> Iterator[tuple[list[str], Indices]]:
+    """Rows that are solved together, and the factors that they have.
+
+    Every block of a pattern takes its rows from all over the table. The solver iterates until the last case of a block
+    has converged: so every block holds hard cases, and easy cases take as many steps as in one block. What is searched
+    for (`solver.names.PEAKS`) is found to its tolerance only.
+    """
+    columns: list[NDArray[Any]] = [~table.empty(name) | (_DEFAULTS.get(name) is not None) for name in table.columns]
+    unlike: list[NDArray[Any]] = [_numbered(table, name) for name in _APART if name in table.columns]
+    unlike += [table.empty(name) for name in OF_A_FILM[:1] if name in table.columns]
+    patterns, first, pattern = np.unique(np.stack(columns + unlike, 1), axis=0, return_index=True, return_inverse=True)
+    for k in np.argsort(first):
+        rows = np.flatnonzero(pattern.ravel() == k)
+        count = -(-len(rows) // most)
+        names = [name for name, has in zip(table.columns, patterns[k], strict=False) if has]
+        for begin in range(count):
+            yield names, rows[begin::count]
+
+
+def _numbered(table: Table, name: str) -> Indices:
+    """Return the number of the factor's choice in every row; an empty cell has the default."""
+    cells = table.columns[name].copy()
+    cells[table.empty(name)] = _DEFAULTS.get(name) or ""
+    return np.unique(cells.astype(str), return_inverse=True)[1].ravel()
+
+
+def _factors(table: Table, names: list[str], rows: Indices) -> xr.Dataset:
+    """The cells of some rows, defaults where they are empty."""
+    columns = {}
+    for name in names:
+        cells = table.columns[name][rows]
+        cells[table.empty(name)[rows]] = _DEFAULTS.get(name)
+        columns[name] = ("case", cells.astype(float if name in FACTORS else str))
+    return xr.Dataset(columns)
+
+
+def _explained(
+    table: Table, names: list[str], rows: Indices, solve: Callable[[xr.Dataset], xr.Dataset], error: Exception
+) -> InputError:
+    """The error of the first row that cannot be solved, with its line, found by halving."""
+    if str(error).partition(":")[0] in _OF_OPTIONS:
+        return InputError(f"{table.source}: {error}")
+
+    def refused(rows: Indices) -> Exception | None:
+        try:
+            solve(_factors(table, names, rows))
+        except _REFUSALS as error:
+            return error
+        return None
+
+    while len(rows) > 1:
+        half = rows[: (len(rows) + 1) // 2]
+        rows = half if refused(half) else rows[len(half) :]
+    alone = refused(rows)
+    where = table.at(int(rows[0])) if alone else table.source  # else it takes several rows to go wrong
+    error = alone or error
+    if isinstance(error, np.linalg.LinAlgError):
+        return InputError(f"{where}: constants beyond what double precision can solve ({error})")
+    return InputError(f"{where}: {error}")
+
+
+class _Whole:
+    """The answer to a table, filled block by block."""
+
+    def __init__(self, table: Table) -> None:
+        self._table, self._count = table, len(table.lines)
+        self._filled: dict[str, xr.Variable] = {}
+        self._coords: dict[str, None] = {}
+        self._some: set[str] = set()
+        self._attrs: dict[str, Any] = {}
+        self._bytes = 0.0
+
+    def add(self, rows: Indices, part: xr.Dataset) -> None:
+        """Take the answer to some rows in; what it lacks is no number there."""
+        if self._filled:
+            self._some |= self._filled.keys() ^ set(map(str, part.variables))
+        self._coords |= dict.fromkeys(map(str, part.coords))
+        self._attrs = united([self._attrs or part.attrs, part.attrs])
+        self._bytes += part.drop_vars(list(self._filled), errors="ignore").nbytes / len(rows) * self._count
+        if self._bytes > _MOST_BYTES:
+            raise InputError(
+                f"{self._table.source}: {self._count} cases give {self._bytes:.3g} bytes, "
+                f"more than {_MOST_BYTES}; split it"
+            )
+        for key, variable in part.variables.items():
+            name = str(key)
+            if name not in self._filled:
+                self._filled[name] = self._room(variable)
+            if "case" in variable.dims:
+                self._filled[name].values[rows] = variable.values
+
+    def dataset(self) -> xr.Dataset:
+        """All of it."""
+        arrays = {name: xr.DataArray(cells, dims="case") for name, cells in self._table.columns.items()}
+        kinds = present(arrays)
+        for name, variable in self._filled.items():
+            if (described := _ON_DATUM.get(name)) is not None:
+                having = [kind for kind in kinds if name in kind.every_quantity] or kinds
+                variable.attrs = of_output(described, arrays, having)
+        for name in self._some - self._coords.keys():
+            attrs = self._filled[name].attrs
+            attrs["comment"] = "; ".join([*([attrs["comment"]] if "comment" in attrs else []), _EMPTY])
+        if "position" in self._filled and len({kind.contact for kind in kinds}) > 1:
+            axes_name = f"{ALONG['long_name']}, {ACROSS['long_name']} of a point"
+            self._filled["position"].attrs = ALONG | {"long_name": axes_name}
+        coords = {name: variable for name, variable in self._filled.items() if name in self._coords}
+        return xr.Dataset(
+            {name: variable for name, variable in self._filled.items() if name not in coords}, coords, self._attrs
+        )
+
+    def _room(self, variable: xr.Variable) -> xr.Variable:
+        """A variable as long as the table; names as objects, which one long name does not widen."""
+        if "case" not in variable.dims:
+            return variable
+        number = variable.dtype.kind == "f"
+        empty = np.full((self._count, *variable.shape[1:]), np.nan if number else "", float if number else object)
+        return xr.Variable(variable.dims, empty, dict(variable.attrs))
+
+
+def as_csv(answer: xr.Dataset, path: Path) -> None:
+    """Write the answer to a table as a table: one row a case, columns of factors and quantities with their units."""
+    if extra_dims := [str(dim) for dim in answer.dims if dim != "case"]:
+        raise InputError(f"{path}: fields over {', '.join(extra_dims)} go to netCDF; name a file that ends in .nc")
+    columns = {str(name): column for name, column in chain(answer.coords.items(), answer.data_vars.items())}
+    units = {
+        name: column.attrs.get("units", "1") if column.dtype.kind == "f" else "1" for name, column in columns.items()
+    }
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(name if units[name] == "1" else f"{name} [{units[name]}]" for name in columns)
+    cells = [np.broadcast_to(column.values, answer.sizes["case"]).tolist() for column in columns.values()]
+    rows.writerows([["" if cell != cell else plain(cell) for cell in row] for row in zip(*cells, strict=True)])
+    write_text(path, text.getvalue())

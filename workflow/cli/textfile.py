@@ -61,10 +61,7 @@ class Sheet:
         return self.path.open(newline="", encoding=self.encoding)
 
     def rows(self, file: TextIO, most_lines: int, *, remarks: bool = False) -> Iterator[tuple[int, list[str]]]:
-        """Rows that are neither blank nor, without ``remarks``, begin with #, each with its last line's number.
-
-        A row that is too long is never held.
-        """
+        """Rows that are neither blank nor, without ``remarks``, begin with #, each with its last line's number."""
         characters = 0
 
         def pieces() -> Iterator[str]:
@@ -92,10 +89,7 @@ class Sheet:
 
 
 def sheet(path: Path, largest: int, *, blanks: bool = False) -> Sheet:
-    """Return encoding and separator of a table's file; with ``blanks``, blanks alone may separate cells.
-
-    InputError, by the reason, for what is no table in a text file.
-    """
+    """Encoding and separator of a table's file, blanks too with ``blanks``; InputError if it is no text table."""
     if regular(path).stat().st_size > largest:
         raise InputError(f"{path}: larger than {largest} bytes")
     with path.open("rb") as file:

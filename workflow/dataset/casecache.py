@@ -46,10 +46,7 @@ _Part = dict[str, slice]
 
 
 class CaseCache:
-    """The cache beside the results, for one job.
-
-    cases, taken: How many cases the job has asked for, and how many of them were solved before.
-    """
+    """Cache beside the results, for one job, with the counts of cases requested and taken from it."""
 
     def __init__(self, results: Path, output: Path) -> None:
         self.folder = results / FOLDER

@@ -29,10 +29,7 @@ def sample(study: Study, count: int, seed: Sequence[int], ends: bool) -> _Drawn:
 
 
 def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETHER) -> dict[str, xr.DataArray]:
-    """Random factors over dimension ``case``, uniform in the axes' own scales.
-
-    A factor that needs tables takes few values: its axis is cut into equal parts, and each value lies in one of them.
-    """
+    """Random factors over ``case``, uniform on their scales; in few values where each needs tables."""
     random = np.random.default_rng(list(seed))
     drawn: dict[str, xr.DataArray] = {}
     for name, axis in study.factors.items():

@@ -35,10 +35,7 @@ def effect(study: Study, factor: str) -> xr.Dataset:
 
 
 def interior(study: Study, factor: str) -> xr.Dataset:
-    """Fields below the punch over (factor, y, x), at three of the factor's values: first, middle and last.
-
-    With the half-plane beside them as in `effect`.
-    """
+    """Fields below the punch over (factor, y, x) at the factor's first, middle and last value, as in `effect`."""
     if study.effects is None or study.effects.interior is None:
         raise ValueError("effects: the study has no interior")
     shown = study.effects.interior

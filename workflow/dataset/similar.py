@@ -119,10 +119,7 @@ def _within(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> tu
 
 
 def scale(study: Study, quantity: str) -> dict[str, float]:
-    """Powers of the study's factors that a quantity is proportional to, at the same groups.
-
-    A load and a length make every scale; what is fixed of them is the same in all cases.
-    """
+    """Powers of the study's factors, a load and a length, that a quantity is proportional to at the same groups."""
     if QUANTITY_WEIGHTS[quantity] == QUANTITY_WEIGHTS["pressure_exponent"]:
         return {}
     known = {*study.factors, *study.fixed, *(["thickness"] if study.body else [])}

@@ -24,7 +24,8 @@ from xarray.core import indexing
 from solver import FactorError
 from solver.curves import REGIONS
 from solver.fields import ACROSS, ALONG, EVERY_FIELD, FIELDS
-from storage.blocks import Region, write_blocks
+from solver.names import ALL_QUANTITIES
+from storage.blocks import STATISTICS, Region, write_blocks
 from storage.netcdf import MAX_BYTES, read_whole
 from storage.sealed import check_seal
 from workflow.dataset import factorial, holes
@@ -32,7 +33,7 @@ from workflow.dataset.casecache import CaseCache
 from workflow.run.joblog import log
 from workflow.study import partition
 from workflow.study.model import Study
-from workflow.study.refusals import MOST
+from workflow.study.refusals import MOST, REASON, REFUSAL
 
 CARD = "datacard.json"
 _BLOCK = 2**20  # values of a field that are solved at a time: some twenty temporaries of 8 MiB
@@ -220,3 +221,15 @@ class Stacked(BackendArray):
         with netCDF4.Dataset(self.files[number], "r") as file:
             file.set_auto_maskandscale(False)
             return np.stack([np.asarray(file[self.name][(int(level), *selection)]) for level in levels])
+
+
+def gather(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Quantities of the whole factorial from its slabs, without the statistics of each slab."""
+    names = [name for name in ALL_QUANTITIES if name in slabs[0]]
+    parts = [part[[*names, *(extra for extra in (REFUSAL, REASON) if extra in part)]] for part in slabs]
+    whole = holes.joined(parts, str(slabs[0][names[0]].dims[0]))
+    for array in whole.data_vars.values():
+        array.attrs = {key: value for key, value in array.attrs.items() if key not in STATISTICS}
+    if REFUSAL in whole:
+        holes.check(whole, [str(dim) for dim in whole[REFUSAL].dims if whole[dim].dtype.kind == "f"])
+    return whole

@@ -17,8 +17,8 @@ from workflow.device.contact import ContactCurves, film, response
 from workflow.device.signal import DROP, Figures, History, read
 from workflow.study import layered, uncertainty
 from workflow.study.model import Study
-from workflow.study.pressing import Pressing
 from workflow.study.reading import InputError
+from workflow.study.sections import Pressing
 
 #: What stands before the names of quantities of a contact at the force that is held.
 HELD = "held_"

@@ -1,10 +1,12 @@
 """Numbers as a study gives them, one rule for all sections: a bare one is in SI, a text is read with its unit."""
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
 from pydantic import ValidationInfo
 
+from solver import units
 from solver.units import in_si
 from workflow.language.expressions import units_of
 from workflow.language.factors import FACTORS, own_kind
@@ -44,6 +46,7 @@ _USUAL: dict[str, tuple[float, float, str]] = {
     "hold": (1e-9, 1e9, "ms"),
 }
 _IMPLAUSIBLE = 1e9  # times the largest: no unit makes a number of it
+_SIZE = re.compile(r"\s*(?P<value>\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)\s*(?P<unit>.*?)\s*")
 
 
 class UnitlessError(ValueError):
@@ -105,3 +108,22 @@ def _read(name: str, value: Any, place: tuple[str, ...], context: object) -> Any
             key: _read(name, item, (*place, key), context) if key in _NUMBERS else item for key, item in value.items()
         }
     return value
+
+
+def size(name: str, text: str) -> tuple[float, float]:
+    """A size of a quantity or factor: its absolute part in SI, and its share of the value."""
+    match = _SIZE.fullmatch(units.plain(text.strip().removeprefix("±").removeprefix("+-")))
+    if match is None or not float(match["value"]) > 0:
+        raise ValueError(f"{text!r} is not a positive number with a unit, as '2 V' or '0.5 %'")
+    unit = units.parse(match["unit"])
+    if match["unit"] == "%":
+        return 0.0, float(match["value"]) * unit.scale
+    if match["unit"] and not unit.fits(units.parse(units_of(name))):
+        raise ValueError(f"unit mismatch: {text!r} for a number in {units_of(name)}")
+    return float(match["value"]) * unit.scale, 0.0
+
+
+def told(name: str, text: str) -> str:
+    """A size as people write it."""
+    absolute, _ = size(name, text)
+    return shown(absolute, units_of(name)) if absolute else text.strip()

@@ -1,4 +1,6 @@
-"""Titles of names on pages and in messages, and old names of quantities."""
+"""Titles of names on pages and in messages, old names of quantities, and words for how a source is known."""
+
+import re
 
 #: What names are called whose words alone do not say it.
 TITLES = {
@@ -44,3 +46,18 @@ RENAMED = {
     "contact_permeance": "permeance",
     "contact_capacitance_at_force": "capacitance_at_force",
 }
+_NOT_READ = re.compile(r"\b(recalled|not read|somebody's code)\b")  # words of sources
+_YEAR = re.compile(r"\b(19|20)\d\d\b")
+_FORMULA = tuple("=+-@\t\r")  # with which a spreadsheet begins to calculate
+
+
+def unverified(source: str) -> str:
+    """A mark for a source that says itself that it was not read, or that has no year."""
+    if _NOT_READ.search(source):
+        return " (unverified: not read at its source)"
+    return "" if _YEAR.search(source) else " (unverified: no dated source)"
+
+
+def plain(cell: object) -> object:
+    """A cell of CSV: a text that a spreadsheet would calculate stands behind an apostrophe."""
+    return f"'{cell}" if isinstance(cell, str) and cell[:1] in _FORMULA else cell

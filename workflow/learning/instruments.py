@@ -48,11 +48,7 @@ class Instrument:
 def shown(
     instruments: list[Instrument], model: GaussianProcess, rows: Measurements, z: Array, mean: Array, slopes: Array
 ) -> tuple[Array, Array]:
-    """Return the readings of true means, (n,), and their derivatives by constants and instruments, (n, k + m).
-
-    z: (m,), scaled values of the instruments; mean: (n,), the true means, SI; slopes: (n, k), derivatives of the
-    true means by the constants.
-    """
+    """Readings of true means at scaled instruments, (n,), and slopes by constants and instruments, (n, k + m)."""
     gain, offset, columns = np.ones(len(mean)), np.zeros(len(mean)), []
     for instrument, value in zip(instruments, z.tolist(), strict=True):
         column = instrument.std * instrument.measures(model, rows) * (mean if instrument.gain else 1.0)

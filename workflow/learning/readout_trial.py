@@ -10,17 +10,14 @@ from surrogate.use.inversion import Inversion
 from workflow.dataset import factorial, holes
 from workflow.study.categories import output
 from workflow.study.model import Study
-from workflow.study.readout import Readout, error
 from workflow.study.refusals import REASON, REFUSAL
+from workflow.study.sections import Readout, error
 
 _LEVEL = NOMINAL  # of the intervals
 
 
 def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
-    """Infer random true cases from exact quantities with random errors of measurement.
-
-    Cases that solver or model have no answer to are left out.
-    """
+    """Infer random true cases that solver and model answer from exact quantities with random errors of measurement."""
     random = np.random.default_rng((study.validation.seed, 2))
     inputs = [input_ for input_ in factorial.inputs(study) if input_.name in readout.infer]
     names = list(readout.measured)

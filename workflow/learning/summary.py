@@ -51,11 +51,7 @@ class Summary:
         model: GaussianProcess,
         nominal: Array,
     ) -> Self:
-        """Return the results as plain data.
-
-        single: (k,), whether it is a single constant beside its family; nominal: (n,), its means at the measured
-        values.
-        """
+        """Results as plain data, with marks of single constants, (k,), and means at the measured values, (n,)."""
         constants, count = _constants(posterior, unknown), len(np.unique(rows.row))
         content = {
             "rows": count,

@@ -45,10 +45,7 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
 
 
 def _half_planes(study: Study, points: dict[str, xr.DataArray], with_holes: bool) -> dict[str, float]:
-    """Exact cases of a half-plane: of the factorial, at points over ``case``, and one alone.
-
-    Of a factorial with holes a case costs what it costs at points.
-    """
+    """Exact half-plane cases over ``case``, of the factorial or at points if it has holes, and one case alone."""
     first = {name: array[0] for name, array in points.items()}
     count = len(next(iter(points.values()))) * len(study.combinations)
     scattered = seconds(lambda: factorial.exact(study, points)) / count

@@ -1,22 +1,24 @@
 """Training and validation of the surrogate on exact cases."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 
+from approximation.arrays import Array, Flags
 from storage.described import described
 from surrogate import CrossGP, GaussianProcess, GridGP, GroupedGP
 from surrogate.data.inputs import unit_coordinates
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.data.points import EVEN
 from surrogate.face.region import Region
+from surrogate.gp import imputation
 from surrogate.intervals.sharing import sharing
 from surrogate.levels import counts, lines
 from surrogate.transforms.transformed import groups_of
 from surrogate.use import feasibility, validation
 from workflow.dataset import batches, factorial, holes
-from workflow.learning import curves, imputation
+from workflow.learning import curves
 from workflow.run.joblog import log
 from workflow.study.model import Study
 from workflow.study.refusals import REASON, REFUSAL
@@ -42,7 +44,7 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     study : Study
     quantities : Dataset, over the axes and categories, or over the crossed places
     """
-    data, by = imputation.imputed(study, curves.training_data(study, quantities)), None
+    data, by = imputed(study, curves.training_data(study, quantities)), None
     if study.groups:
         data = factorial.with_factors(study, data)
         by = factorial.grouping(study, data)
@@ -92,7 +94,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     points, cases, refused = answered(study, cases, model)
     cases, quantities = (
         factorial.training_data(study, cases),
-        imputation.imputed(study, factorial.training_data(study, quantities)),
+        imputed(study, factorial.training_data(study, quantities)),
     )
     by = groups_of(model)
     reduced = factorial.scaled(study, quantities, by)
@@ -173,3 +175,58 @@ def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases:
     region = feasibility.learn(t[:, inside], refused[inside], even[inside], groups[inside], which, reasons)
     log.info("%.2g %% of the cases are refused; %s", 100 * region.refused, "; ".join(reasons[:3]))
     return region
+
+
+def imputed(study: Study, data: xr.Dataset) -> xr.Dataset:
+    """Return training data with NaN filled in; data without NaN, and of no factorial, are unchanged.
+
+    The kernels are fitted to the quantities, and fill in curves too. Of a study with groups, quantities of one sign are
+    filled in by their logarithms, so that they keep the sign.
+    """
+    if study.crossed:
+        return data
+    holes = {str(name): _missing(study, array) for name, array in data.data_vars.items()}
+    if not any(flags.any() for flags in holes.values()):
+        return data
+    axes = list(study.axes)
+    plain = {str(name): array.transpose(*axes) for name, array in data.data_vars.items() if set(array.dims) == {*axes}}
+    signs = {name: _sign(array.values) if study.groups else 0 for name, array in plain.items()}
+    bent = xr.Dataset({name: np.log(array * signs[name]) if signs[name] else array for name, array in plain.items()})
+    coords = {name: data[name].values for name in axes}
+    filled, model = imputation.filled(
+        lambda: GridGP(factorial.axis_inputs(study)),
+        bent.assign_coords(coords),
+        {name: holes[name] for name in plain},
+    )
+    values = {name: np.exp(filled[name].values) * signs[name] if signs[name] else filled[name].values for name in plain}
+    return data.assign(
+        {name: (plain[name].dims, array, data[name].attrs) for name, array in values.items()}
+        | {
+            str(name): (array.dims, _filled(model, array, axes, holes), array.attrs)
+            for name, array in data.data_vars.items()
+            if name not in plain
+        }
+    )
+
+
+def _missing(study: Study, array: xr.DataArray) -> Flags:
+    """Return whether each place of the axes is missing."""
+    extra_dims = [dim for dim in array.dims if dim not in study.axes]
+    return np.asarray(array.isnull().any(extra_dims).transpose(*study.axes).values)
+
+
+def _filled(model: GridGP, array: xr.DataArray, axes: list[str], holes: Mapping[str, Flags]) -> Array:
+    """Curves with what the process expects where they are missing."""
+    ordered = array.transpose(*axes, ...)
+    values, flags = ordered.values.copy(), holes[str(array.name)]
+    if flags.any():
+        columns = values.reshape(*flags.shape, -1)
+        offset = columns[~flags].mean(axis=0)
+        columns[flags] = imputation.expected(model.factors_, columns - offset, flags) + offset
+        values = columns.reshape(values.shape)
+    return np.asarray(xr.DataArray(values, dims=ordered.dims).transpose(*array.dims).values)
+
+
+def _sign(values: Array) -> int:
+    known = values[~np.isnan(values)]
+    return int(np.sign(known[0])) if (known > 0).all() or (known < 0).all() else 0

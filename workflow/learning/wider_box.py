@@ -48,10 +48,7 @@ def lines(study: Study, wider: Mapping[str, tuple[float, float]]) -> str:
 
 
 def made(study: Study, target: Target, wider: Mapping[str, tuple[float, float]]) -> Study:
-    """The study with wider ranges, and of its outputs what a target asks for.
-
-    The levels of an axis, a factor or a group of factors, grow with its range, on its own scale.
-    """
+    """Return the study with wider ranges, levels in proportion, and those of its outputs that a target needs."""
     if study.open:
         raise InputError(f"design: the ranges are wider than the study's, whose levels are open; {lines(study, wider)}")
     axes = {name: _widened(axis, *wider.get(name, (axis.low, axis.high))) for name, axis in study.factors.items()}

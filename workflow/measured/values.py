@@ -8,7 +8,7 @@ import xarray as xr
 
 import solver
 from solver import Material
-from workflow.study.measurement import ModelQuantity, ModelValue
+from workflow.study.sections import ModelQuantity, ModelValue
 
 Case = Mapping[str, float | str]
 _ROUNDING = 1e-12  # relative difference that is none

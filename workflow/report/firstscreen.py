@@ -1,27 +1,30 @@
-"""First screen of the page: for each target a drawing to scale and the answer in plain sentences."""
+"""First screen of the page: for each target a drawing to scale and the answer in sentences; cards of presses."""
 
+import math
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from markupsafe import Markup
 
 from solver import find
 from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, CHOICES, COMPOSITES, FORMULAS, MIXTURES, PROFILES
 from solver.stack.layers import RIGID
+from workflow.design.verdict import linearity
 from workflow.design.verdict.answer import Answer
 from workflow.design.verdict.term import Term
 from workflow.design.wording import asides
 from workflow.design.wording.words import UNREACHABLE, Verdict, verdict
 from workflow.language import titles
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import number
+from workflow.language.numbers import number, shown
 from workflow.language.titles import capital, listed
-from workflow.report import device, other_surroundings
+from workflow.report import device, exact
 from workflow.report.svg import element
-from workflow.study import coupling
+from workflow.study import coupling, signal_case
 from workflow.study.model import Study
 from workflow.study.target import Target
 
@@ -71,7 +74,7 @@ def answered(
     moving = {str(row["name"]) for row in on_datum if row["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
     why = (judged.beyond, judged.advice, judged.idle, judged.tolerance or cost(answer), judged.device, _sure(answer),
-           asides.spread(answer), other_surroundings.told(around), judged.sources)  # fmt: skip
+           asides.spread(answer), exact.told(around), judged.sources)  # fmt: skip
     title = study.titles[name]
     return Screen(
         name=name,
@@ -254,3 +257,62 @@ def unbroken(text: str) -> str:
 def _share(part: float) -> str:
     """Share in percent; a very small one as "less than"."""
     return f"{number(100 * part, 2)} %" if part > _LITTLE else f"less than {number(100 * _LITTLE, 1)} %"
+
+
+@dataclass(frozen=True)
+class Card:
+    """Card of a contact that is solved as it is, not searched."""
+
+    title: str
+    on: str  # the contact within a sentence
+    build: str
+    does: str
+    stops: str
+    doubt: str  # constants that the library marks as doubtful
+    good: bool  # no limit of materials and theory is exceeded
+    drawing: Markup  # to scale
+
+
+def card(study: Study, signal: Mapping[str, float], held: Mapping[str, float]) -> Card:
+    """Return the card of the contact that the study's section ``signal`` names."""
+    signal_study = signal_case.of(study)
+    case = {**signal_study.fixed, signal_study.kind.loads.force: signal["force"]}
+    built = in_words(signal_study, case)
+    numbers = {name: np.array([value]) for name, value in held.items()}
+    sizes = [np.array([float(case[name])]) if name in case else None for name in ("radius", "thickness")]
+    beyond = [*linearity.beyond(signal_study, numbers), *linearity.beyond_small_strain(signal_study, numbers, *sizes)]
+    nearest = linearity.nearest(signal_study, numbers)
+    share = f"{nearest.words} is {number(100 * nearest.share, 2)} % of the {nearest.at_most}" if nearest else ""
+    stops = [*(words for words, _ in beyond)] or [share] * bool(share)
+    stops.append(f"forces below {shown(signal['noise_force'], 'N', 2)} are lost in the noise")
+    title = signal_study.title or f"{capital(punch_in_words(case))}, read by its amplifier"
+    return Card(
+        title=title,
+        on=unbroken(f"the contact beside the designs ({built})"),
+        build=unbroken(built),
+        does=unbroken(
+            f"{shown(signal['force'], 'N', 3)} gives a charge of "
+            f"{_banded(signal, 'contact_charge', 'charge_spread', 'C')} and "
+            f"{_banded(signal, 'output', 'output_spread', 'V')} at the output{_fading(signal['time_constant'])}"
+        ),
+        stops=unbroken(f"{capital('; '.join(stops))}."),
+        doubt=doubted(signal_study),
+        good=not beyond,
+        drawing=element(
+            device.draw(of_case(signal_study, case, held), built),
+            "device-beside",
+            f"{title}, drawn to scale: {built}",
+        ),
+    )
+
+
+def _banded(signal: Mapping[str, float], name: str, spread: str, units: str) -> str:
+    """Size of a number with its spread by uncertain constants."""
+    return f"{shown(abs(signal[name]), units, 3)}{asides.band(signal[spread])}"
+
+
+def _fading(lasting: float) -> str:
+    """Decay of the output under a constant force, in words."""
+    if not math.isfinite(lasting):
+        return ", which does not decay"
+    return f"; under a constant force the output decays with a time constant of {shown(lasting, 's', 2)}"

@@ -19,8 +19,7 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, in_words, title
 from workflow.learning.timing import by_quantity
-from workflow.report import firstscreen, problem, ranked, sections, sentences, signal_card, tables, tornado, whatif
-from workflow.report.figures import design_figures
+from workflow.report import firstscreen, problem, ranked, sections, sentences, tables, whatif
 from workflow.report.svg import element, inlined
 from workflow.study import coupling
 from workflow.study.datum import HANGING, length
@@ -67,7 +66,7 @@ def page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.globals |= {"figures_of": design_figures.names}
+    environment.globals |= {"figures_of": ranked.names}
     environment.filters |= {
         "number": number,
         "seconds": _seconds,
@@ -143,9 +142,9 @@ def page(
         content["whatif_json"] = whatif.as_json(content["whatif"])
     if study.signal:
         content["signal"] = pressed = tables.signal(folder)
-        content["beside"] = signal_card.card(study, pressed, pressed["held"]) if study.signal.case else None
+        content["beside"] = firstscreen.card(study, pressed, pressed["held"]) if study.signal.case else None
     if study.effects:
-        drawn = tornado.draw(ranked.spans(content["effects_table"]))
+        drawn = ranked.draw(ranked.spans(content["effects_table"]))
         content["spans"] = element(drawn, "spans", "what each factor changes, the strongest first", 1.6)
     content["says"] = _says(study, folder, content)
     content |= {"parts": sections.standing(content), "page": content}

@@ -166,7 +166,7 @@ PARTS = (
                 "readout.html.j2",
                 "Read-out",
                 lambda page: page["readouts"],
-                (Figure("readout_{name}", "readout/{name}.nc", "readout_intervals.figure", "read-out", _readouts),),
+                (Figure("readout_{name}", "readout/{name}.nc", "measured_rows.readout", "read-out", _readouts),),
             ),
             Section(
                 "signal.html.j2",
@@ -246,7 +246,7 @@ PARTS = (
                     Figure(
                         "decay",
                         _VALIDATION,
-                        "coefficients.figure",
+                        "surrogate_errors.coefficients",
                         "decay of the coefficients",
                         _factorial,
                         _QUANTITIES,
@@ -254,7 +254,7 @@ PARTS = (
                     Figure(
                         "residuals", _VALIDATION, "surrogate_errors.residuals", "residuals", _factorial, _QUANTITIES
                     ),
-                    Figure("intervals", _VALIDATION, "coverage.figure", "intervals", _factorial, _QUANTITIES),
+                    Figure("intervals", _VALIDATION, "surrogate_errors.coverage", "intervals", _factorial, _QUANTITIES),
                 ),
             ),
             Section("surface.html.j2", "Fields", lambda page: page["surface"]),

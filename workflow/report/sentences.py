@@ -10,7 +10,7 @@ from workflow.design.wording.words import UNREACHABLE, Verdict, unread
 from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, listed
-from workflow.report.tornado import Chart
+from workflow.report.ranked import Chart
 from workflow.study import coupling
 from workflow.study.categories import parted, titled
 from workflow.study.model import Study

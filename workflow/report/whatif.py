@@ -227,10 +227,7 @@ def closed_pressure(study: Study, combination: Combination) -> bool:
 
 
 def drawn_body(study: Study, combination: Combination) -> dict[str, Any]:
-    """The punch and its body in a combination of the categories, as :class:`workflow.report.device.Device` has them.
-
-    ``size`` and ``thickness`` are numbers, or names of the factors that give them.
-    """
+    """Punch and body of a combination of categories, as `report.device.Device`; lengths or names of factors."""
     case = {**study.fixed, **combination, **inner(study)}
     drawn = firstscreen.of_case(study, case, dict.fromkeys(study.kind.ends, 1.0))
     size, pressing = PROFILES[drawn.profile].needs[-1], study.kind.loads.force
@@ -258,10 +255,7 @@ def drawn_body(study: Study, combination: Combination) -> dict[str, Any]:
 
 
 def charts(study: Study, model: GaussianProcess | None) -> dict[str, Any]:
-    """The charts under the punch, and the surrogate that feeds them where there is one in plain data.
-
-    Without one, circular punches on half-planes have their pressure in closed form.
-    """
+    """Charts under the punch and their surrogate as plain data; circular punches on half-planes need no surrogate."""
     known = model is not None and not study.categories and "pressure_exponent" in study.outputs
     stored = exported(model) if known and model is not None else None
     pressure = any(closed_pressure(study, combination) for combination in study.combinations)

@@ -10,7 +10,7 @@ from itertools import count
 from workflow.dataset import batches, casecache
 from workflow.design.wording import unreached
 from workflow.report import sections as page_sections
-from workflow.run import crate, lock, provenance, sources
+from workflow.run import lock, provenance, sources
 from workflow.run.interpreter import quote_interpreter
 from workflow.study import configuration, coupling, location, partition, planned
 from workflow.study import model as studies

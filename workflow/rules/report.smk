@@ -65,7 +65,7 @@ rule provenance:
         results_of,
     output:
         provenance="results/{study}/provenance.json",
-        crate=expand("results/{{study}}/{file}", file=[crate.METADATA, crate.WORKFLOW, crate.STUDY]),
+        crate=expand("results/{{study}}/{file}", file=[provenance.METADATA, provenance.WORKFLOW, provenance.STUDY]),
     params:
         title=lambda wildcards: study_of(wildcards).title,
         last=lambda wildcards: study_of(wildcards).final_files,

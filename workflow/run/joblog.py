@@ -18,10 +18,7 @@ log = logging.getLogger("meecontact")
 
 
 def start(script: Mapping[str, Any]) -> "Snakemake":
-    """The job of a script, by its ``globals()``: Snakemake's with its log, or a stand-in for a script that runs alone.
-
-    Alone it takes the file to make as its argument, and logs to the terminal: see `workflow.run.standin`.
-    """
+    """Return Snakemake's job of a script from its ``globals()``, with its log; a stand-in if it runs alone."""
     if "snakemake" in script:
         job: Snakemake = script["snakemake"]
         _log_to(job.log[0])

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from storage.files import write_text
-from workflow.dataset import croissant, datacard, levels
+from workflow.dataset import datacard, levels
 from workflow.run import joblog
 from workflow.study import planned
 
@@ -17,4 +17,4 @@ times = [Path(snakemake.log[0]).with_name(kind) / f"{slab.stem.removeprefix('sla
 card = datacard.card(config, name, slabs, times)
 write_text(Path(snakemake.output.json), json.dumps(card, indent=1) + "\n")
 write_text(Path(snakemake.output.markdown), datacard.markdown(card))
-write_text(Path(snakemake.output.croissant), json.dumps(croissant.croissant(card), indent=1) + "\n")
+write_text(Path(snakemake.output.croissant), json.dumps(datacard.croissant(card), indent=1) + "\n")

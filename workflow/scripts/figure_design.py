@@ -5,8 +5,8 @@ from pathlib import Path
 
 from storage.files import write_text
 from workflow.design.verdict import netcdf
-from workflow.report import ranked, tornado
-from workflow.report.figures import design_figures, design_plots, style
+from workflow.report import ranked
+from workflow.report.figures import design_plots, style
 from workflow.run import joblog
 from workflow.study import coupling, planned
 
@@ -17,8 +17,8 @@ folder = Path(snakemake.output[0])
 folder.mkdir(exist_ok=True)
 answer = netcdf.read(Path(snakemake.input[0]))
 answer = replace(answer, pictures=coupling.kept(answer.pictures, snakemake.params.felt))
-if "bars" in design_figures.names(target):
-    bars = tornado.draw(ranked.elasticities(answer))
+if "bars" in ranked.names(target):
+    bars = ranked.draw(ranked.elasticities(answer))
     write_text(folder / f"bars_{snakemake.wildcards.name}.svg", bars)
 for name, figure in design_plots.figures_of(answer, target).items():
     style.save(figure, folder / f"{name}_{snakemake.wildcards.name}.svg")

@@ -4,10 +4,10 @@ from pathlib import Path
 
 from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole, write_whole
-from workflow.dataset import quantities
+from workflow.dataset.slabs import gather
 from workflow.run import joblog
 from workflow.study.refusals import REASON, REFUSAL
 
 snakemake = joblog.start(globals())
 slabs = [read_whole(Path(slab), names=[*ALL_QUANTITIES, REFUSAL, REASON]) for slab in snakemake.input]
-write_whole(quantities.gather(slabs), Path(snakemake.output[0]))
+write_whole(gather(slabs), Path(snakemake.output[0]))

@@ -17,11 +17,9 @@ _INSTEAD = (
 
 
 def study(config: Mapping[str, Any], entries: Iterable[str] | None) -> str:
-    """Return the study that a configuration names, the quickstart by default; InputError for any other content.
-
-    `entries` are the arguments of ``--config`` as they were written: Snakemake lets the last of two equal keys win.
-    """
+    """Study that a configuration names, the quickstart by default; InputError for any other content."""
     check_keys("config", config)
+    # the arguments of --config as they were written: Snakemake lets the last of two equal keys win
     written = [entry for entry in entries or () if entry.partition("=")[0] == KEY]
     if len(written) > 1:
         raise InputError(f"config: {' '.join(written)}: {KEY} is given {len(written)} times; must be given once")
@@ -44,10 +42,7 @@ def check_keys(where: str, config: object) -> None:
 
 
 def check_profiles(arguments: Sequence[str]) -> None:
-    """Raise InputError where a profile of a Snakemake command holds configuration that is not read.
-
-    Snakemake drops the ``config`` of a profile, without a word, where the command line has one.
-    """
+    """Raise InputError for a profile with configuration: Snakemake drops it silently behind the command line's."""
     for file in _profiles(arguments):
         content = _content(file)
         if (config := content.get("config")) is not None:

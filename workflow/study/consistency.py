@@ -6,7 +6,7 @@ from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, OF_A_FI
 from workflow.language.factors import FACTORS
 from workflow.study import signal_case
 from workflow.study.contents import Contents
-from workflow.study.readout import Readout
+from workflow.study.sections import Readout
 from workflow.study.target import Target
 
 _OF_FILMS = {*OF_A_FILM, *EVERY_FILM_QUANTITY}

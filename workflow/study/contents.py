@@ -21,9 +21,8 @@ from workflow.language.factors import FACTORS
 from workflow.study import grouped, layered
 from workflow.study.allowable import MADE_OF, Allowable, allowable
 from workflow.study.categories import Combination, combinations, output
-from workflow.study.device import Device
 from workflow.study.keys import PHYSICS, Keys, Origin, digest
-from workflow.study.sections import Axis
+from workflow.study.sections import Axis, Device
 from workflow.study.target import Target
 
 
@@ -112,10 +111,7 @@ class Contents(Keys):
 
     @property
     def axes(self) -> dict[str, Axis]:
-        """The axes of the factorial in the order of its data set: the factors, or the groups that take their place.
-
-        Axes that need tables of films come first, so that a block of cases needs few tables.
-        """
+        """Axes of the factorial: factors or groups, those with film tables first, so that blocks need few tables."""
         axes = grouped.axes(self.groups, self.factors, self.numbers) if self.groups else self.factors
         return {name: axes[name] for name in dict.fromkeys([*self.tabled, *axes]) if name in axes}
 
@@ -133,11 +129,7 @@ class Contents(Keys):
 
     @property
     def crossed(self) -> list[str]:
-        """The axes in which a cross approximation asks for places; none where the whole factorial is solved.
-
-        These are the axes that need tables of films, or else all. The axes with the most levels come first: ranks are
-        small there.
-        """
+        """Axes of a cross approximation, those with film tables or all, most levels first; none if not crossed."""
         method, axes = self.surrogate.method, self.axes
         if method == "factorial" or (method == "auto" and self.cases <= self.dataset.budget):
             return []
@@ -199,10 +191,7 @@ class Contents(Keys):
 
     @property
     def added(self) -> frozenset[str]:
-        """Quantities to which the logarithm of the datum is added exactly: the depth, where a film has groups.
-
-        Under an elastic punch there are none: the depth has a second logarithm then, that of the punch's own datum.
-        """
+        """Quantities to which the datum's logarithm is added exactly: the depth with groups, on a rigid punch."""
         alone = self.kind.datum == "by_base" and not self.elastic
         return frozenset({"depth"} if alone else set()) & self._hanging
 

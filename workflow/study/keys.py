@@ -11,11 +11,19 @@ from pydantic import Field
 
 from solver import Material
 from workflow.study import layered
-from workflow.study.device import Device
-from workflow.study.measurement import Measurement
-from workflow.study.pressing import Pressing
-from workflow.study.readout import Readout
-from workflow.study.sections import Axis, DataSet, Effects, Group, Surrogate, Validation, Verification
+from workflow.study.sections import (
+    Axis,
+    DataSet,
+    Device,
+    Effects,
+    Group,
+    Measurement,
+    Pressing,
+    Readout,
+    Surrogate,
+    Validation,
+    Verification,
+)
 from workflow.study.target import Target
 from workflow.study.types import BY_FACTOR, CategoryName, FactorName, InputName, Number, Strict
 

@@ -112,10 +112,7 @@ def named(layers: Layers) -> list[str]:
 
 
 def tabled(layers: Layers) -> list[str]:
-    """Factors with a table of the solver for each value; a thickness that all layers share has none.
-
-    By dimension only the ratios of the thicknesses need tables of their own (`solver.line.similar`).
-    """
+    """Factors with solver tables for each value; only ratios of thicknesses need them, not a shared thickness."""
     shared = {layer.thickness for layer in layers}
     return [name for name in named(layers) if shared != {name}]
 

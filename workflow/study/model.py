@@ -18,8 +18,7 @@ from workflow.study.consistency import check_quantities
 from workflow.study.contents import Contents
 from workflow.study.keys import Origin
 from workflow.study.location import location
-from workflow.study.messages import first_problem
-from workflow.study.reading import InputError, read_material, read_yaml
+from workflow.study.reading import InputError, first_problem, read_material, read_yaml
 from workflow.study.solvable import (
     check_contact,
     check_fields,

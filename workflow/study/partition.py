@@ -13,11 +13,7 @@ MOST, USUAL = 8, 4
 
 
 def count(study: Study) -> int:
-    """Number of slabs: what the study asks for, or one for each job that cores and memory let run at once.
-
-    At most one a level of the first axis; of a cross approximation, those of a batch. The cores and the memory are this
-    machine's (or what the process may use); on a cluster the study should say it.
-    """
+    """Number of slabs, at most one a level of the first axis: as requested, or what cores and memory allow."""
     if study.crossed:
         return study.dataset.slabs or max(1, _at_once())
     first = next(iter(study.axes.values()), None)

@@ -67,10 +67,7 @@ def answered(solved: Solved, factors: Mapping[str, Any], most: float = np.inf) -
 def refused(
     solved: Callable[[Mapping[str, Any]], object], factors: Mapping[str, Any], reason: FactorError
 ) -> tuple[dict[str, Any], FactorError]:
-    """The factors of one case that the solver refuses among many, and why; none where it refuses them together only.
-
-    It is looked for by halves, which takes twice as long as all cases together.
-    """
+    """Return factors and reason of one refused case, searched by halves; None if cases are refused only together."""
     cases = {name: labelled(name, value) for name, value in factors.items()}
     parts = _parts(solved, cases, _everywhere(cases), reason, FactorError)
     for region, part in parts:

@@ -20,10 +20,7 @@ def middles(study: Contents) -> dict[str, float]:
 
 
 def factors(study: Contents, axes: Mapping[str, Array | xr.DataArray]) -> dict[str, xr.DataArray | float]:
-    """Factors of the cases over the axes of a study with groups.
-
-    Every axis varies the first factor of its product, all others are in the middle of their ranges.
-    """
+    """Factors of cases over a study's group axes: an axis varies its first factor, others stay in the middle."""
     leads = grouped.leads(study.products.values(), study.factors)
     values: dict[str, Any] = {name: value for name, value in middles(study).items() if name not in leads.values()}
     values |= {name: value for name, value in study.numbers.items() if name not in study.factors}

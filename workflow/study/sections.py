@@ -1,12 +1,36 @@
-"""The parts of a study: axes, data set, surrogate, validation, effects and verification."""
+"""The parts of a study: axes, data set, surrogate, effects, verification, read-outs, device, presses, measurements."""
 
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationInfo,
+    model_serializer,
+    model_validator,
+)
+from scipy.constants import Boltzmann
 
+from solver import find
+from solver.described import Contact
 from solver.names import CHOICES, COMPOSITES, OF_A_FILM, PROFILES
-from workflow.study.types import BY_FACTOR, FieldName, Given, InputName, Number, QuantityName, Strict, Vector
+from workflow.language.constants import DEVICE
+from workflow.language.given import number, size
+from workflow.study.categories import Combination
+from workflow.study.types import (
+    BY_FACTOR,
+    FactorName,
+    FieldName,
+    Given,
+    InputName,
+    Number,
+    QuantityName,
+    Strict,
+    Vector,
+)
 
 #: Most cases of a factorial.
 MOST_CASES = 20_000_000
@@ -25,6 +49,13 @@ CHECK_GROUPS = (
 )  # fmt: skip
 #: Those with convergence curves.
 CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements", "film_air", "points")
+#: What the model can be asked for; ``workflow.measured.values`` has a function of each.
+ModelQuantity = Literal[
+    "charge_per_force", "clamped_d33", "free_d33", "indentation_exponent", "response_under_load",
+    "stiffness_under_charge", "layer_factor",
+]  # fmt: skip
+#: Units of measured values, in SI.
+UNITS = {"pC/N": 1e-12, "pm/V": 1e-12, "1": 1.0}
 
 
 class Axis(Strict):
@@ -238,3 +269,199 @@ class Verification(Strict):
     )
     timed: int = Field(4096, ge=100, le=1_000_000, description="cases of the closed form that are timed at once")
     seed: int = Field(1, ge=0, description="seed of the random cases")
+
+
+class Readout(Strict):
+    """Inference of factors from measured quantities, with 95 % intervals."""
+
+    measured: dict[QuantityName, str] = Field(
+        min_length=1, description="standard deviation of each measurement: '2 V', or '0.5 %' of the value"
+    )
+    infer: Annotated[list[FactorName], Field(min_length=1, max_length=3)] = Field(description="factors to infer")
+    at: dict[InputName, Number | str] = Field(default_factory=dict, description="the other factors")
+    cases: int = Field(500, ge=50, le=100_000, description="random true cases that the intervals are tried on")
+
+    @property
+    def combination(self) -> Combination:
+        """Categories held at a name."""
+        return {name: value for name, value in self.at.items() if isinstance(value, str)}
+
+    @property
+    def held(self) -> dict[str, float]:
+        """Factors held at a value."""
+        return {name: value for name, value in self.at.items() if not isinstance(value, str)}
+
+    @model_validator(mode="after")
+    def _readable(self) -> Self:
+        for name, text in self.measured.items():
+            error(name, text)
+        return self
+
+
+def error(quantity: str, text: str) -> tuple[float, float]:
+    """Standard deviation of a measurement: its absolute part in SI, and its share of the value."""
+    try:
+        return size(quantity, text)
+    except ValueError as problem:
+        raise ValueError(f"measured: {quantity}: {problem}") from None
+
+
+def _above(name: str, *, zero: bool = False) -> AfterValidator:
+    def check(written: float | str) -> float | str:
+        value = number(name, written)
+        if not (value >= 0 if zero else value > 0):
+            raise ValueError(f"{value:g} is not a finite number {'>=' if zero else '>'} 0 [{DEVICE[name].units}]")
+        return written
+
+    return AfterValidator(check)
+
+
+class Amplifier(Strict):
+    """Amplifier that reads the charge of the punch; numbers in SI, or with a unit, as ``10 pF``."""
+
+    input_capacitance: Annotated[Number | str, _above("input_capacitance")] = Field(description="of its input [F]")
+    input_resistance: Annotated[Number | str, _above("input_resistance")] | None = Field(
+        None, description="of its input [Ohm]; needed by time_constant"
+    )
+    cable_capacitance: Annotated[Number | str, _above("cable_capacitance", zero=True)] = Field(
+        0.0, description="of the cable [F]"
+    )
+    charge_noise: Annotated[Number | str, _above("charge_noise", zero=True)] | None = Field(
+        None, description="root mean square in its band, as a charge at its input [C]; needed by smallest_force"
+    )
+    voltage_noise: Annotated[Number | str, _above("voltage_noise", zero=True)] = Field(
+        0.0, description="root mean square in its band, as a voltage at its input [V]"
+    )
+    feedback_capacitance: Annotated[Number | str, _above("feedback_capacitance")] | None = Field(
+        None, description="of a charge amplifier, between its output and input [F]; without it, it reads the voltage"
+    )
+    feedback_resistance: Annotated[Number | str, _above("feedback_resistance")] | None = Field(
+        None, description="beside the feedback capacitance [Ohm]; infinite by default"
+    )
+    open_loop_gain: Annotated[Number | str, _above("open_loop_gain")] = Field(
+        1e6, description="of a charge amplifier without its feedback"
+    )
+
+
+class Device(Strict):
+    """Circuit that turns quantities into figures of a device; numbers in SI, or with a unit, as ``10 mm``."""
+
+    electrode_length: Annotated[Number | str, _above("electrode_length")] | None = Field(
+        None,
+        description="of the punch along its axis [m]: needed by a line, whose loads are per metre; a point has none",
+    )
+    drive_voltage: Annotated[Number | str, _above("drive_voltage")] | None = Field(
+        None, description="voltage that drives an actuator [V]"
+    )
+    amplifier: Amplifier | None = Field(None, description="what reads a sensor")
+    temperature: Annotated[Number | str, _above("temperature")] = Field(
+        293.15,
+        description="of the circuit [K], whose heat is noise: a charge whose square is k T times the capacitance",
+    )
+    resistivity: Annotated[Number | str, _above("resistivity")] | None = Field(
+        None, description="of the film [Ohm m], through which charge leaks; infinite by default"
+    )
+    loss_tangent: Annotated[Number | str, _above("loss_tangent", zero=True)] | None = Field(
+        None, description="of the film at loss_frequency, in place of its resistivity"
+    )
+    loss_frequency: Annotated[Number | str, _above("loss_frequency")] | None = Field(
+        None, description="at which the loss tangent was measured [1/s]"
+    )
+
+    def check(self, contact: Contact) -> None:
+        """Raise ValueError, in one line, unless lines have a length and points, whose forces are whole, have none."""
+        if contact == "line" and self.electrode_length is None:
+            raise ValueError("electrode_length: missing; must be a number with a unit [m]")
+        if contact == "point" and self.electrode_length is not None:
+            raise ValueError("electrode_length: a point contact has none: its forces and charges are whole")
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """Every number that is given, by its name in designs, in SI."""
+        written = {**dict(self), **dict(self.amplifier or {})}
+        numbers = {name: number(name, written[name]) for name in DEVICE if written.get(name) is not None}
+        energy, feedback = Boltzmann * numbers["temperature"], numbers.get("feedback_capacitance", 0.0)
+        # what a resistance discharges: all of a circuit, or a charge amplifier's feedback alone
+        return numbers | {"thermal_energy": 0.0 if feedback else energy, "feedback_heat": (energy * feedback) ** 0.5}
+
+
+def _read(name: str, units: str) -> BeforeValidator:
+    def positive(value: object, info: ValidationInfo) -> object:
+        if isinstance(value, str | int | float) and not isinstance(value, bool):
+            value = number(name, value, units, info.context)
+            if not 0 < value < float("inf"):
+                raise ValueError(f"{value:g} is not a finite number > 0 [{units}]")
+        return value
+
+    return BeforeValidator(positive)
+
+
+class Pressing(Strict):
+    """A punch, of a design or a separate one, is pressed, held and let go; numbers in SI or with a unit."""
+
+    title: str = Field("", max_length=200, description="above its card, of a contact of its own; made if empty")
+    design: str = Field("", description="the design target whose punch it is; empty: case")
+    case: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
+        default_factory=dict, description="all factors but the force, of a contact of its own in place of a design's"
+    )
+    device: Device | None = Field(None, description="what reads that contact; null: the study's")
+    force: Annotated[Number, _read("force", "N")] = Field(description="that is held [N]")
+    press: Annotated[Number, _read("press", "s")] = Field(
+        0.1, description="how long pressing takes, and letting go [s]"
+    )
+    hold: Annotated[Number, _read("hold", "s")] = Field(10.0, description="how long the force is held [s]")
+
+    @model_validator(mode="after")
+    def _of_one(self) -> Self:
+        if bool(self.design) == bool(self.case):
+            raise ValueError("design: is given beside a case" if self.design else "design: missing; or give a case")
+        if self.design and (self.device or self.title):
+            raise ValueError("case: missing; a design has the study's device, and its own title")
+        return self
+
+
+class ModelValue(Strict):
+    """Question to the model, whose answer is compared with a measurement."""
+
+    quantity: ModelQuantity = Field(description="what the model answers with")
+    case: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
+        min_length=1, description="factors of the case, among them a material"
+    )
+
+    @model_validator(mode="after")
+    def _of_a_material(self) -> Self:
+        if not isinstance(material := self.case.get("material"), str):
+            raise ValueError("case: material: missing; every value of the model is one of a material")
+        find(material)
+        return self
+
+
+class Measurement(Strict):
+    """One row: what was measured, and what the model says to it."""
+
+    of: str = Field(min_length=1, max_length=200, description="what was measured on what")
+    short: str = Field("", max_length=40, description="the same in some words, beside its row of the figure")
+    value: Number = Field(gt=0, description="measured value, in its unit")
+    error: Number | None = Field(None, gt=0, description="standard deviation of it; null: none is published")
+    error_is: str = Field("as published", description="where the error comes from")
+    unit: Literal["pC/N", "pm/V", "1"] = Field(description="unit of value and error")
+    model: list[ModelValue] = Field(
+        default_factory=list, max_length=4, description="the model's value; several, or none, of a row that is open"
+    )
+    rivals: list[ModelValue] = Field(
+        default_factory=list, max_length=4, description="values of other rules, which the row may rule out"
+    )
+    open: str = Field("", max_length=300, description="why the row cannot be told, whatever the numbers")
+    outside: str = Field("", max_length=300, description="what the model leaves out that the row shows")
+    note: str = Field("", max_length=500, description="what else a reader should know of the model's value")
+    source: str = Field(min_length=1, max_length=400, description="who measured it, and where it is printed")
+    read: Literal["abstract", "table", "quoted"] = Field(
+        "abstract", description="where the value was read: the abstract, a vendor's table, another publication"
+    )
+    decides: str = Field(min_length=1, max_length=300, description="what would decide the row")
+
+    @model_validator(mode="after")
+    def _told(self) -> Self:
+        if len(self.model) != 1 and not self.open:
+            raise ValueError(f"model: {len(self.model)} values; must be one, or `open` must say why the row is open")
+        return self

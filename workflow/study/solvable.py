@@ -107,10 +107,7 @@ def hanging_on_datum(study: Contents) -> frozenset[str]:
 
 
 def _on_punch(study: Contents) -> frozenset[str]:
-    """Quantities that depend on where an elastic punch rests: its radius, which strength changes and size does not.
-
-    Groups tell them only of cases that differ in size alone.
-    """
+    """Quantities that depend on an elastic punch's rest radius, which groups follow only for equal strength."""
     if not study.groups or not study.elastic:
         return frozenset()
     if _tells(study, {"strength": Weight(0.0, 1.0)}):

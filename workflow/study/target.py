@@ -13,7 +13,7 @@ from pydantic import Field, PrivateAttr, model_validator
 from workflow.language import statements, statistics
 from workflow.language.constants import CONSTANTS, Meeting
 from workflow.language.factors import FACTORS
-from workflow.language.sizes import size
+from workflow.language.given import size
 from workflow.study.types import BY_FACTOR, FactorName, Given, InputName, Interval, Number, Strict
 
 CUT = 3.0  # a normal distribution ends this many standard deviations from its mean

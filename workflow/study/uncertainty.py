@@ -110,10 +110,7 @@ def members(material: Material, family: str) -> list[str]:
 
 
 def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> Study:
-    """The study with its constants moved; MaterialError where no material is admissible there.
-
-    z: (k,), scaled values, standard normal a priori.
-    """
+    """Return the study with constants moved by z, (k,), standard normal; MaterialError if no material is admissible."""
     changed: dict[str, Material] = {}
     for constant, value in zip(constants, z, strict=True):
         if value:

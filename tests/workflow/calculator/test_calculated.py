@@ -14,8 +14,7 @@ from solver import Material
 from solver.material.library import materials
 from solver.material.punches import find_punch
 from workflow.calculator import films
-from workflow.calculator.library import library
-from workflow.calculator.page import script
+from workflow.calculator.page import library, script
 
 pytestmark = pytest.mark.needs("node")
 

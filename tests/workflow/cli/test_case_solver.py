@@ -9,9 +9,9 @@ import xarray as xr
 
 from solver import solve
 from storage.netcdf import read_whole, write_whole
-from workflow.cli import case_solver
+from workflow.cli import solve as case_solver
 from workflow.cli.casetable import read_cases
-from workflow.language.cells import plain
+from workflow.language.wordings import plain
 from workflow.study.reading import InputError
 
 # sorted, so that blocks of neighbours would take the solver other numbers of steps

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import surrogate
-from workflow.cli import main, predictions
+from workflow.cli import main, query
 
 
 @pytest.mark.parametrize(
@@ -22,7 +22,7 @@ from workflow.cli import main, predictions
     ],
 )
 def test_an_interval_is_shown_with_the_figures_that_it_has(numbers: tuple[float, float, float], expected: str) -> None:
-    assert predictions.shown(*numbers) == expected
+    assert query.shown(*numbers) == expected
 
 
 def test_query_says_that_a_surrogate_is_not_calibrated(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

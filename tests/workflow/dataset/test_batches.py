@@ -9,7 +9,8 @@ import pytest
 from storage.netcdf import read_whole, write_whole
 from surrogate import GridGP
 from tests.studies import edited, fitted, made, refusal
-from workflow.dataset import batches, datacard, draws, factorial, quantities
+from workflow.dataset import batches, datacard, draws, factorial
+from workflow.dataset.slabs import gather
 from workflow.learning import training
 from workflow.study.model import Study
 
@@ -61,13 +62,13 @@ def slabs(study: Study, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 
 
 def gathered(slabs: list[Path], path: Path) -> bytes:
-    write_whole(quantities.gather([read_whole(slab) for slab in slabs]), path)
+    write_whole(gather([read_whole(slab) for slab in slabs]), path)
     return path.read_bytes()
 
 
 def test_it_is_the_surrogate_of_the_whole_factorial(study: Study, slabs: list[Path]) -> None:
     assert study.crossed == ["lower_volume_fraction", "volume_fraction"]
-    crossed = training.fit(study, quantities.gather([read_whole(slab) for slab in slabs]))
+    crossed = training.fit(study, gather([read_whole(slab) for slab in slabs]))
     exact = factorial.training_data(study, factorial.exact(study, factorial.levels(study)))
     whole = GridGP(inputs=factorial.inputs(study), outputs=study.output_names, compression=1e-9).fit(exact)
     points = {name: values.values for name, values in draws.points(study, 200, (5,)).items()}
@@ -146,7 +147,7 @@ def test_any_study_whose_factorial_is_beyond_the_budget_takes_a_part_of_it(tmp_p
     study = made(text)
     assert sorted(study.crossed) == sorted(study.axes)
     files = run(study, tmp_path)
-    solved = quantities.gather([read_whole(file) for file in files])
+    solved = gather([read_whole(file) for file in files])
     model = training.fit(study, solved)
     plain = study.model_copy(
         update={"surrogate": study.surrogate.model_copy(update={"method": "factorial", "log": []})}

@@ -10,8 +10,8 @@ from surrogate.levels.counts import UnreachableError
 from tests.studies import edited, made
 from tests.workflow.conftest import Copy
 from workflow.dataset import factorial, levels
-from workflow.dataset import quantities as gathering
 from workflow.dataset import slabs as dataset
+from workflow.dataset import slabs as gathering
 from workflow.learning import training
 from workflow.study import partition
 from workflow.study.model import Study

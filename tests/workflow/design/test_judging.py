@@ -5,7 +5,8 @@ import pytest
 
 from tests.studies import shipped
 from tests.workflow.design import standin
-from workflow.design.verdict import assessment, linearity, merit, sensitivity
+from workflow.design.verdict import assessment, linearity, merit
+from workflow.design.verdict import assessment as sensitivity
 
 HERTZ = {"friction": 0.0}  # then the largest pressure goes as the root of load over radius
 AT = {"radius": 0.1, "load": 1e4}

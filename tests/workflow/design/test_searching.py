@@ -9,7 +9,7 @@ from surrogate.search.optimise import maximise
 from surrogate.search.pareto import Front
 from tests.workflow.design import standin
 from workflow.design.question.question import Question
-from workflow.design.search import front, landscape, polish, tolerances
+from workflow.design.search import front, polish, targets
 from workflow.design.search.candidate import Candidate
 from workflow.study.target import Target
 
@@ -40,12 +40,12 @@ def test_a_tolerance_costs_what_it_keeps_away_from_the_limit() -> None:
                     subject_to=["radius <= 100 mm"])  # fmt: skip
     candidate = standin.candidate(study, **target.model_dump())
     best = searched(candidate)
-    without = searched(standin.candidate(study, **tolerances.nominal(target).model_dump()))
+    without = searched(standin.candidate(study, **targets.without_tolerances(target).model_dump()))
 
     def other(target: Target) -> Question:
         return Question(study, target, candidate.question.predicted, candidate.question.exact, {"load": 1e4})
 
-    costs = tolerances.costs(best, without, other)
+    costs = targets.costs(best, without, other)
     assert float(best.design.variables["radius"][0]) == pytest.approx(0.1 / 1.05, rel=1e-9)
     assert costs.exact == pytest.approx(0.1, rel=1e-9)
     # the goal counts the least radius within the tolerance, 0.95 of the design's
@@ -72,7 +72,7 @@ def test_map_and_slices_are_the_terms_about_the_design() -> None:
     study = standin.study()
     limit = "trailing_tension <= 50 MPa"
     design = standin.design(study, AT, maximise="peak_pressure", over=["radius", "load"], subject_to=[limit])
-    pictures = landscape.landscape(design)
+    pictures = targets.map_and_slices(design)
     over = {"radius": pictures["map_x"].values[::20], "load": pictures["map_y"].values[::20]}
     exact = solve({**standin.FIXED, **over}).transpose(*over)
     np.testing.assert_allclose(pictures["map_objective"].values[::20, ::20], exact["peak_pressure"], rtol=1e-9)

@@ -16,11 +16,11 @@ from workflow.device import pressed
 from workflow.device.circuit import permittivity
 from workflow.device.contact import ContactCurves, film
 from workflow.language import numbers
+from workflow.report import firstscreen as report
 from workflow.report import sentences, tables
-from workflow.report import signal_card as report
 from workflow.report.figures import signal_in_time
 from workflow.study import signal_case
-from workflow.study.pressing import Pressing
+from workflow.study.sections import Pressing
 
 STUDY = """\
 title: A finger

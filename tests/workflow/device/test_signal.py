@@ -13,7 +13,7 @@ from workflow.device.circuit import Circuit, permittivity
 from workflow.device.contact import ContactCurves
 from workflow.device.signal import History, read
 from workflow.language import grammar
-from workflow.study.device import Device
+from workflow.study.sections import Device
 
 BALL: dict[str, Any] = {"profile": "sphere", "material": "BaTiO3", "radius": 5e-3}
 FILM = BALL | {"thickness": 1e-4, "surroundings": "insulated", "base": "rigid"}

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from solver import materials
-from workflow.language.evidence import unverified
+from workflow.language.wordings import unverified
 
 
 @pytest.mark.parametrize(

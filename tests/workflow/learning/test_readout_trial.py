@@ -10,10 +10,10 @@ from surrogate import GridGP
 from workflow.cli import questions
 from workflow.dataset import factorial
 from workflow.learning import readout_trial
-from workflow.study import readout
+from workflow.study import sections as readout
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
-from workflow.study.readout import Readout
+from workflow.study.sections import Readout
 
 
 @pytest.fixture(scope="module")

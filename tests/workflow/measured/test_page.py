@@ -11,8 +11,8 @@ from storage.netcdf import read_whole, write_whole
 from workflow.measured.comparison import Row, compared, dataset
 from workflow.report import sentences
 from workflow.report.figures import measured_rows
-from workflow.study.measurement import Measurement
 from workflow.study.reading import InputError
+from workflow.study.sections import Measurement
 
 
 @pytest.fixture(scope="module")

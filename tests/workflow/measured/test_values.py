@@ -7,7 +7,7 @@ import pytest
 
 from workflow.measured import values
 from workflow.measured.values import modelled
-from workflow.study.measurement import ModelQuantity, ModelValue
+from workflow.study.sections import ModelQuantity, ModelValue
 
 TIP: dict[str, Any] = {"profile": "sphere", "radius": 1e-6, "force": 1e-4}
 ELASTIC: dict[str, Any] = {"electric": "insulating", "magnetic": "insulating", "base": "rigid"}

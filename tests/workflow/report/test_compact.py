@@ -7,8 +7,7 @@ from xml.etree import ElementTree
 import matplotlib.pyplot as plt
 import numpy as np
 
-from workflow.report.figures.compact import compacted
-from workflow.report.figures.style import styled
+from workflow.report.figures.style import compacted, styled
 
 SVG = "{http://www.w3.org/2000/svg}"
 

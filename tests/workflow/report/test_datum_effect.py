@@ -11,7 +11,7 @@ from solver.halfplane.surface import HalfPlane
 from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
 from workflow.design.verdict import netcdf
-from workflow.report import datum_effect
+from workflow.report.exact import changes, of_design, singular_zone
 from workflow.study.datum import HANGING
 from workflow.study.model import load
 
@@ -21,7 +21,7 @@ HERE = HANGING - {"capacitance_at_load"}
 
 def test_changes_with_the_datum_are_those_of_the_exact_solver(ran: Project) -> None:
     study = load(ran.folder / "config/small.yaml")
-    rows = {row["name"]: row for row in datum_effect.changes(study)}
+    rows = {row["name"]: row for row in changes(study)}
     assert set(rows) == HERE
     middle = {"volume_fraction": 0.6, "friction": 0.25, "radius": 0.004**0.5, "load": np.sqrt(5e3 * 5e4)}
     for length, place in ((0.1, 0), (1.0, 1), (10.0, 2)):
@@ -42,19 +42,19 @@ def test_changes_with_the_datum_are_those_of_the_exact_solver(ran: Project) -> N
 def test_a_design_says_what_another_datum_makes_of_it(ran: Project) -> None:
     study = load(ran.folder / "config/small.yaml")
     answer = netcdf.read(ran.folder / "results/small/design/sensor.nc")
-    (row,) = datum_effect.of_design(study, study.design["sensor"], answer)
+    (row,) = of_design(study, study.design["sensor"], answer)
     assert row["name"] == "abs(voltage_per_load)"
     assert row["units"] == "V m N-1"
     assert row["values"][1] == pytest.approx(answer.terms[0].exact, rel=1e-9)
     assert row["values"][2] - row["values"][1] == pytest.approx(row["values"][1] - row["values"][0], rel=1e-9)
     other = netcdf.read(ran.folder / "results/small/design/impossible.nc")
-    assert datum_effect.of_design(study, study.design["impossible"], other) == []  # a stroke, under a tension
+    assert of_design(study, study.design["impossible"], other) == []  # a stroke, under a tension
 
 
 def test_conduction_outweighs_the_tension_in_the_zone_that_the_page_names(ran: Project) -> None:
     study = load(ran.folder / "config/small.yaml")
     answer = netcdf.read(ran.folder / "results/small/design/sensor.nc")
-    edge = datum_effect.singular_zone(study, answer)
+    edge = singular_zone(study, answer)
     assert edge is not None
     case = dict(answer.terms[1].worst)
     inside, outside = 1 - np.array([1.0, 25.0]) * edge["zone"] / edge["half"], [1 + 1e-9]

@@ -10,7 +10,7 @@ import solver
 from tests.studies import fitted, made, shipped
 from workflow.dataset import factorial
 from workflow.learning import timing
-from workflow.report import datum_effect, page, whatif
+from workflow.report import exact, page, whatif
 from workflow.study.datum import hanging
 from workflow.study.model import Study
 
@@ -62,7 +62,7 @@ def test_times_of_films_hold_their_tables_and_the_panel_knows_no_closed_form(
 
 
 def test_what_hangs_on_the_datum_is_said_of_the_base_where_it_does(study: Study) -> None:
-    rows = {row["name"]: row for row in datum_effect.changes(study)}
+    rows = {row["name"]: row for row in exact.changes(study)}
     assert all(name.endswith("[steel]") for name in rows)
     case = {
         **study.fixed,

@@ -16,7 +16,7 @@ from workflow.design.wording import asides
 from workflow.design.wording.words import verdict
 from workflow.language.numbers import shown
 from workflow.language.titles import title
-from workflow.report import datum_effect, device, exact, firstscreen, ranked, sentences, svg, tornado
+from workflow.report import device, exact, firstscreen, ranked, sentences, svg
 from workflow.report.device import Device
 from workflow.report.firstscreen import Case
 from workflow.report.svg import ACCENT, BAD
@@ -78,7 +78,7 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     study = load(ran.folder / "config/small.yaml")
     folder, target = ran.folder / "results/small/design", study.design["sensor"]
     answer = netcdf.read(folder / "sensor.nc")
-    moved = datum_effect.of_design(study, target, answer)
+    moved = exact.of_design(study, target, answer)
     screen = firstscreen.answered(study, "sensor", target, answer, exact.contact(study, answer), {}, moved)
     assert screen.reachable
     assert screen.title == "Largest voltage per load"
@@ -238,10 +238,10 @@ def test_the_strongest_factor_is_that_of_the_widest_span_of_the_table() -> None:
     ]
     charts = ranked.spans(rows)
     assert [[bar.name for bar in width.bars] for width in charts] == [["friction", "base"], ["friction"]]
-    drawn = tornado.draw(charts)
+    drawn = ranked.draw(charts)
     parts = svg.element(drawn, "spans", "what matters")
     assert [parts.count(width) for width in ('<div class="parts">', "<svg ", 'class="figure"')] == [1, 2, 2]
-    assert svg.element(tornado.draw(charts[:1]), "spans", "what matters").startswith("<svg ")
+    assert svg.element(ranked.draw(charts[:1]), "spans", "what matters").startswith("<svg ")
     assert re.findall(r'data-factor="(\w+)"', drawn) == ["friction", "base", "friction"]
     widths = [float(width) for width in re.findall(r'class="bar".*? width="([\d.]+)"', drawn)]
     assert widths[1] / widths[0] == pytest.approx(0.999 / 130, abs=0.01)

@@ -4,9 +4,9 @@ import pytest
 
 from tests.studies import shipped
 from workflow.language.numbers import shown
-from workflow.report import other_surroundings
-from workflow.study.device import Device
+from workflow.report import exact as other_surroundings
 from workflow.study.model import Study, load
+from workflow.study.sections import Device
 
 CASE = {"volume_fraction": 0.5, "friction": 0.0, "radius": 0.05, "load": 1e4}
 

@@ -158,10 +158,7 @@ def thinned(designs: Question, share: float) -> tuple[Question, dict[Key, Indice
 
 
 def corrected(designs: Question, counts: Array, columns: Mapping[Key, Indices]) -> Array:
-    """Values of all terms at designs, (n, terms), with some scenarios solved exactly.
-
-    counts: (n, terms), without costly cases.
-    """
+    """Values of all terms at designs, (n, terms): counts without costly cases, some scenarios solved exactly."""
     out = counts.copy()
     for drawn, indices in columns.items():
         chosen = designs.searched[drawn]

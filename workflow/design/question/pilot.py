@@ -117,11 +117,7 @@ def _divisors(expression: Expression) -> list[Expression]:
 def smooth_pieces(
     expression: Expression, sign: float, known: Mapping[str, Array], most: int = _PIECES
 ) -> list[Expression]:
-    """Smooth expressions whose least, times `sign`, is the expression times `sign` at all known points.
-
-    Where -abs(v) is maximised it is the least of v and -v: two smooth rows. A search with gradients would stop short
-    at the kink of one row.
-    """
+    """Smooth expressions whose least, times `sign`, is the expression times `sign`: gradients stop at kinks."""
     whole = sign * expression.evaluate(known)
     room = _ROUNDING * np.abs(whole).max()
     for kink in dict.fromkeys(node for node in expression.walk() if isinstance(node, Call)):

@@ -107,10 +107,7 @@ class Question:
 
     @cached_property
     def searched(self) -> dict[Key, Scenarios]:
-        """Scenarios of the search: corners under False, draws (where something is drawn) under True.
-
-        Scenarios of a deviation are stored under the factors over which it is taken.
-        """
+        """Scenarios of the search: corners (False), draws (True), and those of a deviation under its factors."""
         return self._scenarios(scenarios.SEARCHED, scenarios.DRAWN)
 
     @cached_property
@@ -207,10 +204,7 @@ class Question:
         return 1 << int(np.clip(np.log2(most / size), 7, 12))
 
     def problem(self, source: Source, safety: Array | None = None) -> Problem:
-        """The nonlinear program for the optimiser, with margins added to the relative excesses, (limit,).
-
-        Its rows are all terms, kinks split into smooth pieces, each over its own scenarios.
-        """
+        """The optimiser's program: all terms in smooth pieces over their scenarios, margins on excesses, (limit,)."""
         margins = np.zeros(len(self.terms))
         if safety is not None:
             margins[self.objectives :] = safety

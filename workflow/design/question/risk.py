@@ -60,10 +60,7 @@ class MeanDeviation(RiskMeasure):
 
 @dataclass(frozen=True)
 class Quantile(RiskMeasure):
-    """Quantile of the draws in every group, smooth in the values.
-
-    Source: F. E. Harrell and C. E. Davis, Biometrika 69 (1982) 635.
-    """
+    """Smooth quantile of the draws in every group (F. E. Harrell and C. E. Davis, Biometrika 69 (1982) 635)."""
 
     share: float
 

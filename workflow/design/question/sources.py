@@ -119,10 +119,7 @@ class Exact(Source):
         return ""
 
     def field_below(self, factors: Factors) -> float:
-        """Largest electric field below the middle of the contact, two half-widths deep, over all cases [V/m].
-
-        Below its edges, where a conducting punch ends, the field has no bound.
-        """
+        """Largest electric field below the contact's middle, two half-widths deep, over all cases [V/m]."""
         parts = ("electric_field_x", "electric_field_y")
         solved = self._study.solved(
             solve_interior, {**self._study.fixed, **_labelled(factors)}, [0.0], _DEPTHS, fields=parts

@@ -45,10 +45,7 @@ class Candidate:
         )
 
     def problem(self, source: Source, safety: Array | None = None) -> Problem:
-        """The question for the optimiser; several objectives as the compromise that the fronts normalise.
-
-        safety: (limits,), margins that are added to the relative excesses; None: zero.
-        """
+        """The optimiser's question with safety margins, (limits,); several objectives as the fronts' compromise."""
         problem = self.question.problem(source, safety)
         if self.normalisation is None:
             return problem
@@ -59,18 +56,12 @@ class Candidate:
         return replace(self, best=maximise(self.problem(source), scan=self.question.scan))
 
     def improved(self, source: Source, safety: Array) -> "Candidate":
-        """The best design near this one, with a safety margin to every limit.
-
-        safety: (limits,), relative margins.
-        """
+        """The best design near this one, with a safety margin to every limit; safety: (limits,), relative margins."""
         best = self.best
         return replace(self, best=improve(self.problem(source, safety), best.x, self.size(best.objective)))
 
     def retreated(self, source: Source, safety: Array) -> "Candidate":
-        """The nearest design behind the limits with their safety margins.
-
-        safety: (limits,), relative margins.
-        """
+        """The nearest design behind the limits with their safety margins; safety: (limits,), relative margins."""
         problem = self.problem(source, safety)
         return replace(self, best=replace(self.best, x=retreat(problem, self.best.x))).counted(source)
 

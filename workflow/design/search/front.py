@@ -53,10 +53,7 @@ def best_of(traced: Front, problem: Problem) -> Optimum:
 
 
 def verified(traced: Question, share: float = 1.0) -> xr.Dataset:
-    """The front of one choice solved again exactly; what breaks a limit is left out.
-
-    What is searched for, milliseconds a case, is solved in the scenarios that decide, for fewer designs if need be.
-    """
+    """Return the front solved exactly, costly cases in deciding scenarios; designs beyond a limit are left out."""
     designs, columns = budget.thinned(traced, share)
     wanted, sets = designs.objectives, designs.searched
     exact, guessed = (designs.count(source, sets) for source in (budget.affordable(designs), designs.predicted))

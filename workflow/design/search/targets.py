@@ -1,27 +1,30 @@
-"""Design: the best factors under limits, found on the surrogate, polished and judged on the exact solver."""
+"""Design: the best factors under limits, found on the surrogate, polished and judged exactly; tolerances' cost."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from approximation.arrays import Array
 from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
-from surrogate.search.optimise import Optimum, Problem
+from surrogate.search.optimise import Optimum, Problem, improve
 from surrogate.search.pareto import Front
 from workflow.design.question import budget
 from workflow.design.question.pilot import ask
 from workflow.design.question.question import Question
 from workflow.design.question.sources import Exact, Predicted
-from workflow.design.search import contact_fields, front, landscape, polish, tolerances
+from workflow.design.search import contact_fields, front, polish
 from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import Answer, Category, Choice, Tolerated
 from workflow.design.verdict.netcdf import SOURCE, SOURCE_OF_FILMS
 from workflow.design.verdict.term import ROUNDING
 from workflow.design.verdict.variable import Role
+from workflow.language.factors import FACTORS
 from workflow.study.categories import output
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -29,6 +32,13 @@ from workflow.study.target import Target
 
 #: By how much the margin of the edge is made wider, each time that the solver refuses the best design.
 _WIDER = (0.01, 0.02, 0.04, 0.08)
+_TIGHTER = 0.5  # share of a tolerance that is left when it is tightened in words
+
+#: A question for another target, with the choices of a design.
+Asked = Callable[[Target], Question]
+_MAP, _COARSE, _COARSEST = 81, 41, 17  # points a side of the map; fewer where every point stands for many draws
+_MANY = 128  # scenarios a point from which the map is coarse
+_SLICE = 121  # points of a slice
 
 
 def solve_target(study: Study, name: str, model: GaussianProcess) -> Answer:
@@ -74,7 +84,7 @@ def answer(
         raise InputError(f"design: {name}: {judged.outside}; allow_outside_interval: true would accept it")
     toleranced = target.tolerance and best.best.feasible and not several
     tell("the fields of the design")
-    pictures = [landscape.landscape(best.design), contact_fields.fields(best.question.study, judged.case)]
+    pictures = [map_and_slices(best.design), contact_fields.fields(best.question.study, judged.case)]
     if any(candidate.front is not None for candidate in candidates):
         pictures.append(_front(candidates).reindex(factor=[variable.name for variable in judged.variables]))
     return replace(
@@ -109,9 +119,9 @@ def _costs(
 ) -> Tolerated:
     """Cost of the tolerances of the best design."""
     tell("what the tolerances cost")
-    nominal = tolerances.nominal(target)
+    nominal = without_tolerances(target)
     if budget.asked(best.question):  # near the design: a search of its own would cost as much as the design did
-        without = tolerances.near(best, _asked(study, name, nominal, model, best.choice))
+        without = near(best, _asked(study, name, nominal, model, best.choice))
     else:
         others = _candidates(study, name, nominal, model, lambda words: tell(f"what the tolerances cost: {words}"))
         without = polish.first_feasible(sorted(others, key=lambda candidate: _rank(candidate.best), reverse=True))
@@ -119,7 +129,7 @@ def _costs(
     def asked(other: Target) -> Question:
         return replace(best.question, target=other)
 
-    return tolerances.costs(best, without, asked)
+    return costs(best, without, asked)
 
 
 def combinations(study: Study, target: Target) -> list[dict[str, float | str]]:
@@ -215,3 +225,108 @@ def _only(problem: Problem) -> Optimum:
     """The one design of a question without continuous variables."""
     objective, excess = (rows[0] for rows in problem.value(np.empty((1, 0))))
     return Optimum(np.empty(0), float(objective.min()), excess, bool(np.all(excess <= ROUNDING)))
+
+
+def without_tolerances(target: Target) -> Target:
+    """The target without any tolerance."""
+    return target.model_copy(update={"tolerance": {}})
+
+
+def costs(best: Candidate, without: Candidate, question_for: Asked) -> Tolerated:
+    """Cost of the tolerances of the best design against the one without tolerances."""
+    target, design = best.question.target, without.design
+    whole = _reached(best, question_for(target))
+    cost, gain = dict[str, float](), dict[str, float]()
+    for name in target.tolerance:
+        others = {key: reach for key, reach in target.tolerance.items() if key != name}
+        cost[name] = _share(_reached(best, question_for(target.model_copy(update={"tolerance": others}))), whole)
+        tighter = {**target.tolerance, name: _tightened(target, name)}
+        gain[name] = _share(_reached(best, question_for(target.model_copy(update={"tolerance": tighter}))), whole)
+    values = {name: float(column[0]) for name, column in design.variables.items()} | without.question.held
+    exact, _ = assessment.exactly(design, design.terms[:1])
+    named = ", ".join(kind for kind in without.choice.values() if isinstance(kind, str))
+    return Tolerated(cost, gain, values, float(exact[0]), named)
+
+
+def _tightened(target: Target, name: str) -> str:
+    absolute, share = target.tolerances[name]
+    return f"{100 * _TIGHTER * share} %" if share else f"{_TIGHTER * absolute} {FACTORS[name].units}".removesuffix(" 1")
+
+
+def near(best: Candidate, other: Candidate) -> Candidate:
+    """The best design of another question near that of one with the same variables, on the surrogate."""
+    physical = best.design.variables
+    inputs = other.question.inputs
+    start = np.array([float(axis.to_unit(physical[name])[0]) for name, axis in inputs.items()])
+    problem = other.question.problem(best.question.predicted)
+    return replace(other, best=improve(problem, np.clip(start, -1, 1), best.size(best.best.objective)))
+
+
+def _reached(best: Candidate, question: Question) -> float:
+    """The goal near a design under other tolerances, on the surrogate."""
+    nearby = near(best, replace(best, question=question)).best
+    return nearby.objective if nearby.feasible else np.nan
+
+
+def _share(other: float, whole: float) -> float:
+    return max((other - whole) / abs(whole), 0.0) if np.isfinite(other) else np.nan
+
+
+def map_and_slices(design: Question) -> xr.Dataset:
+    """Map and slices of the first objective on the surrogate, through one design."""
+    return xr.merge([_map(design), _slices(design)])
+
+
+def _points(question: Question, fine: int, coarse: int, coarsest: int) -> int:
+    """Points a side: fewer where each stands for many scenarios, and fewest where one costs as much as a film's."""
+    if sum(chosen.count for chosen in question.searched.values()) < _MANY:
+        return fine
+    return coarsest if question.study.kind.tabled else coarse
+
+
+def _map(design: Question) -> xr.Dataset:
+    names = list(design.inputs)[:2]
+    if len(names) < 2:
+        return xr.Dataset()
+    count = _points(design, _MAP, _COARSE, _COARSEST)
+    side = np.linspace(-1.0, 1.0, count)
+    points = np.tile(design.x, (count * count, 1))
+    points[:, 0], points[:, 1] = (grid.ravel() for grid in np.meshgrid(side, side, indexing="ij"))
+    objective, excess = _counted(design.at(points))
+    coords: dict[str, Any] = {
+        f"map_{axis}": (f"map_{axis}", design.inputs[name].from_unit(side), {"factor": name})
+        for axis, name in zip("xy", names, strict=True)
+    }
+    maps = {"map_objective": objective, "map_excess": excess}
+    return xr.Dataset(
+        {name: (("map_x", "map_y"), values.reshape(count, count)) for name, values in maps.items()}, coords=coords
+    )
+
+
+def _slices(design: Question) -> xr.Dataset:
+    steps = _points(design, _SLICE, _SLICE, _COARSE)
+    side = np.linspace(-1.0, 1.0, steps)
+    corner, first = design.searched[False], design.terms[0]
+    parts = []
+    for column, (name, axis) in enumerate(design.inputs.items()):
+        points = np.tile(design.x, (steps, 1))
+        points[:, column] = side
+        along = design.at(points)
+        objective, excess = _counted(along)
+        values = along.value(design.predicted, corner, first).reshape(steps, -1)
+        columns = {
+            "slice_value": axis.from_unit(side),
+            "slice_objective": objective,
+            "slice_excess": excess,
+            "slice_low": values.min(1),
+            "slice_high": values.max(1),
+        }
+        parts.append(xr.Dataset({key: ("step", array) for key, array in columns.items()}).assign_coords(slice=name))
+    return xr.concat(parts, "slice") if parts else xr.Dataset()
+
+
+def _counted(designs: Question) -> tuple[Array, Array]:
+    """The first objective as it counts, and the largest excess, of every design."""
+    objective, excess = designs.problem(designs.predicted).value(designs.x)
+    count = objective.shape[1] // designs.objectives
+    return designs.terms[0].sign * objective[:, :count].min(1), excess.max(1, initial=-np.inf)

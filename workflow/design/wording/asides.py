@@ -6,7 +6,7 @@ from workflow.design.question.terms import BINDS
 from workflow.design.verdict.answer import Answer
 from workflow.design.verdict.merit import MOST_LOAD
 from workflow.design.verdict.term import ROUNDING, Term
-from workflow.language import sizes, titles
+from workflow.language import given, titles
 from workflow.language.constants import FIGURES
 from workflow.language.numbers import number, shown
 from workflow.language.titles import capital, listed
@@ -21,7 +21,7 @@ def tolerated(answer: Answer) -> str:
     variables, cost = [variable for variable in answer.variables if variable.tolerance], answer.tolerated
     if not variables or cost is None:
         return ""
-    bands = [f"{variable.title} ± {sizes.told(variable.name, variable.tolerance)}" for variable in variables]
+    bands = [f"{variable.title} ± {given.told(variable.name, variable.tolerance)}" for variable in variables]
     goal = answer.terms[0]
     values = [f"{variable.title} {titles.value(variable.name, cost.values[variable.name])}" for variable in variables]
     values += filter(None, [cost.choice])
@@ -41,7 +41,7 @@ def tolerances(answer: Answer) -> list[str]:
         cost, gain = (shares.get(variable.name, np.nan) for shares in (answer.tolerated.cost, answer.tolerated.gain))
         if not variable.tolerance or not np.isfinite(cost):
             continue
-        words = f"the tolerance ± {sizes.told(variable.name, variable.tolerance)} of {variable.title}"
+        words = f"the tolerance ± {given.told(variable.name, variable.tolerance)} of {variable.title}"
         text = f"{words} costs {number(100 * cost, 2)} % of the goal" if cost > 0 else f"{words} costs nothing"
         parts.append(f"{text} (half the tolerance would gain {number(100 * gain, 2)} %)" if gain > 0 else text)
     return parts
@@ -73,7 +73,7 @@ def band(spread: float) -> str:
 def within(answer: Answer) -> str:
     """Tolerances of a design in brackets; empty without any."""
     bands = [
-        f"{variable.title} ± {sizes.told(variable.name, variable.tolerance)}"
+        f"{variable.title} ± {given.told(variable.name, variable.tolerance)}"
         for variable in answer.variables
         if variable.tolerance
     ]

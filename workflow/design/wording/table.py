@@ -15,10 +15,10 @@ from workflow.design.verdict.answer import Answer
 from workflow.design.verdict.term import Term
 from workflow.design.wording import asides
 from workflow.design.wording.words import verdict
-from workflow.language.cells import plain
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.language.statements import Limit
+from workflow.language.wordings import plain
 
 _WIDE = 100  # columns
 _EXACT = 1e-6  # of a limit: a margin that is none, but for rounding

@@ -10,9 +10,9 @@ from workflow.design.verdict.term import Term
 from workflow.design.verdict.variable import Variable
 from workflow.design.wording import asides
 from workflow.language import titles
-from workflow.language.evidence import unverified
 from workflow.language.numbers import number
 from workflow.language.titles import capital, listed
+from workflow.language.wordings import unverified
 
 RECOMMENDED, AT_EDGE, UNREACHABLE = "recommended", "at the edge of the studied range", "not reachable"
 #: First words of the verdict on a design beyond a limit of its materials or beyond small strain.

@@ -17,10 +17,7 @@ _ROUND = MaxNLocator(18, steps=[1, 2, 2.5, 5, 10])  # levels
 def below(
     figure: FigureBase, axes: Sequence[Axes], fields: Sequence[xr.DataArray], where: str = ""
 ) -> tuple[float, str]:
-    """Fields of one name over ``x`` and ``y``, each on its axes, with one colour bar; its unit's size and its label.
-
-    The edges of a conducting punch are singular: the scale leaves out the topmost percent.
-    """
+    """Draw fields over ``x`` and ``y`` with one colour bar, topmost percent cut; return unit's size and label."""
     low, high = np.nanquantile([field.values for field in fields], [0.005, 0.99])
     signed = low < -0.02 * high
     bound = float(max(abs(low), abs(high)))

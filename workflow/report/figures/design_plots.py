@@ -13,7 +13,7 @@ from workflow.design.search.contact_fields import SURFACE
 from workflow.design.verdict.answer import Answer
 from workflow.language import titles
 from workflow.language.numbers import label, prefixed
-from workflow.report.figures import design_figures
+from workflow.report import ranked
 from workflow.report.figures.contours import below
 from workflow.report.figures.hover import attach_map
 from workflow.report.figures.style import (
@@ -36,7 +36,7 @@ from workflow.study.target import Target
 def figures_of(answer: Answer, target: Target) -> dict[str, Figure]:
     """Figures of a design by kind; the contact where the answer has its fields."""
     contact = ["contact"] if "position" in answer.pictures.dims else []
-    return {kind: draw(kind, answer) for kind in (*design_figures.names(target), *contact) if kind in _DRAWN}
+    return {kind: draw(kind, answer) for kind in (*ranked.names(target), *contact) if kind in _DRAWN}
 
 
 def draw(kind: str, answer: Answer) -> Figure:

@@ -19,10 +19,7 @@ _maps: "WeakKeyDictionary[Axes, dict[str, Any]]" = WeakKeyDictionary()
 
 
 def attach_map(ax: Axes, x: Array, y: Array, values: Array, label: str) -> None:
-    """Let a filled contour say its values.
-
-    x, y: (n,), (m,), in the axes' units; values: (m, n), in the label's unit.
-    """
+    """Attach values, (m, n), in the label's unit to a filled contour over x, (n,), and y, (m,), in the axes' units."""
     columns, rows = (_some(size, _GRID) for size in (x.size, y.size))
     _maps[ax] = {
         "x": _rounded(x[columns]),

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from workflow.language import titles
 from workflow.language.numbers import prefixed
-from workflow.report import ranked, tornado
+from workflow.report import ranked
 from workflow.report.figures.style import BLUE, by_ratio, factor_scale, logarithmic, styled
 from workflow.study.categories import parted
 
@@ -21,7 +21,7 @@ _BAND = 2  # root-mean-square errors on either side of a main effect
 
 def indices(sensitivity: xr.Dataset, quantities: Sequence[str], aims: Sequence[str]) -> str:
     """Sobol' indices as tornado charts, of those outputs that a study aims at; see :func:`ranked.sensitivities`."""
-    return tornado.draw(ranked.sensitivities(sensitivity.sel(output=list(quantities)), aims))
+    return ranked.draw(ranked.sensitivities(sensitivity.sel(output=list(quantities)), aims))
 
 
 @styled
