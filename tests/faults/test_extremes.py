@@ -67,7 +67,7 @@ def test_no_file_holds_what_is_not_finite(tmp_path: Path, capsys: pytest.Capture
     written = 0
     for number, (eta, R, P, charge) in enumerate(product([0.0, 10.0], [1e-300, 1e3], [1e-300, 1e300], [0.0, 1e300])):
         table, file = tmp_path / f"{number}.csv", tmp_path / f"{number}.nc"
-        text = f"volume_fraction,friction,radius,load,charge\n0.5,{eta},{R},{P},{charge}\n"
+        text = f"volume_fraction,friction,radius [m],load [N/m],charge [C/m]\n0.5,{eta},{R},{P},{charge}\n"
         table.write_text(text, encoding="utf-8")
         status = main(["solve", str(table), "-o", str(file), "--positions=-1.5,0.5"])
         said = capsys.readouterr().err
