@@ -92,7 +92,7 @@ def test_the_base_is_searched_as_far_as_its_tension_rises(case: dict[str, Any], 
     half = float(answer["contact_trailing"] + answer["contact_leading"]) / 2
     far = 1 + np.geomspace(0.01, 400.0, 120)
     x: Array = np.concatenate([-far[::-1], np.linspace(-0.99, 0.99, 21), far])
-    x = x[np.abs(x) * half < 900e-4]
+    x = x[np.abs(x) * half < 500e-4]  # fields inside end some hundred thicknesses away
     top = 1e-4 / half
     depths = np.geomspace(top * (1 + 1e-9), 2 + 2 * top, 8)
     inside = solver.solve_interior(factors, x, -depths, fields=["principal_tension"])

@@ -47,6 +47,7 @@ def test_default_resolution_is_1e_8_up_to_30_thicknesses(name: str, friction: fl
         assert np.all(miss <= slack * error * np.max(np.abs(finer[:, which, 0]), -1)), (which, miss)
 
 
+@pytest.mark.filterwarnings("ignore::solver.line.table.SlowWarning")
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("most", [30.0, 3.0])
 def test_default_tables_are_read_to_1e_8(most: float) -> None:
