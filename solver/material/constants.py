@@ -79,7 +79,9 @@ class Material:
 
     Examples
     --------
-    >>> soft = Material(c11=126e9, c13=84.1e9, c33=117e9, c44=23e9, e31=-6.5, e33=23.3, e15=17.0, name="soft")
+    >>> stiffness = {"c11": "126 GPa", "c13": "84.1 GPa", "c33": "117 GPa", "c44": "23 GPa"}
+    >>> coupling = {"e31": -6.5, "e33": 23.3, "e15": 17.0, "eps11": 15e-9, "eps33": 13e-9}
+    >>> soft = Material(**stiffness, **coupling, name="soft")
     >>> soft.check()
     >>> soft.shape, soft.spread, soft.plain()["e33"]
     ((), {}, 23.3)
@@ -226,6 +228,12 @@ class Material:
         ------
         MaterialError
             Young's modulus not positive, or Poisson's ratio not within -1 to 0.5.
+
+        Examples
+        --------
+        >>> gel = Material.elastic(np.array(400.0), np.array(0.45), "gel")
+        >>> f"{float(gel.c44):.4g}"
+        '137.9'
         """
         if np.any(bad := ~((nu > -1) & (nu < 0.5))):
             raise MaterialError(f"{name}: Poisson's ratio {nu[bad].flat[0]:g} is not within -1 < nu < 0.5")
