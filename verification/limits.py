@@ -1,8 +1,11 @@
 """Classical limits and symmetries of the closed form, by textbook formulas."""
 
+from typing import Any
+
 import numpy as np
 
 import solver
+from solver.material.constants import ANY_SIZE
 from verification.cases import CHARGED, SIH_SONG, Array, constants
 from verification.findings import Check, Findings, Sizes, check, off, off_each
 from verification.oracles import precise
@@ -185,9 +188,9 @@ def _units() -> float:
     answers |= {"electric_edge_intensity_trailing": A / m**1.5, "magnetic_edge_intensity_trailing": kg / A * m**0.5}
     plain = constants(solver.find(SIH_SONG))
     plain.pop("rho", None)
-    changed = {name: value * scales[name.rstrip("0123456789")] for name, value in plain.items()}
+    changed: dict[str, Any] = {name: value * scales[name.rstrip("0123456789")] for name, value in plain.items()}
     elastic = solver.solve({"material": solver.Material.from_mapping(plain), **CHARGED})
     two = solver.solve(
-        {"material": solver.Material.from_mapping(changed), **{k: v * factors[k] for k, v in CHARGED.items()}}
+        {"material": solver.Material(**changed, any_size=ANY_SIZE), **{k: v * factors[k] for k, v in CHARGED.items()}}
     )  # fmt: skip
     return off_each([two[name] for name in answers], [float(elastic[name]) * unit for name, unit in answers.items()])
