@@ -80,8 +80,6 @@ def signal(options: argparse.Namespace) -> None:
     numbers = _device(options.device, kind)
     length = numbers.get("electrode_length", 1.0)
     file = read_history(options.history, line=kind.contact == "line", scale=options.scale)
-    for remark in file.remarks:
-        say(f"{options.history}: {remark}")
     history = History(file.history.times, file.history.forces * (length if file.per_metre else 1.0))
     if len(history.times) * options.parts > MOST_ROWS:
         raise InputError(f"--parts: {options.parts} of {len(history.times)} rows are more than {MOST_ROWS} times")
@@ -91,12 +89,14 @@ def signal(options: argparse.Namespace) -> None:
         _check_unit(options.history, file, most, solve({**case, kind.loads.force: most / length}, materials=materials))
     body = film(case, material) if "collector" in case and "thickness" in case else None
     contact = ContactCurves.from_case(case, most, length=length, materials=materials, body=body)
-    if contact.roughness > _ROUGH:
-        say(f"the contact's curves are not smooth over these forces: they are met to {contact.roughness:.1g} only")
     try:
         circuit = Circuit.of(numbers, material)
     except ValueError as error:
         raise InputError(f"--device: {error}") from None
+    for remark in file.remarks:  # bad input ends in one line, without remarks before it
+        say(f"{options.history}: {remark}")
+    if contact.roughness > _ROUGH:
+        say(f"the contact's curves are not smooth over these forces: they are met to {contact.roughness:.1g} only")
     history = history.divided(options.parts)
     reading = read(history, contact, circuit)
     written = _write(path, history, reading)
