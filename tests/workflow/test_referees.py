@@ -43,7 +43,7 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
     study = made(FILM)
     card = datacard.card(study, "films", data_set(study, folder), [])
     surrogate.save(training.fit(study, read_whole(folder / "quantities.nc")), folder / "surrogate.nc")
-    (folder / "datacard.json").write_text(json.dumps(datacard.croissant(card)), encoding="utf-8")
+    (folder / "croissant.json").write_text(json.dumps(datacard.croissant(card)), encoding="utf-8")
     return folder
 
 

@@ -99,7 +99,8 @@ def test_errors_go_together_in_the_browser_as_in_python(tmp_path: Path) -> None:
     def outputs(grid: xr.Dataset) -> xr.Dataset:
         pole = 1 / (grid["radius"] - 0.008) ** 0.5
         return grid.assign(
-            charge_per_force=pole + grid["load"] / 1e4, capacitance=2 + 0.5 * pole + np.sin(grid["load"] / 500)
+            charge_per_force=pole + grid["load"] / 1e4,
+            capacitance_per_length=2 + 0.5 * pole + np.sin(grid["load"] / 500),
         )
 
     grid = xr.Dataset(coords={name: axis.levels(7) for name, axis in axes.items()})
@@ -107,9 +108,11 @@ def test_errors_go_together_in_the_browser_as_in_python(tmp_path: Path) -> None:
     X = np.array([[axis.from_unit(0.3) for axis in INPUTS]])
     charge, capacitance = fitted.predict_array(X)[0].tolist()
     weights = {"/": [1 / capacitance, -charge / capacitance**2], "+": [1.0, 1.0]}
-    known = f"{{ charge_per_force: {charge!r}, capacitance: {capacitance!r} }}"
+    known = f"{{ charge_per_force: {charge!r}, capacitance_per_length: {capacitance!r} }}"
     for symbol, slopes in weights.items():
-        script = f"offBy(model, ['{symbol}', 'charge_per_force', 'capacitance'], {known}, judge.errors(answer))"
+        script = (
+            f"offBy(model, ['{symbol}', 'charge_per_force', 'capacitance_per_length'], {known}, judge.errors(answer))"
+        )
         sizes = evaluated(f"{SCRIPTS}{panel(fitted)} const answer = predict(model, [0.3, 0.3]);", script, tmp_path)
         expected = float(np.abs(fitted.ends_of_sum(X, np.array([slopes]))).max())
         added = float(
