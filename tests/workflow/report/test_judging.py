@@ -123,7 +123,7 @@ def test_errors_go_together_in_the_browser_as_in_python(tmp_path: Path) -> None:
         assert sizes < added
     lone = evaluated(
         f"{SCRIPTS}{panel(fitted)} const answer = predict(model, [0.3, 0.3]);",
-        f"offBy(model, ['*', 'capacitance', 3], {known}, judge.errors(answer))", tmp_path,
+        f"offBy(model, ['*', 'capacitance_per_length', 3], {known}, judge.errors(answer))", tmp_path,
     )  # fmt: skip
     ends = np.stack(fitted.interval_array(X))[:, 0, 1] - capacitance
     assert lone == pytest.approx(3 * np.abs(ends).max(), rel=1e-9)
