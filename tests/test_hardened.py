@@ -1,9 +1,12 @@
-"""What other machines open and run: a page that loads nothing from elsewhere, and a CI whose actions cannot change."""
+"""What other machines open and run: a page, CI, and tests of programs that may be missing."""
 
+import ast
 import re
 from pathlib import Path
 
 import yaml
+
+from tests import programs
 
 ROOT = Path(__file__).parents[1]
 
@@ -25,3 +28,15 @@ def test_actions_are_pinned_by_digest() -> None:
     assert used
     for action in used:
         assert re.fullmatch(r"[\w-]+/[\w-]+@[0-9a-f]{40}", action)
+
+
+def test_no_test_starts_an_outside_program_by_its_bare_name() -> None:
+    commands = [
+        f"{file.relative_to(ROOT)}:{node.lineno} {node.elts[0].value}"
+        for file in (ROOT / "tests").rglob("*.py")
+        if file.parent.name != "slurm"  # its fixture is behind the mark `needs`
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.List) and node.elts and isinstance(node.elts[0], ast.Constant)
+        if node.elts[0].value in programs.PACKAGES
+    ]
+    assert not commands, "name it in a mark, and start programs.path(name)"

@@ -13,6 +13,7 @@ import solver
 from solver import Material
 from solver.material.library import materials
 from solver.material.punches import find_punch
+from tests import programs
 from workflow.calculator import films
 from workflow.calculator.page import library, script
 
@@ -61,7 +62,7 @@ console.log(JSON.stringify(answers));
 def calculated(questions: list[dict[str, Any]]) -> list[Any]:
     """What the scripts answer."""
     content = json.dumps({"library": LIBRARY, "asked": questions})
-    command = ["node", "-e", script() + DRIVER]
+    command = [programs.path("node"), "-e", script() + DRIVER]
     done = subprocess.run(command, input=content, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     answers: list[Any] = json.loads(done.stdout)

@@ -74,15 +74,6 @@ def test_a_folder_in_which_no_netcdf_file_can_be_is_refused(
     assert "backslash" in capsys.readouterr().err
 
 
-@pytest.mark.process
-def test_the_panel_s_csv_quotes_commas_and_formulas() -> None:
-    script = (ROOT / "workflow/report/templates/share.js").read_text(encoding="utf-8")
-    texts = '["PZT, soft", "=A1", "-x", "say \\\\"so\\\\"", "plain"]'.replace("\\\\", "\\")
-    code = script + f'\nconsole.log({texts}.map(csvCell).join(";"), csvCell(-1));'
-    done = subprocess.run(["node", "-e", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == """"PZT, soft";'=A1;'-x;"say ""so\""";plain -1"""
-
-
 STUDY = """\
 title: Mine
 fixed: {material: PZT-4, radius: 0.05}

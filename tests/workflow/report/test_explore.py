@@ -1,5 +1,6 @@
 """The page's map: the names of its limits stand beside lines, not across them."""
 
+import json
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -48,3 +49,11 @@ def test_a_name_crosses_no_line_and_covers_no_other(others: tuple[str, ...], tmp
         aside = np.maximum(np.maximum(left - starts[:, 0], starts[:, 0] - right), 0)
         below = np.maximum(np.maximum(top - starts[:, 1], starts[:, 1] - bottom), 0)
         assert np.hypot(aside, below).min() < HIGH  # it is its line's
+
+
+@needs_node
+def test_the_panel_s_csv_quotes_commas_and_formulas(tmp_path: Path) -> None:
+    script = (ROOT / "workflow/report/templates/share.js").read_text(encoding="utf-8")
+    texts = ["PZT, soft", "=A1", "-x", 'say "so"', "plain", -1]
+    cells = in_node(script, f"{json.dumps(texts)}.map(csvCell)", tmp_path)
+    assert cells == ['"PZT, soft"', "'=A1", "'-x", '"say ""so"""', "plain", -1]
