@@ -172,7 +172,7 @@ class ScatterGP(GaussianProcess):
         theta = stored["theta"].transpose("output", "theta_index").values
         if theta.shape != (len(outputs), len(whole(len(inputs)).theta)):
             raise ValueError(f"theta has {theta.shape[1]} columns for {len(inputs)} inputs")
-        model._condition(theta)
+        model._condition(list(theta))
         return model
 
     def _roles(self, X: xr.Dataset) -> tuple[Sequence[Input], list[str]]:
