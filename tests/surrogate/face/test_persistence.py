@@ -19,7 +19,7 @@ from tests.surrogate import functions
 def fitted(kind: str) -> GridGP | ScatterGP:
     if kind == "scatter":
         cases = functions.scattered(30, seed=0)[["mixture", "size", "ratio", "no_bias"]]
-        return ScatterGP("matern32", [functions.INPUTS[0], functions.INPUTS[2]]).fit(cases)
+        return ScatterGP([functions.INPUTS[0], functions.INPUTS[2]]).fit(cases)
     return GridGP(functions.INPUTS).fit(functions.factorial((6, 4, 4, 3, 2)))
 
 
@@ -96,7 +96,6 @@ def replaced(name: str, value: Any) -> Callable[[xr.Dataset], xr.Dataset]:  # an
             attribute("engine", "torch"),
             "unknown engine 'torch'; known are grid, scatter, grouped, curves, bounded, ",
         ),
-        (attribute("kernel", "__import__('os')"), "unknown kernel"),
         (lambda d: d.drop_vars("amplitude"), "inconsistent"),
         (lambda d: d.assign(core_0=d["core_0"][..., :1].rename(rank_1="cut")), "core 1 has the shape"),
         (lambda d: d.isel(mode_0=slice(2)), "do not come out again"),
