@@ -1,4 +1,4 @@
-"""Tables as cases: every row of a data frame, or every mapping of a list, is one case."""
+"""Tables as cases: every row of a data frame, of Series with one index or of a list of mappings is one case."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
@@ -8,6 +8,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from approximation.arrays import columns_of
 from solver.arrays import shown
 from solver.face.refusal import FactorError
 
@@ -22,7 +23,11 @@ def by_name(factors: Factors) -> dict[str, Any]:
     if isinstance(factors, xr.Dataset):
         return {str(name): values for name, values in (*factors.data_vars.items(), *factors.coords.items())}
     if isinstance(factors, Mapping | pd.Series):
-        return dict(factors)
+        try:
+            columns = columns_of(factors)
+        except ValueError as error:
+            raise FactorError(str(error)) from None
+        return dict(factors) | (_rows(pd.DataFrame(columns)) if columns else {})
     if isinstance(factors, np.ndarray) and factors.dtype.names:
         return _rows(pd.DataFrame(factors))
     if isinstance(factors, pd.DataFrame):

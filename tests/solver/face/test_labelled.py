@@ -1,5 +1,7 @@
 """The labelled face: names, dimensions, units, coordinates, and cases that do not see each other."""
 
+import re
+import warnings
 from typing import Any
 
 import numpy as np
@@ -104,3 +106,27 @@ def test_what_hangs_on_the_datum_says_which_one_it_has(datum: dict[str, Any], ex
     assert inside["electric_potential"].attrs["comment"] == voltage.attrs["comment"]
     assert "comment" not in inside["stress_xx"].attrs
     assert "just inside" in solver.solve(case)["trailing_tension"].attrs["comment"]
+
+
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [
+        ({"profile": "sphere", "radius": 1e-3, "force": [1.0, 1e5]}, "in 1 of 2 cases, at worst a half-width of"),
+        ({"radius": 1e-3, "load": 1e8}, "strain: a half-width of 0.00122 m is 1.2 of the punch radius 0.001 m"),
+        (
+            {"thickness": 1e-4, "base": "rigid", "profile": "flat", "width": 1e-4, "load": 4e6},
+            "0.22 of the thickness",
+        ),
+        ({"thickness": 1e-4, "base": "steel", "profile": "sphere", "radius": 0.1, "force": 2e4}, ""),
+        ({"radius": 0.05, "load": 1e5}, ""),
+    ],
+)
+def test_contacts_beyond_small_strain_are_told_with_both_numbers(case: dict[str, Any], words: str) -> None:
+    """The depth of a film on a base as soft as it is the base's, not a strain of the film."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        answer = solver.solve({"material": "PZT-4", "surroundings": "insulated"} | case)
+    assert [warning.category for warning in caught] == [solver.SmallStrainWarning] * bool(words)
+    assert all(re.search(words, str(warning.message)) for warning in caught)
+    if case.get("base") == "steel":
+        assert float(answer["depth"]) > 0.1 * float(answer["thickness"])

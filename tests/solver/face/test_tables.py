@@ -24,6 +24,18 @@ def test_every_row_of_a_table_is_a_case(table: Any) -> None:
         assert float(rows["voltage"][place]) == pytest.approx(float(solver.solve(row)["voltage"]), rel=1e-12)
 
 
+def test_series_with_one_index_are_columns_of_a_table() -> None:
+    columns = {name: TABLE[name] for name in ("radius", "load")}
+    rows = solver.solve({"material": "PZT-4", "friction": [0.0, 0.1]} | columns)
+    assert dict(rows["voltage"].sizes) == {"friction": 2, "case": 3}
+    assert list(rows["case"].values) == ["a", "b", "c"]
+    for place, (_, row) in enumerate(TABLE[["radius", "load"]].iterrows()):
+        alone = solver.solve({"material": "PZT-4"} | dict(row))
+        assert float(rows["voltage"][0, place]) == pytest.approx(float(alone["voltage"]), rel=1e-12)
+    with pytest.raises(solver.FactorError, match=r"^load: its rows are not those of radius: Series are columns"):
+        solver.solve(columns | {"material": "PZT-4", "load": TABLE["load"].iloc[::-1]})
+
+
 def test_rows_have_the_labels_of_their_frame_and_may_lack_what_is_optional() -> None:
     assert list(solver.solve(TABLE)["case"].values) == ["a", "b", "c"]
     rows = solver.solve([CASE, CASE | {"thickness": "1 mm", "base": "steel", "surroundings": "insulated"}])

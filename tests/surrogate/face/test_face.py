@@ -377,6 +377,10 @@ def test_the_rows_of_tables_are_points() -> None:
     assert answer["f"].dims == ("case",)
     assert answer["case"].values.tolist() == ["first", "second"]
     np.testing.assert_allclose(answer["f"], [0.75, 0.5], rtol=1e-9)
+    columns = model.predict({"x": frame["x"], "y": frame["y"]})
+    assert columns["f"].identical(answer["f"])
+    with pytest.raises(ValueError, match=r"^y: its rows are not those of x: Series are columns of one table"):
+        model.predict({"x": frame["x"], "y": frame["y"].iloc[::-1]})
     listed = model.predict(frame.to_dict("records"))
     np.testing.assert_array_equal(listed["f"], answer["f"])
     assert listed["f"].dims == ("case",)
