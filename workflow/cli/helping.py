@@ -23,6 +23,7 @@ EXAMPLES = {
     "signal": "signal examples/press.csv -o signal.csv \\\n"
     '  --on "profile=sphere,radius=2.5 mm,punch=steel,material=PVDF,thickness=110 um,base=glass" \\\n'
     '  --device "input_capacitance=10 pF,feedback_capacitance=10 pF,feedback_resistance=1 TOhm"',
+    "export": "export results/quickstart --as c --outputs voltage,depth -o sensor.c",
     "calculator": "calculator -o contact.html",
 }
 
