@@ -1,4 +1,4 @@
-"""The benchmarks: what they compare is right, and their page holds it; times are for `make bench`."""
+"""The benchmarks compare what they say, and their page holds it; times are for `make bench`."""
 
 import json
 from pathlib import Path
@@ -118,8 +118,8 @@ def test_the_plain_driver_runs_scripts_after_those_that_they_wait_for(cores: int
     script = tmp_path / "script.py"
     script.write_text(
         "from pathlib import Path\n"
-        "found = [Path(one).read_text() for one in snakemake.input]\n"
-        "Path(snakemake.output[0]).write_text('+'.join([*found, snakemake.params.name]))\n"
+        "texts = [Path(name).read_text() for name in snakemake.input]\n"
+        "Path(snakemake.output[0]).write_text('+'.join([*texts, snakemake.params.name]))\n"
         "with Path(snakemake.params.order).open('a') as file:\n"
         "    file.write(snakemake.params.name)\n",
         encoding="utf-8",
@@ -131,7 +131,7 @@ def test_the_plain_driver_runs_scripts_after_those_that_they_wait_for(cores: int
         numbers[name]: direct.Job(
             str(script),
             SimpleNamespace(
-                input=[files[one] for one in before[name]],
+                input=[files[other] for other in before[name]],
                 output=[files[name]],
                 log=[str(tmp_path / "logs" / name)],
                 params=SimpleNamespace(name=name, order=tmp_path / "order"),
@@ -140,7 +140,7 @@ def test_the_plain_driver_runs_scripts_after_those_that_they_wait_for(cores: int
         )
         for name in before
     }
-    direct.run(jobs, {numbers[name]: {numbers[one] for one in waits} for name, waits in before.items()}, cores)
+    direct.run(jobs, {numbers[name]: {numbers[other] for other in waits} for name, waits in before.items()}, cores)
     assert Path(files["d"]).read_text(encoding="utf-8") == "a+b+a+c+d"
     assert cores > 1 or (tmp_path / "order").read_text(encoding="utf-8") == "acbd"
 

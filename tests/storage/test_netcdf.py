@@ -18,7 +18,7 @@ from storage.blocks import write_blocks
 from storage.netcdf import read_whole, write_whole
 from storage.sealed import seal
 from surrogate import FormatError
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE
 
 
 def sample() -> xr.Dataset:

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from tests import programs
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE
 
 
 def needs_browser(test: Callable[..., None]) -> Callable[..., None]:
