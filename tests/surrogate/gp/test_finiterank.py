@@ -17,7 +17,6 @@ from surrogate.gp import finiterank, scattergp
 from surrogate.gp.finiterank import FiniteRank, largest
 from surrogate.gp.kernels import Chebyshev
 from surrogate.use.validation import validate
-from tests.surrogate.slopes import assert_slopes
 
 Array = NDArray[np.float64]
 INPUTS = (Input("x", -1.0, 1.0), Input("y", 1.0, 100.0, "log"), Input("z", 0.0, 2.0))
@@ -143,23 +142,8 @@ def many() -> ScatterGP:
         return ScatterGP(inputs=INPUTS, rank=150).fit(cases(3000, seed=0))
 
 
-def test_gradients_agree_with_differences(many: ScatterGP) -> None:
-    X = np.stack([input_.from_unit(0.9 * row) for input_, row in zip(INPUTS, scaled(6), strict=True)], axis=1)
-    assert_slopes(many, X, rtol=1e-5)
-
-
-def test_a_model_survives_its_file_and_an_altered_one_is_refused(many: ScatterGP, tmp_path: Path) -> None:
-    model = many.calibrate(cases(200, seed=7))
-    save(model, tmp_path / "model.nc")
-    again = load(tmp_path / "model.nc")
-    points = cases(20, seed=8)[["x", "y", "z"]]
-    # sums over the features are rounded as memory is aligned and threads share them; variances are differences
-    for first, other in (
-        (again.predict(points), model.predict(points)),
-        (again.gradient(points, True), model.gradient(points, True)),
-    ):
-        xr.testing.assert_allclose(first, other, rtol=1e-7, atol=1e-9)
-    model.calibration_ = None
+def test_an_altered_file_is_refused(many: ScatterGP, tmp_path: Path) -> None:
+    save(many, tmp_path / "model.nc")
     stored = read_whole(tmp_path / "model.nc")
     for change, says in (
         ({"feature_degree": stored["feature_degree"] + 1000}, "degrees that none has"),

@@ -16,7 +16,6 @@ from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 from surrogate import Input, ScatterGP
 from surrogate.gp.scattergp import REACH, KernelName
 from tests.surrogate.dense import stationary
-from tests.surrogate.slopes import assert_slopes
 
 Array = NDArray[np.float64]
 INPUTS = (Input("x", -1.0, 1.0, units="m"), Input("y", 1.0, 100.0, "log"))
@@ -85,14 +84,6 @@ def test_prediction_is_that_of_a_dense_process(kernel: KernelName) -> None:
             answer[f"{name}_std"] ** 2, scale**2 * variance, rtol=0, atol=1e-9 * scale**2 * theta[0]
         )
     assert answer["f"].attrs["units"] == "K"
-
-
-@pytest.mark.parametrize("kernel", ["auto", "rbf", "matern32", "matern52"])
-def test_gradient_agrees_with_differences(kernel: KernelName) -> None:
-    """The slope of a Matern 3/2 mean has kinks at the cases, so differences agree to the size of the step only."""
-    model = ScatterGP(kernel, INPUTS, nugget=1e-4).fit(cases(40))
-    X = np.stack([np.linspace(-0.7, 0.8, 6), np.geomspace(2, 60, 6)], axis=1)
-    assert_slopes(model, X, rtol=1e-3 if kernel == "matern32" else 1e-5)
 
 
 def test_it_learns_smooth_functions_and_reads_roles_off_the_outputs() -> None:
