@@ -49,7 +49,7 @@ LONGEST = (
     "tests/faults/test_hostile.py",  # first: it bounds the memory of its process, which no other test may have taken
     *RUNS,
     "tests/test_tutorials.py",
-    "tests/workflow/design/test_budget.py",
+    "tests/workflow/design/test_costly.py",
     "tests/surrogate/use/test_inversion.py",
     "tests/workflow/design/test_question.py",
 )

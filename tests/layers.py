@@ -39,7 +39,7 @@ solver/halfplane/test_friction_coupling.py solver/halfplane/test_interior.py sol
 solver/halfplane/test_precise.py solver/halfplane/test_precision.py
 solver/halfplane/test_speed.py solver/point/test_inside.py solver/point/test_precise.py
 solver/point/test_sliding.py solver/gap/ solver/test_contract.py solver/test_curves.py
-surrogate/test_contract.py surrogate/face/test_persistence.py surrogate/gp/test_finiterank.py
+surrogate/test_contract.py surrogate/face/test_persistence.py
 surrogate/gp/test_scattergp.py surrogate/intervals/ surrogate/search/ surrogate/transforms/curves/ surrogate/use/
 test_examples.py test_numbers.py verification/
 workflow/cli/test_learn.py workflow/dataset/ workflow/design/ workflow/learning/ workflow/report/test_figures.py

@@ -8,7 +8,7 @@ import xarray as xr
 from approximation.arrays import Array
 from surrogate.search.optimise import Optimum, Problem
 from surrogate.search.pareto import Front, front, non_dominated
-from workflow.design.question import budget
+from workflow.design.question import costly
 from workflow.design.question.question import Question
 from workflow.design.verdict import assessment
 
@@ -54,10 +54,10 @@ def best_of(traced: Front, problem: Problem) -> Optimum:
 
 def verified(traced: Question, share: float = 1.0) -> xr.Dataset:
     """Return the front solved exactly, costly cases in deciding scenarios; designs beyond a limit are left out."""
-    designs, columns = budget.thinned(traced, share)
+    designs, columns = costly.thinned(traced, share)
     wanted, sets = designs.objectives, designs.searched
-    exact, guessed = (designs.count(source, sets) for source in (budget.affordable(designs), designs.predicted))
-    exact = budget.corrected(designs, exact, columns)
+    exact, guessed = (designs.count(source, sets) for source in (costly.affordable(designs), designs.predicted))
+    exact = costly.corrected(designs, exact, columns)
     excess = np.stack(
         [term.oriented(exact[:, k]) for k, term in enumerate(designs.terms) if term.limited] or [np.zeros(len(exact))]
     )

@@ -13,7 +13,7 @@ from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem, improve
 from surrogate.search.pareto import Front
-from workflow.design.question import budget
+from workflow.design.question import costly
 from workflow.design.question.pilot import ask
 from workflow.design.question.question import Question
 from workflow.design.question.sources import Exact, Predicted
@@ -120,7 +120,7 @@ def _costs(
     """Cost of the tolerances of the best design."""
     tell("what the tolerances cost")
     nominal = without_tolerances(target)
-    if budget.asked(best.question):  # near the design: a search of its own would cost as much as the design did
+    if costly.asked(best.question):  # near the design: a search of its own would cost as much as the design did
         without = near(best, _asked(study, name, nominal, model, best.choice))
     else:
         others = _candidates(study, name, nominal, model, lambda words: tell(f"what the tolerances cost: {words}"))
@@ -180,14 +180,14 @@ def _search(candidates_of_choices: list[Candidate], tell: Callable[[str], None])
 def _climbed(candidate: Candidate) -> Candidate:
     question, predicted = candidate.question, candidate.question.predicted
     if not question.inputs:
-        return replace(candidate, best=_only(candidate.problem(budget.affordable(candidate.question))))
+        return replace(candidate, best=_only(candidate.problem(costly.affordable(candidate.question))))
     if candidate.front is not None:
         first = replace(candidate, best=front.best_of(candidate.front, candidate.problem(predicted)))
     else:
         first = candidate.sought(predicted)
     safer = first.improved(predicted, assessment.doubts(first.design) * question.inequality)
     # where no design is as far from the limits as the surrogate is in doubt, the exact solver decides if it can
-    decided = first.best.feasible and not safer.best.feasible and not budget.asked(question)
+    decided = first.best.feasible and not safer.best.feasible and not costly.asked(question)
     return first if decided else safer
 
 

@@ -13,7 +13,7 @@ from solver import solve
 from surrogate import GaussianProcess
 from tests.studies import fitted
 from workflow.dataset import factorial
-from workflow.design.question import budget
+from workflow.design.question import costly
 from workflow.design.question.question import Question
 from workflow.design.question.sources import Exact, Factors, Predicted, shape
 from workflow.design.search import targets
@@ -170,7 +170,7 @@ def test_a_limit_at_a_kink_is_met(kinked: tuple[Study, GaussianProcess], bound: 
 def test_what_cannot_be_afforded_is_said_and_judged_exactly(
     model: GaussianProcess, low: GaussianProcess, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(budget, "AFFORDABLE", 20)
+    monkeypatch.setattr(costly, "AFFORDABLE", 20)
     cracking = target(worst_case=RANGE, subject_to=[CRACK], allow_outside_interval=True)
     answer = targets.answer(STUDY, "sensor", cracking, model)
     assert answer.polish.startswith("none; as far from the limits as the interval of the surrogate asks for")
@@ -226,8 +226,8 @@ def closed(friction: Array) -> Array:
 def test_few_exact_cases_tell_what_many_would_say(words: dict[str, object], most: int, accuracy: float) -> None:
     known = Known()
     question = Question(STUDY, target(**words), Guessed(), known)
-    term = next(term for term in question.terms if budget.names(question, term))
-    counted = budget.count_exactly(question.at(np.zeros((1, 2))), term)
+    term = next(term for term in question.terms if costly.names(question, term))
+    counted = costly.count_exactly(question.at(np.zeros((1, 2))), term)
     assert counted.cases == known.cases <= most
     chosen = question.judged[term.key]
     values = closed(chosen.values["friction"]).reshape(1, chosen.groups, chosen.draws)
