@@ -10,15 +10,13 @@ from itertools import accumulate
 from typing import Any
 
 import numpy as np
-from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Hyperparameter, Kernel, Matern, WhiteKernel
+from sklearn.gaussian_process.kernels import ConstantKernel, Hyperparameter, Kernel, WhiteKernel
 
 from approximation.arrays import Array
 
 # Ranges of the parameters: coefficient of T_1 relative to that of the constant, and decay.
 FIRST, RHO = (1e-6, 1e3), (1e-3, 0.97)
-LENGTHS = (1e-2, 1e3)  # of stationary kernels, in half-widths of the box
 VARIANCES, NOISE = (1e-6, 1e6), (1e-12, 1e1)  # of signal and noise, relative to the output's variance
-SMOOTHNESS = {"matern32": 1.5, "matern52": 2.5}
 
 
 class Chebyshev(Kernel):  # type: ignore[misc]  # untyped
@@ -112,46 +110,10 @@ class Noise(WhiteKernel):  # type: ignore[misc]  # untyped
         return kernel * share
 
 
-def whole(name: str, inputs: int, noisy: bool, weights: Array | None = None) -> Kernel:
-    """Return a kernel by its name, times a variance, with noise where it is estimated."""
-    if name == "chebyshev":
-        correlation: Kernel = Chebyshev(np.full(inputs, 0.3), np.full(inputs, 0.3))
-    elif name == "rbf":
-        correlation = RBF(np.ones(inputs), LENGTHS)
-    else:
-        correlation = Matern(np.ones(inputs), LENGTHS, nu=SMOOTHNESS[name])
-    scaled = ConstantKernel(1.0, VARIANCES) * correlation
-    return scaled + Noise(weights=weights) if noisy else scaled
-
-
-def kernel_slopes(correlation: Kernel, X: Array, Y: Array) -> list[Array]:
-    """Return the derivatives of a kernel by each coordinate of X, (n, m) each."""
-    if isinstance(correlation, Chebyshev):
-        return correlation.slopes(X, Y)
-    lengths = np.atleast_1d(correlation.length_scale) * np.ones(X.shape[1])
-    differences = (X[:, None] - Y) / lengths
-    steep = _steep(correlation, np.sqrt((differences**2).sum(axis=-1)))
-    return [-differences[..., j] * steep / length for j, length in enumerate(lengths)]
-
-
-def kernel_steepness(correlation: Kernel, X: Array) -> Array:
-    """Return the prior variances of the derivatives by each coordinate at points (n, d): (d, n)."""
-    if isinstance(correlation, Chebyshev):
-        return correlation.steepness(X)
-    lengths = np.atleast_1d(correlation.length_scale) * np.ones(X.shape[1])
-    return np.repeat(_steep(correlation, np.zeros(1)) / lengths[:, None] ** 2, len(X), axis=1)
-
-
-def _steep(correlation: Kernel, distance: Array) -> Array:
-    """Return -k'(r)/r of a stationary correlation k at distances over the length scale, finite at zero.
-
-    C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning (2006), section 4.2.
-    """
-    smoothness = getattr(correlation, "nu", np.inf)
-    if smoothness == np.inf:
-        return np.asarray(np.exp(-0.5 * distance**2))
-    scaled = np.sqrt(2 * smoothness) * distance
-    return np.asarray(3 * np.exp(-scaled) if smoothness == 1.5 else 5 / 3 * (1 + scaled) * np.exp(-scaled))
+def whole(inputs: int, weights: Array | None = None) -> Kernel:
+    """Return the Chebyshev kernel times a variance, with noise of weighted cases."""
+    correlation = Chebyshev(np.full(inputs, 0.3), np.full(inputs, 0.3))
+    return ConstantKernel(1.0, VARIANCES) * correlation + Noise(weights=weights)
 
 
 def _products(factors: Sequence[Array]) -> list[Array]:

@@ -103,7 +103,7 @@ def test_few_cases_still_give_right_marginal_coverage(count: int) -> None:
 def test_a_scattered_model_is_calibrated_too() -> None:
     keep = ["mixture", "angle", "size", "ratio"]
     train, held, fresh = (functions.scattered(n, seed=s)[keep] for n, s in ((60, 0), (600, 1), (3000, 2)))
-    model = ScatterGP("matern32", functions.INPUTS[:3]).fit(train).calibrate(held)
+    model = ScatterGP(functions.INPUTS[:3]).fit(train).calibrate(held)
     table = validate(model, fresh, None)
     assert float(table["coverage"][0]) == pytest.approx(0.95, abs=0.03)
 
