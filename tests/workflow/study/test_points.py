@@ -16,8 +16,10 @@ from tests.studies import data_set, edited, fitted, made, refusal
 from workflow.dataset import effects, factorial
 from workflow.dataset import slabs as dataset
 from workflow.design.search import targets
+from workflow.design.wording import words
 from workflow.language.constants import DEVICE, FIGURES_BY
 from workflow.learning import training
+from workflow.report import page
 from workflow.report.figures import field_panels
 from workflow.report.figures.design_plots import figures_of
 from workflow.run.provenance import ROOT
@@ -195,3 +197,5 @@ def test_a_design_in_groups_is_what_the_solver_says() -> None:
     assert figures["circuit_capacitance"] == pytest.approx(capacitance, rel=1e-9)
     assert "force" not in figures
     assert "contact" in figures_of(answer, study.design["quiet"])  # over r/a
+    assert words.verdict(answer).device
+    assert "film" in str(page._problem(study))
