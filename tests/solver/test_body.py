@@ -15,10 +15,10 @@ from solver.body import (
     kind_of,
 )
 from solver.curves import FOLLOWS, REGIONS
-from solver.face.bodies import body_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.filmfactors import kinds_of
+from solver.face.solution import body_of
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, CONTACTS, FACTORS, PROFILES
 from tests.solver.test_contract import BODIES
 from tests.solver.test_contract import kind as named
