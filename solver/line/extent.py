@@ -12,10 +12,10 @@ from solver.line.loading import Loading
 from solver.line.outputs import BALANCE, LOAD, PRESSURE
 from solver.line.table import LengthsError, RangeError, Table
 
-_STEPS = 40
-_CLOSE = 1e-13
+_EXTENT_STEPS = 40
+_EXTENT_CLOSE = 1e-13
 _TENSION = 1e-8  # of the largest pressure over its weight: rounding of the terms at the edges
-_CHUNK = 16384  # cases at a time: bounded memory
+_CASES = 16384  # cases at a time: bounded memory
 
 
 class TensionError(ContactError):
@@ -26,8 +26,8 @@ def extent(table: Table, loading: Loading, half_width: Array | None) -> tuple[Ar
     """Half-length [m] and c/h of every case; (case,) each."""
     count = len(loading.loads)
     half, centre = np.empty(count), np.empty(count)
-    for start in range(0, count, _CHUNK):
-        block = slice(start, start + _CHUNK)
+    for start in range(0, count, _CASES):
+        block = slice(start, start + _CASES)
         part = loading.part(block)
         if half_width is None:
             half[block], centre[block] = _searched(table, part)
@@ -42,7 +42,7 @@ def _searched(table: Table, loading: Loading) -> tuple[Array, Array]:
     log_half, centre, lower, upper = _start(table, loading)
     value, rate = (c[:, [LOAD, BALANCE]] for c in (table.series, table.rates))
     load, smooth = loading.loads[:, 0], loading.order == 1
-    for _ in range(_STEPS):
+    for _ in range(_EXTENT_STEPS):
         causes = loading.at(np.exp(log_half), centre)
         polynomials = table.polynomials(log_half)
         outputs, moved = (np.tensordot(polynomials, c, 1) for c in (value, rate))
@@ -64,7 +64,7 @@ def _searched(table: Table, loading: Loading) -> tuple[Array, Array]:
         else:
             step, move = miss / by_width, np.zeros(())
         log_half = np.clip(log_half - step, lower, upper)
-        if np.all(np.abs(step) + np.abs(move) < _CLOSE):
+        if np.all(np.abs(step) + np.abs(move) < _EXTENT_CLOSE):
             break
         if not np.all(np.isfinite(step)):
             raise ContactError("contact: no contact of this punch carries the load")
@@ -116,7 +116,7 @@ def _corner(loading: Loading, half: Array) -> Array:
 def _centred(loading: Loading, half: Array, balance: Array) -> Array:
     """c/h that balances two smooth edges at given half-lengths: Newton's iteration, exact at once for a cylinder."""
     centre = np.zeros(half.shape)
-    for _ in range(_STEPS):
+    for _ in range(_EXTENT_STEPS):
         causes = loading.at(half, centre)
         off = causes.constant - dot(balance, causes.values)
         move = off / (causes.constant_by_centre - dot(balance, causes.by_centre))

@@ -11,8 +11,10 @@ x (r/a)^(e-2) 2F1(1 - e/2, 1/2; 3/2; -(x a/r)^2), arsinh(x a/r) of a cone.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import beta, gammaln, gammasgn, hyp2f1
 
 from approximation.arrays import Indices
@@ -109,7 +111,10 @@ def climbed(values: Callable[[Array, Indices], Array], best: Indices) -> Array:
     """
     from scipy.optimize import elementwise  # slow to import, and most cases are largest at the centre
 
+    def below(x: Array, case: NDArray[Any]) -> Array:
+        return -values(x, case.astype(np.intp))
+
     cases = np.arange(best.size)
     bracket = np.where(best > 0, SAMPLES[best - 1], 0.0), SAMPLES[best], SAMPLES[best + 1]
-    found = elementwise.find_minimum(lambda x, case: -values(x, case.astype(np.intp)), bracket, args=(cases,))
-    return np.fmax(-found.f_x, values(SAMPLES[best], cases))
+    found = elementwise.find_minimum(below, bracket, args=(cases,))
+    return np.asarray(np.fmax(-found.f_x, values(SAMPLES[best], cases)))

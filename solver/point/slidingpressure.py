@@ -31,7 +31,6 @@ _COUNT = 20  # points of a panel
 _MIDDLE = np.pi / 2 * np.array([0.25, 0.5])
 _HALVINGS = 6  # of panels towards the edge
 _APEX = 0.1  # r/a within which p0 + p1 cos(angle) fails below an apex of infinite curvature
-_CLOSE = 1e-8
 _TOGETHER = 4096  # cases at a time: bounded memory
 
 
@@ -80,7 +79,7 @@ class Ray:
     def top(self, middle: Array, turned: Array) -> Array:
         """Largest of p0 + p1 cos(angle), both (case, place); (case,)."""
         both_rays = np.concatenate([(middle - turned)[:, ::-1], middle + turned], 1)
-        return highest(both_rays[:, None, None], self.counts, ITSELF, _CLOSE).value
+        return highest(both_rays[:, None, None], self.counts, ITSELF).value
 
 
 @cached

@@ -24,7 +24,7 @@ from solver.stack.electroded import surface
 
 _A_DECADE = 2  # windows per decade, as along a line
 _OVERLAP = 1.05  # of a window with its neighbours
-_NODES = 20  # radii of a window up to a/h = 10: 1e-13 between them
+_RADII = 20  # radii of a window up to a/h = 10: 1e-13 between them
 _WIDE, _DIGITS = 2, 28.0  # first window beyond a/h = 10; exponent of the error between its radii: 1e-12
 _RUNGS = 9
 _FIRST, _SMOOTH, _KINKED = 12, 9.0, 14.0  # functions of a small contact; more per root of a/h, by the profile
@@ -172,7 +172,7 @@ def interval(number: int, count: int | None = None) -> Interval:
     step, beyond = np.log(10) / _A_DECADE, np.log(_OVERLAP)
     low, high = np.clip([number * step - beyond, (number + 1) * step + beyond], np.log(LEAST), np.log(MOST)).tolist()
     if count is None:
-        count = _NODES if number < _WIDE else 1 + int(_DIGITS / np.arcsinh(np.pi / (high - low)))
+        count = _RADII if number < _WIDE else 1 + int(_DIGITS / np.arcsinh(np.pi / (high - low)))
     return Interval(low, high, count)
 
 

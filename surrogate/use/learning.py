@@ -34,7 +34,7 @@ _RISE = 0.5  # of the density of log a below AMPLITUDE: that of a is a^-1/2
 _AMPLITUDES, _LENGTHS, _NOISES = (1e-3, 3.0), (0.1, 50.0), (1e-6, 1.0)
 _SCALES = (0.3, 30.0)
 _FIRST_AMPLITUDE, _FIRST_SCALE, _FIRST_NOISE = 0.02, 2.0, 0.02
-_MOST = 120  # values of an output that these are drawn from: the cost grows with their cube
+_MOST_VALUES = 120  # values of an output that these are drawn from: the cost grows with their cube
 _LARGEST_ODDS = 1000.0  # of a logarithm of odds
 _FRAME = 1e300  # beyond any square of a whitened vector
 _LATTICE_STEPS = {"amplitude": 0.7, "length": 0.8, "scale": 0.25, "loose": 0.5}  # of the lattices, at most
@@ -95,7 +95,11 @@ class Residuals:
     def few(self) -> tuple["Residuals", Indices]:
         """Return as many of the values as states are drawn from, and which they are."""
         n = len(self.residual)
-        chosen = np.arange(n) if n <= _MOST else np.sort(np.random.default_rng(0).choice(n, _MOST, replace=False))
+        chosen = (
+            np.arange(n)
+            if n <= _MOST_VALUES
+            else np.sort(np.random.default_rng(0).choice(n, _MOST_VALUES, replace=False))
+        )
         names = ("points", "residual", "slopes", "spread", "stated", "unknown")
         return replace(self, **{name: getattr(self, name)[chosen] for name in names}), chosen
 
@@ -259,7 +263,7 @@ DRAWS, ROUNDS = 16, 160
 #: Shares of their prior deviation by which single constants may be off, all alike, and how probable each is a priori.
 OWN, OWN_CHANCE = np.array([0.0, 0.5, 1.0, 2.0]), np.array([0.15, 0.25, 0.4, 0.2])
 
-_BURNT, _CHAINS, _STEPS, _STEP, _HUGE = 30, 4, 12, 2.0, 500.0
+_BURNT, _CHAINS, _CHAIN_STEPS, _FARTHEST_MOVE, _HUGE = 30, 4, 12, 2.0, 500.0
 _STALE = 0.3  # how far constants may move, in prior deviations, until all else is drawn anew
 
 
@@ -397,11 +401,11 @@ def _settled(
     model: _Linearised, about: Array, states: Sequence[Mapping[int, State]], shares: Array, single: Flags
 ) -> tuple[Array, tuple[Draw, ...]]:
     """Constants about which their estimate stays, all else at its draws, and the posterior there."""
-    for _ in range(_STEPS):
+    for _ in range(_CHAIN_STEPS):
         parts = model.at(about)
         draws = tuple(_draw(parts, state, share, single) for state, share in zip(states, shares, strict=True))
         mean, covariance = mixture(draws)
-        move = np.clip(mean - about, -_STEP, _STEP)
+        move = np.clip(mean - about, -_FARTHEST_MOVE, _FARTHEST_MOVE)
         if np.all(np.abs(move) <= 0.02 + 0.1 * np.sqrt(np.diag(covariance))):
             return about, draws
         about = about + move

@@ -253,7 +253,7 @@ def _left_out(posterior: Learnt, rows: Measurements, nominal: Array) -> dict[str
 _WRONG_UNIT = 30.0  # measured over predicted values, as a factor, by which no constant changes a quantity
 _TURNED = 0.9  # share of readings with the opposite sign from which the sign is the instrument's
 _VAGUE = 1e9  # an error of measurement over the largest value: beyond it a row says nothing, and squares overflow
-_STEP = 0.25  # prior standard deviations, of the difference that a derivative is taken from
+_PRIOR_STEP = 0.25  # prior standard deviations, of the difference that a derivative is taken from
 _STALE = {True: 1.0, False: 0.1}  # how far constants may move until derivatives are taken anew; films: True
 _TOLERANCE = {True: 0.1, False: 0.02}  # over the range of every quantity, for the levels
 _BUDGET, _MOST_LEVELS = 20_000, 6
@@ -405,7 +405,7 @@ class ConstantEffects:
         for number, constant in enumerate(solved, 1):
             self._say(f"{number} of {len(solved)}: {constant.name}")
             k = self._constants.index(constant)
-            step = z + _STEP * np.eye(len(z))[k]
+            step = z + _PRIOR_STEP * np.eye(len(z))[k]
             held = concerned(self._study, constant)
             cases = factorial.exact(moved(self._study, self._constants, step).narrowed(held), dict(self._levels))
             categories_ = {
@@ -413,7 +413,7 @@ class ConstantEffects:
             }
             shifted = categories.apart(_expanded(cases, held), categories_, self._study.outputs)
             differences[constant.name] = xr.Dataset({
-                name: (shifted[name] - exact[name]) / _STEP if name in shifted else xr.zeros_like(exact[name])
+                name: (shifted[name] - exact[name]) / _PRIOR_STEP if name in shifted else xr.zeros_like(exact[name])
                 for name in self._model.outputs_
             })  # fmt: skip
         for family in self._constants:
