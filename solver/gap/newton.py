@@ -40,8 +40,10 @@ class Factored:
 
 
 def solved(matrix: Array, right: Array) -> Array:
-    """The solution of one system (:class:`Factored`)."""
-    return Factored.of(matrix).solve(right)
+    """The solution of one system (:class:`Factored`), refined once: pivots of rows of one size may be poor ones."""
+    factored = Factored.of(matrix)
+    result = factored.solve(right)
+    return result + factored.solve(right - matrix @ result)
 
 
 _NEWTON_STEPS = 40

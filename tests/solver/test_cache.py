@@ -64,15 +64,6 @@ def test_what_results_share_counts_once_and_a_view_as_its_whole_array(monkeypatc
     assert cache.trim() <= 1e6
 
 
-@pytest.mark.parametrize(
-    "case", [{"radius": 0.01, "load": 1e4}, {"profile": "sphere", "radius": 0.01, "force": 1.0}], ids=["line", "point"]
-)
-def test_a_gap_permittivity_that_no_medium_has_is_refused(case: dict[str, Any]) -> None:
-    for value in (1e300, 1.1e6):
-        with pytest.raises(solver.FactorError, match=r"gap_permittivity: .* and <= 1e\+06"):
-            solver.solve(FILM | case | {"gap_permittivity": value})
-
-
 def test_charges_that_spread_without_end_are_refused_before_their_table_is_made() -> None:
     weak = {name: float(getattr(solver.find("PZT-4"), name)) for name in ("c11", "c12", "c13", "c33", "c44")}
     film = solver.Material.from_mapping(weak | {"name": "weak", "eps11": "1e-300 F/m", "eps33": "1e-300 F/m"})

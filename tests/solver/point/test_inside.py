@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from scipy.linalg import expm
+from scipy.optimize import minimize_scalar
 from scipy.special import jv
 
 import solver
@@ -157,3 +158,14 @@ def test_potentials_vanish_far_away_and_are_none_without_a_ground() -> None:
         inside(CHARGED | {"thickness": 8e-5, "surroundings": "insulated",
                "base": "rigid", "interface_magnetic": "insulated"}, [0.0], [-0.5],
                ["magnetic_potential"])  # fmt: skip
+
+
+def test_von_mises_below_a_ball_is_huber_s() -> None:
+    """On the axis, where sigma_rr and sigma_yy are closed; the depth is that of the top."""
+    solution = solver.solve(BALL | {"material": STEEL}, peaks=True)
+    top = minimize_scalar(
+        lambda z: -abs(1.5 / (1 + z**2) - (1 + NU) * (1 - z * np.arctan(1 / z))),
+        bounds=(0.3, 0.7), method="bounded", options={"xatol": 1e-9},
+    )  # fmt: skip
+    assert float(solution["peak_von_mises"] / solution["peak_pressure"]) == pytest.approx(-top.fun, rel=1e-9)
+    assert float(solution["peak_von_mises_depth"] / solution["contact_radius"]) == pytest.approx(top.x, rel=1e-6)

@@ -12,16 +12,7 @@ import xarray as xr
 from sklearn.exceptions import NotFittedError
 
 from solver import solve
-from surrogate import (
-    FactorialRegressor,
-    FormatError,
-    GridGP,
-    Input,
-    OutOfBoxError,
-    ScatterGP,
-    load,
-    save,
-)
+from surrogate import FactorialRegressor, FormatError, GridGP, Input, OutOfBoxError, ScatterGP, load, save
 from surrogate.data.points import named_points
 from tests.surrogate import functions
 

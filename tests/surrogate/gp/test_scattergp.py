@@ -18,7 +18,6 @@ from surrogate import Input, ScatterGP
 from surrogate.gp import scattergp
 from surrogate.gp.kernels import Chebyshev
 from surrogate.gp.scattergp import REACH
-from tests.surrogate.slopes import assert_slopes
 
 Array = NDArray[np.float64]
 INPUTS = (Input("x", -1.0, 1.0, units="m"), Input("y", 1.0, 100.0, "log"))
@@ -100,11 +99,6 @@ def test_the_kernel_and_its_slopes_are_those_of_the_sum() -> None:
         np.testing.assert_allclose(slope, (ends[0] - ends[1]) / (2 * step), rtol=1e-6, atol=1e-8)
         ends = [np.diag(kernel.slopes(points, points + sign * shift)[k]) for sign in (1, -1)]
         np.testing.assert_allclose(kernel.steepness(points)[k], (ends[0] - ends[1]) / (2 * step), rtol=1e-5)
-
-
-def test_gradient_agrees_with_differences(model: ScatterGP) -> None:
-    X = np.stack([np.linspace(-0.7, 0.8, 6), np.geomspace(2, 60, 6)], axis=1)
-    assert_slopes(model, X, rtol=1e-5)
 
 
 def test_it_learns_smooth_functions_and_reads_roles_off_the_outputs() -> None:

@@ -42,11 +42,7 @@ def wavy(shift: float, limit: float) -> Problem:
     def slope(p: Array) -> tuple[Array, Array]:
         x, y = p
         objective = np.stack(
-            [
-                3 * np.cos(3 * x + s) * np.cos(2 * y - shift) + 0.3,
-                -2 * np.sin(3 * x + s) * np.sin(2 * y - shift),
-            ],
-            -1,
+            [3 * np.cos(3 * x + s) * np.cos(2 * y - shift) + 0.3, -2 * np.sin(3 * x + s) * np.sin(2 * y - shift)], -1
         )
         excess = np.stack([np.full(3, 2 * x), 2 * np.cos(4 * y + s) + s], -1)
         return objective, excess

@@ -1,6 +1,6 @@
 """Constants and discrepancies from measured rows: intervals that hold on truths nobody has measured."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from storage.netcdf import read_whole, write_whole
 from surrogate import FormatError, GridGP, Input, load, save
 from surrogate.data.measurements import Measurements
 from surrogate.transforms.measured.corrected import CorrectedGP
-from surrogate.transforms.measured.discrepancy import Discrepancy, Draw
+from surrogate.transforms.measured.discrepancy import Draw
 from surrogate.use import learning
 from surrogate.use.learning import Learnt, NotSettledError, Residuals, learn
 from tests.surrogate.slopes import assert_slopes
@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 INPUTS = (Input("x", 0.0, 1.0), Input("y", 1.0, 10.0, "log"))
 CONSTANTS = {"stiffness": "10 %", "coupling": "10 %", "nothing": "5 %"}
 SIZES = np.array([3.0, 2.0])
+#: Fields of a discrepancy with one value per measured row.
+BY_ROW = ("points", "noise", "residual", "slopes")
 
 
 def model(X: Array, z: Array) -> Array:
@@ -173,17 +175,10 @@ def test_values_left_out_are_predicted_from_all_other_rows(device: Device, poste
     )
     parts = []
     for draw in posterior.draws:
-        discrepancies = {}
-        for q, discrepancy in draw.discrepancies.items():
-            selected = remaining[rows.of(q)]
-            discrepancies[q] = Discrepancy(
-                discrepancy.points[selected],
-                discrepancy.noise[selected],
-                discrepancy.amplitude,
-                discrepancy.lengths,
-                discrepancy.residual[selected],
-                discrepancy.slopes[selected],
-            )
+        discrepancies = {
+            q: replace(whole, **{field: getattr(whole, field)[remaining[rows.of(q)]] for field in BY_ROW})
+            for q, whole in draw.discrepancies.items()
+        }
         mean, variance = dense(
             others, posterior.about, Draw.of(discrepancies, np.ones(3)), rows.points[rows.row[5]][None], rows.output[5]
         )
