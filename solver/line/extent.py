@@ -44,7 +44,7 @@ def _searched(table: Table, loading: Loading) -> tuple[Array, Array]:
     load, smooth = loading.loads[:, 0], loading.order == 1
     for _ in range(_EXTENT_STEPS):
         causes = loading.at(np.exp(log_half), centre)
-        polynomials = table.polynomials(log_half)
+        polynomials = table.interval.polynomials(log_half)
         outputs, moved = (np.tensordot(polynomials, c, 1) for c in (value, rate))
         carried, balance = (dot(outputs[:, i], causes.values) for i in (0, 1))
         widened, balance_width = (dot(moved[:, i], causes.values) + dot(outputs[:, i], causes.by_width) for i in (0, 1))
@@ -91,7 +91,7 @@ def _start(table: Table, loading: Loading) -> tuple[Array, Array, Array, Array]:
     log_half = bracket[0] + share[:, 0] * (bracket[1] - bracket[0])
     half = np.exp(log_half)
     if loading.order == 1:
-        balance = np.tensordot(table.polynomials(log_half), table.series[:, BALANCE], 1)
+        balance = table.interval.read(log_half, table.series[:, BALANCE])
         return log_half, _centred(loading, half, balance), *bracket
     return log_half, _corner(loading, half), *bracket
 
@@ -141,7 +141,6 @@ def _beyond(table: Table, how: str) -> str:
 
 def _refuse_tension(table: Table, loading: Loading, half: Array, centre: Array) -> None:
     samples = table.series[:, PRESSURE][:, ::8]
-    pressures = np.tensordot(table.polynomials(np.log(half)), samples, 1)
-    pressure = np.einsum("cpq,cq->cp", pressures, loading.at(half, centre).values)
+    pressure = table.interval.read(np.log(half), samples, loading.at(half, centre).values)
     if np.any(np.min(pressure, -1) < -_TENSION * np.max(np.abs(pressure), -1)):
         raise TensionError("contact: it would need tension between punch and surface (charges or tilt too large)")

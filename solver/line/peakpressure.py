@@ -26,9 +26,8 @@ def peak_pressure(contact: FilmContact) -> Array:
     peaks = np.empty(contact.load.size)
     for start in range(0, peaks.size, _PRESSURES):
         block = slice(start, start + _PRESSURES)
-        polynomials = contact.table.polynomials(np.log(contact.half_width[block]))
-        read = np.tensordot(polynomials, series[:, :count], 1)
-        pressures = np.einsum("cjq,cq->cj", read, contact.causes.values[block])
+        log_half, causes = np.log(contact.half_width[block]), contact.causes.values[block]
+        pressures = contact.table.interval.read(log_half, series[:, :count], causes)
         peaks[block] = largest(pressures, contact.exponent)
     return np.asarray(peaks / contact.scale[1])
 

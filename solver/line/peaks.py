@@ -100,10 +100,7 @@ class PeakTable:
 
         series: (node, ..., cause), over the table's half-lengths.
         """
-        polynomials = self.table.polynomials(np.log(contact.half_width[cases]))
-        weights = np.einsum("cn,cq->cnq", polynomials, contact.causes.values[cases]).reshape(len(polynomials), -1)
-        flat = np.moveaxis(series, -1, 1).reshape(weights.shape[1], -1)
-        return np.asarray((weights @ flat).reshape(-1, *series.shape[1:-1]))
+        return self.table.interval.read(np.log(contact.half_width[cases]), series, contact.causes.values[cases])
 
 
 @dataclass(frozen=True, eq=False)

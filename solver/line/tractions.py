@@ -342,8 +342,6 @@ class TractionTable:
     def read(self, contact: FilmContact) -> Tractions:
         """Tractions under contacts that were read from the same table, one column."""
         h = contact.half_width
-        weights = self.table.polynomials(np.log(h))[:, :, None] * contact.causes.values[:, None]
-        pressures, charges = (
-            np.einsum("mnc,n...c->m...", weights, series, optimize=True)[..., None] for series in self._series
-        )
+        read, causes = self.table.interval.read, contact.causes.values
+        pressures, charges = (read(np.log(h), series, causes)[..., None] for series in self._series)
         return Tractions(self.table.system, self._nodes.basis, h, pressures, charges, self.table.upper)

@@ -146,8 +146,7 @@ class TurnedWindow:
 
     def read(self, log_radius: Array, causes: Array) -> Array:
         """Pressures p1 per eta of causes (V, Psi, g), (case, 3), at log (a/h); (case, place)."""
-        read = np.tensordot(self.window.window.polynomials(log_radius), self._series, 1)
-        return np.asarray(np.einsum("cdp,cd->cp", read, causes))
+        return self.window.window.interval.read(log_radius, np.swapaxes(self._series, 1, 2), causes)
 
 
 @cached

@@ -125,7 +125,7 @@ class Window:
 
     def read(self, log_radius: Array) -> Array:
         """Layers' contribution to loads, edges and their rates, at radii within the window; (case, 3, 3, 4)."""
-        return np.asarray(self.polynomials(log_radius) @ self._read).reshape(-1, 3, 3, 4)
+        return self.interval.read(log_radius, self._read).reshape(-1, 3, 3, 4)
 
     @property
     def rungs(self) -> Array:
@@ -135,7 +135,7 @@ class Window:
     def forces(self, log_radius: Array, held: tuple[bool, bool]) -> tuple[Array, Array]:
         """P over C a^(e+1) and d log P / d log a at log (a/h), without charges or with potentials held at zero."""
         series, rates = self._forces[held]
-        polynomials = self.polynomials(log_radius)
+        polynomials = self.interval.polynomials(log_radius)
         return np.exp(polynomials @ series), polynomials @ rates + self.kind.shape.exponent + 1
 
     @cached_property
@@ -154,17 +154,11 @@ class Window:
 
     def pressures(self, log_radius: Array, causes: Array) -> Array:
         """Layers' contribution to the pressure at ``SAMPLES`` of causes (u0, g), (case, 4); (case, sample)."""
-        read = (self.polynomials(log_radius) @ self._series[:, 24:]).reshape(-1, SAMPLES.size, 4)
-        return np.asarray(np.einsum("csd,cd->cs", read, causes))
+        return self.interval.read(log_radius, self._series[:, 24:].reshape(-1, SAMPLES.size, 4), causes)
 
     def tractions(self, log_radius: Array, causes: Array) -> Array:
         """Layers' coefficients of the tractions of causes (u0, g), (case, 4), times a; (case, 3, n)."""
-        read = np.tensordot(self.polynomials(log_radius), coefficients(self.added), 1)
-        return np.asarray(np.einsum("cind,cd->cin", read, causes))
-
-    def polynomials(self, log_radius: Array) -> Array:
-        """Chebyshev polynomials at log a; (case, node)."""
-        return self.interval.polynomials(log_radius)
+        return self.interval.read(log_radius, coefficients(self.added), causes)
 
 
 def interval(number: int, count: int | None = None) -> Interval:
