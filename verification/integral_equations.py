@@ -1,4 +1,7 @@
-"""The closed form against a numerical solution of the singular integral equations (2.2): Gauss-Jacobi collocation."""
+"""The closed form against a numerical solution of the singular integral equations (2.2): Gauss-Jacobi collocation.
+
+Sliding balls of the first order in friction against a grid that knows every order, in air against collocation.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

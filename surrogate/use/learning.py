@@ -7,6 +7,11 @@ stated errors are, which values are outliers, and that share are unknown too: co
 weighed against each other by one chain. Given them all is linear and Gaussian but the model, which is linearised about
 the constants' estimate until that stays (Gauss-Newton); the constants couple the outputs only through their k x k
 precision.
+
+The residuals of an output are drawn by Gibbs sampling: a parameter after the other from its conditional density on a
+lattice through where it is, of random step; constants and discrepancy are integrated over throughout. Errors are
+stated ones times an unknown scale, and of a few values wider still (a contaminated normal: G. E. P. Box and G. C. Tiao,
+Biometrika 55 (1968) 119).
 """
 
 from collections.abc import Callable, Mapping, Sequence
