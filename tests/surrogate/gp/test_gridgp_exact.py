@@ -24,7 +24,7 @@ def unit_points(count: int) -> Array:
 
 
 def dense_kernels(model: GridGP, counts: tuple[int, ...], p: int) -> list[dense.FactorKernel]:
-    """Of every factor, of an output."""
+    """Kernels of all factors for one output."""
     fixed = [model.hyperparameters_[input_.name] for input_ in PLANE]
     return [
         dense.chebyshev(n, rho, model.amplitude_[f, p]) for f, (n, rho) in enumerate(zip(counts, fixed, strict=True))
@@ -167,7 +167,7 @@ def test_what_is_learnt_later_counts_at_once() -> None:
     model.calibrate(held)
     after = model.predict_array(x, return_std=True)
     assert (after[1] != before[1]).all()
-    for one, other in zip(model.uncalibrated().predict_array(x, return_std=True), before, strict=True):
-        np.testing.assert_array_equal(one, other)
+    for again, other in zip(model.uncalibrated().predict_array(x, return_std=True), before, strict=True):
+        np.testing.assert_array_equal(again, other)
     part = model.only(["ratio"])
     np.testing.assert_allclose(part.predict_array(x)[:, 0], after[0][:, model.outputs_.index("ratio")], rtol=1e-9)

@@ -136,18 +136,18 @@ def posterior(device: Device) -> Learnt:
 def dense(rows: Measurements, about: Array, draw: Draw, X: Array, output: int) -> tuple[Array, Array]:
     """Mean and variance of an output by conditioning all that is unknown at once: one large matrix, no blocks."""
     whole_points = np.concatenate([rows.points, X])
-    t = np.stack([one.to_unit(whole_points[:, k]) for k, one in enumerate(INPUTS)], 1)
+    t = np.stack([input_.to_unit(whole_points[:, k]) for k, input_ in enumerate(INPUTS)], 1)
     where = np.concatenate([rows.row, len(rows.points) + np.arange(len(X))])
     which = np.concatenate([rows.output, np.full(len(X), output)])
     J = slopes(whole_points, about)[where, which]
     covariance = J @ J.T
-    for q, one in draw.discrepancies.items():
-        separation = cdist(t[where] / one.lengths, t[where] / one.lengths)
-        covariance += np.outer(which == q, which == q) * one.amplitude**2 * np.exp(-0.5 * separation**2)
+    for q, discrepancy in draw.discrepancies.items():
+        separation = cdist(t[where] / discrepancy.lengths, t[where] / discrepancy.lengths)
+        covariance += np.outer(which == q, which == q) * discrepancy.amplitude**2 * np.exp(-0.5 * separation**2)
     n = len(rows.value)
     noise = np.empty(n)
-    for q, one in draw.discrepancies.items():
-        noise[rows.of(q)] = one.noise
+    for q, discrepancy in draw.discrepancies.items():
+        noise[rows.of(q)] = discrepancy.noise
     mean = model(whole_points, about)[where, which] - J @ about
     weights = np.linalg.solve(covariance[:n, :n] + np.diag(noise), covariance[:n, n:]).T
     left = covariance[n:, n:] - weights @ covariance[:n, n:]
@@ -315,5 +315,7 @@ def test_what_cannot_be_learnt_is_refused(device: Device) -> None:
 
 def repeated(count: int) -> Measurements:
     """One output at random points, measured as 6 +- 0.001."""
-    X = np.stack([one.from_unit(np.random.default_rng(k).uniform(-1, 1, count)) for k, one in enumerate(INPUTS)], 1)
+    X = np.stack(
+        [input_.from_unit(np.random.default_rng(k).uniform(-1, 1, count)) for k, input_ in enumerate(INPUTS)], 1
+    )
     return Measurements(X, np.arange(count), np.zeros(count, int), np.full(count, 6.0), np.full(count, 1e-3))
