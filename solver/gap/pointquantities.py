@@ -199,8 +199,7 @@ def _peak_pressure(state: PointState) -> float:
     best = int(np.argmax(samples))
     if best == SAMPLES.size - 1:
         return float(samples[best])
-    low, high = SAMPLES[[max(best - 1, 0), best + 1], None]
-    return float(climbed(lambda x: np.asarray(np.polynomial.chebyshev.chebval(x, series)), low, high)[0])
+    return float(climbed(lambda x, _: np.asarray(np.polynomial.chebyshev.chebval(x, series)), np.array([best]))[0])
 
 
 def _peak_within(state: PointState, row: int) -> float:

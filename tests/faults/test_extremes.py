@@ -13,10 +13,10 @@ from solver.names import QUANTITIES
 from storage.netcdf import read_whole
 from workflow.cli.main import main
 
-FRICTIONS = [0.0, 1e-12, 1e-6, 1e-2, 1.0, 10.0]
-RADII = [1e-9, 1e-6, 1e-3, 1.0, 1e3]
+FRICTIONS = [0.0, 1e-12, 1e-2, 10.0]
+RADII = [1e-9, 1e-3, 1e3]
 LOADS = [1e-3, 1.0, 1e3, 1e6, 1e9]
-FRACTIONS = [0.0, 1e-15, 0.5, 1 - 1e-15, 1.0]
+FRACTIONS = [0.0, 1e-15, 0.5, 1.0]
 POSITIONS = [-1e6, -1 - 1e-12, -1 + 1e-12, 0.0, 1 - 1e-12, 1 + 1e-12, 1e6]
 
 

@@ -232,9 +232,9 @@ def test_reversed_poling_reverses_the_fields_and_electric_and_magnetic_ones_may_
 
     T, J = (share * case[pressing(case)[0]] for share in (1e-11, -1e-8))
     plain = solved({}, T, J)
-    both = {**EXCHANGED, **{other: first for first, other in EXCHANGED.items()}}
+    swapped = {**EXCHANGED, **{other: first for first, other in EXCHANGED.items()}}
     poled = solved({constant: -constants[constant] for pair in COUPLINGS.items() for constant in pair}, -T, -J)
-    exchanged = solved({constant: constants[other] for constant, other in both.items()}, J, T)
+    exchanged = solved({constant: constants[other] for constant, other in swapped.items()}, J, T)
     for quantity, values in plain.data_vars.items():
         size = 1e-9 * float(np.abs(values).max())
         odd = {unit.rstrip("-0123456789/") for unit in values.attrs["units"].split()} & {"V", "A", "C", "T", "Wb"}

@@ -118,7 +118,7 @@ def test_a_part_answers_as_the_whole(name: str) -> None:
 
 @each_model
 def test_derivatives_are_differences_of_the_means(name: str) -> None:
-    """Of an output of every input: without one, the derivative is rounding and the difference is too."""
+    """Grids: an output that depends on every input, since a derivative that is zero leaves rounding."""
     model = fitted(name).only(["mixed"]) if name in ("grid", "calibrated") else fitted(name)
     assert_slopes(model, inside(model, 5), rtol=SLOPES.get(name, 1e-5))
 

@@ -8,7 +8,7 @@ import xarray as xr
 
 import solver
 from solver.fields import INTERIOR, INTERIOR_ON_REQUEST
-from verification.cases import SIH_SONG, constants
+from verification.cases import constants
 from verification.oracles import collocation, interior, profile
 from verification.oracles.surface_response import surface_response
 from verification.oracles.weighted_chebyshev import end_proof_nodes
@@ -45,20 +45,15 @@ def nearly_isotropic() -> solver.Material:
     return solver.Material.from_mapping(constants)
 
 
+#: Cases that the group of 50 digits of the verification lacks.
 CASES = {
-    "all distinct": (solver.find("CoFe2O4"), 0.0, (1, 2)),
-    "composite": (solver.find(SIH_SONG), 0.0, (1, 2)),
-    "three near each other": (solver.find("BaTiO3"), 0.0, (1, 2)),
-    "two near each other": (solver.find("PZT-4"), 0.0, (1,)),
-    "isotropic": (solver.find("steel"), 0.0, (2,)),
     "nearly isotropic": (nearly_isotropic(), 0.0, (1, 2)),
-    "moving": (solver.find(SIH_SONG), 1500.0, (1, 2)),
-    "moving, isotropic": (solver.find("steel"), 1500.0, ()),
     "nearly at the limit": (solver.find("PZT-5H"), 1970.0, (1, 2)),
+    "two near each other": (solver.find("PZT-4"), 0.0, (1,)),
 }
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", CASES)
 def test_fields_agree_with_50_digit_eigenvectors(name: str) -> None:
     material, speed, conducted = CASES[name]
@@ -67,8 +62,6 @@ def test_fields_agree_with_50_digit_eigenvectors(name: str) -> None:
     exact = interior.solve(constants(material), POINTS, **case, conducted=conducted)
     kinds = {field: "conducting" if i in conducted else "insulating" for i, field in ((1, "electric"), (2, "magnetic"))}
     computed = at_points({"material": material, **case, **kinds}, POINTS, fields=ALL)
-    if name in ("isotropic", "moving, isotropic"):  # nothing couples: what is not loaded is zero
-        exact = {field: values for field, values in exact.items() if np.any(computed[field])}
     assert_close(computed, exact, 2e-11 if speed > 1900 else 1e-12)
 
 

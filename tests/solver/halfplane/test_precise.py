@@ -46,7 +46,7 @@ def test_composites(composite: str, fraction: float) -> None:
     [(SIH_SONG, 1.3, (1, 2)), (SIH_SONG, 0.0, (1,)), ("PZT-5H", 0.4, ()), ("CoFe2O4", 1e-9, (2,))],
 )
 def test_conduction(name: str, friction: float, conducted: tuple[int, ...]) -> None:
-    """What an insulating punch lacks is no number by the oracle, and absent from the solution."""
+    """A quantity that an insulating punch lacks is NaN by the oracle and absent from the solution."""
     case: dict[str, Any] = {"radius": 0.03, "load": 4e4, "friction": friction, "datum": 0.2}
     case |= {"charge": 1e-6 * (1 in conducted), "magnetic_charge": -2e-3 * (2 in conducted)}
     case |= {"electric" if i == 1 else "magnetic": "insulating" for i in (1, 2) if i not in conducted}

@@ -17,9 +17,7 @@ POSITIONS = [-250.0, -1.7, -1.0001, -0.95, 0.2, 0.95, 1.0001, 4.0]
 BOTH = np.array([True, True])
 
 
-@pytest.mark.sampled(4)
-@pytest.mark.parametrize("share", [0.1, 0.6, 0.95, 0.999])
-@pytest.mark.parametrize("name", [SIH_SONG, "PZT-5H", "steel"])
+@pytest.mark.parametrize(("name", "share"), [(SIH_SONG, 0.999), ("steel", 0.6)])
 def test_moving_punch_agrees_with_50_digits(name: str, share: float) -> None:
     speed = float(limiting_speed(solver.find(name), BOTH)) * share
     case: dict[str, Any] = {"radius": 0.03, "load": 4e4, "friction": 0.6, "datum": 0.2}

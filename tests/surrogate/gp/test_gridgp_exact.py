@@ -24,7 +24,7 @@ def unit_points(count: int) -> Array:
 
 
 def dense_kernels(model: GridGP, counts: tuple[int, ...], p: int) -> list[dense.FactorKernel]:
-    """Of every factor, of an output."""
+    """Kernels of all factors for one output."""
     fixed = [model.hyperparameters_[input_.name] for input_ in PLANE]
     return [
         dense.chebyshev(n, rho, model.amplitude_[f, p]) for f, (n, rho) in enumerate(zip(counts, fixed, strict=True))
@@ -70,7 +70,7 @@ def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient() -
 
 def test_leave_one_level_out_errors_are_those_of_refitting_without_the_level() -> None:
     from surrogate.gp.factors import Factor
-    from surrogate.gp.hyperparameters import level_errors
+    from surrogate.gp.gridgp import level_errors
 
     input_, n = PLANE[0], 6
     levels = input_.levels(n)
@@ -167,7 +167,7 @@ def test_what_is_learnt_later_counts_at_once() -> None:
     model.calibrate(held)
     after = model.predict_array(x, return_std=True)
     assert (after[1] != before[1]).all()
-    for one, other in zip(model.uncalibrated().predict_array(x, return_std=True), before, strict=True):
-        np.testing.assert_array_equal(one, other)
+    for again, other in zip(model.uncalibrated().predict_array(x, return_std=True), before, strict=True):
+        np.testing.assert_array_equal(again, other)
     part = model.only(["ratio"])
     np.testing.assert_allclose(part.predict_array(x)[:, 0], after[0][:, model.outputs_.index("ratio")], rtol=1e-9)

@@ -16,8 +16,7 @@ from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
 from surrogate import Input, ScatterGP
 from surrogate.gp import scattergp
-from surrogate.gp.kernels import Chebyshev
-from surrogate.gp.scattergp import REACH
+from surrogate.gp.scattergp import REACH, Chebyshev
 
 Array = NDArray[np.float64]
 INPUTS = (Input("x", -1.0, 1.0, units="m"), Input("y", 1.0, 100.0, "log"))
@@ -74,9 +73,9 @@ def test_prediction_is_that_of_a_dense_process_and_a_derivative_s_variance_that_
             ends = np.concatenate([points + step * np.eye(2)[k], points - step * np.eye(2)[k]]) / REACH
             cross = correlation(theta, ends, t)
             C = np.diag(correlation(theta, ends, ends) - cross @ cho_solve(factor, cross.T))
-            both = np.einsum("ij,ij->i", cross[:25], cho_solve(factor, cross[25:].T).T)
-            both = np.diag(correlation(theta, ends[:25], ends[25:])) - both
-            want = scale**2 * widened[0] * (C[:25] + C[25:] - 2 * both) / (2 * step) ** 2
+            joint = np.einsum("ij,ij->i", cross[:25], cho_solve(factor, cross[25:].T).T)
+            joint = np.diag(correlation(theta, ends[:25], ends[25:])) - joint
+            want = scale**2 * widened[0] * (C[:25] + C[25:] - 2 * joint) / (2 * step) ** 2
             std = slopes[f"{name}_std"].sel(input=input_.name).values / input_.unit_slope(held[input_.name].values)
             np.testing.assert_allclose(std**2, want, rtol=1e-3, atol=1e-6 * scale**2)
     assert answer["f"].attrs["units"] == "K"

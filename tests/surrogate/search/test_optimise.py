@@ -50,7 +50,7 @@ def wavy(shift: float, limit: float) -> Problem:
     return Problem(2, value, slope)
 
 
-def brute_force(problem: Problem, side: int = 801) -> float:
+def brute_force(problem: Problem, side: int = 401) -> float:
     """Best feasible worst case on a dense grid."""
     axis = np.linspace(-1, 1, side)
     X = np.stack([g.ravel() for g in np.meshgrid(axis, axis)], -1)

@@ -11,8 +11,8 @@ from surrogate.data.measurements import Measurements
 from tests.workflow.study.test_uncertainty import FILM
 from workflow.dataset import draws, factorial
 from workflow.learning import correction
+from workflow.learning.correction import Summary
 from workflow.learning.instruments import Instrument
-from workflow.learning.summary import Summary
 from workflow.study import uncertainty
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError

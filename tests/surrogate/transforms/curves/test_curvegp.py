@@ -27,12 +27,12 @@ def truth(a: Array, b: Array) -> tuple[Array, Array]:
     """The largest norm and its x, by sampling and a search from the highest sample of either half; (n,) each."""
     x, y = np.linspace(-1, 1, 161), np.linspace(0, 1, 41)
     maxima = []
-    for one, other in zip(a.tolist(), b.tolist(), strict=True):
+    for first, other in zip(a.tolist(), b.tolist(), strict=True):
 
-        def lowered(at: Array, one: float = one, other: float = other) -> float:
-            return -float(np.hypot(*fields(one, other, at[0], at[1])))
+        def lowered(place: Array, first: float = first, other: float = other) -> float:
+            return -float(np.hypot(*fields(first, other, place[0], place[1])))
 
-        grid = np.hypot(*fields(one, other, x[None], y[:, None]))
+        grid = np.hypot(*fields(first, other, x[None], y[:, None]))
         tops = []
         for half in (slice(0, 81), slice(81, None)):
             row, column = np.unravel_index(grid[:, half].argmax(), grid[:, half].shape)
@@ -67,7 +67,7 @@ def test_maxima_and_places_are_right_where_they_jump(model: CurveGP, cases: xr.D
 
 def test_groups_may_stand_behind_the_curves(model: CurveGP, cases: xr.Dataset) -> None:
     over, points = fitted_over_groups(), {name: cases[name] for name in "ab"}
-    answer, plain = (one.predict(points, return_std=False) for one in (over, model))
+    answer, plain = (process.predict(points, return_std=False) for process in (over, model))
     xr.testing.assert_allclose(answer["top"], plain["top"], rtol=1e-4)
     assert over.grouping is not None
     assert over.grouping.scalings["top"] == Scaling({"b": 1.0})  # as the size does
