@@ -31,6 +31,7 @@ from solver.names import (
 from solver.stack.layers import Stack
 from solver.units import in_si
 
+_SMALLEST = float(np.finfo(np.float64).tiny)
 _STEEPEST = 1.0  # slope of a cone or wedge beyond which a theory of small slopes says nothing
 _OF_LAYERS = {BODY, "surroundings", *OF_A_FILM, *OF_A_GAP, *OF_AN_ELECTRODE}
 _MAY_BE_EMPTY = (*OF_A_FILM, "surroundings")
@@ -222,6 +223,9 @@ def _number(name: str, array: xr.DataArray) -> xr.DataArray:
     bad = values[~(np.isfinite(values) & above & below | lacking)]
     if bad.size:
         raise FactorError(f"{name}: {bad.flat[0]:g} is not {factor.allowed}")
+    bad = values[(np.abs(values) < _SMALLEST) & (values != 0)]
+    if bad.size:  # its inverse is no number, and it has lost digits
+        raise FactorError(f"{name}: {bad.flat[0]:g} is too small for a number of full precision, {_SMALLEST:.3g}")
     return array
 
 

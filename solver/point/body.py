@@ -15,8 +15,8 @@ from solver.point.profile import Shape
 from solver.point.state import State, Stiffness, halfspace
 from solver.point.table import PointKind, Window, window
 
-_STEPS = 60
-_CLOSE = 1e-8  # last step in log a: the error after it is of the order of its square
+_RADIUS_STEPS = 60
+_RADIUS_CLOSE = 1e-8  # last step in log a: the error after it is of the order of its square
 _SLACK = 1e-6
 _AROUND = 2  # windows searched for other radii of charged contacts
 _SEVERAL = "contact: contacts of several radii carry the force (charges too large for it)"
@@ -183,7 +183,7 @@ class Search:
         first = np.argmax(self._enough, axis=-1)
         low, high = self.window.rungs[first - 1], self.window.rungs[first]
         log_ratio = (low + high) / 2
-        for _ in range(_STEPS):
+        for _ in range(_RADIUS_STEPS):
             force, rate = self.forces(log_ratio)
             below = force < self.loading.force
             low, high = np.where(below, log_ratio, low), np.where(below, high, log_ratio)
@@ -191,6 +191,6 @@ class Search:
                 next_ratio = log_ratio + np.log(self.loading.force / force) / rate
             next_ratio = np.where((next_ratio >= low) & (next_ratio <= high), next_ratio, (low + high) / 2)
             step, log_ratio = np.abs(next_ratio - log_ratio), next_ratio
-            if np.all((step <= _CLOSE) | (high - low <= _CLOSE)):
+            if np.all((step <= _RADIUS_CLOSE) | (high - low <= _RADIUS_CLOSE)):
                 break
         return np.asarray(self.thickness * np.exp(log_ratio))

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
 from solver.point.body import Film, HalfSpace, Loading
 from solver.point.profile import SAMPLES, climbed, halfspace_form, halfspace_peak
@@ -136,18 +137,17 @@ class Contact:
         off_centre = np.flatnonzero(best < SAMPLES.size - 1)
         for places, table, log_ratio in film.part(off_centre).windows(self.radius[off_centre]):
             cases = off_centre[places]
-            bracket = SAMPLES[np.maximum(best[cases] - 1, 0)], SAMPLES[best[cases] + 1]
-            largest[cases] = self._climbed(table, log_ratio, causes[cases], per_form[cases], bracket)
+            largest[cases] = _climbed(
+                table, table.tractions(log_ratio, causes[cases])[:, 0], per_form[cases], best[cases]
+            )
         return np.asarray(largest)
 
-    def _climbed(
-        self, table: Window, log_ratio: Array, causes: Array, per_form: Array, bracket: tuple[Array, Array]
-    ) -> Array:
-        """Largest pressure over C a^(e-1) within brackets of x, each (case,)."""
-        series = table.tractions(log_ratio, causes)[:, 0]
 
-        def pressure(x: Array) -> Array:
-            added = np.sum(series * table.terms.forms(x), -1)
-            return np.asarray(per_form * halfspace_form(table.kind.shape, x) - added)
+def _climbed(table: Window, series: Array, per_form: Array, best: Indices) -> Array:
+    """Largest pressure over C a^(e-1) around the best of ``SAMPLES``, of layers' coefficients (case, n); (case,)."""
 
-        return climbed(pressure, *bracket)
+    def pressure(x: Array, cases: Indices) -> Array:
+        added = np.sum(series[cases] * table.terms.forms(x), -1)
+        return np.asarray(per_form[cases] * halfspace_form(table.kind.shape, x) - added)
+
+    return climbed(pressure, best)

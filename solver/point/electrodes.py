@@ -32,7 +32,7 @@ from solver.stack.electrodereading import DISC, STRIP, Reading
 from solver.stack.electrodes import Electrode, transfers
 from solver.stack.layers import StackError
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(48)
+_DISC_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(48)
 _PHASE = 8.0  # phase of a wave over a panel of densities
 _VALUES_AT_ONCE = 1_000_000  # values of Bessel functions or waves held at once: bounded memory
 
@@ -52,7 +52,7 @@ class Covered:
         """
         ends = np.sort(np.clip(np.stack([*self._ends, 0 * self.size, 0 * self.size + 1], -1), 0.0, 1.0), -1)
         half, middle = (ends[:, 1:] - ends[:, :-1]) / 2, (ends[:, 1:] + ends[:, :-1]) / 2
-        angle = np.pi / 2 * (1 + _NODES)
+        angle = np.pi / 2 * (1 + _DISC_NODES)
         r = np.asarray(middle[..., None] - half[..., None] * np.cos(angle)).reshape(len(half), -1)
         weights = (half[..., None] * np.sin(angle) * np.pi / 2 * _WEIGHTS).reshape(len(half), -1)
         r = np.clip(r, 1e-300, 1.0)

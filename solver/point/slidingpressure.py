@@ -31,7 +31,6 @@ _COUNT = 20  # points of a panel
 _MIDDLE = np.pi / 2 * np.array([0.25, 0.5])
 _HALVINGS = 6  # of panels towards the edge
 _APEX = 0.1  # r/a within which p0 + p1 cos(angle) fails below an apex of infinite curvature
-_CLOSE = 1e-8
 _TOGETHER = 4096  # cases at a time: bounded memory
 
 
@@ -80,7 +79,7 @@ class Ray:
     def top(self, middle: Array, turned: Array) -> Array:
         """Largest of p0 + p1 cos(angle), both (case, place); (case,)."""
         both_rays = np.concatenate([(middle - turned)[:, ::-1], middle + turned], 1)
-        return highest(both_rays[:, None, None], self.counts, ITSELF, _CLOSE).value
+        return highest(both_rays[:, None, None], self.counts, ITSELF).value
 
 
 @cached
@@ -147,8 +146,7 @@ class TurnedWindow:
 
     def read(self, log_radius: Array, causes: Array) -> Array:
         """Pressures p1 per eta of causes (V, Psi, g), (case, 3), at log (a/h); (case, place)."""
-        read = np.tensordot(self.window.window.polynomials(log_radius), self._series, 1)
-        return np.asarray(np.einsum("cdp,cd->cp", read, causes))
+        return self.window.window.interval.read(log_radius, np.swapaxes(self._series, 1, 2), causes)
 
 
 @cached

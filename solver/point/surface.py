@@ -36,7 +36,7 @@ def added_stresses(contact: Contact, positions: Array) -> Array:
     places = tuple(positions.tolist())
     read = body.gathered(
         contact.radius,
-        lambda table, log_ratio, _: table.polynomials(log_ratio) @ _series(table.kind, table.number, places),
+        lambda table, log_ratio, _: table.interval.read(log_ratio, _series(table.kind, table.number, places)),
     )
     causes = contact.state.causes * (contact.size / contact.radius)[:, None]
     return np.asarray(np.einsum("ckd,cd->ck", read.reshape(len(read), -1, 4), causes)).reshape(len(read), 2, -1)
