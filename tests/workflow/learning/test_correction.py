@@ -61,7 +61,7 @@ def truth(study: Study, model: GridGP, known: list[Constant], z: Array, count: i
 
 
 def rows(X: Array, exact: Array, outputs: list[int], share: float, seed: int) -> Measurements:
-    """What is read of some outputs, with normal errors of a share of the values."""
+    """Readings of outputs, with normal errors of a share of the values."""
     row, output = (index.ravel() for index in np.meshgrid(np.arange(len(X)), outputs, indexing="ij"))
     error = share * abs(exact[row, output])
     return Measurements(
