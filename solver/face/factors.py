@@ -135,8 +135,8 @@ def _check_modulus(name: str, array: xr.DataArray) -> None:
     """No modulus is so small that it has lost its unit; a text with its unit passes."""
     if name.endswith("_modulus") and array.dtype.kind in "iuf":
         values = array.values.astype(np.float64)
-        if asked := question("young", values[(values > 0) & (values < 1e6)], "Pa"):
-            raise FactorError(f"{name}: {asked.removeprefix('young: ')}")
+        if complaint := question("young", values[(values > 0) & (values < 1e6)], "Pa"):
+            raise FactorError(f"{name}: {complaint.removeprefix('young: ')}")
 
 
 def _check_material(arrays: Mapping[str, xr.DataArray]) -> None:
