@@ -14,9 +14,8 @@ from solver.curves import REGIONS, SIZES, described
 from solver.described import Contact
 from solver.face.body import Body
 from solver.face.cases import Cases
-from solver.face.factors import checked
+from solver.face.factors import Factors, checked
 from solver.face.refusal import FactorError
-from solver.face.rows import Factors
 from solver.fields import ACROSS, ALONG, EVERY_FIELD, EVERY_INTERIOR
 from solver.material.constants import Material
 from solver.names import ALL_PEAKS, ALL_QUANTITIES
