@@ -124,11 +124,7 @@ def test_the_cases_decide_the_engine(X: Array, engine: type) -> None:
         ({}, np.column_stack([fresh(9), np.full(9, 2.5)]), "column 'x3' is 2.5 in all 9 cases; leave it out"),
         ({}, fresh(1), "Found array with 1 sample(s)"),
         ({"inputs": [Input("a", 0, 1)]}, fresh(), "inputs has 1 entries for the 3 columns x0, x1, x2"),
-        (
-            {"inputs": [Input("a", 0, 1), Input("b", 1, 9), Input("c", -2, 3)]},
-            fresh(),
-            "outside its range [1, 9]",
-        ),
+        ({"inputs": [Input("a", 0, 1), Input("b", 1, 9), Input("c", -2, 3)]}, fresh(), "outside its range [1, 9]"),
     ],
 )
 def test_bad_cases_are_refused_in_one_line(change: dict[str, Any], X: Array, says: str) -> None:
