@@ -1,9 +1,9 @@
-"""Which layer a test is of, and which of a product's cases `make test` takes.
+"""Layer of each test, and the cases of a product that `make test` takes.
 
-`make check` runs the layer ``unit``: in this process, on what is computed in a moment. ``dense`` is what searches
-densely, solves in 50 digits, or fits a study; ``process`` starts programs; ``browser`` opens a page. `make test` runs
-all four, and of a product of cases that bears ``sampled`` a few, in which each value of each parameter stands if they
-suffice; `make soak` runs the others.
+`make check` runs the layer ``unit``: in this process, on what is computed in a moment. ``dense`` searches densely,
+solves in 50 digits, or fits a study; ``process`` starts programs; ``browser`` opens a page. `make test` runs all four,
+and a few cases of a product that is marked ``sampled``, which hold each value of each parameter if they suffice;
+`make soak` runs the others.
 """
 
 import os

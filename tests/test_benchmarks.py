@@ -1,4 +1,4 @@
-"""The benchmarks: what they compare is right, and their page holds it; times are for `make bench`."""
+"""The benchmarks compare what they say, and their page holds it; times are for `make bench`."""
 
 import json
 from pathlib import Path

@@ -7,10 +7,10 @@ import xarray as xr
 import solver
 from solver.body import FILM, FILM_IN_AIR, HALF_PLANE, HALF_PLANE_IN_AIR, KINDS, airless, kind_of
 from solver.curves import FOLLOWS, REGIONS
-from solver.face.bodies import body_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.filmfactors import kinds_of
+from solver.face.solution import body_of
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, CONTACTS, FACTORS, PROFILES
 from tests.solver.face.test_refused import REFUSED
 from tests.solver.test_contract import BODIES

@@ -8,9 +8,9 @@ import xarray as xr
 from scipy.optimize import fmin, minimize_scalar
 
 import solver
-from solver.face.bodies import body_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
+from solver.face.solution import body_of
 from verification.cases import SIH_SONG
 
 BASE: dict[str, Any] = {"radius": 0.05, "load": 1e5}

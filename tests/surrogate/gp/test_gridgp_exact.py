@@ -70,7 +70,7 @@ def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient() -
 
 def test_leave_one_level_out_errors_are_those_of_refitting_without_the_level() -> None:
     from surrogate.gp.factors import Factor
-    from surrogate.gp.hyperparameters import level_errors
+    from surrogate.gp.gridgp import level_errors
 
     input_, n = PLANE[0], 6
     levels = input_.levels(n)

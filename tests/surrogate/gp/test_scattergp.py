@@ -16,8 +16,7 @@ from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
 from surrogate import Input, ScatterGP
 from surrogate.gp import scattergp
-from surrogate.gp.kernels import Chebyshev
-from surrogate.gp.scattergp import REACH
+from surrogate.gp.scattergp import REACH, Chebyshev
 
 Array = NDArray[np.float64]
 INPUTS = (Input("x", -1.0, 1.0, units="m"), Input("y", 1.0, 100.0, "log"))

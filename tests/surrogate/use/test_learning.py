@@ -16,9 +16,8 @@ from surrogate import FormatError, GridGP, Input, load, save
 from surrogate.data.measurements import Measurements
 from surrogate.transforms.measured.corrected import CorrectedGP
 from surrogate.transforms.measured.discrepancy import Draw
-from surrogate.use import residuals
-from surrogate.use.learning import Learnt, NotSettledError, learn
-from surrogate.use.residuals import Residuals
+from surrogate.use import learning
+from surrogate.use.learning import Learnt, NotSettledError, Residuals, learn
 
 Array = NDArray[np.float64]
 INPUTS = (Input("x", 0.0, 1.0), Input("y", 1.0, 10.0, "log"))
@@ -193,7 +192,7 @@ def test_values_left_out_are_predicted_from_all_other_rows(device: Device, poste
 
 def test_what_is_unknown_is_drawn_from_its_density(monkeypatch: pytest.MonkeyPatch) -> None:
     # one input, one constant, no outliers: the density on a grid of amplitude, length and scale of the errors
-    monkeypatch.setattr(residuals, "CHANCE", np.array([1.0, 0.0, 0.0]))
+    monkeypatch.setattr(learning, "CHANCE", np.array([1.0, 0.0, 0.0]))
     random = np.random.default_rng(5)
     x = np.linspace(-1, 1, 9)
     value = 0.06 * np.sin(2.5 * x) + 0.02 * random.normal(size=9)
@@ -213,7 +212,7 @@ def test_what_is_unknown_is_drawn_from_its_density(monkeypatch: pytest.MonkeyPat
     )
     a, length, scale = (axis.ravel() for axis in np.meshgrid(*grids, indexing="ij"))
     prior = 0.5 * a - 0.5 * (np.exp(a) / 0.2) ** 2 - 0.5 * ((length - np.log(2)) / 0.7) ** 2
-    trust = -1.5 * np.log1p((scale / residuals.TRUST) ** 2 / 2)
+    trust = -1.5 * np.log1p((scale / learning.TRUST) ** 2 / 2)
     residual, square = value - 0.02 * x * 0.3, (x[:, None] - x) ** 2
     base = 0.5 * 0.02**2 * np.outer(x, x) + 1e-6 * np.eye(9)
     noise = (0.01 * np.exp(scale))[:, None, None] ** 2 * np.eye(9)

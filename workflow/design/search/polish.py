@@ -18,7 +18,7 @@ _ROUNDS = 6  # polishes, each with limits shifted by what many more scenarios sa
 _SAFETY = 1e-10  # relative safety margin, beyond rounding
 _NEAR = 1e-6  # relative distance at which a limit binds
 _FLAT, _SAME = 5, 1e-9  # values of a variable, and relative change of the goal over them that is none
-_CLOSE = 1e-6  # length of a scaled range to which a variable that does not matter is found
+_UNMOVED = 1e-6  # length of a scaled range to which a variable that does not matter is found
 _LOST = 1e-6  # share of the objective that safety margins may cost
 _RETREATS = 3  # steps back behind limits that many more scenarios judge
 
@@ -172,7 +172,7 @@ def _cheapest(candidate: Candidate) -> Candidate:
         low, high = -1.0, float(x[column])
         if np.all(excess(_moved(x, column, low)) <= room):
             high = low
-        while high - low > _CLOSE:
+        while high - low > _UNMOVED:
             middle = (low + high) / 2
             low, high = (low, middle) if np.all(excess(_moved(x, column, middle)) <= room) else (middle, high)
         x[column] = high

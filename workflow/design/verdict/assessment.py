@@ -31,9 +31,9 @@ _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that count
 _SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)
 _WIDE, _SMOOTH = 1e-5, 1e-7  # m: a contact that is not a tip's, and the depth below which roughness decides it
 _PILOT = 512
-_STEP = 1e-3  # relative step of elasticities
+_ELASTIC_STEP = 1e-3  # relative step of elasticities
 _ERROR = 0.01  # relative error in building a variable
-_SHARES = 1 + np.array([-_STEP, _STEP, -_ERROR, _ERROR])
+_SHARES = 1 + np.array([-_ELASTIC_STEP, _ELASTIC_STEP, -_ERROR, _ERROR])
 _NOTHING = 1e-9  # share of the goal that counts as no change
 
 
