@@ -9,6 +9,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from approximation.arrays import columns_of
 from solver.arrays import is_finite, shown, unmasked
 from solver.described import Contact
 from solver.face.electrodes import check_electrodes
@@ -44,7 +45,11 @@ def by_name(factors: Factors) -> dict[str, Any]:
     if isinstance(factors, xr.Dataset):
         return {str(name): values for name, values in (*factors.data_vars.items(), *factors.coords.items())}
     if isinstance(factors, Mapping | pd.Series):
-        return dict(factors)
+        try:
+            columns = columns_of(factors)
+        except ValueError as error:
+            raise FactorError(str(error)) from None
+        return dict(factors) | (_rows(pd.DataFrame(columns)) if columns else {})
     if isinstance(factors, np.ndarray) and factors.dtype.names:
         return _rows(pd.DataFrame(factors))
     if isinstance(factors, pd.DataFrame):

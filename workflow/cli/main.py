@@ -12,7 +12,7 @@ from typing import Any, NoReturn, TextIO
 
 import numpy as np
 
-from solver import FactorError, MaterialError, PrecisionWarning
+from solver import FactorError, MaterialError, PrecisionWarning, SmallStrainWarning
 from solver.threads import one_thread
 from storage.files import output, write_text
 from surrogate import FormatError, OutOfBoxError
@@ -95,6 +95,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with warnings.catch_warnings(), one_thread():  # sums that threads share differ in their last digits
             warnings.simplefilter("always", PrecisionWarning)
+            warnings.simplefilter("ignore", SmallStrainWarning)  # of a design the verdict says it
             warnings.showwarning = _warned
             return int(options.run(options) or 0)
     except (InputError, FactorError, MaterialError, OutOfBoxError, FormatError) as error:
