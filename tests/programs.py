@@ -10,6 +10,7 @@ from collections.abc import Iterable
 #: Debian package of each program.
 PACKAGES = {
     "chromium": "chromium",
+    "gcc": "gcc libc6-dev",
     "node": "nodejs",
     "ncdump": "netcdf-bin",
     "nccopy": "netcdf-bin",

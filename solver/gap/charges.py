@@ -167,7 +167,7 @@ _BAND = 6.0  # of wavenumbers that share nodes
 
 
 @dataclass(frozen=True, eq=False)
-class Window:
+class ChargeWindow:
     """Charges between two distances from the edge, with smooth ends."""
 
     charges: Charges  # All of them
@@ -230,11 +230,13 @@ class Spectrum:
     most: float
 
     @cached_property
-    def windows(self) -> list[Window]:
+    def windows(self) -> list[ChargeWindow]:
         """Windows from the edge outwards."""
         last = float(np.log(np.cosh(self.charges.ends[-1])))
         ends = [-np.inf, *np.arange(np.log(_CUT / self.most), last, _WINDOW).tolist(), np.inf]
-        return [Window(self.charges, *pair, min(self.most, _CUT * float(np.exp(-pair[0])))) for pair in pairwise(ends)]
+        return [
+            ChargeWindow(self.charges, *pair, min(self.most, _CUT * float(np.exp(-pair[0])))) for pair in pairwise(ends)
+        ]
 
     def reach(self, q: float) -> float:
         """Largest abs(X) whose charges count from a wavenumber times the half-length on."""

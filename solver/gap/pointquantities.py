@@ -19,7 +19,7 @@ from solver.halfplane.pressing import ContactError
 from solver.line.windows import FIRST, LAST
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.point.body import Film, HalfSpace
-from solver.point.contact import Contact, Pressed
+from solver.point.contact import PointContact, Pressed
 from solver.point.friction import Rim
 from solver.point.inside import Inside
 from solver.point.kernel import shear_kernel
@@ -86,7 +86,7 @@ class Case:
         """Units of the charges of the fields [C, Wb]; (field,)."""
         return np.asarray(self.length**2 / self.units[[1 + f for f in self.fields]])
 
-    def charged(self, contacts: dict[str, Contact]) -> PointState:
+    def charged(self, contacts: dict[str, PointContact]) -> PointState:
         """With its own charges."""
         start = contacts["charged"]
         return self.state(start.pressed.charges[self.place], False, float(start.radius[self.place]))
@@ -128,7 +128,7 @@ class Case:
         return _on_half_space(compliance, self.fields, self.body.shape, self._reach)
 
 
-def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[Case, dict[str, Contact]]]:
+def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[Case, dict[str, PointContact]]]:
     conducts, body, windows = np.broadcast_to(pressed.conducts, (pressed.force.size, 2)), pressed.body, None
     require(lacking_at_point(body, conducts))
     contacts = {"charged": pressed.charged, "uncharged": pressed.uncharged, "grounded": pressed.grounded}
@@ -141,7 +141,7 @@ def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[
         yield Case(pressed, windows, place, fields, float(permittivity[place]), float(end[place]), reach), contacts
 
 
-def _of_case(case: Case, contacts: dict[str, Contact], rim: Rim | None) -> dict[str, float]:
+def _of_case(case: Case, contacts: dict[str, PointContact], rim: Rim | None) -> dict[str, float]:
     place, nothing = case.place, np.zeros(2)
     charges = contacts["charged"].pressed.charges[place]
     state = case.charged(contacts)

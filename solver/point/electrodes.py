@@ -21,12 +21,12 @@ from solver.arrays import Array, joined
 from solver.line.electrodecharge import Collected, together
 from solver.point import hankel
 from solver.point.body import Film
-from solver.point.contact import Contact
+from solver.point.contact import PointContact
 from solver.point.hankel import even_orders
 from solver.point.sliding import Rubbed
 from solver.point.surface import BelowPunch
 from solver.point.system import halfspace_terms
-from solver.point.table import Window
+from solver.point.table import PointWindow
 from solver.point.tractions import Tractions
 from solver.stack.electrodereading import DISC, STRIP, Reading
 from solver.stack.electrodes import Electrode, transfers
@@ -101,7 +101,7 @@ def _disc_slope(d: Array, b: Array, r: Array) -> Array:
     return np.asarray(np.where((root > 0) & (d != 0), side * slope, 0.0))
 
 
-def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict[str, Array]:
+def electrode_quantities(contact: PointContact, film: Film, reading: Reading) -> dict[str, Array]:
     """Requested quantities of ``solver.names.ELECTRODE_QUANTITIES``, SI; (case,) each."""
     reading.refused(conducts=film.kind.conducts[0])
     reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
@@ -111,7 +111,7 @@ def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict
     return joined(parts, contact.radius.size)
 
 
-def _slides(contact: Contact) -> bool:
+def _slides(contact: PointContact) -> bool:
     """Return whether any of the contacts has friction."""
     friction = contact.pressed.friction
     return friction is not None and bool(np.any(friction.coefficient))
@@ -121,7 +121,7 @@ class _OfPoint(Collected):
     """Cases of one window and electrode whose distances are of like size; lengths over the top layer's thickness."""
 
     def __init__(
-        self, contact: Contact, film: Film, table: Window, reading: Reading, window_places: Indices,
+        self, contact: PointContact, film: Film, table: PointWindow, reading: Reading, window_places: Indices,
         cases: Indices, number: int, octave: int,
     ) -> None:  # fmt: skip
         stack, places = film.kind.film.stack(), window_places[cases]

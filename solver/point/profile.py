@@ -116,5 +116,5 @@ def climbed(values: Callable[[Array, Indices], Array], best: Indices) -> Array:
 
     cases = np.arange(best.size)
     bracket = np.where(best > 0, SAMPLES[best - 1], 0.0), SAMPLES[best], SAMPLES[best + 1]
-    found = elementwise.find_minimum(below, bracket, args=(cases,))
-    return np.asarray(np.fmax(-found.f_x, values(SAMPLES[best], cases)))
+    minimum = elementwise.find_minimum(below, bracket, args=(cases,))
+    return np.asarray(np.fmax(-minimum.f_x, values(SAMPLES[best], cases)))

@@ -21,7 +21,7 @@ from solver.arrays import Array
 from solver.cache import cached
 from solver.halfplane.potentials import LINE, LINE_WEIGHTS
 from solver.point.body import Film
-from solver.point.contact import Contact, Friction
+from solver.point.contact import Friction, PointContact
 from solver.point.friction import Response, legendre_rates
 from solver.point.profile import Shape, halfspace_form
 from solver.point.slidingtable import SlidingWindow, sliding_window
@@ -154,7 +154,7 @@ def _turned_window(window: SlidingWindow) -> TurnedWindow:
     return TurnedWindow(window)
 
 
-def largest_pressure(contact: Contact, friction: Friction) -> Array:
+def largest_pressure(contact: PointContact, friction: Friction) -> Array:
     """Largest pressure of curved punches that slide [Pa], p0 + p1 cos(angle) over the contact; (case,).
 
     For exponents below 2, whose apex is sharp, it is the pressure at rest.
@@ -170,7 +170,7 @@ def largest_pressure(contact: Contact, friction: Friction) -> Array:
     return largest
 
 
-def _pressures(contact: Contact, friction: Friction, cases: Indices) -> tuple[Array, Array]:
+def _pressures(contact: PointContact, friction: Friction, cases: Indices) -> tuple[Array, Array]:
     """Pressures p0 and p1 of some cases at the places of the ray, over C a^(e-1); (case, place) each."""
     body, eta = contact.pressed.body, friction.coefficient[cases, None]
     shape, ray = body.shape, ray_of(body.shape)

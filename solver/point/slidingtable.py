@@ -17,7 +17,7 @@ from solver.cache import cached
 from solver.point import hankel
 from solver.point.friction import Response, contact_coupling, legendre
 from solver.point.inside import Inside
-from solver.point.table import PointKind, Window, window
+from solver.point.table import PointKind, PointWindow, window
 from solver.point.tractions import Density, Tractions
 from solver.stack.electroded import difference, surface
 from solver.stack.wavenumbers import strip, wavenumbers
@@ -30,7 +30,7 @@ _EDGE = np.ones(1)
 class SlidingWindow:
     """Layers' contribution to friction over half a decade of radii."""
 
-    window: Window
+    window: PointWindow
     punch: float
 
     @cached_property

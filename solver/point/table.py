@@ -17,7 +17,7 @@ from solver.cache import cached
 from solver.line.table import LEAST, MOST
 from solver.line.windows import Kind
 from solver.point.profile import SAMPLES, Shape
-from solver.point.state import State, Stiffness, conducted, halfspace
+from solver.point.state import PressedState, Stiffness, conducted, halfspace
 from solver.point.system import Added, interactions
 from solver.point.tractions import Density
 from solver.stack.electroded import surface
@@ -67,7 +67,7 @@ def _contact_compliance(compliance: Array, kind: PointKind) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Window:
+class PointWindow:
     """Contacts on one film of unit thickness, over half a decade of radii and a little more."""
 
     kind: PointKind
@@ -147,7 +147,7 @@ class Window:
         )
         for electric, magnetic in product((False, True), repeat=2):
             held = electric, magnetic
-            state = State(stiffness, self.kind.shape, np.zeros((self.nodes.size, 2)), held)
+            state = PressedState(stiffness, self.kind.shape, np.zeros((self.nodes.size, 2)), held)
             series = coefficients(np.log(state.loads[..., 0]))
             series_of[held] = series, self.interval.derived(series)
         return series_of
@@ -171,9 +171,9 @@ def interval(number: int, count: int | None = None) -> Interval:
 
 
 @cached
-def window(kind: PointKind, number: int) -> Window:
+def window(kind: PointKind, number: int) -> PointWindow:
     """Window of a kind, cached."""
-    return Window(kind, number)
+    return PointWindow(kind, number)
 
 
 @cached

@@ -12,11 +12,11 @@ from typing import Any, NoReturn, TextIO
 
 import numpy as np
 
-from solver import FactorError, MaterialError, PrecisionWarning
+from solver import FactorError, MaterialError, PrecisionWarning, SmallStrainWarning
 from solver.threads import one_thread
 from storage.files import output, write_text
 from surrogate import FormatError, OutOfBoxError
-from workflow.cli import learn, materials, sensing, solve, studies
+from workflow.cli import export, learn, materials, sensing, solve, studies
 from workflow.cli.launch import launch
 from workflow.cli.progress import busy
 from workflow.cli.query import query
@@ -41,6 +41,7 @@ EXAMPLES = {
     "signal": "signal examples/press.csv -o signal.csv \\\n"
     '  --on "profile=sphere,radius=2.5 mm,punch=steel,material=PVDF,thickness=110 um,base=glass" \\\n'
     '  --device "input_capacitance=10 pF,feedback_capacitance=10 pF,feedback_resistance=1 TOhm"',
+    "export": "export results/quickstart --as c --outputs voltage,depth -o sensor.c",
     "calculator": "calculator -o contact.html",
 }
 
@@ -94,6 +95,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with warnings.catch_warnings(), one_thread():  # sums that threads share differ in their last digits
             warnings.simplefilter("always", PrecisionWarning)
+            warnings.simplefilter("ignore", SmallStrainWarning)  # of a design the verdict says it
             warnings.showwarning = _warned
             return int(options.run(options) or 0)
     except (InputError, FactorError, MaterialError, OutOfBoxError, FormatError) as error:
@@ -228,6 +230,7 @@ def _parser() -> Parser:
     command.set_defaults(run=_invert)
 
     sensing.add(commands)
+    export.add(commands)
     add(commands)
 
     solve.add_interior(commands)

@@ -115,20 +115,9 @@ _SLICE = 121  # points of a slice
 
 
 def solve_target(study: Study, name: str, model: GaussianProcess) -> Answer:
-    """Answer one design target of a study.
+    """Answer one design target of a study, by name, with the surrogate of its quantities.
 
-    Parameters
-    ----------
-    study, name
-        The study and the name of its target.
-    model
-        Surrogate of the study's quantities.
-
-    Raises
-    ------
-    InputError
-        An objective that is constant, unbounded or undefined; an exact value outside the surrogate's interval, unless
-        the target allows it.
+    InputError: the objective is constant, unbounded or undefined, or an exact value left the surrogate's interval.
     """
     return answer(study, name, study.design[name], model)
 
