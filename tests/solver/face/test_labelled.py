@@ -10,7 +10,6 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.face.attributes import united
 from solver.fields import FIELDS, INTERIOR, INTERIOR_ON_REQUEST
 from solver.names import EVERY_QUANTITY
 from tests.solver.cases import assert_same
@@ -192,14 +191,6 @@ def test_a_solution_says_what_no_factor_says(factors: dict[str, object], said: d
         assert attrs.pop("title").startswith("exact ")
         assert attrs.pop("source").startswith("meecontact: closed-form")
         assert attrs == said
-
-
-def test_solutions_put_together_keep_what_any_of_them_says() -> None:
-    parts = [
-        {"title": "t", "defaults": "friction = 0, slope = 0"},
-        {"phases": "a, b", "defaults": "friction = 0, x = 1"},
-    ]
-    assert united(parts) == {"title": "t", "phases": "a, b", "defaults": "friction = 0, slope = 0, x = 1"}
 
 
 @pytest.mark.parametrize(
