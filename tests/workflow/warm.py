@@ -100,7 +100,8 @@ def preload() -> None:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
             main(["--cores", "1", "-n"])
     bring()
-    importlib.import_module("workflow.cli.main")
+    for file in sorted(Path("workflow/cli").glob("[a-z]*.py")):  # which a command imports when it is known
+        importlib.import_module(f"workflow.cli.{file.stem}")
     provenance = importlib.import_module("workflow.run.provenance")
     for script in SCRIPTS.glob("*.py"):
         provenance.code(str(script))  # which sources are behind it is remembered
