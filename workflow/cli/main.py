@@ -30,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _parser()
     options = parser.parse_args(arguments)
     if options.command is None:
-        print(f"meecontact {_version()}") if options.version else parser.print_help()
+        parser.print_help()
         return 0
     from solver import PrecisionWarning
     from solver.threads import one_thread
@@ -58,10 +58,14 @@ def _refuse(reason: object) -> int:
     return 2
 
 
-def _version() -> str:
-    from importlib.metadata import version
+class _Version(argparse.Action):
+    """Prints the version, which takes longer to look up than to parse all options."""
 
-    return version("meecontact")
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from importlib.metadata import version
+
+        print(f"{parser.prog} {version('meecontact')}")
+        parser.exit()
 
 
 def _refusals() -> tuple[type[Exception], ...]:
@@ -102,7 +106,7 @@ def _warned(
 
 def _parser() -> Parser:
     parser = Parser(prog="meecontact", description=_ABOUT)
-    parser.add_argument("--version", action="store_true", help="show program's version number and exit")
+    parser.add_argument("--version", action=_Version, nargs=0, help="show program's version number and exit")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
 
     command = commands.add_parser("run", help="check a study and run it with Snakemake, up to its report")
