@@ -3,16 +3,71 @@
 import argparse
 import os
 import sys
+import textwrap
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, TextIO, TypeAlias
+from typing import Any, NoReturn, TextIO, TypeAlias
 
-from workflow.cli.helping import Parser, exemplify
 from workflow.cli.words import cores, printable_streams, say, surrogate_file, written_as
+from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, one_line
 
 Commands: TypeAlias = "argparse._SubParsersAction[Any]"
+
+#: One example a command, after ``meecontact``; those of questions ask the results of the quickstart.
+EXAMPLES = {
+    "run": "run quickstart",
+    "init": "init mine --like point_sensor",
+    "list": "list quantities",
+    "material": "material PZT-4",
+    "solve": "solve examples/cases.csv -o cases.csv",
+    "interior": "interior examples/cases.csv -o inside.nc --x=-1,0,1 --y=-1,-0.5",
+    "query": "query results/quickstart --at volume_fraction=0.6,friction=0.2,radius=10cm,load=10kN/m,charge=0",
+    "design": 'design results/quickstart --maximise "abs(voltage_per_load)" --over radius,volume_fraction \\\n'
+    '  --at load=5kN/m --worst-case friction=0.1:0.4 --limit "trailing_tension <= tensile_strength"',
+    "invert": "invert results/quickstart --measured voltage=-519+-5 --infer load \\\n"
+    "  --at volume_fraction=0.67,radius=12cm,friction=0.2,charge=0",
+    "learn": "learn examples/measured.csv --on results/film/surrogate.nc",
+    "signal": "signal examples/press.csv -o signal.csv \\\n"
+    '  --on "profile=sphere,radius=2.5 mm,punch=steel,material=PVDF,thickness=110 um,base=glass" \\\n'
+    '  --device "input_capacitance=10 pF,feedback_capacitance=10 pF,feedback_resistance=1 TOhm"',
+    "export": "export results/quickstart --as c --outputs voltage,depth -o sensor.c",
+    "calculator": "calculator -o contact.html",
+}
+
+
+class _Layout(argparse.HelpFormatter):
+    """Names beside what they mean, and paragraphs that keep lines of their own."""
+
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog, max_help_position=30)
+        self._action_max_length = 14  # names of commands, which argparse measures without their indent
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        return textwrap.indent(text, indent) if "\n" in text else super()._fill_text(text, width, indent)
+
+
+class Parser(argparse.ArgumentParser):
+    """Complains in one line, and says what a command may have been meant to be."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(formatter_class=_Layout, **options)
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is not None and value not in action.choices:
+            raise argparse.ArgumentError(action, f"{value!r} is none; {nearest(str(value), list(action.choices))}")
+
+    def error(self, message: str) -> NoReturn:
+        """Report bad usage in one line, without the usage text."""
+        self.exit(2, f"{self.prog}: {' '.join(message.split())}\n")
+
+
+def exemplify(commands: "argparse._SubParsersAction[Any]") -> None:
+    """Put its example below the help of every command."""
+    for name, command in commands.choices.items():
+        command.epilog = f"example:\n  meecontact {textwrap.indent(EXAMPLES[name], '  ').lstrip()}"
+
 
 _ABOUT = """\
 Charge, voltage and stroke of contacts on piezoelectric, piezomagnetic and
@@ -32,12 +87,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.command is None:
         parser.print_help()
         return 0
-    from solver import PrecisionWarning
+    from solver import PrecisionWarning, SmallStrainWarning
     from solver.threads import one_thread
 
     try:
         with warnings.catch_warnings(), one_thread():  # sums that threads share differ in their last digits
             warnings.simplefilter("always", PrecisionWarning)
+            warnings.simplefilter("ignore", SmallStrainWarning)  # of a design the verdict says it
             warnings.showwarning = _warned
             return int(options.run(options) or 0)
     except InputError as error:
@@ -200,6 +256,7 @@ def _parser() -> Parser:
     command.set_defaults(run=_invert)
 
     _add_signal(commands)
+    _add_export(commands)
     _add_calculator(commands)
     _add_interior(commands)
     _add_learn(commands)
@@ -215,7 +272,7 @@ def _add_solve(commands: Commands) -> None:
     """Add ``solve`` to the commands of the program."""
     command = commands.add_parser("solve", help="solve a table of cases exactly: quantities and surface fields")
     _add_cases(command, nc="netCDF", csv="CSV")
-    command.add_argument("--positions", metavar="X1,X2,...", help="surface positions X = (x - c)/h, any but -1 and 1")
+    command.add_argument("--positions", metavar="X1,X2,...", help="surface positions X = (x - c)/h, or r/a")
     command.add_argument(
         "--peaks", action="store_true", help="also find the largest stresses of the body (milliseconds a case)"
     )
@@ -288,6 +345,28 @@ def _add_signal(commands: Commands) -> None:
         help="file of a material that the library lacks",
     )
     command.set_defaults(run=_signal)
+
+
+def _add_export(commands: Commands) -> None:
+    """Add ``export`` to the commands of the program."""
+    command = commands.add_parser(
+        "export",
+        help="write a trained surrogate as C, for controllers and simulators",
+        description="Rounds outputs of a surrogate to an error. c: NAME.c and NAME.h, C89 without allocation or "
+        "library calls beyond math.h, with value, 95 % interval, gradient and a check of the box. fmu: a unit for "
+        "system simulators (FMI 3.0, Co-Simulation), with these sources and, where there is a compiler, a binary.",
+    )
+    command.add_argument("surrogate", type=surrogate_file, metavar="surrogate.nc", help="or results/STUDY")
+    command.add_argument("--as", dest="form", required=True, choices=["c", "fmu"])
+    command.add_argument("--outputs", metavar="NAME,...", help="default: all")
+    command.add_argument(
+        "--error", default="1e-5", metavar="SHARE", help="largest error over an output's range; default: 1e-5"
+    )
+    command.add_argument("--precision", choices=["single", "double"], default="double", help="default: double")
+    command.add_argument(
+        "-o", "--output", type=Path, metavar="NAME.c|.fmu", help="default: the study's name, in this folder"
+    )
+    command.set_defaults(run=_export)
 
 
 def _add_calculator(commands: Commands) -> None:
@@ -416,6 +495,12 @@ def _signal(options: argparse.Namespace) -> None:
     from workflow.cli.sensing import signal
 
     signal(options)
+
+
+def _export(options: argparse.Namespace) -> None:
+    from workflow.cli.export import export
+
+    export(options)
 
 
 def _learn(options: argparse.Namespace) -> None:
