@@ -269,6 +269,18 @@ LIMITS: dict[str, Described] = {
     "breakdown_field": Described("V m-1", "electric field at which it breaks down"),
 }
 
+#: Constants of a material for heat, beside its other constants; not every one is known of a material.
+THERMAL: dict[str, Described] = {
+    "pyroelectric": Described(
+        "C m-2 K-1",
+        "change of the polarisation along the poling axis on heating, at constant stress",
+        "negative where heating takes from a polarisation along +y, as that of PZT and of PVDF",
+    ),
+    "expansion": Described("K-1", "linear thermal expansion across the poling axis"),
+    "conductivity": Described("W m-1 K-1", "thermal conductivity"),
+    "heat_capacity": Described("J m-3 K-1", "heat capacity by volume"),
+}
+
 #: Quantities that each limit of the top material bounds; those of a film's base bound ``base_peak_...``.
 LIMITED: dict[str, tuple[str, ...]] = {
     "tensile_strength": ("trailing_tension", "peak_principal_tension", "film_peak_principal_tension"),
