@@ -16,7 +16,7 @@ from solver.face.refusal import FactorError
 from solver.face.rows import Factors
 from solver.fields import ACROSS, ALONG, EVERY_FIELD, EVERY_INTERIOR
 from solver.material.constants import Material
-from solver.names import ALL_PEAKS, ALL_QUANTITIES
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, OF_HEAT
 
 
 def solve(
@@ -42,7 +42,9 @@ def solve(
         composite (``composite``, default ``fibrous``; see ``solver.names.COMPOSITES``). The rest default to 0
         (``datum``: 1 m; ``electric`` and ``magnetic``: conducting). A case with a ``thickness`` is a film on its
         ``base``, graded with a ``base_volume_fraction``, see ``solver.names.OF_A_FILM``; NaN and empty names mean that
-        a case has none. Instead of material, film and base a ``body`` may be given: a :class:`Stack`, or a list.
+        a case has none. A film that something warm touches (``touch_temperature``, ``hold``) has the quantities of
+        ``solver.names.HEAT_QUANTITIES`` as well. Instead of material, film and base a ``body`` may be given: a
+        :class:`Stack`, or a list.
         Beside a film's contact is air, where that can be, unless ``surroundings`` is ``insulated``: voltages and
         capacitances are others by factors.
     positions
@@ -65,7 +67,8 @@ def solve(
         ``solver.names``. Values that a dimension does not change are broadcast views, not copies. A quantity that
         some case does not have is left out: the potentials of a field that a punch does not conduct; peak pressure,
         edge intensities and edge stresses at a corner of the punch, where they are infinite; what only films or only
-        half-planes have, where both are asked for.
+        half-planes have, where both are asked for; those of heat where a constant is not known, which the attribute
+        ``heat`` names.
 
     Raises
     ------
@@ -91,7 +94,9 @@ def solve(
     >>> dict(solve([roller | {"load": 1e4}, roller | {"load": 4e4}]).sizes)
     {'case': 2}
     """
-    cases = Cases(checked(factors), materials, phases)
+    arrays = checked(factors)
+    pressed = {name: array for name, array in arrays.items() if name not in OF_HEAT}
+    cases = Cases(pressed, materials, phases)
     X = None if positions is None else _positions(positions)
     searched = _searched(peaks)
 
@@ -108,6 +113,10 @@ def solve(
         return xr.Dataset(outputs, coordinates)
 
     out = cases.solved("exact solution of a punch on a magneto-electro-elastic half-plane", part)
+    if "touch_temperature" in arrays:
+        from solver.face.heat import with_heat  # few cases are touched
+
+        out = with_heat(out, arrays, materials, phases)
     first = [name for name in ALL_QUANTITIES if name in out]
     return out[[*first, *(name for name in out.data_vars if name not in first)]]
 

@@ -24,6 +24,7 @@ from solver.stack.layers import Stack
 
 _EARLIEST, _LATEST = 1e-6, 1e6  # s, between which heat overtakes a force, or never
 _PER_DECADE = 6
+_LEAST = 1e-8  # charge over another one that is lost in rounding
 
 
 class HeatError(MaterialError):
@@ -134,14 +135,15 @@ class HeatedStack:
         """
 
         def excess(log: float) -> float:
-            time = 10**log
-            left = abs(charge) * np.exp(-time / leak)
-            return abs(Warming(self.conduction, self.weights, time, leak).over(spot)) - left
+            made = abs(Warming(self.conduction, self.weights, 10**log, leak).over(spot))
+            return float(np.log(max(made, _LEAST * abs(charge)) / abs(charge)) + min(10**log / leak, 700.0))
 
-        logs = np.linspace(np.log10(_EARLIEST), np.log10(_LATEST), 1 + 12 * _PER_DECADE)
+        # of one sign the charge of heat over that of the force only grows; of two it is looked for in steps
+        steps = 1 if (self.weights >= 0).all() or (self.weights <= 0).all() else 12 * _PER_DECADE
+        logs = np.linspace(np.log10(_EARLIEST), np.log10(_LATEST), 1 + steps)
         before = logs[0]
         for log in logs:
             if excess(log) > 0:
-                return float(10 ** (brentq(excess, before, log, xtol=1e-9) if log > before else log))
+                return float(10 ** (brentq(excess, before, log, xtol=1e-7) if log > before else log))
             before = log
         return np.inf

@@ -27,7 +27,7 @@ _SPECTRUM = 96  # nodes over all wavenumbers: interpolated to 1e-8
 _NODES, _WEIGHTS = leggauss(8)  # of a panel
 _PHASE = 4.0  # of the fastest oscillation in a panel
 _BURIED, _BARE = 22.0, 400.0  # largest wavenumber times the depth of the film, or its thickness where it is on top
-_MOST_PANELS = 12_000
+_MOST_PANELS = 4_000
 
 Shape = Literal["disc", "strip"]
 
@@ -41,6 +41,14 @@ class Spot:
     patch: Shape | None = None  # None: the electrode has no end
     patch_half_width: float = 0.0  # [m]
     distance: float = 0.0  # of both middles [m]
+
+    @property
+    def area(self) -> float:
+        """Area of what collects [m2], of a strip below a strip its width [m]; without a patch that of the spot."""
+        shape, half = (self.shape, self.half_width) if self.patch is None else (self.patch, self.patch_half_width)
+        if shape == "disc":
+            return np.pi * half**2
+        return 2 * half if self.shape == "strip" else 4 * half * self.half_width
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,7 @@
 """Heat: temperatures in layers, and the charge that they make, against closed forms and finite volumes."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,8 @@ from solver import Layer, Stack
 from solver.heat.charge import HeatedStack, HeatError, conduction, film_coefficient, layer_weights, touch_step
 from solver.heat.conduction import Conduction, Spot, Warming
 from solver.material.evidence import Sourced
+from solver.material.punches import punches
+from solver.names import HEAT_QUANTITIES
 from verification.oracles.heat import Slab, film_mean, spot_heat
 
 PDMS, FILM, FR4 = (0.15, 970 * 1460.0), (0.2, 1880 * 1300.0), (0.3, 1850 * 1100.0)  # W/m/K, J/m3/K
@@ -196,3 +199,47 @@ def test_heat_overtakes_a_force_when_its_charge_is_as_large() -> None:
     time = heated.overtaken(spot, 1e-13)
     assert abs(heated.charges([spot], time)[0]) == pytest.approx(1e-13, rel=1e-6)
     assert np.isinf(heated.overtaken(spot, 1e-3))
+
+
+TOUCH: dict[str, Any] = {"touch_temperature": 306.15, "body_temperature": 295.15, "hold": [0.3, 10.0]}
+
+
+def test_a_touched_film_has_its_heat_beside_the_quantities_of_its_contact() -> None:
+    skin = {"profile": "sphere", "radius": "10 mm", "punch": "skin", "force": [5e-3, 50e-3], "magnetic": "insulating"}
+    body = Stack([Layer("PDMS", 1e-3, "grounded"), Layer(copolymer(), 50e-6)], "FR4")
+    read = {"body": body, **skin, "electric": "insulating", "collector": 2, "patch_size": "2 mm"}
+    bare, out = solver.solve(read), solver.solve(read | TOUCH)
+    for name in bare:
+        np.testing.assert_array_equal(out[name], bare[name])
+    heated = HeatedStack.of(body, 2)
+    rise = touch_step(solver.find("PDMS"), punches()["skin"].thermal, 11.0)
+    for force in (0, 1):
+        spot = Spot("disc", float(out["contact_radius"][force]), "disc", 1e-3)
+        for place, time in enumerate(TOUCH["hold"]):
+            charge = rise * heated.charges([spot], time)[0]
+            assert out["heat_charge"].transpose("force", "hold").values[force, place] == pytest.approx(charge)
+            touch = abs(out["patch_charge_per_force"] * out["force"]).values[force]
+            equal = out["temperature_equal"].transpose("force", "hold").values[force, place]
+            assert equal == pytest.approx(11.0 * touch / abs(charge), rel=1e-9)
+    lasting = solver.solve(read | TOUCH | {"hold": out["heat_time"].values.min(), "force": 5e-3})
+    assert float(lasting["temperature_equal"].squeeze()) == pytest.approx(11.0, rel=1e-5)
+
+
+def test_a_decaying_read_out_loses_the_touch_before_the_heat() -> None:
+    film = {"material": "PZT-4", "thickness": 50e-6, "base": "steel", "punch": "steel", "radius": 0.05, "load": 5e3}
+    slow, fast = (
+        solver.solve({**film, **TOUCH, "feedback_resistance": r, "feedback_capacitance": "10 pF"})
+        for r in ("10 TOhm", "10 GOhm")
+    )
+    assert "heat_charge" not in slow
+    assert abs(fast["heat_charge_per_length"][..., 1]).max() < abs(slow["heat_charge_per_length"][..., 1]).max()
+    assert (fast["temperature_equal"] < slow["temperature_equal"]).all()
+
+
+def test_a_film_without_a_constant_has_no_heat_and_says_why() -> None:
+    film = {"thickness": 50e-6, "base": "steel", "radius": 0.05, "load": 5e3, **TOUCH}
+    out = solver.solve({"material": "PIC255", **film})
+    assert not HEAT_QUANTITIES.keys() & set(out)
+    assert "charge_per_force" in out
+    assert out.attrs["heat"] == "not known for PIC255: pyroelectric"
+    assert "rigid" in solver.solve({"material": "PZT-4", **film, "base": "rigid"}).attrs["heat"]
