@@ -41,6 +41,7 @@ FACTORS: dict[str, Factor] = {
     "punch_poisson": poisson("the punch"),
     "touch_temperature": positive("K", "temperature of what touches the surface", optional=True),
     "body_temperature": positive("K", "temperature of the body before the touch", 293.15),
+    "heat_share": positive("1", "charge of heat over that of the force at which heat_time is read", 1.0),
     "hold": positive("s", "time after the touch at which its heat is read", optional=True),
     "feedback_resistance": positive("Ohm", "resistance beside the feedback capacitance", optional=True),
     "feedback_capacitance": positive("F", "capacitance between output and input of a charge amplifier", optional=True),
@@ -108,7 +109,7 @@ OF_A_FILM = (
 )  # fmt: skip
 
 #: Factors of the heat that a touch brings to a film, and of the charge amplifier in which charge of it decays.
-OF_HEAT = ("touch_temperature", "body_temperature", "hold", "feedback_resistance", "feedback_capacitance")
+OF_HEAT = ("touch_temperature", "body_temperature", "heat_share", "hold", "feedback_resistance", "feedback_capacitance")
 
 #: The factor that gives a whole stack of layers (:class:`solver.Stack`), in place of a material and a film's factors.
 BODY = "body"
@@ -191,7 +192,9 @@ HEAT_QUANTITIES: dict[str, Described] = {
         f"at most {NEVER_TEMPERATURE:g} K",
     ),
     "heat_time": Described(
-        "s", "time at which heat has made as much charge as the force leaves", f"at most {NEVER_TIME:g} s"
+        "s",
+        "time at which heat has made heat_share times the charge that the force leaves",
+        f"at most {NEVER_TIME:g} s",
     ),
 }
 

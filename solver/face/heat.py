@@ -93,7 +93,7 @@ class _Touches:
         pressed = next(case[name] for name in _CHARGES if name in case) * case.get("force", case.get("load"))
         left = abs(pressed) * np.exp(-time / leak)
         equal = min(left / abs(per_kelvin), NEVER_TEMPERATURE) if per_kelvin else NEVER_TEMPERATURE
-        share = abs(rise) * self.share(case, stack)
+        share = abs(rise) * self.share(case, stack) / case.get("heat_share", 1.0)
         reached = (key, spot, leak, share, pressed)
         if reached not in self.times:
             self.times[reached] = heated.overtaken(spot, abs(pressed) / share, leak) if share else NEVER_TIME

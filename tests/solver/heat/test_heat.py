@@ -221,8 +221,11 @@ def test_a_touched_film_has_its_heat_beside_the_quantities_of_its_contact() -> N
             touch = abs(out["patch_charge_per_force"] * out["force"]).values[force]
             equal = out["temperature_equal"].transpose("force", "hold").values[force, place]
             assert equal == pytest.approx(11.0 * touch / abs(charge), rel=1e-9)
-    lasting = solver.solve(read | TOUCH | {"hold": out["heat_time"].values.min(), "force": 5e-3})
-    assert float(lasting["temperature_equal"].squeeze()) == pytest.approx(11.0, rel=1e-5)
+    for share in (1.0, 0.1):
+        light = read | TOUCH | {"force": 5e-3, "heat_share": share}
+        overtaken = solver.solve(light)["heat_time"].values.max()
+        lasting = solver.solve(light | {"hold": overtaken})
+        assert float(lasting["temperature_equal"].squeeze()) == pytest.approx(11.0 / share, rel=1e-5)
 
 
 def test_a_decaying_read_out_loses_the_touch_before_the_heat() -> None:
