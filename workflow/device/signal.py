@@ -51,8 +51,9 @@ class History:
         """Return the history with each interval in equal parts."""
         fractional_rows = np.linspace(0, len(self.times) - 1, (len(self.times) - 1) * parts + 1)
         rows = np.arange(len(self.times))
-        columns = (self.times, self.forces, self.temperatures)
-        return History(*(None if values is None else np.interp(fractional_rows, rows, values) for values in columns))
+        times, forces = (np.interp(fractional_rows, rows, values) for values in (self.times, self.forces))
+        warm = self.temperatures
+        return History(times, forces, None if warm is None else np.interp(fractional_rows, rows, warm))
 
 
 @dataclass(frozen=True, eq=False)

@@ -47,7 +47,7 @@ class Warmth:
         approach = -np.expm1(-times[:, None] * rates)
         scale = float(np.abs(charges).max()) or 1.0
         sizes = np.linalg.lstsq(approach, charges / scale, rcond=1e-12)[0] * scale
-        return cls(rates, sizes, float(np.abs(approach @ sizes - charges).max()) / scale)
+        return cls(rates, np.asarray(sizes, dtype=np.float64), float(np.abs(approach @ sizes - charges).max()) / scale)
 
     def charge(self, history: History) -> Array:
         """Charge of the heat at the times of a history [C], (time,); the first temperature is that of the body."""

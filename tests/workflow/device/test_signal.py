@@ -234,7 +234,7 @@ def test_the_heat_of_a_history_is_a_superposition_of_steps() -> None:
         expected = 0.0
         for begin, end, slope in ((0.0, 0.5, 20.0), (0.7, 3.0, -5 / 2.3)):
             if time > begin:
-                expected += slope * quad(lambda u, time=time: step(time - u), begin, min(time, end))[0]  # type: ignore[misc]
+                expected += slope * quad(lambda u, time=time: step(time - u), begin, min(time, end))[0]
         assert warm.charge(history)[row] == pytest.approx(expected, rel=1e-9, abs=1e-24)
 
 
