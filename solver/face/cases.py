@@ -1,7 +1,7 @@
 """The one way through the face: checked factors, one body for the cases of a kind, labelled outputs, put together.
 
 An entrance (:func:`solver.solve`, :func:`solver.solve_interior`) says which outputs of a body it asks for, and nothing
-about how the cases are told apart, aligned or labelled. Which body the cases lie on is decided by ``face/bodies.py``.
+about how the cases are told apart, aligned or labelled. Which body the cases lie on is decided by ``face/solution.py``.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -85,6 +85,15 @@ class Cases:
         named = {"corner": corner} if "corner" in outline.may else {}
         profile: Profile = getattr(Profile, kind)(**parameters, **named)
         return profile
+
+    @property
+    def smooth_edges(self) -> tuple[bool, bool]:
+        """Return whether the leading and the trailing edge of cases of a kind are smooth: the punch has no corner."""
+        if self.kind.contact == "point":
+            smooth = self._one("profile") != "disc"
+            return smooth, smooth
+        trailing, leading = self.profile.smooth
+        return leading, trailing
 
     @property
     def outline(self) -> Outline:

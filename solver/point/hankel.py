@@ -76,7 +76,7 @@ def _ratios(z: Array, highest: int) -> Array:
     return ratios
 
 
-_NODES = 14  # per panel; a panel is as long as its distance from the nearest singularity
+_PANEL_COUNT = 14  # per panel; a panel is as long as its distance from the nearest singularity
 _KINKS = 14  # halvings of panels towards the kink of a cone's density at b = 0 and friction's steep end at b = 1
 _PANEL = 8.0  # phase of a panel in b
 #: Depth over a above which rounding spoils the sums: shallower fields are extrapolated from below.
@@ -85,7 +85,7 @@ LEAST = 1e-5
 
 @lru_cache
 def _gauss() -> tuple[Array, Array]:
-    return np.polynomial.legendre.leggauss(_NODES)
+    return np.polynomial.legendre.leggauss(_PANEL_COUNT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +109,7 @@ def nodes(
     sharp = min(radius, last)
     offsets = np.concatenate([*breaks, beyond]) - sharp
     if radius < 2 * last:
-        least = max(near, radius - last, LEAST) / 2
+        least = max(near, radius - last) / 2
         steps = least * 2.0 ** np.arange(int(np.ceil(np.log2(max(1.0, sharp) / least))) + 1)
         offsets = np.concatenate([offsets, [0.0], steps, -steps])
     ends = np.unique(offsets)

@@ -22,12 +22,13 @@ from solver.stack.wavenumbers import strip
 
 _NEAR = 0.05  # depth over a above which the half-space's part is closed
 _MOST_PHASE = 8000.0  # largest phase of the integrals over k; beyond it the closed part serves at any depth
-_STEP = 512  # wavenumbers at a time
+_STEP_IN_K = 512  # wavenumbers at a time
 _ENTRIES = 1 << 22  # values of a block of waves: bounded memory
 _PLACES = 4096  # positions along the surface at a time: bounded memory
 _COLUMNS = 1024  # cases at a time: bounded memory
 _ON = 1 + 1e-12  # a depth on an interface belongs to the layer above it
 _DEEP = 4.0  # thickness over a of the layer that replaces a half-space
+_FROM_EDGE, _AT_EDGE = 1e-3, 1e-7  # from an edge, below which depths shrink with the distance; and how far at most
 _FARTHEST = 2000.0  # distance over the thickness of the top layer: bounded time
 
 
@@ -135,7 +136,7 @@ class Inside:
                     raise StackError(f"x: {np.max(np.abs(X)):g} is farther from the contact than is resolved")
                 k, weights = tractions.wavenumbers(self.stack, 2 * reach, width)
                 rows_of_parts, level = self.rows(number, names), 8 * columns.size
-                step = min(max(_ENTRIES // (level * rows.size), 8), _STEP)
+                step = min(max(_ENTRIES // (level * rows.size), 8), _STEP_IN_K)
                 depths = max(_ENTRIES // (8 * level), 1)
                 for first in range(0, k.size, step):
                     waves = slice(first, first + step)
@@ -157,11 +158,12 @@ class Inside:
     def _closed(self, tractions: Tractions, X: Array, depth: Array, names: tuple[str, ...], potentials: bool) -> Array:
         """Half-space's part of the fields, potentials over a; (column, field, depth, x)."""
         part, columns = _HalfspacePart(self, tractions, names, potentials), tractions.ratio.size
-        shallow = depth < hankel.LEAST
-        base = hankel.LEAST * np.arange(1, 4) if np.any(shallow) else np.empty(0)
-        summed = np.concatenate([base, depth[~shallow]])
         out = np.empty((columns, len(names), depth.size, X.size))
         for place, x in enumerate(X.tolist()):
+            least = hankel.LEAST * min(1.0, max(abs(1 - abs(x)) / _FROM_EDGE, _AT_EDGE))
+            shallow = depth < least
+            base = least * np.arange(1, 4) if np.any(shallow) else np.empty(0)
+            summed = np.concatenate([base, depth[~shallow]])
             nodes = tractions.nodes(abs(x), float(np.min(summed)))
             densities = tractions.vectors(nodes.b, np.arange(columns))
             step = max(_ENTRIES // (4 * ORDERS * (nodes.b.size + 4 * columns)), 1)
@@ -169,7 +171,7 @@ class Inside:
             values = np.concatenate([part.at(x, level, nodes, densities) for level in levels], -1)
             out[:, :, ~shallow, place] = values[..., base.size :]
             if base.size:  # Lagrange's polynomials through 1, 2, 3
-                t = depth[shallow] / hankel.LEAST
+                t = depth[shallow] / least
                 share = np.stack([(t - 2) * (t - 3) / 2, (t - 1) * (3 - t), (t - 1) * (t - 2) / 2], -1)
                 out[:, :, shallow, place] = values[..., : base.size] @ share.T
         return out

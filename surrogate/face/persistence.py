@@ -71,7 +71,7 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
     ...     [file.name for file in Path(folder).iterdir()]
     ['y.nc']
     """
-    points = _probe_points(model.inputs_)
+    points = probe_points(model.inputs_)
     probes = {"point": points, **_answers(model, points)}
     whole = nested(model).assign({f"probe_{name}": (_PROBE_DIMS[name], values) for name, values in probes.items()})
     title = f"surrogate of {', '.join(model.outputs_)}"[:200]
@@ -213,7 +213,7 @@ def restored(stored: xr.Dataset, engines: tuple[str, ...]) -> GaussianProcess:
     return model
 
 
-def _probe_points(inputs: tuple[Input, ...]) -> Array:
+def probe_points(inputs: tuple[Input, ...]) -> Array:
     """Return a few points spread over the box, (PROBES, d): a Kronecker sequence."""
     steps = np.sqrt(np.arange(2, 2 + len(inputs)) + 0.618)
     share = (steps[:, None] * np.arange(1, PROBES + 1)) % 1

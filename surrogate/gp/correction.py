@@ -18,10 +18,9 @@ from scipy.linalg import solve_triangular
 
 from approximation import products
 from approximation.arrays import Array, Indices, blocks
-from approximation.products import product
+from approximation.products import additive, product
 from surrogate.gp.factors import Features
 from surrogate.intervals.sharing import places
-from surrogate.intervals.trend import additive
 
 # A degree of g_f costs half of the decay of the factor's kernel, and no more than this.
 DEAREST = 1.5

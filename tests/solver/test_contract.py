@@ -11,6 +11,7 @@ import solver
 from solver.body import KINDS, Kind, kind_of
 from solver.curves import SIZES
 from solver.fields import EVERY_FIELD, EVERY_INTERIOR
+from solver.material.constants import ANY_SIZE, UNITS
 from solver.names import ALL_QUANTITIES
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers, weight_of
 from tests.solver.cases import assert_alike, assert_finite, refused
@@ -100,6 +101,26 @@ def test_cases_together_are_the_cases_alone_in_any_order_and_leave_their_input(c
     assert_alike(inside.isel({force: 1, charge: 1}), solver.solve_interior(single, X, Y), 1e-8)
 
 
+@each_variant
+def test_at_an_edge_only_what_a_smooth_punch_presses_with_has_a_value(case: Case) -> None:
+    """Limit 0 from both sides, against places from which it goes with the root of the distance; else NaN."""
+    at, near = solver.solve(case, [-1.0, X[1], 1.0]), solver.solve(case, [-1 + 1e-4, X[1], 1 - 1e-4])
+    for name in kind(case).fields:
+        if name not in at:
+            continue
+        values, beside = at[name].values.ravel(), near[name].values.ravel()
+        assert values[1] == pytest.approx(beside[1], rel=1e-9, abs=1e-300)
+        if name == "contact_pressure":
+            vanishing = np.where(np.abs(beside[[0, 2]]) < 0.05 * beside[1], 0.0, np.nan)
+        expected = vanishing if name in ("contact_pressure", "shear_traction") else [np.nan, np.nan]
+        np.testing.assert_array_equal(values[[0, 2]], expected, err_msg=name)
+    grid = [1.0, X[2]], [0.0, Y[0]]
+    inside, plain = solver.solve_interior(case, *grid), solver.solve_interior(case, grid[0], [Y[0]])
+    for name, values in inside.data_vars.items():
+        assert np.isnan(values.values.reshape(2, 2)).tolist() == [[True, False], [False, False]]
+        np.testing.assert_allclose(values.values.reshape(2, 2)[1], plain[name].values.ravel(), rtol=1e-9)
+
+
 def test_half_planes_in_a_table_are_bit_for_bit_the_half_plane_alone() -> None:
     table = xr.Dataset(
         {"thickness": ("case", [np.nan, 2e-4]), "base": ("case", np.array(["", "steel"], dtype=object))}
@@ -133,10 +154,10 @@ def test_bad_factors_and_positions_are_refused_in_one_line(case: Case) -> None:
         insulating = {"electric": "insulating", "magnetic": "conducting"} if name == charge else {}
         with pytest.raises((solver.FactorError, solver.MaterialError), match=words):
             solver.solve(case | insulating | {name: value})
-    for positions in ([0.5, 1.0], [np.nan], [np.inf], [], [[0.1, 0.2]], 0.5, ["a"], "abc"):
+    for positions in ([np.nan], [np.inf], [], [[0.1, 0.2]], 0.5, ["a"], "abc"):
         refused(case, "positions: ", positions=positions)
     for x, y, fields, words in (
-        ([0.0], [0.1], None, "^y: 0.1 is above the surface"), ([1.0], [0.0], None, "^x: .* edge"),
+        ([0.0], [0.1], None, "^y: 0.1 is above the surface"),
         ([np.nan], [-1.0], None, "^x: not a list"), ([], [-1.0], None, "^x: not a list"),
         ([0.0], [-1.0], ["stress"], "^fields: 'stress' is not one of stress_xx"),
     ):  # fmt: skip
@@ -186,15 +207,61 @@ def scaled(case: Case, size: float, strength: float) -> Case:
 
 @each_variant
 def test_similar_cases_have_similar_answers(case: Case) -> None:
+    """Random factors; the stiffness of an elastic punch does not scale, so that only its lengths do."""
+    size, strength = 2.0 ** np.random.default_rng(len(case)).uniform(-1, 1, 2)
     if case.get("punch") == "steel":
-        pytest.skip("the stiffness of a punch does not scale")
+        strength = 1.0
     case = case | ({"datum": 0.3} if "load" in case else {})
-    first, other = (solver.solve(similar, X) for similar in (case, scaled(case, 0.7, 1.3)))
+    first, other = (solver.solve(similar, X) for similar in (case, scaled(case, size, strength)))
     assert set(first) == set(other)
     for name, values in first.data_vars.items():
         power = QUANTITY_WEIGHTS[str(name)]
-        expected = values.values * 0.7**power.size * 1.3**power.strength
+        expected = values.values * size**power.size * strength**power.strength
         np.testing.assert_allclose(other[name], expected, rtol=0, atol=1e-6 * np.abs(expected).max(), err_msg=str(name))
+
+
+COUPLINGS = {"e31": "f31", "e33": "f33", "e15": "f15"}
+EXCHANGED = COUPLINGS | {"eps11": "mu11", "eps33": "mu33"}
+#: Parts of a name, and what they become when electric and magnetic fields change places.
+PARTNERS = (
+    ("voltage", "magnetic_potential"), ("electric_displacement", "magnetic_induction"), ("electric", "magnetic"),
+    ("charge", "flux"), ("volt", "ampere"), ("capacitance", "permeance"),
+)  # fmt: skip
+
+
+def partner(name: str) -> str:
+    """Name of the same quantity or constant of the other field."""
+    for first, other in PARTNERS:
+        for old, new in ((first, other), (other, first)):
+            if old in name:
+                return name.replace(old, new)
+    return name
+
+
+@pytest.mark.parametrize("name", ["half-plane", "film", "half-space", "point film"])
+def test_reversed_poling_reverses_the_fields_and_electric_and_magnetic_ones_may_change_places(name: str) -> None:
+    charges = kind(BODIES[name]).loads.charges
+    case = BODIES[name] | {"magnetic": "conducting"} | ({"base": "rigid"} if "film" in name else {})
+    case |= {"friction": 0.3} if "load" in case else {}
+    mix = solver.find("BaTiO3-CoFe2O4 50:50")
+    constants: Case = {constant: getattr(mix, constant) for constant in UNITS}
+
+    def solved(change: Case, T: float, J: float) -> xr.Dataset:
+        material = solver.Material(**constants | change, name="image", any_size=ANY_SIZE)
+        return solver.solve(case | {"material": material, charges[0]: T, charges[1]: J}, X)
+
+    T, J = (share * case[pressing(case)[0]] for share in (1e-11, -1e-8))
+    plain = solved({}, T, J)
+    swapped = {**EXCHANGED, **{other: first for first, other in EXCHANGED.items()}}
+    poled = solved({constant: -constants[constant] for pair in COUPLINGS.items() for constant in pair}, -T, -J)
+    exchanged = solved({constant: constants[other] for constant, other in swapped.items()}, J, T)
+    for quantity, values in plain.data_vars.items():
+        size = 1e-9 * float(np.abs(values).max())
+        odd = {unit.rstrip("-0123456789/") for unit in values.attrs["units"].split()} & {"V", "A", "C", "T", "Wb"}
+        sign = -1 if len(odd) % 2 and quantity != "nominal_field" else 1
+        np.testing.assert_allclose(poled[quantity], sign * values, rtol=0, atol=size, err_msg=str(quantity))
+        if (other := partner(str(quantity))) in exchanged and quantity != "nominal_field":
+            np.testing.assert_allclose(exchanged[other], values, rtol=0, atol=size, err_msg=other)
 
 
 def test_a_stack_scales_with_its_layers_and_every_name_has_its_powers() -> None:
@@ -218,10 +285,12 @@ def test_a_stack_scales_with_its_layers_and_every_name_has_its_powers() -> None:
 
 @each_body
 def test_fields_inside_meet_those_on_the_surface(case: Case) -> None:
-    inside = solver.solve_interior(case, X, [0.0], fields=["stress_yy", "electric_potential"])
+    inside = solver.solve_interior(case, X, [0.0], fields=["stress_yy", "stress_xx", "electric_potential"])
     surface = solver.solve(case, X)
+    along = surface["stress_xx" if "load" in case else "radial_stress"].values
+    np.testing.assert_allclose(inside["stress_xx"][0], along, rtol=0, atol=1e-9 * np.abs(along).max())
     pressure = surface["contact_pressure"].values
-    np.testing.assert_allclose(-inside["stress_yy"][0], pressure, rtol=0, atol=1e-6 * pressure.max())
+    np.testing.assert_allclose(-inside["stress_yy"][0], pressure, rtol=0, atol=1e-9 * pressure.max())
     np.testing.assert_allclose(inside["electric_potential"][0, 1:3], surface["voltage"], rtol=1e-6)
 
 

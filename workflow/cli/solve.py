@@ -4,6 +4,7 @@ import argparse
 import csv
 import io
 import sys
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from itertools import chain, product
@@ -16,10 +17,11 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from approximation.arrays import Indices
-from solver import FactorError, Material, MaterialError, solve, solve_interior
+from solver import FactorError, Material, MaterialError, SmallStrainWarning, solve, solve_interior
 from solver.body import kind_of
 from solver.face.attributes import of_output, united
 from solver.face.filmfactors import present, settled
+from solver.face.strain import Excess, sentence
 from solver.fields import ACROSS, ALONG, EVERY_INTERIOR
 from solver.names import (
     ALL_QUANTITIES,
@@ -62,7 +64,7 @@ def add_solve(commands: Commands) -> None:
     """Add ``solve`` to the commands of the program."""
     command = commands.add_parser("solve", help="solve a table of cases exactly: quantities and surface fields")
     _add_cases(command, nc="netCDF", csv="CSV")
-    command.add_argument("--positions", metavar="X1,X2,...", help="surface positions X = (x - c)/h, any but -1 and 1")
+    command.add_argument("--positions", metavar="X1,X2,...", help="surface positions X = (x - c)/h, or r/a")
     command.add_argument(
         "--peaks", action="store_true", help="also find the largest stresses of the body (milliseconds a case)"
     )
@@ -148,19 +150,27 @@ def _interior(options: argparse.Namespace) -> None:
     x, y = numbers("--x", options.x), numbers("--y", options.y)
     fields = [name.strip() for name in options.fields.split(",")] if options.fields else None
     points = len(x) * len(y)
-    _, out = _solved(
-        options, lambda factors, materials: solve_interior(factors, x, y, fields=fields, materials=materials), points
-    )
+
+    def answer(factors: xr.Dataset, materials: Mapping[str, Material]) -> xr.Dataset:
+        return solve_interior(factors, x, y, fields=fields, materials=materials)
+
+    _, out = _solved(options, answer, points, checked=True)
     _wrote(options, out, f"{len(out.data_vars)} fields on {len(x)} x {len(y)} points")
 
 
 def _solved(
-    options: argparse.Namespace, answer: Callable[[xr.Dataset, Mapping[str, Material]], xr.Dataset], points: int
+    options: argparse.Namespace,
+    answer: Callable[[xr.Dataset, Mapping[str, Material]], xr.Dataset],
+    points: int,
+    *,
+    checked: bool = False,
 ) -> tuple[Table, xr.Dataset]:
-    """A table of cases, and the answer to it."""
+    """A table of cases, and the answer to it; checked: whether bare forces are judged by their pressures before."""
     options.output = output(options.output, options.cases, *options.materials)
     table = read_cases(options.cases)
     materials = dict(read_material(path) for path in options.materials)
+    if checked and {"force", "load"} & table.bare:
+        _check_units(table, solved(table, lambda factors: solve(factors, materials=materials)))
     return table, solved(table, lambda factors: answer(factors, materials), points)
 
 
@@ -172,15 +182,24 @@ def _wrote(options: argparse.Namespace, out: xr.Dataset, what: str) -> None:
 def solved(table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int = 1) -> xr.Dataset:
     """Return outputs over dimension ``case`` in the order of the rows, with progress on a terminal."""
     table = _surrounded(table)
-    whole = _Whole(table)
+    whole, found = _Whole(table), list[Excess]()
     with tqdm(total=len(table.lines), unit=" cases", delay=2, disable=None, leave=False) as bar:
         for names, rows in _blocks(table, min(_CASES, max(1, _VALUES // points))):
             try:
-                part = solve(_factors(table, names, rows))
+                with warnings.catch_warnings(record=True) as caught:
+                    warnings.simplefilter("always", SmallStrainWarning)
+                    part = solve(_factors(table, names, rows))
             except _REFUSALS as error:
                 raise _explained(table, names, rows, solve, error) from None
+            for warning in caught:
+                if isinstance(warning.message, SmallStrainWarning):
+                    found += warning.message.excesses
+                else:
+                    say(f"meecontact: warning: {warning.message}")
             whole.add(rows, part)
             bar.update(len(rows))
+    if found:
+        say(f"meecontact: warning: {sentence(found, len(table.lines))}")
     return whole.dataset()
 
 

@@ -69,12 +69,13 @@ def discharge(study: Contents) -> None:
         return
     for name in _FEEDBACK:
         written = getattr(amplifier, name)
-        if written is not None and name in _named(study):
-            raise ValueError(
-                f"device: amplifier: {name}: is one of the {'fixed' if name in study.fixed else 'factors'}"
-            )
-        if written is not None:
-            study.fixed[name] = number(name, written)
+        if written is None:
+            continue
+        value = number(name, written)
+        if name in study.factors or study.fixed.get(name, value) != value:
+            part = "factors" if name in study.factors else "fixed"
+            raise ValueError(f"device: amplifier: {name}: {written} is beside one of the {part}; give one of them")
+        study.fixed[name] = value
 
 
 def _named(study: Contents) -> set[str]:

@@ -1,0 +1,263 @@
+"""Surrogates made small: each output's mean as a short tensor train in rounded numbers, to a stated error."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Self, cast
+
+import numpy as np
+from typing_extensions import override
+
+from approximation.arrays import Array
+from approximation.chebyshev import polynomials, slopes
+from surrogate.data.inputs import physical_points
+from surrogate.face.core import Single
+from surrogate.face.model import GaussianProcess
+from surrogate.gp.correction import Correction
+from surrogate.gp.gridgp import GridGP
+from surrogate.gp.tensortrain import TensorTrain
+from surrogate.transforms.boundedgp import BoundedGP
+from surrogate.transforms.groupedgp import GroupedGP
+
+#: Type of the numbers: float32 or float64.
+Precision = type[np.floating[Any]]
+# Points that lead the rounding, and as many fresh ones that judge it; of a quarter each coordinate is an end.
+POINTS, AT_ENDS = 20_000, 0.25
+# Errors allowed to the train are tried from this multiple of the error asked for, each so many times the one before.
+FIRST, FINER, TRIALS = 4.0, 0.6, 60
+# Trials without a smaller error after which none is expected.
+PATIENCE = 10
+# Share of a precision's last digit below which an error allowed to the train changes nothing.
+ROUNDING = 0.1
+# A correction's terms are left out as long as their largest values add up to this share of the train's error.
+NEGLIGIBLE = 0.25
+
+
+class RoundedGP(GridGP):
+    """A grid process whose mean is a train over plain Chebyshev polynomials, in numbers of a stated precision."""
+
+    chebyshev_: TensorTrain
+    arithmetic: Precision
+
+    @classmethod
+    def of(cls, grid: GridGP, train: TensorTrain, storage: Precision, arithmetic: Precision) -> Self:
+        """Return the process of a grid with another mean, `train` times no scale plus the grid's offset."""
+        part = cls()
+        part.__dict__.update(grid.__dict__)
+        stored: list[Any] = [core.astype(storage).astype(arithmetic) for core in train.cores]
+        part.chebyshev_, part.arithmetic, part.correction_ = TensorTrain(tuple(stored)), arithmetic, None
+        return part
+
+    @override
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+        sizes = dict(zip(self.order_, self.chebyshev_.modes, strict=True))
+        features = [_polynomials(t[k].astype(self.arithmetic), sizes[k]) for k in self.order_]
+        mean = self.chebyshev_.evaluate(features) + self.offset_[:, None].astype(self.arithmetic)
+        variance = None if weights is None else super().mean_variance(t, weights)[1]
+        return mean.astype(np.float64), variance
+
+    @override
+    def slopes(self, t: Array) -> Array:
+        T = [polynomials(t[k], max(2, size)) for k, size in zip(self.order_, self.chebyshev_.modes, strict=True)]
+        S = [
+            slopes(t[k], each)[: core.shape[1]]
+            for k, each, core in zip(self.order_, T, self.chebyshev_.cores, strict=True)
+        ]
+        T = [each[: core.shape[1]] for each, core in zip(T, self.chebyshev_.cores, strict=True)]
+        return self.chebyshev_.gradient(T, S)[np.argsort(self.order_)]
+
+    @override
+    def single(self) -> Single | None:
+        return None
+
+
+@dataclass(frozen=True)
+class Rounded:
+    """One output of a model, rounded."""
+
+    exact: GaussianProcess  # of this output alone
+    model: GaussianProcess  # the same with a `RoundedGP` inside
+    storage: Precision  # of its coefficients
+    error: float  # largest error of its means on fresh points, over the output's range
+    size: float  # that range
+
+    @property
+    def room(self) -> float:
+        """The error in units of the output."""
+        return self.error * self.size
+
+    @property
+    def name(self) -> str:
+        """Name of the output."""
+        return self.model.outputs_[0]
+
+    @property
+    def numbers(self) -> int:
+        """Number of coefficients of its mean."""
+        return sum(core.size for core in self.grid.chebyshev_.cores)
+
+    @property
+    def grid(self) -> RoundedGP:
+        """The process inside."""
+        return cast(RoundedGP, grid_of(self.model))
+
+
+def rounded(model: GaussianProcess, outputs: Sequence[str], error: float, arithmetic: Precision) -> list[Rounded]:
+    """Return outputs of a model, each with as few numbers as the error allows.
+
+    Parameters
+    ----------
+    model : GaussianProcess
+    outputs : sequence of str
+    error : float, largest error of a mean over the output's range, on fresh points of the box
+    arithmetic : dtype, in which the means are computed: float32 or float64
+
+    Raises
+    ------
+    ValueError
+        A kind of model that has no such form, by its name; an error that the precision does not reach.
+    """
+    grid_of(model)
+    points, fresh = (_points(model, seed) for seed in (0, 1))
+    return [_output(model.only([name]), error, arithmetic, points, fresh) for name in outputs]
+
+
+def grid_of(model: GaussianProcess) -> GridGP:
+    """Return the grid process that a model's answers follow from; ValueError where there is none."""
+    if isinstance(model, GridGP):
+        return model
+    if isinstance(model, GroupedGP):
+        return grid_of(model.reduced_)
+    if isinstance(model, BoundedGP):
+        return grid_of(model.free_)
+    kinds = ", ".join(kind.__name__ for kind in (GridGP, GroupedGP, BoundedGP))
+    raise ValueError(f"the surrogate is a {type(model).__name__} (engine {model.engine!r}); exported are {kinds}")
+
+
+def _over(model: GaussianProcess, grid: GridGP) -> GaussianProcess:
+    """The model with another grid process inside."""
+    if isinstance(model, GridGP):
+        return grid
+    return model.over({name: _over(member, grid) for name, member in model.members.items()})
+
+
+def _points(model: GaussianProcess, seed: int) -> Array:
+    """Points of the box where the model has answers, (n, d): spread evenly, and at ends of inputs."""
+    random = np.random.default_rng(seed)
+    t = random.uniform(-1, 1, (len(model.inputs_), POINTS))
+    t = np.where(random.uniform(size=t.shape) < AT_ENDS, np.sign(t), t)
+    X = physical_points(model.inputs_, t)
+    return X[model.has_answers(X)]
+
+
+def _output(model: GaussianProcess, error: float, arithmetic: Precision, points: Array, fresh: Array) -> Rounded:
+    """Round a model of one output."""
+    grid, name = grid_of(model), model.outputs_[0]
+    exact = model.all_mean_std(points, False)[0]
+    size = float(np.ptp(exact)) or float(np.abs(exact).max()) or 1.0
+    learnt = grid.means(_axes(model, points))
+    spread = float(np.ptp(learnt)) or 1.0
+    storages: list[Precision] = [np.float32] if arithmetic == np.float32 else [np.float32, np.float64]
+    least, since = np.inf, 0
+    for trial in range(TRIALS):
+        allowed = FIRST * FINER**trial * error * spread
+        train = _cut(_series(grid, NEGLIGIBLE * allowed), allowed)
+        since += 1
+        for storage in storages:
+            part = _over(model, RoundedGP.of(grid, train, storage, arithmetic))
+            off = float(np.abs(part.all_mean_std(points, False)[0] - exact).max()) / size
+            if off < 0.9 * least:
+                least, since = off, 0
+            if off > error:
+                continue
+            judged = part.all_mean_std(fresh, False)[0] - model.all_mean_std(fresh, False)[0]
+            off = max(off, float(np.abs(judged).max()) / size)
+            if off <= error:
+                return Rounded(model, part, storage, off, size)
+        if since == PATIENCE or allowed < ROUNDING * np.finfo(storages[-1]).eps * spread:
+            break
+    precision = "single" if arithmetic == np.float32 else "double"
+    raise ValueError(f"error {error:g} is not reached for {name!r} in {precision} precision: at best {least:.2g}")
+
+
+def _axes(model: GaussianProcess, X: Array) -> Array:
+    """Scaled coordinates of the grid process inside at points (n, d) of the model: (axes, n)."""
+    return model.calibrated_at(X)
+
+
+def _polynomials(t: Array, count: int) -> Array:
+    """T_0 .. T_{count-1} at t, (B,), in the precision of t: (count, B), the operations of the exported code."""
+    T = np.ones((count, len(t)), dtype=t.dtype)
+    if count > 1:
+        T[1] = t
+    for m in range(2, count):
+        T[m] = 2 * t * T[m - 1] - T[m - 2]
+    return T
+
+
+def _series(grid: GridGP, negligible: float) -> TensorTrain:
+    """The mean of a grid's one output, less its offset, as a train over plain Chebyshev polynomials."""
+    cores = []
+    for k, core in zip(grid.order_, grid.train_.cores, strict=True):
+        factor, modes = grid.factors_[k], core.shape[1]
+        plain = np.zeros((core.shape[0], 2 * factor.levels, core.shape[2]))
+        plain[:, :modes] = core * (1 - factor.damping[:modes, None])
+        for m in range(1, modes):  # T_m - s_m (T_m + T_{2n-m})
+            plain[:, 2 * factor.levels - m] -= core[:, m] * factor.damping[m]
+        cores.append(plain)
+    cores[-1] = cores[-1] * grid.scale_
+    if grid.correction_ is None:
+        return TensorTrain(tuple(cores))
+    return TensorTrain(tuple(_added(cores, _terms(grid, grid.correction_, negligible))))
+
+
+def _terms(grid: GridGP, correction: Correction, negligible: float) -> list[Array]:
+    """A correction as cores of as many rows as it has terms, (terms, modes, terms) but for the ends."""
+    c = correction.coefficients[..., 0]
+    order = np.argsort(np.abs(c), axis=None)
+    kept = order[np.cumsum(np.abs(c).ravel()[order]) > negligible]
+    factors, terms = np.unravel_index(kept, c.shape)
+    cores, count = [], len(kept)
+    for position, k in enumerate(grid.order_):
+        degree, n = correction.indices[terms, k], correction.levels[k]
+        core = np.zeros((count, 1 + n + int(correction.indices[:, k].max()), count))
+        each = np.arange(count)
+        nodal = factors == k  # T_n T_a = (T_{n+a} + T_|n-a|) / 2
+        core[each[~nodal], degree[~nodal], each[~nodal]] = 1.0
+        for shifted in (n + degree, np.abs(n - degree)):
+            np.add.at(core, (each[nodal], shifted[nodal], each[nodal]), 0.5)
+        if position == 0:
+            core = core.sum(axis=0, keepdims=True)
+        if position == len(grid.order_) - 1:
+            core = core.sum(axis=2, keepdims=True) * c[factors, terms][:, None, None]
+        cores.append(core)
+    if count and len(cores) == 1:
+        return cores
+    return cores if count else []
+
+
+def _added(cores: Sequence[Array], others: Sequence[Array]) -> list[Array]:
+    """The cores of the sum of two trains of one output."""
+    if not others:
+        return list(cores)
+    both = []
+    last = len(cores) - 1
+    for k, (a, b) in enumerate(zip(cores, others, strict=True)):
+        rows, columns = (max, sum)[k > 0], (max, sum)[k < last]
+        core = np.zeros(
+            (rows((a.shape[0], b.shape[0])), max(a.shape[1], b.shape[1]), columns((a.shape[2], b.shape[2])))
+        )
+        core[: a.shape[0], : a.shape[1], : a.shape[2]] += a
+        core[-b.shape[0] :, : b.shape[1], -b.shape[2] :] += b
+        both.append(core)
+    return both
+
+
+def _cut(series: TensorTrain, error: float) -> TensorTrain:
+    """The train with ranks and modes cut to a root-mean-square error over Chebyshev points."""
+    norms = [np.where(np.arange(size) > 0, np.sqrt(0.5), 1.0) for size in series.modes]
+    cut = series.scaled(norms).only([0], error)
+    kept = []
+    for core, gram in zip(cut.cores, cut.grams(), strict=True):
+        beyond = np.sqrt(np.cumsum(np.diag(gram[0])[::-1])[::-1])
+        kept.append(core[:, : max(1, int(np.count_nonzero(beyond > error / np.sqrt(len(cut.cores)))))])
+    return TensorTrain(tuple(kept)).scaled([1 / norm[: core.shape[1]] for norm, core in zip(norms, kept, strict=True)])

@@ -1,0 +1,130 @@
+"""Surrogates exported as C agree with Python to the error asked for, and answer nothing where they know nothing."""
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from approximation.arrays import Array, Flags
+from surrogate import BoundedGP, GaussianProcess, GridGP, GroupedGP, Input, ScatterGP
+from surrogate.face.region import Region
+from surrogate.use.ccode import code
+from surrogate.use.rounding import Rounded, rounded
+from tests.compiled import Compiled
+from tests.surrogate import grouped
+from tests.surrogate.transforms import test_boundedgp as bounds
+
+gcc = pytest.mark.needs("gcc")
+
+
+@cache
+def of_groups() -> GaussianProcess:
+    """Logarithms, an added logarithm, a logit axis, a correction, an outer guard, and a region."""
+    model = GroupedGP(grouped.GROUPING).fit(grouped.factorial(0.2))
+    model.calibrate(grouped.cases(300, 1, 0.2, to_ends=300))
+    degrees = np.array([[0, 0, 0, 0, 0], [1, 0, 0, 0, 0], [0, 0, 0, 2, 0]])
+    cases = np.zeros((1, 5))
+    model.region_ = Region(degrees, np.array([1.0, 0.5, -0.4]), 0.3, 0.0, 0.3, 0.0, cases, np.array([0]), ("hole",))
+    return model
+
+
+@cache
+def of_bounds() -> GaussianProcess:
+    x, y = bounds.INPUTS[0].levels(7), bounds.INPUTS[1].levels(4)
+    grid = xr.Dataset({name: (("x", "y"), own) for name, own in bounds.truth(x[:, None], y).items()}, {"x": x, "y": y})
+    return BoundedGP(GridGP(inputs=bounds.INPUTS), bounds.BOUNDS).fit(grid).calibrate(bounds.cases(1500, 1))
+
+
+@cache
+def of_one_input() -> GaussianProcess:
+    """Neither calibrated nor with pairs of inputs; a name that would end a comment."""
+    share = Input("share", 0.1, 0.9, "logit", "*/ m", "a\\?")
+    grid = xr.Dataset(
+        {"f": ("share", np.sin(share.levels(9))), "1": ("share", np.zeros(9))}, {"share": share.levels(9)}
+    )
+    return GridGP(inputs=[share]).fit(grid)
+
+
+def exported(
+    model: GaussianProcess, outputs: Sequence[str], folder: Path, arithmetic: type[np.floating[Any]], error: float
+) -> tuple[list[Rounded], Path]:
+    """Write the C of some outputs."""
+    parts = rounded(model, outputs, error, arithmetic)
+    for file, text in code("model", parts, arithmetic, ["a note */"]).items():
+        (folder / file).write_text(text, encoding="ascii")
+    return parts, folder / "model.c"
+
+
+def spread(model: GaussianProcess, count: int) -> Array:
+    """Points of the box, its ends among them."""
+    t = np.random.default_rng(5).uniform(-1.2, 1.2, (len(model.inputs_), count)).clip(-1, 1)
+    return np.stack([axis.from_unit(row) for axis, row in zip(model.inputs_, t, strict=True)], axis=1)
+
+
+@gcc
+@pytest.mark.parametrize(
+    ("made", "outputs"),
+    [(of_groups, ["length", "cold", "depth"]), (of_bounds, ["share", "size", "below"]), (of_one_input, ["f", "1"])],
+)
+@pytest.mark.parametrize(("arithmetic", "error"), [(np.float64, 1e-5), (np.float32, 1e-3)])
+def test_c_says_what_python_says(
+    made: Callable[[], GaussianProcess],
+    outputs: Sequence[str],
+    arithmetic: type[np.floating[Any]],
+    error: float,
+    tmp_path: Path,
+) -> None:
+    model = made()
+    parts, source = exported(model, outputs if arithmetic == np.float64 else outputs[:2], tmp_path, arithmetic, error)
+    compiled = Compiled(source, "-O2")
+    assert compiled.selftest() == 0
+    ends = np.array([(axis.low, axis.high) for axis in model.inputs_]).T.astype(arithmetic).astype(float)
+    X = np.clip(spread(model, 2000).astype(arithmetic).astype(float), *ends)
+    status, _ = compiled.asked("inside", X)
+    answered = model.has_answers(np.clip(X, *np.array([(axis.low, axis.high) for axis in model.inputs_]).T))
+    np.testing.assert_array_equal(status == 0, answered)
+    assert set(status[~answered]) <= {compiled.constants["NO_ANSWER"]}
+    for k, part in enumerate(parts):
+        assert part.error <= error
+        assert_agrees(
+            compiled, part, k, X, answered, 1.1 * error * part.size, 1e-3 if arithmetic == np.float32 else 1e-7
+        )
+
+
+def assert_agrees(
+    compiled: Compiled, part: Rounded, output: int, X: Array, answered: Flags, room: float, digits: float
+) -> None:
+    """Values, ends and derivatives: those of the exact model within the room, those of the rounded one to digits."""
+    inside = X[answered]
+    values, ends, slopes = (compiled.asked(which, X, output)[1] for which in ("value", "interval", "gradient"))
+    assert np.isnan(values[~answered]).all()
+    exact, narrow = (model.predict_array(inside, extrapolate=True)[:, 0] for model in (part.exact, part.model))
+    found = values[answered, 0]
+    assert np.abs(found - exact).max() <= room
+    assert np.abs(found - narrow).max() <= digits * part.size
+    np.testing.assert_array_equal(ends[:, 0], values[:, 0])
+    lower, upper = (end[:, 0] for end in part.exact.interval_array(inside, extrapolate=True))
+    slack = 1e-6 * part.size + 1e-4 * (upper - lower) if digits > 1e-6 else 1e-5 * (upper - lower) + 1e-9 * part.size
+    for wider, end in ((lower - ends[answered, 1], lower), (ends[answered, 2] - upper, upper)):
+        assert (wider >= -slack).all(), end
+        assert (wider <= 2 * room + slack).all(), end
+    box = [(axis.low, axis.high) for axis in part.model.inputs_]
+    expected = part.model.gradient_array(np.clip(inside, *np.transpose(box)))[:, 0]  # ends in single precision
+    size = np.abs(expected).max(axis=0)
+    assert (np.abs(slopes[answered] - expected).max(axis=0) <= 30 * digits * size).all()
+
+
+def test_kinds_that_have_no_short_form_are_refused_by_name() -> None:
+    x = np.linspace(0, 1, 6)
+    model = ScatterGP([Input("x", 0, 1)]).fit(xr.Dataset({"x": ("case", x), "y": ("case", x**2)}))
+    with pytest.raises(ValueError, match=r"the surrogate is a ScatterGP \(engine 'scatter'\); exported are GridGP"):
+        rounded(model, ["y"], 1e-5, np.float64)
+
+
+def test_an_error_that_a_precision_does_not_reach_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"error 1e-09 is not reached for 'f' in single precision: at best [1-9]"):
+        rounded(of_one_input(), ["f"], 1e-9, np.float32)

@@ -1,0 +1,171 @@
+"""``meecontact export``: the quickstart's surrogate in C and as a unit for simulators."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surrogate
+from approximation.arrays import Array
+from tests import programs
+from tests.compiled import STRICT, Compiled
+from tests.workflow.conftest import Project
+from workflow.run.provenance import ROOT
+
+pytestmark = pytest.mark.needs("gcc")
+OUTPUTS = ["voltage", "trailing_tension"]
+ERROR = 1e-5
+#: An environment with fmpy, a simulator of such units.
+PYTHON = Path(sys.prefix) / "referees/bin/python"
+FMPY = PYTHON.with_name("fmpy")
+#: Numbers that are no points, and a denormal, which lies within the range of the friction.
+ODD = [np.nan, np.inf, -np.inf, 5e-324, -2.2e-308, 1e300, -0.1]
+
+
+@pytest.fixture(scope="module")
+def source(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The C files of two outputs."""
+    path = tmp_path_factory.mktemp("export") / "contact.c"
+    done = quickstart_run.run(
+        "meecontact", "export", "results/quickstart", "--as", "c", "--outputs", ",".join(OUTPUTS), "-o", str(path)
+    )
+    assert "2 outputs in" in done.stderr
+    assert "of the range at most" in done.stderr
+    return path
+
+
+@pytest.fixture(scope="module")
+def points(model: surrogate.GaussianProcess) -> Array:
+    t = np.random.default_rng(7).uniform(-1.1, 1.1, (5, 10_000)).clip(-1, 1)
+    return np.stack([axis.from_unit(row) for axis, row in zip(model.inputs_, t, strict=True)], axis=1)
+
+
+@pytest.fixture(scope="module")
+def model(quickstart_run: Project) -> surrogate.GaussianProcess:
+    return surrogate.load(quickstart_run.folder / "results/quickstart/surrogate.nc")
+
+
+def test_ten_thousand_points_and_the_same_bits_for_every_optimisation(
+    source: Path, model: surrogate.GaussianProcess, points: Array
+) -> None:
+    plain, quick, fast = (Compiled(source, *flags) for flags in (["-O0"], ["-O2"], ["-O2", "-ffast-math"]))
+    for k, name in enumerate(OUTPUTS):
+        one = model.only([name])
+        exact, size = one.predict_array(points)[:, 0], float(np.ptp(one.predict_array(points)))
+        lower, upper = (end[:, 0] for end in one.interval_array(points))
+        answers = quick.asked("interval", points, k)[1]
+        assert np.abs(answers[:, 0] - exact).max() <= ERROR * size
+        assert (answers[:, 1] <= lower + 1e-5 * (upper - lower)).all()
+        assert (answers[:, 2] >= upper - 1e-5 * (upper - lower)).all()
+        assert np.abs(answers[:, 1:] - np.stack([lower, upper], axis=1)).max() <= 2.2 * ERROR * size
+        few = points[:1000]
+        for part, other in (("interval", fast), ("gradient", fast)):
+            same = quick.asked(part, few, k)[1]
+            np.testing.assert_array_equal(plain.asked(part, few, k)[1], same)
+            assert np.abs(other.asked(part, few, k)[1] - same).max(axis=0) == pytest.approx(
+                np.zeros(same.shape[1]), abs=1e-6 * np.abs(same).max()
+            )
+    assert [each.selftest() for each in (plain, quick, fast)] == [0, 0, 0]
+
+
+@pytest.mark.parametrize("flags", [("-O2",), ("-O2", "-ffast-math")])
+def test_what_is_no_point_has_a_status_and_no_number(source: Path, points: Array, flags: tuple[str, ...]) -> None:
+    compiled = Compiled(source, *flags)
+    for place in range(5):
+        odd = np.repeat(points[:1], len(ODD), axis=0)
+        odd[:, place] = ODD
+        statuses = [compiled.asked(part, odd) for part in ("inside", "value", "interval", "gradient")]
+        outside, abnormal = (compiled.constants[word] for word in ("OUTSIDE", "NOT_NORMAL"))
+        for status, answers in statuses:
+            assert status.tolist() == [abnormal] * 5 + [outside] * 2
+            assert np.isnan(answers).all()
+    for output in (-1, 2):
+        status, answers = compiled.asked("value", points[:1], output)
+        assert status.tolist() == [compiled.constants["NO_OUTPUT"]]
+        assert np.isnan(answers).all()
+
+
+SIMULATE = """
+import json, sys, fmpy, numpy as np
+from fmpy.validation import validate_fmu
+path, columns = sys.argv[1], json.loads(sys.argv[2])
+faults = [str(fault) for fault in validate_fmu(path)]
+times = np.arange(len(columns["load"]), dtype=float)
+signals = np.array(list(zip(times, *columns.values())), dtype=[(name, float) for name in ("time", *columns)])
+seen = fmpy.simulate_fmu(path, input=signals, output_interval=1.0, stop_time=times[-1], start_values={
+    name: column[0] for name, column in columns.items()})
+print(json.dumps({"faults": faults, **{name: seen[name].tolist() for name in seen.dtype.names}}))
+"""
+
+
+@pytest.mark.skipif(not FMPY.exists(), reason="no fmpy (`make referees` installs it)")
+def test_a_simulator_finds_no_fault_in_the_unit_and_runs_it(
+    quickstart_run: Project, model: surrogate.GaussianProcess, points: Array, tmp_path: Path
+) -> None:
+    unit = tmp_path / "contact.fmu"
+    command = ["export", "results/quickstart", "--as", "fmu", "--outputs", ",".join(OUTPUTS), "-o", str(unit)]
+    quickstart_run.run("meecontact", *command)
+    few = points[:20].copy()
+    few[[7, 11], 0] = 0.99, 0.01  # outside
+    columns = json.dumps({name: few[:, k].tolist() for k, name in enumerate(model.box)})
+    done = subprocess.run([PYTHON, "-c", SIMULATE, unit, columns], capture_output=True, text=True, check=True)
+    seen = {name: np.array(values) for name, values in json.loads(done.stdout.splitlines()[-1]).items()}
+    assert not seen.pop("faults").size
+    few = few[np.arange(len(few)).clip(1) - 1]  # outputs after a step are those of the inputs at its begin
+    inside = model.has_answers(few)
+    assert inside.sum() == 18
+    np.testing.assert_array_equal(seen["status"], np.where(inside, 0, 1))
+    for name in OUTPUTS:
+        one = model.only([name])
+        room = ERROR * float(np.ptp(one.predict_array(points)))
+        assert np.isnan(seen[name][~inside]).all()
+        assert np.abs(seen[name][inside] - one.predict_array(few[inside])[:, 0]).max() <= room
+        assert (seen[f"{name}_lower"][inside] <= seen[name][inside]).all()
+
+
+def test_the_example_finds_the_load_of_a_voltage(
+    quickstart_run: Project, model: surrogate.GaussianProcess, tmp_path: Path
+) -> None:
+    command = ["export", "results/quickstart", "--as", "c", "--outputs", "voltage", "-o", f"{tmp_path}/sensor.c"]
+    quickstart_run.run("meecontact", *command)
+    shutil.copy(ROOT / "examples/force.c", tmp_path)
+    binary = tmp_path / "force"
+    flags = [*STRICT, "force.c", "sensor.c", "-lm", "-o", str(binary)]
+    subprocess.run([programs.path("gcc"), *flags], cwd=tmp_path, check=True)
+    voltage = float(model.only(["voltage"]).predict_array(np.array([[0.67, 0.2, 0.12, 2e4, 0.0]]))[0, 0])
+    for said, warm in ((voltage, 25), (voltage * (1 - 1.5e-3 * 20), 45)):
+        done = subprocess.run([binary, repr(said), str(warm)], capture_output=True, text=True, check=True)
+        load, lower, upper = map(float, re.findall(r"\d+\.\d", done.stdout))
+        assert load == pytest.approx(2e4, abs=20)
+        assert lower < 2e4 < upper
+    for wrong in ("1e9", "nan"):
+        assert subprocess.run([binary, wrong, "25"], capture_output=True, check=False).returncode == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--outputs", "volt"], "--outputs: volt: not an output of the surrogate; .*voltage"),
+        (["--error", "2"], "--error: 2: must be one number from 1e-12 to 0.1, a share of the range"),
+        (
+            ["--precision", "single", "--error", "1e-9", "--outputs", "flux_per_force"],
+            "export: error 1e-09 is not reached",
+        ),
+        (["-o", "2.c"], "export: '2' is no name in C"),
+        (["-o", "x.cpp"], "-o: x.cpp: must end in .c"),
+        (["--as", "fortran"], "'fortran' is none; .*c"),
+    ],
+)
+def test_refusals_are_one_line_and_write_nothing(quickstart_run: Project, arguments: list[str], said: str) -> None:
+    before = set(quickstart_run.folder.iterdir())
+    done = quickstart_run.run("meecontact", "export", "results/quickstart", "--as", "c", *arguments, check=False)
+    assert done.returncode == 2
+    lines = done.stderr.strip().splitlines()
+    assert len(lines) == 1
+    assert re.search(said, lines[0]), lines
+    assert set(quickstart_run.folder.iterdir()) == before

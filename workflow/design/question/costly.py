@@ -1,0 +1,178 @@
+"""Quantities of which an exact case is costly, and how a design question spends such cases.
+
+A case of the closed-form quantities costs microseconds, so that a design question may ask for many thousands. One of
+`solver.names.PEAKS` costs 6 ms in a batch and 18 ms scattered, and one of any quantity of a film that needs tables of
+its own 30 to 200 ms: a question solves `most` of them in each of its parts (the polish, the front), some seconds to 20.
+They go to the scenarios that decide what a term counts as; in all others the surrogate is believed.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from approximation.arrays import Array, Indices
+from workflow.design.question.question import Question
+from workflow.design.question.scenarios import Scenarios
+from workflow.design.question.sources import Exact, Factors, Predicted, Source
+from workflow.design.question.terms import Key, Term
+
+Bools = NDArray[np.bool_]
+
+#: Costly cases of one part of a question, and of one about films.
+AFFORDABLE, AFFORDABLE_FILMS = 1000, 150
+_MOST_SCENARIOS = 256  # of one value of one term
+_LEAST = 9  # designs of a front
+_BATCH = 12  # scenarios solved at a time, at least: a dozen peaks cost as much as three alone
+_BATCH_FILMS = 3  # every one with tables of its own
+_SAFETY = 3e-7  # relative safety margin: near a kink a shifted limit leaves 0.14 of what the shift corrects
+
+
+def names(question: Question, term: Term) -> list[str]:
+    """Quantities of a term of which a case is costly."""
+    return [name for name in term.expression.names() if name in question.study.costly]
+
+
+def most(question: Question) -> int:
+    """Costly cases of one part of a question."""
+    return AFFORDABLE_FILMS if question.study.kind.tabled else AFFORDABLE
+
+
+def asked(question: Question) -> bool:
+    """Return whether some term of a question has a costly quantity."""
+    return any(names(question, term) for term in question.terms)
+
+
+class _Hybrid(Source):
+    """The exact solver but for what is costly, which comes from the surrogate."""
+
+    step = Exact.step
+
+    def __init__(self, exact: Exact, predicted: Predicted, costly: frozenset[str]) -> None:
+        self._exact, self._predicted, self._costly = exact, predicted, costly
+        self.edge = exact.edge
+
+    @override
+    def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+        searched = [name for name in names if name in self._costly]
+        closed = [name for name in names if name not in self._costly]
+        out = self._exact.values(factors, closed) if closed else {}
+        return out | (self._predicted.values(factors, searched) if searched else {})
+
+
+def affordable(question: Question) -> Source:
+    """Source in place of the exact solver where a question has many cases, as in difference quotients."""
+    if not asked(question):
+        return question.exact
+    return _Hybrid(question.exact, question.predicted, question.study.costly)
+
+
+def safety(question: Question, usual: float) -> float:
+    """Safety margin that a polish keeps from the limits, relative; more where the surrogate leads it."""
+    return _SAFETY if asked(question) else usual
+
+
+def words(question: Question, cases: int, moved: bool) -> str:
+    """Description of the polish: on the exact solver alone, led by the surrogate, or none."""
+    searched = ", ".join(dict.fromkeys(name for term in question.terms for name in names(question, term)))
+    kind = "exact" if question.study.kind.tabled else "searched"
+    if not searched:
+        return "on the exact solver"
+    if not moved:
+        return f"none; as far from the limits as the interval of the surrogate asks for ({cases} {kind} cases)"
+    shifted = f", limits shifted to exact values ({cases} {kind} cases)" if cases else ""
+    return f"{'' if question.study.kind.tabled else 'on the exact solver; '}{searched} led by the surrogate{shifted}"
+
+
+@dataclass(frozen=True)
+class Counted:
+    """Value of a term at a design, exact where it matters, and the number of searched cases."""
+
+    value: float
+    cases: int
+
+
+def count_exactly(design: Question, term: Term) -> Counted:
+    """Value of a term at one design over the scenarios of the verdict, with the deciding ones solved exactly.
+
+    The surrogate says which scenarios decide. They are solved; then those are solved that decide now, or may decide by
+    the errors that the surrogate has shown, until none is left. Scenarios that weigh a thousandth of a mean together
+    are not solved: a mean errs by a thousandth of the surrogate's own errors. Where very many scenarios decide, the few
+    of the search are solved instead, and the surrogate says what the many change.
+    """
+    many, few = design.judged[term.key], design.searched[term.key]
+    whole = design.value(design.predicted, many, term)
+    if term.deciding(whole[0]).sum() <= _MOST_SCENARIOS:
+        return _count_exactly(design, many, term, whole)
+    part = design.value(design.predicted, few, term)
+    counted = _count_exactly(design, few, term, part)
+    return Counted(counted.value + float(term.counted(whole)[0]) - float(term.counted(part)[0]), counted.cases)
+
+
+def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: Array) -> Counted:
+    """Solve scenarios of predicted values (1, groups, draws) in batches until all that may decide are solved."""
+    values = predicted.copy()
+    flat, solved, error = values.ravel(), np.zeros(chosen.count, dtype=bool), 0.0
+    while True:
+        value = float(term.counted(values)[0])
+        distances = np.abs(flat - value)
+        missing = term.deciding(values[0])
+        if solved.sum() < _MOST_SCENARIOS:
+            # what the surrogate may have put on the wrong side of those that decide, by twice its largest error so far
+            missing |= distances <= 2 * error
+        missing &= ~solved
+        if not missing.any():
+            return Counted(value, int(solved.sum()))
+        batch = _batch(missing, solved, distances, _BATCH_FILMS if design.study.kind.tabled else _BATCH)
+        exact = _solve(design, chosen, batch, [term])[0][0]
+        error = max(error, float(np.abs(exact - flat[batch]).max()))
+        flat[batch], solved[batch] = exact, True
+
+
+def _batch(missing: Bools, solved: Bools, distances: Array, least: int) -> Indices:
+    """Scenarios to solve next: what is missing, and up to ``least`` those nearest to what decides."""
+    order = np.argsort(np.where(solved, np.inf, np.where(missing, -1.0, distances)), kind="stable")
+    return order[: min(max(least, int(missing.sum())), int((~solved).sum()))]
+
+
+def thinned(designs: Question, share: float) -> tuple[Question, dict[Key, Indices]]:
+    """Evenly chosen designs of a row, as many as a share of all costly cases allows.
+
+    With the scenarios of the search in which they are solved: those that decide some term at some design by the
+    surrogate.
+    """
+    columns: dict[Key, Indices] = {}
+    for drawn, chosen in designs.searched.items():
+        terms = [term for term in chosen.terms.values() if names(designs, term)]
+        guessed = designs.values(designs.predicted, chosen, terms) if terms else []
+        marks = [term.deciding(values) for term, rows in zip(terms, guessed, strict=True) for values in rows]
+        if marks:
+            columns[drawn] = np.flatnonzero(np.any(marks, 0))
+    if not columns:
+        return designs, columns
+    count = max(_LEAST, int(share * most(designs) / sum(len(indices) for indices in columns.values())))
+    n = len(designs.x)
+    return designs.at(designs.x[np.unique(np.linspace(0, n - 1, min(count, n)).astype(int))]), columns
+
+
+def corrected(designs: Question, counts: Array, columns: Mapping[Key, Indices]) -> Array:
+    """Values of all terms at designs, (n, terms): counts without costly cases, some scenarios solved exactly."""
+    out = counts.copy()
+    for drawn, indices in columns.items():
+        chosen = designs.searched[drawn]
+        terms = {place: term for place, term in chosen.terms.items() if names(designs, term)}
+        guessed = designs.values(designs.predicted, chosen, list(terms.values()))
+        solved = _solve(designs, chosen, indices, list(terms.values()))
+        for (place, term), values, exact in zip(terms.items(), guessed, solved, strict=True):
+            flat = values.reshape(len(values), -1).copy()
+            flat[:, indices] = exact
+            out[:, place] = term.counted(flat.reshape(values.shape))
+    return out
+
+
+def _solve(designs: Question, chosen: Scenarios, columns: Indices, terms: list[Term]) -> list[Array]:
+    """Exact values of some terms in some scenarios, (n, columns) each."""
+    solved = designs.values(designs.exact, chosen.only(columns), terms)
+    return [values.reshape(len(values), -1) for values in solved]
