@@ -19,6 +19,7 @@ _PREFIXES = {
 }  # fmt: skip
 VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m (CODATA 2022)
 VACUUM_PERMEABILITY = 1.25663706127e-6  # N s2/C2
+BOLTZMANN = 1.380649e-23  # J/K, exact since 2019
 _ALONE = {  # no prefix
     "%": (1e-2, (0, 0, 0, 0, 0)),
     "ppm": (1e-6, (0, 0, 0, 0, 0)),

@@ -269,7 +269,7 @@ def solve_interior(
 
 def _edges(x: Array, y: Array) -> BoolArray:
     """Mark the points of a grid that are edges of the contact; (y, x)."""
-    return (y == 0)[:, None] & (np.abs(x) == 1)
+    return np.asarray((y == 0)[:, None] & (np.abs(x) == 1))
 
 
 def _without_edges(x: Array, y: Array, fields: Callable[[Array, Array], dict[str, Array]]) -> dict[str, Array]:

@@ -19,7 +19,7 @@ from solver.names import FACTORS
 from storage.files import output, writing
 from workflow.cli.casetable import TEXT_FACTORS, read_cases
 from workflow.cli.forcehistory import MOST_ROWS, ForceFile, read_history
-from workflow.cli.words import named, quantity, say, written_as
+from workflow.cli.words import named, quantity, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
 from workflow.device.signal import DROP, Figures, History, Signal, read
@@ -33,42 +33,6 @@ _MOST_WRITTEN = 1_000_000  # rows of a table of the signal
 _WRITTEN_TOGETHER = 2**16  # rows
 _MOST_PARTS = 1000
 _ROUGH = 1e-6  # of curves that are told to be rough
-
-
-def add(commands: "argparse._SubParsersAction[Any]") -> None:
-    """Add the command to those of the program."""
-    command = commands.add_parser(
-        "signal",
-        help="compute charge, voltage and amplifier output of a history of forces",
-        description="HISTORY is a text file with columns of time and force, in units that its header says; a line "
-        "contact may have a load [N/m]; a film may have the temperature [K or degC] of what touches it. Titles, "
-        "remarks and other columns are skipped. Force and temperature are linear between the rows. The circuit begins "
-        "without voltage. docs/signal.md has the circuit and its signs.",
-    )
-    command.add_argument("history", type=Path, metavar="HISTORY.csv")
-    command.add_argument(
-        "--on", required=True, metavar="CASE.csv | NAME=VALUE,...", help="the contact, without its force"
-    )
-    command.add_argument(
-        "--device", required=True, metavar="NAME=VALUE,...", help="'input_capacitance=10 pF,input_resistance=1 GOhm'"
-    )
-    command.add_argument("--scale", metavar="'NUMBER N/V'", help="force of a volt, for a force recorded as a voltage")
-    command.add_argument(
-        "--temperature", default="293.15", metavar="K", help="temperature of the circuit; default: 293.15"
-    )
-    command.add_argument(
-        "--parts", type=int, default=1, help="number of parts of every interval between rows; default: 1"
-    )
-    command.add_argument("-o", "--output", type=written_as(csv="CSV"), required=True, metavar="OUT.csv")
-    command.add_argument(
-        "--materials",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FILE.yaml",
-        help="file of a material that the library lacks",
-    )
-    command.set_defaults(run=signal)
 
 
 def signal(options: argparse.Namespace) -> None:

@@ -18,9 +18,9 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from scipy.constants import Boltzmann
 
 from solver import Material
+from solver.units import BOLTZMANN
 from workflow.language import grammar
 
 
@@ -90,7 +90,7 @@ class Circuit:
         feedback = self.numbers.get("feedback_capacitance", 0.0)
         amplifier = self._figure("smallest_force", contact + feedback, charge_per_force=1.0)
         discharged = feedback or contact + self.capacitance
-        return float(np.hypot(amplifier, np.sqrt(Boltzmann * temperature * discharged)))
+        return float(np.hypot(amplifier, np.sqrt(BOLTZMANN * temperature * discharged)))
 
     def _figure(self, name: str, contact: float, **known: float) -> float:
         """A figure of a device with a contact of some capacitance [F]."""

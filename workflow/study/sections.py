@@ -12,11 +12,11 @@ from pydantic import (
     model_serializer,
     model_validator,
 )
-from scipy.constants import Boltzmann
 
 from solver import find
 from solver.described import Contact
 from solver.names import CHOICES, COMPOSITES, OF_A_FILM, PROFILES
+from solver.units import BOLTZMANN
 from workflow.language.constants import DEVICE
 from workflow.language.given import number, size
 from workflow.study.categories import Combination
@@ -383,7 +383,7 @@ class Device(Strict):
         """Every number that is given, by its name in designs, in SI."""
         written = {**dict(self), **dict(self.amplifier or {})}
         numbers = {name: number(name, written[name]) for name in DEVICE if written.get(name) is not None}
-        energy, feedback = Boltzmann * numbers["temperature"], numbers.get("feedback_capacitance", 0.0)
+        energy, feedback = BOLTZMANN * numbers["temperature"], numbers.get("feedback_capacitance", 0.0)
         # what a resistance discharges: all of a circuit, or a charge amplifier's feedback alone
         return numbers | {"thermal_energy": 0.0 if feedback else energy, "feedback_heat": (energy * feedback) ** 0.5}
 
