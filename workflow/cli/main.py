@@ -318,8 +318,9 @@ def _add_signal(commands: Commands) -> None:
         "signal",
         help="compute charge, voltage and amplifier output of a history of forces",
         description="HISTORY is a text file with columns of time and force, in units that its header says; a line "
-        "contact may have a load [N/m]. Titles, remarks and other columns are skipped. The force is linear between "
-        "the rows. The circuit begins without voltage. docs/signal.md has the circuit and its signs.",
+        "contact may have a load [N/m]; a film may have the temperature [K or degC] of what touches it. Titles, "
+        "remarks and other columns are skipped. Force and temperature are linear between the rows. The circuit begins "
+        "without voltage. docs/signal.md has the circuit and its signs.",
     )
     command.add_argument("history", type=Path, metavar="HISTORY.csv")
     command.add_argument(

@@ -28,9 +28,11 @@ from solver.names import (
     CHOICES,
     ELECTRODE_QUANTITIES,
     FACTORS,
+    HEAT_QUANTITIES,
     OF_A_FILM,
     OF_A_PUNCH,
     OF_AN_ELECTRODE,
+    OF_HEAT,
     POINT_SLIDING,
 )
 from storage.files import output, write_text
@@ -94,9 +96,10 @@ def _check_units(table: Table, out: xr.Dataset) -> None:
 
 
 def _unasked(table: Table) -> set[str]:
-    """Quantities that nobody misses: of electrodes and of sliding points, where no case has such a factor."""
+    """Quantities that nobody misses: of electrodes, of heat and of sliding points, where no case has such a factor."""
     electrodes = () if {*OF_AN_ELECTRODE} & {*table.columns} else (*ELECTRODE_QUANTITIES,)
-    return {*electrodes, *(() if "friction" in table.columns else POINT_SLIDING)}
+    heat = () if {*OF_HEAT} & {*table.columns} else (*HEAT_QUANTITIES,)
+    return {*electrodes, *heat, *(() if "friction" in table.columns else POINT_SLIDING)}
 
 
 def solve_inside(options: argparse.Namespace) -> None:
