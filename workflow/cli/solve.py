@@ -75,6 +75,8 @@ def solve_table(options: argparse.Namespace) -> None:
     missing = [name for name in quantities if name not in out and name not in _unasked(table)]
     if missing:
         print(f"left out, because no case has them: {', '.join(missing)}", file=sys.stderr)
+    if reason := out.attrs.get("heat"):
+        print(f"heat: {reason}", file=sys.stderr)
     partial = [name for name in quantities if name in out and bool(out[name].isnull().any())]
     if partial:
         others = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""

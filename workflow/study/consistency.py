@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, OF_A_FILM
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, HEAT_QUANTITIES, OF_A_FILM
 from workflow.language.factors import FACTORS
 from workflow.study import signal_case
 from workflow.study.contents import Contents
@@ -137,8 +137,10 @@ def _lack(study: Contents, name: str) -> str:
 
 
 def _instead(study: Contents, name: str) -> str:
-    """Name the quantities that cases have in place of one that bodies of their kind never have."""
+    """Name the quantities that cases have in place of one that bodies of their kind never have, or why heat is not."""
     kind = study.kind
+    if name in HEAT_QUANTITIES:
+        return "".join(f"; {line}" for line in study.defaults if line.startswith("heat: "))
     if name not in ALL_PEAKS or name in kind.peaks:
         return ""
     if not kind.peaks:
