@@ -121,14 +121,19 @@ def noise_in_kelvin(case: dict[str, Any], study: str, meeting: Meeting, length: 
 
 
 def test_smallest_forces_equal_the_stated_changes_of_temperature() -> None:
-    common = {"punch": "steel", "surroundings": "air"}
+    common: dict[str, Any] = {"punch": "steel", "surroundings": "air"}
     line = common | {"interface_electric": "grounded", "interface_magnetic": "grounded", "friction": 0.3}
     kelvin = [noise_in_kelvin(line | case, "film_sensor", "line in air", 0.01) for case in DESIGNS.values()]
     charge, voltage, quiet = (f"{1e6 * noise:.2g}" for noise, _ in kelvin)
     assert f"a change of {charge}, {voltage} and {quiet} uK everywhere" in LIMITS
     forces = [force for _, force in kelvin]
     assert f"its largest {min(forces):.3g} to {max(forces):.3g} K" in LIMITS
-    ball = common | {"material": "PZT-4", "profile": "sphere", "magnetic": "insulating", "base": "silicon"}
+    ball: dict[str, Any] = common | {
+        "material": "PZT-4",
+        "profile": "sphere",
+        "magnetic": "insulating",
+        "base": "silicon",
+    }
     ball |= {"thickness": 50e-6, "radius": 0.017}
     meeting: Meeting = "point in air, charge amplifier"
     (large, equal), (small, _) = (
