@@ -24,7 +24,9 @@ POINTS, AT_ENDS = 20_000, 0.25
 # Errors allowed to the train are tried from this multiple of the error asked for, each so many times the one before.
 FIRST, FINER, TRIALS = 4.0, 0.6, 60
 # Trials without a smaller error after which none is expected.
-PATIENCE = 4
+PATIENCE = 10
+# Share of a precision's last digit below which an error allowed to the train changes nothing.
+ROUNDING = 0.1
 # A correction's terms are left out as long as their largest values add up to this share of the train's error.
 NEGLIGIBLE = 0.25
 
@@ -170,7 +172,7 @@ def _output(model: GaussianProcess, error: float, arithmetic: DTypeLike, points:
             off = max(off, float(np.abs(judged).max()) / size)
             if off <= error:
                 return Rounded(model, part, storage, off, size)
-        if since == PATIENCE:
+        if since == PATIENCE or allowed < ROUNDING * np.finfo(storages[-1]).eps * spread:
             break
     precision = "single" if arithmetic == np.float32 else "double"
     raise ValueError(f"error {error:g} is not reached for {name!r} in {precision} precision: at best {least:.2g}")

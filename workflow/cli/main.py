@@ -15,7 +15,7 @@ from solver import FactorError, MaterialError, PrecisionWarning
 from solver.threads import one_thread
 from storage.files import output, write_text
 from surrogate import FormatError, OutOfBoxError
-from workflow.cli import export, learn, materials, sensing, solve, studies
+from workflow.cli import benchmark, export, learn, materials, sensing, solve, studies
 from workflow.cli.helping import Parser, exemplify
 from workflow.cli.launch import launch
 from workflow.cli.progress import busy
@@ -175,6 +175,7 @@ def _parser() -> Parser:
 
     sensing.add(commands)
     export.add(commands)
+    benchmark.add(commands)
     add(commands)
 
     solve.add_interior(commands)

@@ -114,17 +114,18 @@ def test_a_simulator_finds_no_fault_in_the_unit_and_runs_it(
     few[[7, 11], 0] = 0.99, 0.01  # outside
     columns = json.dumps({name: few[:, k].tolist() for k, name in enumerate(model.box)})
     done = subprocess.run([PYTHON, "-c", SIMULATE, unit, columns], capture_output=True, text=True, check=True)
-    seen = json.loads(done.stdout.splitlines()[-1])
-    assert seen["faults"] == []
+    seen = {name: np.array(values) for name, values in json.loads(done.stdout.splitlines()[-1]).items()}
+    assert not seen.pop("faults").size
+    few = few[np.arange(len(few)).clip(1) - 1]  # outputs after a step are those of the inputs at its begin
     inside = model.has_answers(few)
     assert inside.sum() == 18
     np.testing.assert_array_equal(seen["status"], np.where(inside, 0, 1))
     for name in OUTPUTS:
         one = model.only([name])
         room = ERROR * float(np.ptp(one.predict_array(points)))
-        assert np.isnan(np.array(seen[name])[~inside]).all()
-        assert np.abs(np.array(seen[name])[inside] - one.predict_array(few[inside])[:, 0]).max() <= room
-        assert (np.array(seen[f"{name}_lower"])[inside] <= np.array(seen[name])[inside]).all()
+        assert np.isnan(seen[name][~inside]).all()
+        assert np.abs(seen[name][inside] - one.predict_array(few[inside])[:, 0]).max() <= room
+        assert (seen[f"{name}_lower"][inside] <= seen[name][inside]).all()
 
 
 def test_the_example_finds_the_load_of_a_voltage(
@@ -152,8 +153,8 @@ def test_the_example_finds_the_load_of_a_voltage(
         (["--outputs", "volt"], "--outputs: volt: not an output of the surrogate; .*voltage"),
         (["--error", "2"], "--error: 2: must be one number from 1e-12 to 0.1, a share of the range"),
         (
-            ["--precision", "single", "--error", "1e-9", "--outputs", "depth"],
-            "export: error 1e-09 is not reached for 'de",
+            ["--precision", "single", "--error", "1e-9", "--outputs", "flux_per_force"],
+            "export: error 1e-09 is not reached",
         ),
         (["-o", "2.c"], "export: '2' is no name in C"),
         (["-o", "x.cpp"], "-o: x.cpp: must end in .c"),
