@@ -205,7 +205,8 @@ class _Context:
 
     def _product(self, row: Sequence[float], constant: float = 1.0, without: int = -1) -> str:
         """A constant times powers of the inputs, of one of them one power less."""
-        above, below = [self.number(constant)] if constant != 1 else [], []
+        above: list[str] = [self.number(constant)] if constant != 1 else []
+        below: list[str] = []
         for k, power in enumerate(row):
             left = power - 1 if k == without else power
             if abs(left) in (1, 2, 3, 4):

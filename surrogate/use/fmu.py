@@ -74,7 +74,7 @@ def _variables(outputs: Sequence[Rounded]) -> dict[str, Any]:
         for axis in model.inputs_
     ]  # fmt: skip
     first = 1 + len(inputs)
-    described = []
+    described: list[dict[str, Any]] = []
     for k, part in enumerate(outputs):
         attrs = part.model.attrs_[part.name]
         meanings = (

@@ -2,10 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self, cast
+from typing import Any, Self, cast
 
 import numpy as np
-from numpy.typing import DTypeLike
 from typing_extensions import override
 
 from approximation.arrays import Array
@@ -19,6 +18,8 @@ from surrogate.gp.tensortrain import TensorTrain
 from surrogate.transforms.boundedgp import BoundedGP
 from surrogate.transforms.groupedgp import GroupedGP
 
+#: Type of the numbers: float32 or float64.
+Precision = type[np.floating[Any]]
 # Points that lead the rounding, and as many fresh ones that judge it; of a quarter each coordinate is an end.
 POINTS, AT_ENDS = 20_000, 0.25
 # Errors allowed to the train are tried from this multiple of the error asked for, each so many times the one before.
@@ -35,10 +36,10 @@ class RoundedGP(GridGP):
     """A grid process whose mean is a train over plain Chebyshev polynomials, in numbers of a stated precision."""
 
     chebyshev_: TensorTrain
-    arithmetic: DTypeLike
+    arithmetic: Precision
 
     @classmethod
-    def of(cls, grid: GridGP, train: TensorTrain, storage: DTypeLike, arithmetic: DTypeLike) -> Self:
+    def of(cls, grid: GridGP, train: TensorTrain, storage: Precision, arithmetic: Precision) -> Self:
         """Return the process of a grid with another mean, `train` times no scale plus the grid's offset."""
         part = cls()
         part.__dict__.update(grid.__dict__)
@@ -75,7 +76,7 @@ class Rounded:
 
     exact: GaussianProcess  # of this output alone
     model: GaussianProcess  # the same with a `RoundedGP` inside
-    storage: DTypeLike  # of its coefficients
+    storage: Precision  # of its coefficients
     error: float  # largest error of its means on fresh points, over the output's range
     size: float  # that range
 
@@ -100,7 +101,7 @@ class Rounded:
         return cast(RoundedGP, grid_of(self.model))
 
 
-def rounded(model: GaussianProcess, outputs: Sequence[str], error: float, arithmetic: DTypeLike) -> list[Rounded]:
+def rounded(model: GaussianProcess, outputs: Sequence[str], error: float, arithmetic: Precision) -> list[Rounded]:
     """Return outputs of a model, each with as few numbers as the error allows.
 
     Parameters
@@ -148,14 +149,14 @@ def _points(model: GaussianProcess, seed: int) -> Array:
     return X[model.has_answers(X)]
 
 
-def _output(model: GaussianProcess, error: float, arithmetic: DTypeLike, points: Array, fresh: Array) -> Rounded:
+def _output(model: GaussianProcess, error: float, arithmetic: Precision, points: Array, fresh: Array) -> Rounded:
     """Round a model of one output."""
     grid, name = grid_of(model), model.outputs_[0]
     exact = model.all_mean_std(points, False)[0]
     size = float(np.ptp(exact)) or float(np.abs(exact).max()) or 1.0
     learnt = grid.means(_axes(model, points))
     spread = float(np.ptp(learnt)) or 1.0
-    storages = [np.float32] if arithmetic == np.float32 else [np.float32, np.float64]
+    storages: list[Precision] = [np.float32] if arithmetic == np.float32 else [np.float32, np.float64]
     least, since = np.inf, 0
     for trial in range(TRIALS):
         allowed = FIRST * FINER**trial * error * spread
