@@ -43,8 +43,8 @@ class RoundedGP(GridGP):
         """Return the process of a grid with another mean, `train` times no scale plus the grid's offset."""
         part = cls()
         part.__dict__.update(grid.__dict__)
-        stored = tuple(core.astype(storage).astype(arithmetic) for core in train.cores)
-        part.chebyshev_, part.arithmetic, part.correction_ = TensorTrain(stored), arithmetic, None
+        stored: list[Any] = [core.astype(storage).astype(arithmetic) for core in train.cores]
+        part.chebyshev_, part.arithmetic, part.correction_ = TensorTrain(tuple(stored)), arithmetic, None
         return part
 
     @override

@@ -17,7 +17,7 @@ from workflow.language.spelling import nearest
 from workflow.study.reading import InputError
 
 _FORMS = {"c": ".c", "fmu": ".fmu"}
-_PRECISIONS = {"single": np.float32, "double": np.float64}
+_PRECISIONS: dict[str, type[np.floating[Any]]] = {"single": np.float32, "double": np.float64}
 _LEAST, _MOST = 1e-12, 0.1
 
 

@@ -24,7 +24,7 @@ EXAMPLES = {
     '  --on "profile=sphere,radius=2.5 mm,punch=steel,material=PVDF,thickness=110 um,base=glass" \\\n'
     '  --device "input_capacitance=10 pF,feedback_capacitance=10 pF,feedback_resistance=1 TOhm"',
     "export": "export results/quickstart --as c --outputs voltage,depth -o sensor.c",
-    "benchmark": "benchmark answers.csv",
+    "benchmark": "benchmark examples/answers.csv",
     "calculator": "calculator -o contact.html",
 }
 
