@@ -55,7 +55,7 @@ lint: .venv/dev.stamp  ## ruff, mypy --strict and the import contract
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: .venv/bench.stamp  ## measure side by side with rivals: results/benchmarks.json and results/benchmarks.html [BENCH="exact surrogates"]
+bench: .venv/bench.stamp  ## measure side by side with rivals: results/benchmarks.json [BENCH="exact surrogates"]
 	OMP_NUM_THREADS=1 .venv/bench/bin/python -m benchmarks $(BENCH)
 
 lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without download addresses

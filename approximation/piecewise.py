@@ -35,6 +35,18 @@ class Interval:
         local = (2 * places - self.low - self.high) / (self.high - self.low)
         return polynomials(np.clip(local, -1.0, 1.0) if clipped else local, self.count).T
 
+    def read(self, places: Array, series: Array, causes: Array | None = None) -> Array:
+        """Return values of series, or sums of them over causes; (place, ...).
+
+        places: (place,); series: (count, ...), or (count, ..., cause); causes: (place, cause).
+        """
+        weights = self.polynomials(places)
+        if causes is None:
+            return np.asarray(np.tensordot(weights, series, 1))
+        weights = np.einsum("pn,pc->pnc", weights, causes).reshape(len(weights), -1)
+        flat = np.moveaxis(series, -1, 1).reshape(weights.shape[1], -1)
+        return np.asarray((weights @ flat).reshape(-1, *series.shape[1:-1]))
+
     def derived(self, series: Array) -> Array:
         """Return the Chebyshev coefficients of the derivative, as many as of the function; (count, ...)."""
         slopes = chebder(series) * 2 / (self.high - self.low)

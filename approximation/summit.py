@@ -10,7 +10,8 @@ from approximation.measure import Bent, Floats, Measure
 from approximation.panels import jets, rows, spacing
 
 STEPS = 10
-CLOSE = 3e-4  # a step of Newton's iteration, in the half-width of a panel: the next is of its square
+# a step of Newton's iteration, in the half-width of a panel: the next is of its square
+CLOSE, CLOSEST = 3e-4, 1e-8
 CLIMBED, RIVAL = 6, 0.1  # hills that are climbed, and how far below the highest their best points may lie
 _ALIKE = 1e-9  # relative difference up to which two tops are equals
 
@@ -26,7 +27,7 @@ class Top:
     value: Array  # The measure there
 
 
-def highest(fields: Array, counts: tuple[int, ...], measure: Measure, close: float = CLOSE) -> Top:
+def highest(fields: Array, counts: tuple[int, ...], measure: Measure) -> Top:
     """Find where a measure is largest on panels side by side, from the best points of several hills; (n,).
 
     Notes
@@ -47,7 +48,7 @@ def highest(fields: Array, counts: tuple[int, ...], measure: Measure, close: flo
                 gauss_points(fields.shape[2])[down[members]],
             )
             part = fields[curves[members], ..., ends[number] : ends[number + 1]]
-            tops[:, members] = climb(part, measure, start, close)
+            tops[:, members] = climb(part, measure, start, CLOSEST)
     value = np.full(len(fields), -np.inf)
     np.maximum.at(value, curves, tops[2])
     alike = np.flatnonzero(tops[2] >= (value - _ALIKE * np.abs(value))[curves])

@@ -1,4 +1,4 @@
-"""Write results/benchmarks.json and results/benchmarks.html: ``python -m benchmarks [NAME ...]``.
+"""Write results/benchmarks.json: ``python -m benchmarks [NAME ...]``.
 
 A measurement is a module of this folder with a function ``measure``; what that gives is kept under the module's name.
 """
@@ -11,8 +11,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from benchmarks import page
-from benchmarks.timing import printed
+from benchmarks import printed
 from storage.files import write_text
 from workflow.run.provenance import ROOT, versions
 
@@ -40,14 +39,13 @@ def main(names: list[str]) -> int:
         print(printed(measured[name]))
         print(f"{name}: {perf_counter() - start:.0f} s", flush=True)
         _stored(measured, path)  # what was measured stays where a later measurement fails
-    print(f"{path}, {FOLDER / 'benchmarks.html'}")
+    print(path)
     return 0
 
 
 def _stored(results: dict[str, Any], path: Path) -> None:
     whole = results | {"machine": platform.platform(), "processor": platform.machine(), "versions": versions()}
     write_text(path, json.dumps(whole, indent=2) + "\n")
-    write_text(FOLDER / "benchmarks.html", page.page(whole))
 
 
 if __name__ == "__main__":

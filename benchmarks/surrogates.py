@@ -15,8 +15,8 @@ import xarray as xr
 from approximation.arrays import Array, blocks
 from approximation.chebyshev import gauss_points
 from approximation.sobol import sobol_points
+from benchmarks import least, timed
 from benchmarks.rivals import GRID_RIVALS, REACH, Predict, installed, standardised
-from benchmarks.timing import least, timed
 from surrogate import GaussianProcess, GridGP, Input
 from surrogate.data.inputs import unit_coordinates
 from surrogate.use.validation import crps, validate

@@ -16,8 +16,7 @@ from pygments.formatters import HtmlFormatter
 from solver import names
 from solver.described import Described
 from solver.fields import FIELDS, POINT_FIELDS
-from workflow.cli.helping import EXAMPLES
-from workflow.cli.main import main
+from workflow.cli.main import EXAMPLES, main
 from workflow.report import problem
 
 ROOT = Path(__file__).parents[1]

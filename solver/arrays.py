@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, SupportsFloat, TypeGuard, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,7 @@ Record = TypeVar("Record", bound="DataclassInstance")
 _LONGEST = 60  # characters of a value that a message quotes
 
 
-def is_finite(value: object) -> bool:
+def is_finite(value: object) -> TypeGuard[SupportsFloat]:
     """Return whether a plain value is a finite real number and no truth value."""
     try:
         return not isinstance(value, bool | np.bool_) and isinstance(value, Real) and bool(np.isfinite(float(value)))

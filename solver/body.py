@@ -1,7 +1,7 @@
 """Kinds of bodies under a punch: what each is given and answers, by capabilities that have names.
 
 A new kind of body is one entry of ``KINDS``, the rule in :func:`kind_of` that tells its cases by their factors, and a
-class of ``face/bodies.py``. Nothing else asks which kind a case is: what differs is asked for by its name here.
+class of ``face/solution.py``. Nothing else asks which kind a case is: what differs is asked for by its name here.
 """
 
 from collections.abc import Collection, Mapping

@@ -1,8 +1,7 @@
-"""How the tests share a machine: one thread a process, and what takes long is made once, by one worker.
+"""Share a machine among the tests: one thread a process, and each long run is made once, by one worker.
 
-A worker takes a whole file at a time, so that module fixtures are made once, and all the files that look at the same
-run of a pipeline: `--dist loadgroup` would say so in marks, but pytest-xdist 3.8 loses them under pytest 9.2, whose
-node ids cannot be written to.
+A worker takes a whole file at a time, and all the files that look at the same run of a pipeline. `--dist loadgroup`
+would do this by marks, but pytest-xdist 3.8 loses them under pytest 9.2.
 """
 
 import contextlib
@@ -17,8 +16,7 @@ from typing import Any
 
 import pytest
 
-# before anything loads NumPy, and inherited by workers and jobs: threads of BLAS spin for each other's cores, and many
-# small products (an inversion's) take four times as long on two threads as on one
+# before NumPy is loaded, and inherited by workers and jobs: threads of BLAS spin for each other's cores
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from hypothesis import settings
@@ -32,24 +30,22 @@ from workflow.study import model
 
 __all__ = ["copy"]
 
-# an example takes as long as a busy machine needs
-settings.register_profile("patient", deadline=None)
+settings.register_profile("patient", deadline=None)  # an example takes as long as a busy machine needs
 settings.load_profile("patient")
-# nor does it say that a study's check takes long, where a test asks for one line
-model.SILENCE = 3600.0
-# a file is looked at by a fork, as in a job, although pytest-xdist has a thread, which does nothing meanwhile: a new
-# interpreter takes four times as long; both ways are tried by tests/faults/test_hostile.py
+model.SILENCE = 3600.0  # a study's check on a busy machine prints no line that it takes long
+# as in a job a fork inspects a file, although pytest-xdist has a second thread: a new interpreter takes four times as
+# long; tests/faults/test_hostile.py tries both ways
 quarantine._has_one_thread = lambda: True
 
-#: Session fixtures that run a pipeline: all files that look at one of them are one worker's.
+#: Session fixtures that run a pipeline: one worker takes all files that use the same one.
 RUNS = ("ran", "undisturbed", "quickstart_run")
 
-#: What takes longest begins first, so that the last groups to end are short.
+#: The longest groups begin first.
 LONGEST = (
-    "tests/faults/test_hostile.py",  # first: it bounds the memory of its process, which no other test may have taken
+    "tests/faults/test_hostile.py",  # it bounds the memory of its process, which no other test may have used
     *RUNS,
     "tests/test_tutorials.py",
-    "tests/workflow/design/test_budget.py",
+    "tests/workflow/design/test_costly.py",
     "tests/surrogate/use/test_inversion.py",
     "tests/workflow/design/test_question.py",
 )
@@ -57,18 +53,18 @@ LONGEST = (
 
 @functools.cache
 def group(file: str) -> str:
-    """Return the run that a file looks at, else the file itself."""
+    """Return the run that a file uses, else the file itself."""
     text = (ROOT / file).read_text(encoding="utf-8")
     return next((run for run in RUNS if re.search(rf"\b{run}: Project\b", text)), file)
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """One worker more than there are cores: what waits for the programs that it starts leaves a core idle."""
+    """Return one worker more than there are cores: one that waits for a program leaves a core idle."""
     return (os.cpu_count() or 1) + 1
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Hand out groups in the place of xdist's files; another `--dist` stays what it is."""
+    """Hand out groups in place of files, unless another `--dist` is chosen."""
     if config.getvalue("dist") != "loadfile":
         return None
     scheduler = LoadScopeScheduling(config, log)
@@ -77,7 +73,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """A run of the layer ``unit`` imports no file of another layer."""
+    """Import no file of another layer where only the layer ``unit`` runs."""
     file = collection_path.relative_to(config.rootpath).as_posix()
     units = config.option.markexpr.startswith("unit")
     return True if units and file.endswith(".py") and layers.layer(file, (), ()) != "unit" else None
@@ -98,7 +94,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """End with one line on what was not run, and on how to get it."""
+    """End with one line on the tests that were skipped, and on the packages that they need."""
     reports = terminalreporter.stats.get("skipped", [])
     counts = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in reports)
     parts = [f"{count} test{'s' * (count > 1)}: {reason}" for reason, count in counts.items()]
@@ -107,14 +103,14 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, Any, Any]:
-    """A test of the layer ``unit`` starts no program."""
+    """Let no test of the layer ``unit`` start a program."""
     with layers.without_programs() if item.get_closest_marker("unit") else contextlib.nullcontext():
         return (yield)
 
 
 @pytest.fixture(autouse=True)
 def _figures_are_closed() -> Iterator[None]:
-    """What a test draws and does not write stays with no later one."""
+    """Close the figures of a test."""
     yield
     if "matplotlib.pyplot" in sys.modules:
         sys.modules["matplotlib.pyplot"].close("all")
@@ -122,7 +118,7 @@ def _figures_are_closed() -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def quickstart_run(copy: Copy) -> Project:
-    """A folder in which the quickstart has run to its report without any fault; look, and change nothing."""
+    """Folder in which the quickstart has run to its report; no test may change it."""
     project = copy("quickstart")
     project.run("meecontact", "run", "quickstart", "--cores", "2")
     return project

@@ -1,9 +1,9 @@
-"""Which layer a test is of, and which of a product's cases `make test` takes.
+"""Layer of each test, and the cases of a product that `make test` takes.
 
-`make check` runs the layer ``unit``: in this process, on what is computed in a moment. ``dense`` is what searches
-densely, solves in 50 digits, or fits a study; ``process`` starts programs; ``browser`` opens a page. `make test` runs
-all four, and of a product of cases that bears ``sampled`` a few, in which each value of each parameter stands if they
-suffice; `make soak` runs the others.
+`make check` runs the layer ``unit``: in this process, on what is computed in a moment. ``dense`` searches densely,
+solves in 50 digits, or fits a study; ``process`` starts programs; ``browser`` opens a page. `make test` runs all four,
+and a few cases of a product that is marked ``sampled``, which hold each value of each parameter if they suffice;
+`make soak` runs the others.
 """
 
 import os
@@ -33,13 +33,13 @@ test_tutorials.py workflow/calculator/test_calculated.py
 
 #: Those of dense searches, solutions in 50 digits and fits of studies.
 DENSE = """
-solver/face/test_air.py solver/face/test_film_bodies.py solver/face/test_films.py solver/face/test_own_base.py
-solver/face/test_scans.py solver/line/ solver/halfplane/test_coalescing_roots.py solver/halfplane/test_conduction.py
+solver/face/test_air.py solver/face/test_films.py solver/face/test_own_base.py
+solver/face/test_scans.py solver/line/ solver/halfplane/test_coalescing_roots.py
 solver/halfplane/test_friction_coupling.py solver/halfplane/test_interior.py solver/halfplane/test_peaks.py
 solver/halfplane/test_precise.py solver/halfplane/test_precision.py
-solver/halfplane/test_speed.py solver/point/test_inside.py solver/point/test_peaks.py solver/point/test_precise.py
+solver/halfplane/test_speed.py solver/point/test_inside.py solver/point/test_precise.py
 solver/point/test_sliding.py solver/gap/ solver/test_contract.py solver/test_curves.py
-surrogate/face/test_persistence.py surrogate/gp/test_finiterank.py surrogate/gp/test_properties.py
+surrogate/test_contract.py surrogate/face/test_persistence.py
 surrogate/gp/test_scattergp.py surrogate/intervals/ surrogate/search/ surrogate/transforms/curves/ surrogate/use/
 test_examples.py test_numbers.py verification/
 workflow/cli/test_learn.py workflow/dataset/ workflow/design/ workflow/learning/ workflow/report/test_figures.py
@@ -49,7 +49,7 @@ workflow/study/test_grouped.py workflow/study/test_layered.py
 
 #: Files of DENSE's folders that take moments.
 MOMENTS = """
-solver/line/test_stack.py solver/gap/test_densities.py solver/gap/test_equilibration.py verification/test_oracles.py
+solver/line/test_stack.py solver/gap/test_equilibration.py verification/test_oracles.py
 workflow/design/test_answer.py workflow/design/test_counting.py workflow/design/test_judging.py
 workflow/design/test_searching.py workflow/design/test_sources.py workflow/design/test_spoken.py
 """

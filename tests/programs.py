@@ -1,4 +1,4 @@
-"""Programs that tests start and that no Python package brings: which of them this machine has.
+"""Programs that tests start and that no Python package brings.
 
 A test marked ``needs("node", "ncdump")`` is skipped, with the Debian packages to install, where one is missing
 (`tests/conftest.py`). Nothing else in the tests looks for programs.
@@ -43,3 +43,7 @@ def missing(programs: Iterable[str]) -> str:
     absent = [program for program in programs if find(program) is None]
     packages = dict.fromkeys(PACKAGES[program] for program in absent)
     return f"no {' or '.join(absent)} (Debian: {' '.join(packages)})" if absent else ""
+
+
+#: Seconds that a test waits for another process: long enough for a busy machine.
+PATIENCE = 900

@@ -1,4 +1,4 @@
-"""What public referees say of a run's files: `python tests/referees.py results/quickstart`, with none of our own code.
+"""Complaints of public referees about a run's files: `python tests/referees.py results/quickstart`; no code of ours.
 
 CF 1.11 of every netCDF file by the IOOS compliance checker; Croissant by mlcroissant; the Workflow Run RO-Crate by
 roc-validator; all values by Debian's nccopy and nco, where they are installed. `make referees` and
@@ -31,7 +31,7 @@ ASKED_AGAIN = (
 
 
 def in_order(text: str) -> bool:
-    """Whether a complaint is of the place of pressures only, which CF takes for heights: moduli are none."""
+    """Return True for a complaint about the order of a pressure only, which CF takes for a height."""
     return "recommended order T, Z, Y, X" in text and not re.search(r" \([TYX]\)", text)
 
 
@@ -69,7 +69,7 @@ def croissant(folder: Path) -> Iterator[str]:
 
 
 def crate(folder: Path) -> Iterator[str]:
-    """What the run's crate must have by the profile Workflow Run, and has not."""
+    """Parts that the profile Workflow Run requires and the run's crate lacks."""
     import requests
     from rocrate_validator import services
     from rocrate_validator.utils.http import HttpRequester

@@ -25,14 +25,14 @@ NAMES = sorted(path.stem for path in (ROOT / "config").glob("*.yaml"))
 
 @functools.cache
 def shipped(name: str) -> Study:
-    """A study of `config/` of which no case is solved: as if each had every quantity, and none hung on the datum."""
+    """Return a study of `config/` without solving a case: as if each had every quantity, and none hung on the datum."""
     path = ROOT / "config" / f"{name}.yaml"
     return thawed({"study": read_yaml(path), "path": str(path), "materials": {}, "absent": [], "hanging": []})
 
 
 @functools.cache
 def made(text: str) -> Study:
-    """The study of a text, as from the file ``study.yaml`` of a folder that is gone."""
+    """Return the study of a text, as from a file ``study.yaml``."""
     with TemporaryDirectory() as folder:
         path = Path(folder, "study.yaml")
         path.write_text(text, encoding="utf-8")
@@ -40,13 +40,13 @@ def made(text: str) -> Study:
 
 
 def edited(text: str, old: str, new: str) -> str:
-    """The text with the first of what must stand there replaced."""
+    """Return the text with the first occurrence of `old`, which must exist, replaced."""
     assert old in text
     return text.replace(old, new, 1)
 
 
 def refusal(text: str) -> str:
-    """The one line with which the study of a text is refused, without its file."""
+    """Return the one line with which the study of a text is refused, without its file."""
     with pytest.raises(InputError) as caught:
         made(text)
     line = str(caught.value)
@@ -55,7 +55,7 @@ def refusal(text: str) -> str:
 
 
 def fitted(study: Study, *, calibrated: bool = False) -> GaussianProcess:
-    """The surrogate of a study's whole factorial; calibrated on its cases for that, if it is asked for."""
+    """Return the surrogate of a study's whole factorial, calibrated on its calibration cases if `calibrated`."""
     model = training.fit(study, factorial.exact(study, factorial.axes(study)))
     if calibrated:
         model.calibrate(factorial.training_data(study, factorial.cases(study, "calibration")))
@@ -63,7 +63,7 @@ def fitted(study: Study, *, calibrated: bool = False) -> GaussianProcess:
 
 
 def data_set(study: Study, folder: Path) -> list[Path]:
-    """The files that the rules make of a study's data set, in a folder of results; its slabs."""
+    """Write the files of a study's data set into a folder, as the rules do; return the slabs."""
     (folder / "fields").mkdir()
     slabs = [folder / f"fields/slab_{index}.nc" for index in range(partition.count(study))]
     for index, slab in enumerate(slabs):

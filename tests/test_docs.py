@@ -1,6 +1,5 @@
 """The documentation: the site builds strictly, every command and every Python block on its pages runs."""
 
-import html
 import re
 import shlex
 import shutil
@@ -9,7 +8,6 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote
 
 import pytest
 import yaml
@@ -17,8 +15,7 @@ import yaml
 import solver
 import surrogate
 from docs import tutorial
-from tests import programs
-from tests.workflow import nursery
+from tests import programs, warm
 from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT
 from workflow.study.model import load
@@ -31,7 +28,7 @@ SITE_LINES = r"(?<![\w./*-])((?:solver|surrogate|workflow|storage|verification|d
 
 
 def blocks(kind: str, shown: Sequence[Path] = SHOWN) -> list[Any]:
-    """Blocks of one kind, with the names of their pages; those that call Node.js need it and ncdump."""
+    """Blocks of one language, each with the name of its page; a block that calls Node.js needs it and ncdump."""
     needs = pytest.mark.needs("node", "ncdump")
     return [
         pytest.param(text, marks=[needs] if re.search(r"^node ", text, re.MULTILINE) else [], id=page.stem)
@@ -43,7 +40,7 @@ def blocks(kind: str, shown: Sequence[Path] = SHOWN) -> list[Any]:
 
 @pytest.fixture(scope="module")
 def project(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> Project:
-    """A copy of a folder in which the quickstart has run."""
+    """Copy of a folder in which the quickstart has run."""
     project = Project(tmp_path_factory.mktemp("docs") / "project")
     shutil.copytree(quickstart_run.folder, project.folder, symlinks=True)
     return project
@@ -86,7 +83,7 @@ def test_the_readme_prints_its_numbers(tmp_path: Path) -> None:
     text = README.read_text(encoding="utf-8")
     assert len(text.splitlines()) <= 100
     (code,) = (code for language, code in BLOCK.findall(text) if language == "python")
-    done = nursery.run(["python", "-W", "error", "-c", code], tmp_path, ROOT)
+    done = warm.run(["python", "-W", "error", "-c", code], tmp_path, ROOT)
     assert done.returncode == 0, done.stderr
     radius, _, charge, *_ = done.stdout.splitlines()
     stated = re.search(r"prints (.*?) um of contact radius, and (.*?) pC/N", " ".join(text.split()))
@@ -96,53 +93,30 @@ def test_the_readme_prints_its_numbers(tmp_path: Path) -> None:
         assert [f"{value:.{digits}f}" for value in values] == re.findall(r"\d+\.\d+", words)
 
 
-@pytest.fixture(scope="module")
-def site(project: Project) -> Path:
-    """The site of a project in which the quickstart has run, built by MkDocs' own command."""
+def test_the_site_builds_strictly_needs_no_network_and_has_every_name(project: Project) -> None:
     for name in ("docs", "mkdocs.yml"):
         copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy
         copy(ROOT / name, project.folder / name)
     project.run("mkdocs", "build", "--strict", "--quiet", "--site-dir", "build/docs")
-    return project.folder / "build/docs"
-
-
-def test_the_site_is_whole_and_needs_no_network(site: Path) -> None:
-    texts = {page: page.read_text(encoding="utf-8") for page in site.rglob("*.html") if page.name != "404.html"}
-    anchors = {page: set(re.findall(r"\b(?:id|name)=\"([^\"]+)\"", text)) for page, text in texts.items()}
-    links = 0
-    for page, text in texts.items():
-        for tag in re.findall(r"<(?:script|link|img)\b[^>]*>", text):
-            assert not re.search(r"(?:src|href)=\"(?:https?:)?//", tag), tag
-        for link in re.findall(r"(?:href|src)=\"([^\"]+)\"", text):
-            path, _, anchor = unquote(html.unescape(link)).partition("#")
-            if re.match(r"[a-z]+:|//", path):
-                continue
-            target = (page.parent / path.partition("?")[0]).resolve() if path else page
-            assert target.is_file() or (target / "index.html").is_file(), (page.name, link)
-            assert not anchor or target not in anchors or anchor in anchors[target], (page.name, link)
-            links += 1
-    assert links > 1000
+    site = project.folder / "build/docs"
+    for page in site.rglob("*.html"):
+        for tag in re.findall(r"<(?:script|link|img)\b[^>]*>", page.read_text(encoding="utf-8")):
+            assert not re.search(r"(?:src|href)=\"(?:https?:)?//", tag), (page, tag)
     assert (site / "results/quickstart/report.html").is_file()
-
-
-def test_the_site_has_every_public_name_command_module_and_page(site: Path) -> None:
-    reference = (site / "api.html").read_text(encoding="utf-8")
+    text = {
+        name: (site / f"{name}.html").read_text(encoding="utf-8") for name in ("api", "commands", "study", "modules")
+    }
     for room in (solver, surrogate):
-        assert all(f'id="{room.__name__}.{name}"' in reference for name in room.__all__)
-    commands = (site / "commands.html").read_text(encoding="utf-8")
-    assert all(f'id="meecontact-{name}"' in commands for name in ("solve", "query", "design", "invert", "run"))
-    assert "worst_case" in (site / "study.html").read_text(encoding="utf-8")
-    modules = (site / "modules.html").read_text(encoding="utf-8")
-    assert all(f"<code>{path.name}</code>" in modules for path in (ROOT / "workflow").rglob("[a-z]*.py"))
-    menu = (site / "index.html").read_text(encoding="utf-8")
-    sources = [page.relative_to(ROOT / "docs") for page in (ROOT / "docs").rglob("*.md")]
-    assert all(f'href="{page.with_suffix(".html")}"' in menu for page in sources if page.stem != "index")
+        assert all(f'id="{room.__name__}.{name}"' in text["api"] for name in room.__all__)
+    assert all(f'id="meecontact-{name}"' in text["commands"] for name in ("solve", "query", "design", "invert", "run"))
+    assert "worst_case" in text["study"]
+    assert all(f"<code>{path.name}</code>" in text["modules"] for path in (ROOT / "workflow").rglob("[a-z]*.py"))
 
 
 @pytest.mark.parametrize("name", sorted(tutorial.ON_QUICKSTART))
 def test_a_tutorial_on_the_quickstart_shows_what_it_prints(name: str, project: Project) -> None:
     page = (tutorial.FOLDER / f"{name}.md").read_text(encoding="utf-8")
-    assert tutorial.updated(page, project.folder, nursery.printed) == page
+    assert tutorial.updated(page, project.folder, warm.printed) == page
 
 
 def test_every_file_that_a_page_names_exists() -> None:

@@ -104,8 +104,8 @@ def test_the_reader_refuses_other_kernels_and_points_outside(tmp_path: Path, fil
     levels = surrogate.chebyshev_levels(0.0, 1.0, 4)
     data = xr.Dataset({"y": ("x", levels**2)}, coords={"x": levels})
     cases = xr.Dataset({"x": ("case", data["x"].values), "y": ("case", data["y"].values)})
-    surrogate.save(surrogate.ScatterGP("rbf", outputs=["y"]).fit(cases), tmp_path / "rbf.nc")
-    assert 'engine "scatter" is not read here' in read_by_node(tmp_path / "rbf.nc", []).stderr
+    surrogate.save(surrogate.ScatterGP(outputs=["y"]).fit(cases), tmp_path / "scattered.nc")
+    assert 'engine "scatter" is not read here' in read_by_node(tmp_path / "scattered.nc", []).stderr
     assert "x is from 1 to 4" in read_by_node(files["root"], [{"x": 5.0}]).stderr
 
 

@@ -1,4 +1,4 @@
-"""What other machines open and run: a page, CI, and tests of programs that may be missing."""
+"""The page loads and sends nothing, CI pins its actions, and tests name programs that may be missing."""
 
 import ast
 import re
@@ -13,10 +13,10 @@ ROOT = Path(__file__).parents[1]
 
 def test_the_page_may_load_and_send_nothing() -> None:
     page = (ROOT / "workflow/report/templates/report.html.j2").read_text(encoding="utf-8")
-    found = re.search(r'<meta http-equiv="Content-Security-Policy" content="([^"]*)">', page)
-    assert found
-    assert found.start() < page.index("<style>")
-    policy = dict(part.strip().split(" ", 1) for part in found[1].split(";"))
+    match = re.search(r'<meta http-equiv="Content-Security-Policy" content="([^"]*)">', page)
+    assert match
+    assert match.start() < page.index("<style>")
+    policy = dict(part.strip().split(" ", 1) for part in match[1].split(";"))
     assert policy["default-src"] == policy["base-uri"] == policy["form-action"] == "'none'"
     allowed = {source for sources in policy.values() for source in sources.split()}
     assert allowed == {"'none'", "'unsafe-inline'", "data:"}  # no address

@@ -1,4 +1,4 @@
-"""What `make check` leaves to `make test`, and `make test` to `make soak`, is what tests/layers.py says."""
+"""Layers and samples of tests/layers.py: the tests of `make check`, `make test` and `make soak`."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""What a notebook shows of materials and surrogates: short, and nothing that a name could do to the page."""
+"""Materials and surrogates are short in a notebook, and no name can do anything to the page."""
 
 from xml.etree import ElementTree
 
@@ -35,6 +35,6 @@ def test_a_surrogate_shows_its_box_and_its_calibration() -> None:
     model = surrogate.GridGP(inputs=[x]).fit(grid)
     assert ["x", "0.0", "2.0", "m/s<", "linear"] in table(model._repr_html_())
     assert "intervals not calibrated" in model._repr_html_()
-    at = np.linspace(0, 2, 60)
-    model.calibrate(xr.Dataset({"x": ("case", at), HOSTILE: ("case", np.exp(at))}))
+    points = np.linspace(0, 2, 60)
+    model.calibrate(xr.Dataset({"x": ("case", points), HOSTILE: ("case", np.exp(points))}))
     assert "intervals calibrated on 60 cases" in model._repr_html_()

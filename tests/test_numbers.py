@@ -19,7 +19,7 @@ from solver.line.contact import FilmContact
 from solver.line.table import table
 from solver.stack.layers import Layer, Stack
 from solver.stack.reflection import sideways
-from tests.solver.face import test_film_interior, test_films
+from tests.solver.face import test_films
 from tests.solver.point.points import BTO, film, on_film
 from workflow.language import grammar
 from workflow.language.constants import Meeting
@@ -226,7 +226,7 @@ def test_figures_of_the_page_of_films_are_those_of_the_tests() -> None:
     cells = rows("theory-films")
     start = cells.index(["", "case 1", "case 2", "case 3"]) + 2
     for case, (name, (_, scalars, on_surface)) in enumerate(test_films.FIGURES.items(), start=1):
-        half_way, shear, normal = test_film_interior.INSIDE[name]
+        half_way, shear, normal = test_films.INSIDE[name]
         tested = [*scalars, *on_surface, *half_way, shear[0], normal[0], shear[1], normal[1]]
         assert [float(row[case]) for row in cells[start : start + len(tested)]] == tested, name
     for ratio, (pzt, titanate, depth) in test_films.SHORT_CIRCUIT.items():
@@ -272,7 +272,7 @@ def test_a_thick_film_differs_from_its_half_plane_as_stated() -> None:
 
 def test_reciprocity_holds_and_fails_as_stated() -> None:
     contact = pressed_film(Stack((Layer(MIXED, 3e-4),)), load=2e5)
-    read = np.einsum("n,noc->oc", contact.table.polynomials(np.log(contact.half_width))[0], contact.table.series)
+    read = contact.table.interval.read(np.log(contact.half_width), contact.table.series)[0]
     T = len(contact.table.system.powers)
     (load_T, u_T, _, psi_T), (load_J, u_J, V_J, _) = read[[outputs.LOAD, 3, 4, 5]][:, [T, T + 1]].T
     assert load_T * u_J + V_J == pytest.approx(load_J * u_T + psi_T, rel=1e-9)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.workflow import nursery
+from tests import warm
 from workflow.run.provenance import ROOT
 
 ROOMS = ("approximation", "solver", "storage", "surrogate", "workflow")
@@ -186,7 +186,7 @@ def answers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[object]]
             file = copy / name
             for begins, added in additions.items():
                 file.write_text(put(file.read_text("utf-8") if file.is_file() else "", begins, added), "utf-8")
-    done = nursery.run(["python", "-c", ASKED], copy, copy)
+    done = warm.run(["python", "-c", ASKED], copy, copy)
     assert not done.returncode, done.stderr
     answer: dict[str, list[object]] = json.loads(done.stdout)
     return answer

@@ -7,7 +7,7 @@ import nbformat
 import pytest
 
 from docs import pages, tutorial
-from tests.workflow import nursery
+from tests import warm
 
 # tests/test_docs.py follows the others
 PAGES = [page for page in tutorial.PAGES if page.stem not in tutorial.ON_QUICKSTART]
@@ -16,7 +16,7 @@ PAGES = [page for page in tutorial.PAGES if page.stem not in tutorial.ON_QUICKST
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
 def test_a_tutorial_shows_what_it_prints(path: Path, tmp_path: Path) -> None:
     page = path.read_text(encoding="utf-8")
-    assert tutorial.updated(page, tmp_path, nursery.printed) == page
+    assert tutorial.updated(page, tmp_path, warm.printed) == page
     drawn = {figure.name for figure in tmp_path.glob("*.svg")}
     assert drawn == set(re.findall(r"\]\(([\w-]+\.svg)\)", page))
 

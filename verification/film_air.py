@@ -8,11 +8,11 @@ import xarray as xr
 
 import solver
 from verification.cases import Case, constants, half_length
+from verification.film_elements import orders_of, refined
 from verification.findings import Findings, Sizes, off
 from verification.oracles.fem_film import ELECTRIC, Layer, Punch
 from verification.oracles.fem_gap import GapContact
 from verification.oracles.sample_materials import isotropic
-from verification.orders import orders_of, refined
 
 STEEL = 210e9, 0.3  # of the punch
 _FROM, _TO = 1.02, 5.0  # abs((x - c)/h) beside the contact, at which potentials are compared

@@ -49,13 +49,13 @@ class _InAir(OnPoints):
         if np.any(self._friction):
             slid = self._slid(positions, _CARRIED)
             return self._with_regular(slid, positions) if regular else slid
-        values = self._of_parts(lambda pressed, own: fields(pressed, *self._gap(own), positions))
+        values = self._of_parts(lambda pressed, places: fields(pressed, *self._gap(places), positions))
         if self._lacks_c12 is None:
             values |= self._at_surface(positions, [name for name in SURFACE if SURFACE[name] in POINT_NEED_C12])
         return self._with_regular(values, positions) if regular else values
 
-    def _peaks(self, pressed: Pressed, places: Indices, asked: Set[str]) -> dict[str, Array]:
-        return peaks(pressed, *self._gap(places), self._inside(places, pressed), asked)
+    def _peaks(self, pressed: Pressed, places: Indices, requested: Set[str]) -> dict[str, Array]:
+        return peaks(pressed, *self._gap(places), self._inside(places, pressed), requested)
 
     def _fields(self, pressed: Pressed, places: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
         return inside(pressed, *self._gap(places), self._inside(places, pressed), x, y, names)

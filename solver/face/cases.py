@@ -1,7 +1,7 @@
 """The one way through the face: checked factors, one body for the cases of a kind, labelled outputs, put together.
 
 An entrance (:func:`solver.solve`, :func:`solver.solve_interior`) says which outputs of a body it asks for, and nothing
-about how the cases are told apart, aligned or labelled. Which body the cases lie on is decided by ``face/bodies.py``.
+about how the cases are told apart, aligned or labelled. Which body the cases lie on is decided by ``face/solution.py``.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -1,17 +1,19 @@
 """Named factors of the cases, checked: every name known, every value allowed, dimensions that fit."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
+from typing import Any, TypeAlias
 
 import numpy as np
+import pandas as pd
 import xarray as xr
+from numpy.typing import NDArray
 
 from solver.arrays import is_finite, shown, unmasked
 from solver.described import Contact
 from solver.face.electrodes import check_electrodes
 from solver.face.filmfactors import absent, among, bare, check_elasticity, check_films, check_gaps, refuse, settled
 from solver.face.refusal import FactorError
-from solver.face.rows import Factors, by_name
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
 from solver.material.usual import question
@@ -31,6 +33,51 @@ from solver.names import (
 from solver.stack.layers import Stack
 from solver.units import in_si
 
+#: What the entrances of the solver take: values by factor name, or a table of cases.
+Factors: TypeAlias = Mapping[str, Any] | xr.Dataset | pd.DataFrame | Sequence[Mapping[str, Any]]
+
+CASE = "case"  # the dimension of rows
+
+
+def by_name(factors: Factors) -> dict[str, Any]:
+    """Values by factor name; those of a table along the one dimension ``case``."""
+    if isinstance(factors, xr.Dataset):
+        return {str(name): values for name, values in (*factors.data_vars.items(), *factors.coords.items())}
+    if isinstance(factors, Mapping | pd.Series):
+        return dict(factors)
+    if isinstance(factors, np.ndarray) and factors.dtype.names:
+        return _rows(pd.DataFrame(factors))
+    if isinstance(factors, pd.DataFrame):
+        return _rows(factors)
+    if isinstance(factors, Sequence) and factors and all(isinstance(row, Mapping) for row in factors):
+        return _rows(pd.DataFrame([dict(row) for row in factors]))
+    raise FactorError(f"factors: {shown(factors)} is no mapping of factors, no data frame and no list of mappings")
+
+
+def _rows(table: pd.DataFrame) -> dict[str, Any]:
+    """Columns of a table over its rows, which have the labels of its index; several levels of one are numbered."""
+    if not len(table):
+        raise FactorError("factors: a table without rows")
+    if table.columns.has_duplicates:
+        raise FactorError(f"{table.columns[table.columns.duplicated()][0]}: two columns of the table have this name")
+    labels = pd.RangeIndex(len(table)) if table.index.nlevels > 1 else table.index
+    return {
+        str(name): xr.DataArray(_cells(column), dims=CASE, coords={CASE: labels.to_numpy()})
+        for name, column in table.items()
+    }
+
+
+def _cells(column: pd.Series) -> NDArray[Any]:
+    """Values of a column; a missing number is NaN, any other missing value None."""
+    if pd.api.types.is_numeric_dtype(column) and not pd.api.types.is_bool_dtype(column):
+        numbers: NDArray[Any] = column.to_numpy(dtype=np.float64, na_value=np.nan)
+        return numbers
+    values = column.to_numpy(dtype=object, copy=True)
+    values[column.isna().to_numpy()] = None
+    return np.asarray(values)
+
+
+_SMALLEST = float(np.finfo(np.float64).tiny)
 _STEEPEST = 1.0  # slope of a cone or wedge beyond which a theory of small slopes says nothing
 _OF_LAYERS = {BODY, "surroundings", *OF_A_FILM, *OF_A_GAP, *OF_AN_ELECTRODE}
 _MAY_BE_EMPTY = (*OF_A_FILM, "surroundings")
@@ -88,8 +135,8 @@ def _check_modulus(name: str, array: xr.DataArray) -> None:
     """No modulus is so small that it has lost its unit; a text with its unit passes."""
     if name.endswith("_modulus") and array.dtype.kind in "iuf":
         values = array.values.astype(np.float64)
-        if asked := question("young", values[(values > 0) & (values < 1e6)], "Pa"):
-            raise FactorError(f"{name}: {asked.removeprefix('young: ')}")
+        if complaint := question("young", values[(values > 0) & (values < 1e6)], "Pa"):
+            raise FactorError(f"{name}: {complaint.removeprefix('young: ')}")
 
 
 def _check_material(arrays: Mapping[str, xr.DataArray]) -> None:
@@ -222,6 +269,9 @@ def _number(name: str, array: xr.DataArray) -> xr.DataArray:
     bad = values[~(np.isfinite(values) & above & below | lacking)]
     if bad.size:
         raise FactorError(f"{name}: {bad.flat[0]:g} is not {factor.allowed}")
+    bad = values[(np.abs(values) < _SMALLEST) & (values != 0)]
+    if bad.size:  # its inverse is no number, and it has lost digits
+        raise FactorError(f"{name}: {bad.flat[0]:g} is too small for a number of full precision, {_SMALLEST:.3g}")
     return array
 
 

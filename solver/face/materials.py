@@ -64,7 +64,7 @@ def _isotropic(cases: Cases) -> Material:
     """Isotropic bases by modulus and Poisson's ratio; any where these are absent."""
     modulus, poisson = cases.values["base_modulus"], cases.values["base_poisson"]
     modulus, poisson = (np.where(np.isnan(v), standing, v) for v, standing in ((modulus, 1e11), (poisson, 0.3)))
-    return Material.elastic(modulus, poisson, "base")
+    return Material.isotropic(modulus, poisson, name="base", any_size=True)
 
 
 def _chosen(which: NDArray[Any], materials: Mapping[str, Material]) -> Material:

@@ -1,22 +1,37 @@
 """The labelled face of the solver: named factors in, an ``xarray.Dataset`` with units out."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
+from importlib import import_module
 from types import MappingProxyType
+from typing import cast
 
 import numpy as np
 import xarray as xr
 
 from solver.arrays import Array, unmasked
 from solver.curves import REGIONS, SIZES, described
-from solver.face.bodies import body_of
+from solver.described import Contact
+from solver.face.body import Body
 from solver.face.cases import Cases
-from solver.face.factors import checked
+from solver.face.factors import Factors, checked
 from solver.face.refusal import FactorError
-from solver.face.rows import Factors
 from solver.fields import ACROSS, ALONG, EVERY_FIELD, EVERY_INTERIOR
 from solver.material.constants import Material
 from solver.names import ALL_PEAKS, ALL_QUANTITIES
+
+#: Module and class by contact, by layers of the body, and by charge in the air around the contact. A module is imported
+#: with the first case of its kind: cases on a half-plane never load the films.
+_BODIES: dict[tuple[Contact, bool, bool], tuple[str, str]] = {
+    ("line", False, False): ("halfplane", "OnHalfPlane"),
+    ("line", True, False): ("film", "OnFilm"),
+    ("line", False, True): ("air", "HalfPlaneInAir"),
+    ("line", True, True): ("air", "FilmInAir"),
+    ("point", False, False): ("halfspace", "OnHalfSpace"),
+    ("point", True, False): ("pointfilm", "OnPointFilm"),
+    ("point", False, True): ("airpoint", "HalfSpaceInAir"),
+    ("point", True, True): ("airpoint", "PointFilmInAir"),
+}
 
 
 def solve(
@@ -110,6 +125,14 @@ def solve(
     out = cases.solved("exact solution of a punch on a magneto-electro-elastic half-plane", part)
     first = [name for name in ALL_QUANTITIES if name in out]
     return out[[*first, *(name for name in out.data_vars if name not in first)]]
+
+
+def body_of(cases: Cases) -> Body:
+    """The body of cases of one kind."""
+    kind = cases.kind
+    module, name = _BODIES[kind.contact, kind.layered, kind.air]
+    solved_by = cast(Callable[[Cases], Body], getattr(import_module(f"solver.face.{module}"), name))
+    return solved_by(cases)
 
 
 def _searched(peaks: bool | Collection[str]) -> frozenset[str]:

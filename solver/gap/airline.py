@@ -189,10 +189,11 @@ class State:
     @cached_property
     def sizes(self) -> Array:
         """Scales of the unknowns, over which steps are measured; (unknown,)."""
-        largest_density = np.max(np.abs(self._densities), 1, initial=1e-300)
+        weights = np.sqrt(self.problem.powers[1])  # the last panel's unknowns are D X^2, and its charge is D X
+        largest_density = np.max(np.abs(self._densities) * weights, 1, initial=1e-300)
         largest_density = np.maximum(largest_density, 1e-4 * self.loads[0] / self.half)
         charge = np.maximum(np.abs(self.loads[1:]), np.max(largest_density) * self.half)
-        return np.concatenate([np.ones(_EXTENT), charge, np.repeat(largest_density, self.problem.nodes)])
+        return np.concatenate([np.ones(_EXTENT), charge, (largest_density[:, None] / weights).ravel()])
 
     @cached_property
     def residual(self) -> Array:

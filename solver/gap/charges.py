@@ -23,14 +23,14 @@ from solver.arrays import Array, ComplexArray
 from solver.gap.grid import Grid, gauss
 
 _RULE = 10  # nodes of an interval
-_NODES, _WEIGHTS = leggauss(_RULE)
-_TO_SERIES: Array = np.asarray(np.linalg.inv(legvander(_NODES, _RULE - 1)), dtype=np.float64)
+_LEGENDRE_NODES, _WEIGHTS = leggauss(_RULE)
+_TO_SERIES: Array = np.asarray(np.linalg.inv(legvander(_LEGENDRE_NODES, _RULE - 1)), dtype=np.float64)
 _WIDTH = 0.9  # of the intervals into which the infinite panel is cut
 #: Number of intervals for fields and for potentials; charge beyond them counts as a charge at infinity, to 1e-10.
 NEAR, FAR = 10, 26
 _ELLIPSE = 4.5  # rho^-20 is left: 1e-13
 _TINY = 1e-300  # of the imaginary part: the upper side of the real axis
-_BLOCK = 1 << 20  # points times nodes at a time: bounded memory
+_TERMS_AT_ONCE = 1 << 20  # points times nodes at a time: bounded memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ class Charges:
     @cached_property
     def _u(self) -> Array:
         """(interval, node)."""
-        return np.asarray(self._middles[:, None] + self._halves[:, None] * _NODES)
+        return np.asarray(self._middles[:, None] + self._halves[:, None] * _LEGENDRE_NODES)
 
     def densities(self, u: Array) -> Array:
         """Densities at points u beside the contact; (side, 2, point)."""
@@ -110,7 +110,7 @@ class Charges:
         z: (point,), complex, X + iY.
         """
         out: ComplexArray = np.empty((2, z.size), np.complex128)
-        step = max(_BLOCK // self._u.size, 1)
+        step = max(_TERMS_AT_ONCE // self._u.size, 1)
         for start in range(0, z.size, step):
             block = slice(start, start + step)
             right = self._of_side(0, z[block], integrated)
@@ -124,7 +124,7 @@ class Charges:
         w.imag = np.maximum(w.imag, _TINY)
         series = (self._beyond if integrated else self._series)[:, side]
         weights = self._halves[:, None] * _WEIGHTS
-        lines = legval(_NODES, series) if integrated else self._lines[side] * np.sinh(self._u)
+        lines = legval(_LEGENDRE_NODES, series) if integrated else self._lines[side] * np.sinh(self._u)
         rule = (lines * weights).reshape(2, -1)
         sums = np.stack(self._summed(rule, z))
         result: ComplexArray = sums[0] + 1j * sums[1]
@@ -159,7 +159,7 @@ class Charges:
                 transforms[:, points] += (sign if integrated else 1) * residue * (exact - ruled)
 
 
-_STEP, _SLOPE = 0.9, 0.2  # of windows in log(abs(X) - 1), and the width of their ends
+_WINDOW, _SLOPE = 0.9, 0.2  # of windows in log(abs(X) - 1), and the width of their ends
 _TAIL = 4.8 * _SLOPE  # beyond which 1e-11 of a window is left
 _CUT = 75.0  # wavenumber times the distance of a window's beginning from the edge beyond which 1e-10 of it is left
 _PHASE, _PIECE = 28.0, 24  # across a piece, and its nodes
@@ -167,7 +167,7 @@ _BAND = 6.0  # of wavenumbers that share nodes
 
 
 @dataclass(frozen=True, eq=False)
-class Window:
+class ChargeWindow:
     """Charges between two distances from the edge, with smooth ends."""
 
     charges: Charges  # All of them
@@ -230,11 +230,13 @@ class Spectrum:
     most: float
 
     @cached_property
-    def windows(self) -> list[Window]:
+    def windows(self) -> list[ChargeWindow]:
         """Windows from the edge outwards."""
         last = float(np.log(np.cosh(self.charges.ends[-1])))
-        ends = [-np.inf, *np.arange(np.log(_CUT / self.most), last, _STEP).tolist(), np.inf]
-        return [Window(self.charges, *pair, min(self.most, _CUT * float(np.exp(-pair[0])))) for pair in pairwise(ends)]
+        ends = [-np.inf, *np.arange(np.log(_CUT / self.most), last, _WINDOW).tolist(), np.inf]
+        return [
+            ChargeWindow(self.charges, *pair, min(self.most, _CUT * float(np.exp(-pair[0])))) for pair in pairwise(ends)
+        ]
 
     def reach(self, q: float) -> float:
         """Largest abs(X) whose charges count from a wavenumber times the half-length on."""

@@ -212,7 +212,6 @@ def surface_fields(state: State, positions: Array) -> dict[str, Array]:
 _EDGES = np.array([1.0, -1.0])
 _BOTTOM, _FAR = 6.0, 400.0  # of h: how deep and how far from the edges a half-plane is searched
 _NOTHING = 1e-12  # of the mean pressure: a tension below it is none
-_CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width
 
 
 def fields(films: Films, permittivity: Array, positions: Array) -> dict[str, Array]:
@@ -257,7 +256,7 @@ def body_peaks(films: Films, permittivity: Array, names: Set[str]) -> dict[str, 
         net = of_whole(films.kind.stack(), state.half, _BOTTOM, _FAR)
         tractions = _reaching(state, 1 + _FAR)
         stresses = Interior(tractions).fields(net.positions(h, net.line), -net.depths(h), LINEAR[:4])[..., 0]
-        shear, pull = (highest(stresses, net.across, measure, _CLOSE) for measure in (VON_MISES, PRINCIPAL))
+        shear, pull = (highest(stresses, net.across, measure) for measure in (VON_MISES, PRINCIPAL))
         depth = net.depth_at(state.half, shear.down) * h * films.thickness[place]
         least = _NOTHING * films.load[place] / (2 * state.half * films.thickness[place])
         result = (shear.value, depth, np.where(pull.value < least, 0.0, pull.value))

@@ -86,7 +86,7 @@ _EDGE = (0.0, 0.0006, 0.005, 0.03, 0.12, 0.3, 0.6, 1.0)
 _BEYOND = (1.4, 1.9)  # ends of the next ones
 _WIDTH = 0.9  # of the panels beyond
 CLOSE = float(np.cosh(_EDGE[-1]))  # X at which those next to the edge end
-_NODES = 7  # a panel
+_PANEL_NODES = 7  # a panel
 _NEAR = 0.04  # theta up to which integration from the edge is more accurate than a difference from the edge's value
 _FINE = 24  # of the rules that integrate over a panel
 _RATIO = 0.12  # of pieces towards a singular point
@@ -108,7 +108,7 @@ class Grid:
 
     @cached_property
     def _local(self) -> Array:
-        return np.asarray(np.polynomial.legendre.leggauss(_NODES)[0])
+        return np.asarray(np.polynomial.legendre.leggauss(_PANEL_NODES)[0])
 
     @property
     def panels(self) -> int:
@@ -153,7 +153,7 @@ class Grid:
 
     @cached_property
     def _barycentric(self) -> Array:
-        differences = self._local[:, None] - self._local + np.eye(_NODES)
+        differences = self._local[:, None] - self._local + np.eye(_PANEL_NODES)
         return np.asarray(1 / np.prod(differences, 1))
 
     @cached_property
@@ -164,7 +164,7 @@ class Grid:
     def _far_terms(self, u: Array) -> Array:
         """Terms of u^-2 times the density on the last panel: powers, and some with the logarithm; (..., term)."""
         share = u[..., None] / self.limits[-1, 1]
-        powers = share ** np.arange(_NODES - len(self.logarithms))
+        powers = share ** np.arange(_PANEL_NODES - len(self.logarithms))
         logs = np.log(np.where(share > 0, share, 1.0)) * share ** np.array(self.logarithms)
         return np.concatenate([powers, logs], -1)
 
@@ -192,7 +192,7 @@ class Grid:
     def interpolation(self, theta: Array) -> Array:
         """Interpolation matrix from all nodes to theta; (place, n)."""
         panels = np.minimum(np.searchsorted(self.ends[1:], theta), self.panels - 1)
-        whole = np.zeros((theta.size, self.panels, _NODES))
+        whole = np.zeros((theta.size, self.panels, _PANEL_NODES))
         whole[np.arange(theta.size), panels] = self.interpolations_at(panels, theta[:, None])[:, 0]
         return whole.reshape(theta.size, self.count)
 
@@ -228,14 +228,14 @@ class Grid:
     @property
     def close(self) -> int:
         """Number of nodes on them."""
-        return self.close_panels * _NODES
+        return self.close_panels * _PANEL_NODES
 
     def close_rule(self, count: int) -> tuple[Array, Array]:
         """Chebyshev points of [1, CLOSE], and weights there of densities next to the edge; (count,), (count, n)."""
         points = (1 + CLOSE) / 2 + (CLOSE - 1) / 2 * gauss_points(count)
         u, weights = (
             values.reshape(self.close_panels, -1)
-            for values in gauss(np.array(self.ends[: self.close_panels + 1]), count + _NODES)
+            for values in gauss(np.array(self.ends[: self.close_panels + 1]), count + _PANEL_NODES)
         )
         theta, shape = self.ruled(np.arange(self.close_panels), u, weights)
         values = interpolation(count, ((2 * np.cosh(theta) - 1 - CLOSE) / (CLOSE - 1)).ravel())
@@ -253,7 +253,7 @@ class Grid:
 
     def slice(self, panel: int) -> slice:
         """Nodes of a panel among all."""
-        return slice(panel * _NODES, (panel + 1) * _NODES)
+        return slice(panel * _PANEL_NODES, (panel + 1) * _PANEL_NODES)
 
     @cached_property
     def _whole(self) -> list[tuple[Array, Array]]:
@@ -324,15 +324,15 @@ class Grid:
     def cumulative(self) -> Array:
         """Matrix from f sinh(theta) at the nodes to the integral of f dX from the edge to each node; (n, n)."""
         result, before = np.zeros((self.count, self.count)), np.zeros(self.count)
-        powers = np.arange(_NODES)
+        powers = np.arange(_PANEL_NODES)
         for panel in range(self.panels):
             part, (low, high) = self.slice(panel), self.limits[panel]
             local = (2 * self.u[panel] - low - high) / (high - low)
             if panel < self.panels - 1:
-                to_series = np.linalg.inv(np.polynomial.legendre.legvander(local, _NODES - 1))
-                integrated = np.polynomial.legendre.legint(np.eye(_NODES), lbnd=-1) * (high - low) / 2
+                to_series = np.linalg.inv(np.polynomial.legendre.legvander(local, _PANEL_NODES - 1))
+                integrated = np.polynomial.legendre.legint(np.eye(_PANEL_NODES), lbnd=-1) * (high - low) / 2
                 result[part] = before
-                result[part, part] += np.polynomial.legendre.legvander(local, _NODES) @ integrated @ to_series
+                result[part, part] += np.polynomial.legendre.legvander(local, _PANEL_NODES) @ integrated @ to_series
                 before = np.array(before)
                 before[part] += np.polynomial.legendre.legval(1.0, integrated) @ to_series
             else:  # dX f = (f sinh) d(theta) = -(f sinh) dv / v
@@ -346,7 +346,7 @@ class Grid:
     @property
     def near(self) -> int:
         """Number of nodes next to the edge, where the gap is as small as the rounding of a displacement."""
-        return _NODES * int(np.searchsorted(self.ends[1:], _NEAR))
+        return _PANEL_NODES * int(np.searchsorted(self.ends[1:], _NEAR))
 
     def from_edge(self, differences: Array, slopes: Array) -> Array:
         """Displacements less those at the edge: next to it by integration, since a difference would have no digits."""

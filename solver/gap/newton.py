@@ -40,12 +40,14 @@ class Factored:
 
 
 def solved(matrix: Array, right: Array) -> Array:
-    """The solution of one system (:class:`Factored`)."""
-    return Factored.of(matrix).solve(right)
+    """The solution of one system (:class:`Factored`), refined once: pivots of rows of one size may be poor ones."""
+    factored = Factored.of(matrix)
+    result = factored.solve(right)
+    return result + factored.solve(right - matrix @ result)
 
 
-_STEPS = 40
-_CLOSE = 1e-11
+_NEWTON_STEPS = 40
+_NEWTON_CLOSE = 1e-11
 _STALLED = 1e-7  # steps below it that no longer shrink are rounding
 _LONGEST = 0.3  # of the extent's unknowns in a step
 _REOPENED = 3  # times at most that a closed gap is opened
@@ -91,14 +93,14 @@ def iterated(
     quadratic: each step solves its state's equations, so that the next one is about size^3 / last^2.
     """
     last = np.inf
-    for _ in range(_STEPS):
+    for _ in range(_NEWTON_STEPS):
         change = step(state, last)
         change /= max(1.0, float(np.max(np.abs(change[:extents]))) / _LONGEST)
         size = float(np.max(np.abs(change) / state.sizes))
         state = state.moved(state.unknowns - change)
-        if size < _CLOSE or (size < _STALLED and size > last / 2):
+        if size < _NEWTON_CLOSE or (size < _STALLED and size > last / 2):
             return state
-        if quadratic and np.isfinite(last) and size**3 < _CLOSE * last**2:
+        if quadratic and np.isfinite(last) and size**3 < _NEWTON_CLOSE * last**2:
             return state
         last = size
     return None

@@ -390,7 +390,7 @@ class AirTable:
 
     def _weights(self, log_half: float, count: int) -> Array:
         """Matrix from values at the half-lengths to Taylor coefficients in log h; (count, node)."""
-        return np.asarray(self.table.polynomials(np.array([log_half]))[0] @ self.table.interval.taylor(count))
+        return np.asarray(self.table.interval.polynomials(np.array([log_half]))[0] @ self.table.interval.taylor(count))
 
 
 def grid_of(system: System, shortest: float, longest: float, farthest: float = 0.0) -> Grid:

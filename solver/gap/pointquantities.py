@@ -12,14 +12,14 @@ from solver.gap.grid import peak_of_panels
 from solver.gap.pointtractions import AirPointTractions, SolvedPoint
 from solver.gap.refusal import lacking_at_point, require
 from solver.gap.ringoperators import WITHIN, RingOperators, RingsByRadius, RingsOnHalfSpace, RingWindows
-from solver.gap.rings import rings
+from solver.gap.rings import reach_of, rings
 from solver.gap.slidingpoint import SlidingPoint, largest_beside, largest_within, trailing_tension, warn_of_charges
 from solver.halfplane.potentials import POTENTIALS
 from solver.halfplane.pressing import ContactError
 from solver.line.windows import FIRST, LAST
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.point.body import Film, HalfSpace
-from solver.point.contact import Contact, Pressed
+from solver.point.contact import PointContact, Pressed
 from solver.point.friction import Rim
 from solver.point.inside import Inside
 from solver.point.kernel import shear_kernel
@@ -32,8 +32,10 @@ _REACH = "reach"  # among the quantities of a case: of the gap's field
 
 
 @cached
-def _on_half_space(compliance: tuple[float, ...], fields: tuple[int, ...], shape: Shape) -> RingsOnHalfSpace:
-    return RingsOnHalfSpace(RingOperators(rings(), fields, np.reshape(compliance, (3, 3)), shape))
+def _on_half_space(
+    compliance: tuple[float, ...], fields: tuple[int, ...], shape: Shape, reach: float
+) -> RingsOnHalfSpace:
+    return RingsOnHalfSpace(RingOperators(rings(reach), fields, np.reshape(compliance, (3, 3)), shape))
 
 
 def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | None = None) -> dict[str, Array]:
@@ -63,7 +65,7 @@ class Case:
 
     def __init__(
         self, pressed: Pressed, windows: RingWindows | None, place: int, fields: tuple[int, ...],
-        permittivity: float, end: float,
+        permittivity: float, end: float, reach: float,
     ) -> None:  # fmt: skip
         body = pressed.body
         self.body, self.fields, self._pressed, self.place = body, fields, pressed, place
@@ -77,14 +79,14 @@ class Case:
         vacuum = np.array([VACUUM_PERMITTIVITY * permittivity, VACUUM_PERMEABILITY])
         self.permittivity = vacuum
         self._media = (vacuum * self.units[1:] ** 2 / self.units[0])[list(fields)]
-        self._end = end / self.length
+        self._end, self._reach = end / self.length, reach
 
     @property
     def charge_units(self) -> Array:
         """Units of the charges of the fields [C, Wb]; (field,)."""
         return np.asarray(self.length**2 / self.units[[1 + f for f in self.fields]])
 
-    def charged(self, contacts: dict[str, Contact]) -> PointState:
+    def charged(self, contacts: dict[str, PointContact]) -> PointState:
         """With its own charges."""
         start = contacts["charged"]
         return self.state(start.pressed.charges[self.place], False, float(start.radius[self.place]))
@@ -120,12 +122,13 @@ class Case:
     def operators(self, ratio: float, *, wide: bool = False) -> RingsByRadius:
         """Operators near a radius, or over a wider range."""
         if self._windows is not None:
-            return self._windows.wide(ratio) if wide else self._windows.narrow(ratio)
+            return (self._windows.wide if wide else self._windows.narrow)(ratio, self._reach)
         assert isinstance(self.body, HalfSpace)
-        return _on_half_space(tuple(self.body.compliance[self.place].ravel().tolist()), self.fields, self.body.shape)
+        compliance = tuple(self.body.compliance[self.place].ravel().tolist())
+        return _on_half_space(compliance, self.fields, self.body.shape, self._reach)
 
 
-def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[Case, dict[str, Contact]]]:
+def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[Case, dict[str, PointContact]]]:
     conducts, body, windows = np.broadcast_to(pressed.conducts, (pressed.force.size, 2)), pressed.body, None
     require(lacking_at_point(body, conducts))
     contacts = {"charged": pressed.charged, "uncharged": pressed.uncharged, "grounded": pressed.grounded}
@@ -134,10 +137,11 @@ def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[
         windows = RingWindows.of(body.kind, radii)
     for place in range(pressed.force.size):
         fields = tuple(np.flatnonzero(conducts[place]).tolist())
-        yield Case(pressed, windows, place, fields, float(permittivity[place]), float(end[place])), contacts
+        reach = reach_of(min(float(contact.radius[place]) for contact in contacts.values()), float(end[place]))
+        yield Case(pressed, windows, place, fields, float(permittivity[place]), float(end[place]), reach), contacts
 
 
-def _of_case(case: Case, contacts: dict[str, Contact], rim: Rim | None) -> dict[str, float]:
+def _of_case(case: Case, contacts: dict[str, PointContact], rim: Rim | None) -> dict[str, float]:
     place, nothing = case.place, np.zeros(2)
     charges = contacts["charged"].pressed.charges[place]
     state = case.charged(contacts)
@@ -195,8 +199,7 @@ def _peak_pressure(state: PointState) -> float:
     best = int(np.argmax(samples))
     if best == SAMPLES.size - 1:
         return float(samples[best])
-    low, high = SAMPLES[[max(best - 1, 0), best + 1], None]
-    return float(climbed(lambda x: np.asarray(np.polynomial.chebyshev.chebval(x, series)), low, high)[0])
+    return float(climbed(lambda x, _: np.asarray(np.polynomial.chebyshev.chebval(x, series)), np.array([best]))[0])
 
 
 def _peak_within(state: PointState, row: int) -> float:

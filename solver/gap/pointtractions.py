@@ -15,7 +15,7 @@ from solver.arrays import Array, BoolArray
 from solver.gap.airpoint import PointState
 from solver.gap.charges import Charges, Spectrum, from_smaller
 from solver.gap.ringoperators import RingOperators
-from solver.gap.rings import Rings, rings
+from solver.gap.rings import Rings
 from solver.point import hankel
 from solver.point.profile import halfspace_form
 from solver.point.system import added_forms
@@ -143,7 +143,7 @@ class SolvedPoint:
         """
         grid, density = self._rings.grid, self.density.times(np.full(3, self.unit))
         S = self.state.over_size @ self._rings.gathered.T
-        odd = np.zeros_like(S) if turned is None else turned @ rings(1).gathered.T
+        odd = np.zeros_like(S) if turned is None else turned @ self._rings.turned.gathered.T
         sides = np.zeros((2, 2, grid.count))
         sides[:, list(self.operators.rows.fields)] = np.stack([S + odd, S - odd]) / grid.size * (self.unit / np.pi)
         return AirPointTractions(np.array([ratio]), density, np.zeros(1), exterior_charges=Charges(grid, sides))

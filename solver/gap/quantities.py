@@ -52,13 +52,13 @@ def _exterior(state: State, place: int) -> float:
     return max(peak_of_panels(densities[:, :-1].reshape(-1, nodes)), float(np.max(np.abs(at_edge))))
 
 
-_NODES = 12  # half-lengths of a window: 1e-7 between them
+_AIR_NODES = 12  # half-lengths of a window: 1e-7 between them
 
 
 @cached
 def _air_window(kind: Kind, number: int, reach: float) -> AirTable:
     whole = window(kind, number)
-    return AirTable(type(whole)(whole.system, whole.lower, whole.upper, _NODES), reach)
+    return AirTable(type(whole)(whole.system, whole.lower, whole.upper, _AIR_NODES), reach)
 
 
 def quantities(films: Films, permittivity: Array) -> dict[str, Array]:

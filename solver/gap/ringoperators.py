@@ -447,31 +447,31 @@ class RingsOnHalfSpace:
 RingsByRadius = RingTable | RingsOnHalfSpace
 
 
-_STEP, _BEYOND = 0.11, 0.015  # of log a: length of a part, and its overlap with the next one; air moves a contact less
-_MOST = 2  # parts of half a decade that are made by themselves: the next one has as many radii as the whole
+_PART, _BEYOND = 0.11, 0.015  # of log a: length of a part, and its overlap with the next one; air moves a contact less
+_SINGLE_PARTS = 2  # parts of half a decade that are made by themselves: the next one has as many radii as the whole
 
 
 @cached
-def _half_decade(kind: PointKind, number: int) -> RingTable:
-    return RingTable(_operators(kind), interval(number, NODES))
+def _half_decade(kind: PointKind, reach: float, number: int) -> RingTable:
+    return RingTable(_operators(kind, reach), interval(number, NODES))
 
 
 @cached
-def _part(kind: PointKind, place: int, number: int | None) -> RingTable:
+def _part(kind: PointKind, reach: float, place: int, number: int | None) -> RingTable:
     """The part of a place in log a, from the table of half a decade or else by itself."""
-    part = Interval(place * _STEP - _BEYOND, (place + 1) * _STEP + _BEYOND, FEW)
-    return RingTable(_operators(kind), part, None if number is None else _half_decade(kind, number))
+    part = Interval(place * _PART - _BEYOND, (place + 1) * _PART + _BEYOND, FEW)
+    return RingTable(_operators(kind, reach), part, None if number is None else _half_decade(kind, reach, number))
 
 
 @cached
-def _operators(kind: PointKind) -> RingOperators:
+def _operators(kind: PointKind, reach: float) -> RingOperators:
     stack = kind.film.stack()
     fields = tuple(field for field in (0, 1) if kind.conducts[field])
-    return RingOperators(rings(), fields, kind.compliance, kind.shape, normal_kernel(stack), strip(stack))
+    return RingOperators(rings(reach), fields, kind.compliance, kind.shape, normal_kernel(stack), strip(stack))
 
 
 def _place(ratio: float) -> int:
-    return int(np.floor(np.log(ratio) / _STEP))
+    return int(np.floor(np.log(ratio) / _PART))
 
 
 def _number(ratio: float) -> int:
@@ -494,13 +494,13 @@ class RingWindows:
         places_of: dict[int, set[int]] = {}
         for ratio in np.unique(ratios).tolist():
             places_of.setdefault(_number(ratio), set()).add(_place(ratio))
-        return cls(kind, frozenset(number for number, places in places_of.items() if len(places) > _MOST))
+        return cls(kind, frozenset(number for number, places in places_of.items() if len(places) > _SINGLE_PARTS))
 
-    def narrow(self, ratio: float) -> RingTable:
-        """About a radius over the thickness."""
+    def narrow(self, ratio: float, reach: float) -> RingTable:
+        """About a radius over the thickness, with rings up to ``reach`` contact radii."""
         number = _number(ratio)
-        return _part(self.kind, _place(ratio), number if number in self.many else None)
+        return _part(self.kind, reach, _place(ratio), number if number in self.many else None)
 
-    def wide(self, ratio: float) -> RingTable:
+    def wide(self, ratio: float, reach: float) -> RingTable:
         """Half a decade that holds it."""
-        return _half_decade(self.kind, _number(ratio))
+        return _half_decade(self.kind, reach, _number(ratio))

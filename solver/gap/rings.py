@@ -19,11 +19,15 @@ from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.cache import cached_small
 from solver.gap.grid import Grid, gauss
+from solver.gap.refusal import GapError
 
 _FINE = 24  # of the rules in tau, theta' = theta +- tau^2, which has no root at the target
 
-_FARTHEST = 1e5  # end of the finite panels, in contact radii
-_NOTHING = 19.0  # theta beyond which S is nothing
+FARTHEST = 1e5  # end of the finite panels in contact radii, for usual contacts
+_MARGIN = 10.0  # of the panels' end over the gap's: beyond, densities are the last panel's powers to 1e-9
+_GROWN = 100.0  # ratio of the ends of grids: contacts within it share one
+_NARROWEST = 1e-12  # contact radius over the gap's end: a contact of an atom under a ball of 100 m
+_NOTHING = 6.3  # of theta beyond the finite panels, from where on S is nothing
 _RULE = 9  # nodes between two breaks of a rule
 
 
@@ -40,6 +44,11 @@ class Rings:
         return 1 - 2 * self.order
 
     @cached_property
+    def turned(self) -> "Rings":
+        """Rings of the same grid for what goes with cos(angle)."""
+        return Rings(self.grid, 1)
+
+    @cached_property
     def size(self) -> Array:
         """Density over the unknown at the nodes, 1/r^2: in wide gaps densities fall like that; (n,)."""
         return np.asarray(1 / self.grid.distance**2)
@@ -47,7 +56,7 @@ class Rings:
     @cached_property
     def ends(self) -> Array:
         """Ends of the panels in theta; (panel + 1,)."""
-        return np.append(self.grid.ends, _NOTHING)
+        return np.append(self.grid.ends, self.grid.ends[-1] + _NOTHING)
 
     @cached_property
     def rule(self) -> tuple[Array, Array]:
@@ -159,9 +168,20 @@ class Rings:
 
 
 @cached_small
-def rings(order: int = 0) -> Rings:
-    """Rings as far as the gaps of punches are long, the same for every contact."""
-    return Rings(Grid.up_to(_FARTHEST), order)
+def rings(reach: float = FARTHEST) -> Rings:
+    """Rings whose finite panels end at ``reach`` contact radii, the same for every contact."""
+    return Rings(Grid.up_to(reach))
+
+
+def reach_of(radius: float, end: float) -> float:
+    """End of the finite panels in contact radii, for a contact of a radius beside which the gap ends at ``end``."""
+    if not radius >= _NARROWEST * end:
+        raise GapError(
+            f"contact: narrower than {_NARROWEST:g} of the distance at which its gap ends: charges beside it cannot be "
+            "resolved; must be insulated"
+        )
+    beyond = np.log(_MARGIN * end / (radius * FARTHEST)) / np.log(_GROWN)
+    return float(FARTHEST * _GROWN ** max(np.ceil(beyond), 0.0))
 
 
 def _sinhc(tau: Array) -> Array:

@@ -19,9 +19,10 @@ from solver.arrays import Array
 from solver.cache import cached
 from solver.gap.airpoint import PointState
 from solver.gap.grid import gauss, peak_of_panels
+from solver.gap.newton import solved
 from solver.gap.pointtractions import AirPointTractions, SolvedPoint
 from solver.gap.ringoperators import ContactRule, RingOperators, Rows, summed
-from solver.gap.rings import Rings, rings
+from solver.gap.rings import Rings
 from solver.point import hankel
 from solver.point.body import Film, HalfSpace
 from solver.point.friction import Response, Rim, added_tension, edge_sums, legendre
@@ -176,7 +177,7 @@ class SlidingPoint:
     @property
     def rings(self) -> Rings:
         """Rings of the part that varies as cos(angle)."""
-        return rings(1)
+        return self._operators.rings.turned
 
     @property
     def pressed(self) -> Density:
@@ -208,7 +209,7 @@ class SlidingPoint:
             rows_of_field[:, columns.densities(place)][np.diag_indices(rows.nodes)] += state.gap / profile
         unknown = np.delete(np.arange(law.shape[1]), RUBBED)
         result = np.ones(law.shape[1])
-        result[unknown] = np.linalg.solve(law[:, unknown], -law[:, RUBBED])
+        result[unknown] = solved(law[:, unknown], -law[:, RUBBED])
         return result
 
     @property

@@ -47,7 +47,7 @@ class FilmContact:
         tilted = np.array(loading.slope)
         tilted[:, 0] = 0.0
         causes = Loading(tilted, loading.loads, loading.smooth).at(half, np.zeros_like(half)).values
-        moments = np.tensordot(self.table.polynomials(np.log(half)), self.table.series[:, outputs.MOMENT], 1)
+        moments = self.table.interval.read(np.log(half), self.table.series[:, outputs.MOMENT])
         required = np.asarray(self.profile.moment) * self.scale[1] / half**2
         tilted[:, 0] = (required - dot(moments, causes)) / moments[:, 0]
         return Loading(tilted, loading.loads, loading.smooth)
@@ -97,18 +97,14 @@ class FilmContact:
         """Causes at the extent."""
         return self.loading.at(self.half_width, self.centre)
 
-    @cached_property
-    def _polynomials(self) -> Array:
-        return self.table.polynomials(np.log(self.half_width))
-
     def _read(self, which: slice, *, rate: bool = False) -> Array:
         """Outputs, or their derivatives in log h, for every cause; (case, output, cause)."""
         series = self.table.rates if rate else self.table.series
-        return np.asarray(np.tensordot(self._polynomials, series[:, which], 1))
+        return self.table.interval.read(np.log(self.half_width), series[:, which])
 
     def output(self, which: slice) -> Array:
         """Outputs of :mod:`solver.line.outputs`, powers of h out, units of the stack; (case, output)."""
-        return np.asarray(np.einsum("coq,cq->co", self._read(which), self.causes.values))
+        return self.table.interval.read(np.log(self.half_width), self.table.series[:, which], self.causes.values)
 
     # -- edges ---------------------------------------------------------------------------------------------------------
     def edge_intensity(self, edge: float) -> Array:

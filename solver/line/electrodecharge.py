@@ -20,7 +20,7 @@ from solver.stack.electrodereading import Reading
 from solver.stack.electrodes import Electrode, FarError, octave_of, transfers
 from solver.stack.layers import StackError
 
-_BLOCK = 200_000  # transforms of cases at wavenumbers held at once
+_CHARGES_AT_ONCE = 200_000  # transforms of cases at wavenumbers held at once
 
 
 def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
@@ -101,7 +101,7 @@ class _OfLine(Collected):
         self.k, self.weights, rows = transfers(stack, number, octave)
         self.tractions = traction_window(kind, window).read(contact).part(cases)
         self.carried: ComplexArray = np.empty((cases.size, 2, self.k.size), np.complex128)
-        step = max(_BLOCK // self.k.size, 1)
+        step = max(_CHARGES_AT_ONCE // self.k.size, 1)
         for start in range(0, cases.size, step):
             block = slice(start, start + step)
             transforms = self.tractions.part(block).in_fourier_space(self.k)[..., 0]

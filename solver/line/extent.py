@@ -12,10 +12,10 @@ from solver.line.loading import Loading
 from solver.line.outputs import BALANCE, LOAD, PRESSURE
 from solver.line.table import LengthsError, RangeError, Table
 
-_STEPS = 40
-_CLOSE = 1e-13
+_EXTENT_STEPS = 40
+_EXTENT_CLOSE = 1e-13
 _TENSION = 1e-8  # of the largest pressure over its weight: rounding of the terms at the edges
-_CHUNK = 16384  # cases at a time: bounded memory
+_CASES = 16384  # cases at a time: bounded memory
 
 
 class TensionError(ContactError):
@@ -26,8 +26,8 @@ def extent(table: Table, loading: Loading, half_width: Array | None) -> tuple[Ar
     """Half-length [m] and c/h of every case; (case,) each."""
     count = len(loading.loads)
     half, centre = np.empty(count), np.empty(count)
-    for start in range(0, count, _CHUNK):
-        block = slice(start, start + _CHUNK)
+    for start in range(0, count, _CASES):
+        block = slice(start, start + _CASES)
         part = loading.part(block)
         if half_width is None:
             half[block], centre[block] = _searched(table, part)
@@ -42,9 +42,9 @@ def _searched(table: Table, loading: Loading) -> tuple[Array, Array]:
     log_half, centre, lower, upper = _start(table, loading)
     value, rate = (c[:, [LOAD, BALANCE]] for c in (table.series, table.rates))
     load, smooth = loading.loads[:, 0], loading.order == 1
-    for _ in range(_STEPS):
+    for _ in range(_EXTENT_STEPS):
         causes = loading.at(np.exp(log_half), centre)
-        polynomials = table.polynomials(log_half)
+        polynomials = table.interval.polynomials(log_half)
         outputs, moved = (np.tensordot(polynomials, c, 1) for c in (value, rate))
         carried, balance = (dot(outputs[:, i], causes.values) for i in (0, 1))
         widened, balance_width = (dot(moved[:, i], causes.values) + dot(outputs[:, i], causes.by_width) for i in (0, 1))
@@ -64,7 +64,7 @@ def _searched(table: Table, loading: Loading) -> tuple[Array, Array]:
         else:
             step, move = miss / by_width, np.zeros(())
         log_half = np.clip(log_half - step, lower, upper)
-        if np.all(np.abs(step) + np.abs(move) < _CLOSE):
+        if np.all(np.abs(step) + np.abs(move) < _EXTENT_CLOSE):
             break
         if not np.all(np.isfinite(step)):
             raise ContactError("contact: no contact of this punch carries the load")
@@ -91,7 +91,7 @@ def _start(table: Table, loading: Loading) -> tuple[Array, Array, Array, Array]:
     log_half = bracket[0] + share[:, 0] * (bracket[1] - bracket[0])
     half = np.exp(log_half)
     if loading.order == 1:
-        balance = np.tensordot(table.polynomials(log_half), table.series[:, BALANCE], 1)
+        balance = table.interval.read(log_half, table.series[:, BALANCE])
         return log_half, _centred(loading, half, balance), *bracket
     return log_half, _corner(loading, half), *bracket
 
@@ -116,7 +116,7 @@ def _corner(loading: Loading, half: Array) -> Array:
 def _centred(loading: Loading, half: Array, balance: Array) -> Array:
     """c/h that balances two smooth edges at given half-lengths: Newton's iteration, exact at once for a cylinder."""
     centre = np.zeros(half.shape)
-    for _ in range(_STEPS):
+    for _ in range(_EXTENT_STEPS):
         causes = loading.at(half, centre)
         off = causes.constant - dot(balance, causes.values)
         move = off / (causes.constant_by_centre - dot(balance, causes.by_centre))
@@ -141,7 +141,6 @@ def _beyond(table: Table, how: str) -> str:
 
 def _refuse_tension(table: Table, loading: Loading, half: Array, centre: Array) -> None:
     samples = table.series[:, PRESSURE][:, ::8]
-    pressures = np.tensordot(table.polynomials(np.log(half)), samples, 1)
-    pressure = np.einsum("cpq,cq->cp", pressures, loading.at(half, centre).values)
+    pressure = table.interval.read(np.log(half), samples, loading.at(half, centre).values)
     if np.any(np.min(pressure, -1) < -_TENSION * np.max(np.abs(pressure), -1)):
         raise TensionError("contact: it would need tension between punch and surface (charges or tilt too large)")

@@ -26,8 +26,8 @@ from solver.stack.wavenumbers import strip
 SUBLAYERS = 24  # of a graded layer, and half of them, extrapolated
 FARTHEST = 2000.0  # distance over the width of the strip: bounded time
 
-_STEP = 512  # wavenumbers at a time
-_MOST = 1 << 20  # entries of a block of waves: bounded memory
+_WAVENUMBERS_AT_ONCE = 512  # wavenumbers at a time
+_WAVES_AT_ONCE = 1 << 20  # entries of a block of waves: bounded memory
 _ON = 1 + 1e-12  # a depth on an interface belongs to the layer above it
 
 
@@ -138,9 +138,9 @@ class Interior:
         out: Array = np.zeros((h.size, depth.shape[1], count, X.shape[1], columns))
         k, weights = self._wavenumbers(X)
         shares = weights / np.pi / (1j * k if integrated else 1)
-        share = max(_MOST // (min(k.size, _STEP) * depth.shape[1] * count * columns), 1)
-        for first in range(0, k.size, _STEP):
-            block = slice(first, first + _STEP)
+        share = max(_WAVES_AT_ONCE // (min(k.size, _WAVENUMBERS_AT_ONCE) * depth.shape[1] * count * columns), 1)
+        for first in range(0, k.size, _WAVENUMBERS_AT_ONCE):
+            block = slice(first, first + _WAVENUMBERS_AT_ONCE)
             layers = waves(stack, k[block])
             for start in range(0, h.size, share):
                 members = slice(start, start + share)

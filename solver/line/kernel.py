@@ -43,7 +43,7 @@ _TAIL = 1e-11  # of the largest coefficient: what the last ones of a resolved ke
 FINEST = 10  # halvings of the first panel under a graded layer, whose kernels are rough at 0
 _GRADED_TAIL = 1e-8
 _HALVINGS = 6  # of panels that do not resolve: roots with a large real part put singularities beside the first ones
-_MOST = 20_000_000  # entries of one block of the transform: bounded memory
+_TRANSFORMS_AT_ONCE = 20_000_000  # entries of one block of the transform: bounded memory
 _FARTHEST = 1e5  # reach over the width of the strip: bounded time
 
 
@@ -194,7 +194,7 @@ def _graded(response: GradedResponse, width: float, x: Array) -> Array:
 def _summed(x: Array, k: Array, by_sine: Array, by_cosine: Array) -> tuple[Array, Array]:
     """Sums over wavenumbers of rows (k, row) times sin kx and times cos kx; (x, row) each."""
     sines, cosines = (np.empty((x.size, rows.shape[1])) for rows in (by_sine, by_cosine))
-    for start in range(0, x.size, step := max(_MOST // k.size, 1)):
+    for start in range(0, x.size, step := max(_TRANSFORMS_AT_ONCE // k.size, 1)):
         phase = x[start : start + step, None] * k
         sines[start : start + step], cosines[start : start + step] = np.sin(phase) @ by_sine, np.cos(phase) @ by_cosine
     return sines, cosines

@@ -11,9 +11,9 @@ from solver.line.outputs import PRESSURE
 _NEGLIGIBLE = 1e-13  # of the largest coefficient
 _SCAN = 2  # points a coefficient
 _RIVAL = 0.9  # of the highest point: how low a hill's may lie
-_STEPS = 60
-_CLOSE = 1e-7  # in the angle: the pressure is flat there
-_CHUNK = 4096  # cases at a time: bounded memory
+_HILL_STEPS = 60
+_ANGLE_CLOSE = 1e-7  # in the angle: the pressure is flat there
+_PRESSURES = 4096  # cases at a time: bounded memory
 
 
 def peak_pressure(contact: FilmContact) -> Array:
@@ -24,11 +24,10 @@ def peak_pressure(contact: FilmContact) -> Array:
     size = np.max(np.abs(series), axis=(0, 2))
     count = int(np.flatnonzero(size > _NEGLIGIBLE * np.max(size))[-1]) + 1
     peaks = np.empty(contact.load.size)
-    for start in range(0, peaks.size, _CHUNK):
-        block = slice(start, start + _CHUNK)
-        polynomials = contact.table.polynomials(np.log(contact.half_width[block]))
-        read = np.tensordot(polynomials, series[:, :count], 1)
-        pressures = np.einsum("cjq,cq->cj", read, contact.causes.values[block])
+    for start in range(0, peaks.size, _PRESSURES):
+        block = slice(start, start + _PRESSURES)
+        log_half, causes = np.log(contact.half_width[block]), contact.causes.values[block]
+        pressures = contact.table.interval.read(log_half, series[:, :count], causes)
         peaks[block] = largest(pressures, contact.exponent)
     return np.asarray(peaks / contact.scale[1])
 
@@ -56,7 +55,7 @@ def _tops(series: Array, A: float, angle: Array) -> Array:
     reach = np.pi / (_SCAN * count)
     low, high = np.maximum(angle - reach, 0.0), np.minimum(angle + reach, np.pi)
     orders = np.arange(count)
-    for _ in range(_STEPS):
+    for _ in range(_HILL_STEPS):
         X, sine = np.cos(angle), np.sin(angle)
         cosines, sines = np.cos(angle[:, None] * orders), np.sin(angle[:, None] * orders)
         f, first = np.sum(series * cosines, 1), -np.sum(series * orders * sines, 1)
@@ -68,7 +67,7 @@ def _tops(series: Array, A: float, angle: Array) -> Array:
         step = np.where(bend < 0, slope / np.where(bend < 0, -bend, 1.0), np.inf)
         ahead = angle + step
         ahead = np.where((ahead > low) & (ahead < high), ahead, (low + high) / 2)
-        close = np.all(np.abs(ahead - angle) < _CLOSE)
+        close = np.all(np.abs(ahead - angle) < _ANGLE_CLOSE)
         angle = ahead
         if close:
             break

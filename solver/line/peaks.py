@@ -31,7 +31,6 @@ PEAKS_OF = {
     "base": ("base_peak_von_mises", "base_peak_principal_tension"),
 }
 _NORMAL = Measure(PULL.linear[:1], PULL.root[:1])  # sigma_yy of (sigma_xy, sigma_yy), negative where it presses
-_CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width: the next is of its square
 _CHUNK = 256  # cases at a time: bounded memory
 _OUTER = 8  # pairs of panels added to a net at most: 4^8 of its length, where 1/r leaves next to nothing
 _NEGLIGIBLE = 1e-7  # of the largest stress on a net: the error of its interpolant
@@ -101,10 +100,7 @@ class PeakTable:
 
         series: (node, ..., cause), over the table's half-lengths.
         """
-        polynomials = self.table.polynomials(np.log(contact.half_width[cases]))
-        weights = np.einsum("cn,cq->cnq", polynomials, contact.causes.values[cases]).reshape(len(polynomials), -1)
-        flat = np.moveaxis(series, -1, 1).reshape(weights.shape[1], -1)
-        return np.asarray((weights @ flat).reshape(-1, *series.shape[1:-1]))
+        return self.table.interval.read(np.log(contact.half_width[cases]), series, contact.causes.values[cases])
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +147,7 @@ def highest_stresses(
                 wider = searched[-1][0].outward()
                 searched.append((wider, stresses_on(wider)))
             panels, stresses = searched[number]
-            top = highest(stresses, panels.across, measure, _CLOSE)
+            top = highest(stresses, panels.across, measure)
             t = panels.coordinates(top.panel, top.across)
             candidate = np.stack([top.value, panels.positions(half_lengths, t[:, None])[:, 0], top.down])
             best = np.where(top.value > best[0], candidate, best)

@@ -19,8 +19,8 @@ from solver.names import RESPONSES
 from solver.stack.layers import StackError
 from solver.twoport import Compliance
 
-_STEPS = 20
-_CLOSE = 1e-9  # of a charge: the next step is of its square
+_SHORT_STEPS = 20
+_CHARGE_CLOSE = 1e-9  # of a charge: the next step is of its square
 
 #: Cases, a table of their stresses, and their contacts in it.
 PeakTables = Iterator[tuple[Indices, PeakTable, FilmContact]]
@@ -75,13 +75,13 @@ def _responses(films: Films, field: int) -> dict[str, Array]:
 def _short_circuit(uncharged: Films, field: int) -> Array:
     """Charge per load that makes the potential 0, the other charge 0 [C/N, Wb/N]."""
     j, state = 1 + field, uncharged
-    for _ in range(_STEPS):
+    for _ in range(_SHORT_STEPS):
         potential = state.thickness * state.gather(lambda c: c.potential(field))
         step = potential / state.gather(lambda c: c.tangents[:, j, j])
         charges = np.array(state.charges)
         charges[:, field] -= step
         state = state.with_charges(charges)
-        if np.all(np.abs(step) <= _CLOSE * np.abs(charges[:, field])):
+        if np.all(np.abs(step) <= _CHARGE_CLOSE * np.abs(charges[:, field])):
             break
     return np.asarray(state.charges[:, field] / state.load)
 

@@ -31,7 +31,7 @@ _FARTHEST = 8.0  # half-lengths and thicknesses, or lengths over which a base be
 _OUTWARD = 4.0  # ratio of the distances at which a panel outside the five ends and starts
 _ERROR = 1e-7  # of a panel's interpolant at its worst point
 _ANGLE = 1.1  # the largest that is reckoned with
-_FEWEST, _MOST = 12, 128  # points of a panel
+_PANEL_FEWEST, _PANEL_MOST = 12, 128  # points of a panel
 
 
 @dataclass(frozen=True)
@@ -196,7 +196,7 @@ def singular(stack: Stack) -> tuple[float, float]:
 
 def _points(decay: float) -> int:
     """Points from the decay of Chebyshev coefficients."""
-    return int(np.clip(np.ceil(-np.log(_ERROR) / decay), _FEWEST, _MOST))
+    return int(np.clip(np.ceil(-np.log(_ERROR) / decay), _PANEL_FEWEST, _PANEL_MOST))
 
 
 def _at(share: tuple[float, float], h: float, thickness: float) -> float:

@@ -50,8 +50,7 @@ class SurfaceTable:
 
     def fields(self, contact: FilmContact) -> dict[str, Array]:
         """Fields like :func:`fields`, for contacts read from the same table."""
-        read = np.tensordot(self.table.polynomials(np.log(contact.half_width)), self.series, 1)
-        whole = np.einsum("cfpq,cq->cfp", read, contact.causes.values)
+        whole = self.table.interval.read(np.log(contact.half_width), self.series, contact.causes.values)
         return of_local(self.table.system, whole)
 
 

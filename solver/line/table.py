@@ -109,10 +109,6 @@ class Table:
         tail = np.max(np.abs(self.series[-2:]), axis=0)
         return float(np.max(tail / np.where(size > 0, size, 1.0)))
 
-    def polynomials(self, log_half: Array) -> Array:
-        """Chebyshev polynomials at log h; (case, node): times ``series`` they are the outputs."""
-        return self.interval.polynomials(log_half)
-
     def narrowed(self, half_length: float, ratio: float = 1.2, nodes: int = 10) -> "Table":
         """A table of the same system about one half-length: as exact as the system itself."""
         if half_length * ratio > self.system.kernel.reach / 2:

@@ -24,7 +24,7 @@ from solver.stack.wavenumbers import tapered
 _MOMENTS_FROM = 2.0  # |z| from which F_0 is a series of moments
 _START: ComplexArray = np.array([2j])
 _MOMENTS = 60
-_BLOCK = 4096  # points of a path at a time: bounded memory
+_PATH_POINTS = 4096  # points of a path at a time: bounded memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +62,8 @@ class Antiderivatives:
         out[far] = self._far(z[far])
         near, start = z[~far], self._far(_START)
         columns = []
-        for block in range(0, near.size, _BLOCK):
-            path = near[block : block + _BLOCK] - _START
+        for block in range(0, near.size, _PATH_POINTS):
+            path = near[block : block + _PATH_POINTS] - _START
             line = _START + path[:, None] * LINE
             columns.append(start + path * (self._first_transform(line) @ LINE_WEIGHTS))
         out[~far] = np.concatenate(columns) if columns else 0
@@ -216,7 +216,7 @@ _LONG_WAVES = (
     8.0  # thicknesses from which fields are far, where a smooth end of the wavenumbers costs less than rounding
 )
 _SPAN = 32.0  # ratio of the distances that share wavenumbers
-_MOST = 1 << 20  # entries of a block of exponentials: bounded memory
+_EXPONENTIALS_AT_ONCE = 1 << 20  # entries of a block of exponentials: bounded memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,7 +280,7 @@ class Tractions:
         h, columns = self.half_lengths, self.pressures.shape[-1]
         charges = np.concatenate([self.charges[:, 0], self.charges[:, 1]], -1)
         sums: ComplexArray = np.empty((h.size, k.size, 3 * columns), np.complex128)
-        step = max(_MOST // (2 * self.basis.terms * h.size), 1)
+        step = max(_EXPONENTIALS_AT_ONCE // (2 * self.basis.terms * h.size), 1)
         for start in range(0, k.size, step):
             part = sums[:, start : start + step]
             phase = h[:, None] * k[start : start + step]
@@ -342,8 +342,6 @@ class TractionTable:
     def read(self, contact: FilmContact) -> Tractions:
         """Tractions under contacts that were read from the same table, one column."""
         h = contact.half_width
-        weights = self.table.polynomials(np.log(h))[:, :, None] * contact.causes.values[:, None]
-        pressures, charges = (
-            np.einsum("mnc,n...c->m...", weights, series, optimize=True)[..., None] for series in self._series
-        )
+        read, causes = self.table.interval.read, contact.causes.values
+        pressures, charges = (read(np.log(h), series, causes)[..., None] for series in self._series)
         return Tractions(self.table.system, self._nodes.basis, h, pressures, charges, self.table.upper)

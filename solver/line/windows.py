@@ -22,7 +22,7 @@ from solver.stack.speed import critical_speed
 
 _A_DECADE = 2  # windows
 _OVERLAP = 1.3  # of a window with its neighbours
-_NODES = 20  # half-lengths of a window
+_HALF_LENGTHS = 20  # half-lengths of a window
 FIRST = int(np.floor(_A_DECADE * np.log10(LEAST)))
 LAST = int(np.ceil(_A_DECADE * np.log10(MOST))) - 1
 _ACCURACY = 1.25  # factor on the number of terms: 1e-9 of tractions that are next to zero, too
@@ -121,7 +121,7 @@ def window(kind: Kind, number: int, *, rough: bool = False) -> Table:
     """Table of a film of unit thickness over one window of half-lengths, counted in half decades from 1."""
     ends = 10.0 ** (np.array([number, number + 1]) / _A_DECADE) * np.array([1 / _OVERLAP, _OVERLAP])
     least, most = np.clip(ends, LEAST, MOST)
-    nodes, accuracy = (_ROUGH_NODES, _ROUGH_ACCURACY) if rough else (_NODES, _ACCURACY)
+    nodes, accuracy = (_ROUGH_NODES, _ROUGH_ACCURACY) if rough else (_HALF_LENGTHS, _ACCURACY)
     return table(
         kind.stack(), kind.friction, kind.conducts,
         smooth=kind.smooth, degree=kind.degree, least=float(least), most=float(most), nodes=nodes, accuracy=accuracy,

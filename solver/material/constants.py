@@ -185,7 +185,15 @@ class Material:
         return material
 
     @classmethod
-    def isotropic(cls, young: ArrayLike, poisson: ArrayLike, *, name: str = "isotropic", rho: float = np.nan) -> Self:
+    def isotropic(
+        cls,
+        young: ArrayLike,
+        poisson: ArrayLike,
+        *,
+        name: str = "isotropic",
+        rho: float = np.nan,
+        any_size: bool = False,
+    ) -> Self:
         """Isotropic elastic solid without coupling, vacuum permittivity and permeability.
 
         Parameters
@@ -194,6 +202,7 @@ class Material:
         poisson : array_like, Poisson's ratio, -1 < nu < 0.5
         name : str
         rho : float, density [kg/m3]; NaN: not known
+        any_size : bool, take a plain modulus that is smaller than any solid's
 
         Raises
         ------
@@ -206,35 +215,11 @@ class Material:
         >>> f"{float(steel.c44):.4g}"
         '8.077e+10'
         """
-        bare = not isinstance(young, str)
+        bare = not (isinstance(young, str) or any_size)
         young = _read(name, "young", young) if isinstance(young, str) else young
         E, nu = (np.asarray(unmasked(value), np.float64) for value in (young, poisson))
         if bare and (complaint := question("young", E, "Pa")):
             raise MaterialError(f"{name}: {complaint}")
-        return cls.elastic(E, nu, name, rho)
-
-    @classmethod
-    def elastic(cls, E: Array, nu: Array, name: str, rho: float = np.nan) -> Self:
-        """Return the isotropic solid of Young's moduli of any size.
-
-        Parameters
-        ----------
-        E : ndarray, shape (...), Young's modulus [Pa]
-        nu : ndarray, shape (...), Poisson's ratio, -1 < nu < 0.5
-        name : str
-        rho : float, density [kg/m3]; NaN: not known
-
-        Raises
-        ------
-        MaterialError
-            Young's modulus not positive, or Poisson's ratio not within -1 to 0.5.
-
-        Examples
-        --------
-        >>> gel = Material.elastic(np.array(400.0), np.array(0.45), "gel")
-        >>> f"{float(gel.c44):.4g}"
-        '137.9'
-        """
         if np.any(bad := ~((nu > -1) & (nu < 0.5))):
             raise MaterialError(f"{name}: Poisson's ratio {nu[bad].flat[0]:g} is not within -1 < nu < 0.5")
         shear, lame = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))

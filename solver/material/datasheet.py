@@ -134,9 +134,9 @@ def _unit(name: str) -> str:
 
 
 def _plain(name: str, value: object) -> float:
-    if not is_finite(value) or isinstance(value, bool):
+    if not is_finite(value):
         raise ValueError(f"{name}: {value!r} is not a finite number [{_unit(name)}]")
-    return float(value)  # type: ignore[arg-type]  # is_finite has looked
+    return float(value)
 
 
 def _number(name: str, value: object) -> float:
@@ -324,9 +324,9 @@ def _is_row(row: object) -> bool:
 
 
 def _cell(cell: object) -> float:
-    if not is_finite(cell) or isinstance(cell, bool):
+    if not is_finite(cell):
         raise ValueError(f"{cell!r} is not a finite number")
-    return float(cell)  # type: ignore[arg-type]  # is_finite has looked
+    return float(cell)
 
 
 def _check_symmetry(name: str, matrix: Array, singles: Mapping[str, float], turn: list[int]) -> None:

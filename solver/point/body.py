@@ -12,18 +12,18 @@ from solver.arrays import Array, BoolArray
 from solver.line.table import LEAST, MOST, LengthsError
 from solver.line.windows import FIRST, LAST, beyond, number_of, searched
 from solver.point.profile import Shape
-from solver.point.state import State, Stiffness, halfspace
-from solver.point.table import PointKind, Window, window
+from solver.point.state import PressedState, Stiffness, halfspace
+from solver.point.table import PointKind, PointWindow, window
 
-_STEPS = 60
-_CLOSE = 1e-8  # last step in log a: the error after it is of the order of its square
+_RADIUS_STEPS = 60
+_RADIUS_CLOSE = 1e-8  # last step in log a: the error after it is of the order of its square
 _SLACK = 1e-6
 _AROUND = 2  # windows searched for other radii of charged contacts
 _SEVERAL = "contact: contacts of several radii carry the force (charges too large for it)"
 
 
 @dataclass(frozen=True, eq=False)
-class Loading:
+class PointLoading:
     """Profile, force and charges of cases, in the units of a body."""
 
     coefficient: Array  # C of the profile C r^e; (case,)
@@ -31,16 +31,16 @@ class Loading:
     prescribed: Array  # Charges (T, J), or potentials (V, Psi) where held; (case, 2)
     held: tuple[bool, bool] = (False, False)  # Which potentials are held
 
-    def part(self, places: Indices) -> "Loading":
+    def part(self, places: Indices) -> "PointLoading":
         """Loading of some of the cases."""
-        return Loading(self.coefficient[places], self.force[places], self.prescribed[places], self.held)
+        return PointLoading(self.coefficient[places], self.force[places], self.prescribed[places], self.held)
 
-    def state(self, stiffness: Stiffness, shape: Shape, radius: Array) -> State:
+    def state(self, stiffness: Stiffness, shape: Shape, radius: Array) -> PressedState:
         """Contacts of these radii (case,) under the charges and potentials; only a disc's force is prescribed."""
         displacement = 1.0 if shape.flat else self.coefficient * radius**shape.exponent
         load = displacement * radius
         prescribed = np.where(self.held, self.prescribed / _column(displacement), -self.prescribed / load[..., None])
-        return State(stiffness, shape, prescribed, self.held, -self.force / load if shape.flat else None)
+        return PressedState(stiffness, shape, prescribed, self.held, -self.force / load if shape.flat else None)
 
 
 def _column(values: Array | float) -> Array:
@@ -58,9 +58,9 @@ class HalfSpace:
         """Stiffness, the same at every radius."""
         return halfspace(self.compliance, self.shape)
 
-    def radius(self, loading: Loading) -> Array:
+    def radius(self, loading: PointLoading) -> Array:
         """Radii that carry the force, which grows as C a^(e+1); (case,)."""
-        grounded = State(self.stiffness(loading.force), self.shape, np.zeros(2), (True, True))
+        grounded = PressedState(self.stiffness(loading.force), self.shape, np.zeros(2), (True, True))
         force = grounded.loads[..., 0] * loading.coefficient
         return np.asarray((loading.force / force) ** (1 / (self.shape.exponent + 1)))
 
@@ -81,7 +81,7 @@ class Film:
         """Film of some of the cases."""
         return Film(self.kind, self.thickness[places])
 
-    def windows(self, radius: Array) -> Iterator[tuple[Indices, Window, Array]]:
+    def windows(self, radius: Array) -> Iterator[tuple[Indices, PointWindow, Array]]:
         """Yield the cases of each window that holds their radius [m], and log (a/h) of these."""
         ratio = radius / self.thickness
         if not (np.all(ratio >= LEAST * (1 - _SLACK)) and np.all(ratio <= MOST * (1 + _SLACK))):
@@ -91,7 +91,7 @@ class Film:
             places = np.flatnonzero(numbers == number)
             yield places, window(self.kind, number), np.log(ratio[places])
 
-    def gathered(self, radius: Array, output: Callable[[Window, Array, Indices], Array]) -> Array:
+    def gathered(self, radius: Array, output: Callable[[PointWindow, Array, Indices], Array]) -> Array:
         """Output of the windows at log (a/h) of their cases, padded with zeros to the longest; (case, ...)."""
         parts = [(places, output(table, log_ratio, places)) for places, table, log_ratio in self.windows(radius)]
         longest = np.max([values.shape[1:] for _, values in parts], axis=0)
@@ -105,7 +105,7 @@ class Film:
         read = self.gathered(radius, lambda table, log_ratio, _: table.read(log_ratio))
         return self.kind.stiffness(read)
 
-    def radius(self, loading: Loading) -> Array:
+    def radius(self, loading: PointLoading) -> Array:
         """Radii that carry the force, by Newton's iteration on log a between rungs of a window; (case,) [m]."""
         radii = np.empty(loading.force.size)
 
@@ -120,7 +120,7 @@ class Film:
         self._require_one(loading, radii)
         return radii
 
-    def _require_one(self, loading: Loading, radius: Array) -> None:
+    def _require_one(self, loading: PointLoading, radius: Array) -> None:
         """Refuse charges under which contacts of several radii carry the force."""
         charged = np.flatnonzero(np.any(loading.prescribed != 0, -1))
         numbers = number_of(radius / self.thickness)
@@ -133,7 +133,7 @@ class Film:
                 if np.any(search.side != np.where(log_ratio <= low, -1, np.where(log_ratio > high, 1, 0))):
                     raise LengthsError(_SEVERAL)
 
-    def _guess(self, loading: Loading) -> Array:
+    def _guess(self, loading: PointLoading) -> Array:
         """Guess from the half-space's radius; the root of that ratio is nearer for a wide contact on a stiff base."""
         ratio = HalfSpace(self.kind.compliance, self.shape).radius(loading) / self.thickness
         return np.asarray(np.minimum(ratio, np.sqrt(ratio)) * self.thickness)
@@ -143,9 +143,9 @@ class Film:
 class Search:
     """Cases whose radius is sought in one window."""
 
-    window: Window
+    window: PointWindow
     thickness: Array  # [m]; (case,)
-    loading: Loading
+    loading: PointLoading
 
     def part(self, places: Indices) -> Self:
         """Search of some of the cases."""
@@ -183,7 +183,7 @@ class Search:
         first = np.argmax(self._enough, axis=-1)
         low, high = self.window.rungs[first - 1], self.window.rungs[first]
         log_ratio = (low + high) / 2
-        for _ in range(_STEPS):
+        for _ in range(_RADIUS_STEPS):
             force, rate = self.forces(log_ratio)
             below = force < self.loading.force
             low, high = np.where(below, log_ratio, low), np.where(below, high, log_ratio)
@@ -191,6 +191,6 @@ class Search:
                 next_ratio = log_ratio + np.log(self.loading.force / force) / rate
             next_ratio = np.where((next_ratio >= low) & (next_ratio <= high), next_ratio, (low + high) / 2)
             step, log_ratio = np.abs(next_ratio - log_ratio), next_ratio
-            if np.all((step <= _CLOSE) | (high - low <= _CLOSE)):
+            if np.all((step <= _RADIUS_CLOSE) | (high - low <= _RADIUS_CLOSE)):
                 break
         return np.asarray(self.thickness * np.exp(log_ratio))

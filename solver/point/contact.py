@@ -5,11 +5,12 @@ from functools import cached_property
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
-from solver.point.body import Film, HalfSpace, Loading
+from solver.point.body import Film, HalfSpace, PointLoading
 from solver.point.profile import SAMPLES, climbed, halfspace_form, halfspace_peak
-from solver.point.state import State
-from solver.point.table import Window
+from solver.point.state import PressedState
+from solver.point.table import PointWindow
 from solver.stack.electrodereading import Reading
 
 
@@ -40,15 +41,15 @@ class Pressed:
         """Units of (y, phi, psi); (case, 3)."""
         return np.broadcast_to(self.scale[..., 1:], (self.force.size, 3))
 
-    def contact(self, charges: Array | None = None, held: tuple[bool, bool] = (False, False)) -> "Contact":
+    def contact(self, charges: Array | None = None, held: tuple[bool, bool] = (False, False)) -> "PointContact":
         """Contacts under charges T [C] and J [Wb], or potentials V and Psi where held; (case, 2), zero by default."""
         flat = self.body.shape.flat
         prescribed = np.zeros((self.force.size, 2)) if charges is None else charges
         units = self.units[:, 1:]
         scaled = np.where(held, prescribed / units, prescribed * units)
-        loading = Loading(self.coefficient / self.units[:, 0], self.force * self.units[:, 0], scaled, held)
+        loading = PointLoading(self.coefficient / self.units[:, 0], self.force * self.units[:, 0], scaled, held)
         radius = self.coefficient if flat else self.body.radius(loading)
-        return Contact(self, radius, loading.state(self.body.stiffness(radius), self.body.shape, radius))
+        return PointContact(self, radius, loading.state(self.body.stiffness(radius), self.body.shape, radius))
 
     @property
     def length(self) -> Array:
@@ -56,28 +57,28 @@ class Pressed:
         return self.body.thickness if isinstance(self.body, Film) else self.charged.radius
 
     @cached_property
-    def charged(self) -> "Contact":
+    def charged(self) -> "PointContact":
         """Contacts with the charges of the cases."""
         return self.contact(self.charges)
 
     @cached_property
-    def uncharged(self) -> "Contact":
+    def uncharged(self) -> "PointContact":
         """Contacts without charges."""
         return self.contact() if np.any(self.charges) else self.charged
 
     @cached_property
-    def grounded(self) -> "Contact":
+    def grounded(self) -> "PointContact":
         """Contacts with both potentials held at zero."""
         return self.contact(held=(True, True))
 
 
 @dataclass(frozen=True, eq=False)
-class Contact:
+class PointContact:
     """Contacts of known radii, SI."""
 
     pressed: Pressed
     radius: Array  # a [m]; (case,)
-    state: State
+    state: PressedState
 
     @property
     def size(self) -> Array:
@@ -136,18 +137,17 @@ class Contact:
         off_centre = np.flatnonzero(best < SAMPLES.size - 1)
         for places, table, log_ratio in film.part(off_centre).windows(self.radius[off_centre]):
             cases = off_centre[places]
-            bracket = SAMPLES[np.maximum(best[cases] - 1, 0)], SAMPLES[best[cases] + 1]
-            largest[cases] = self._climbed(table, log_ratio, causes[cases], per_form[cases], bracket)
+            largest[cases] = _climbed(
+                table, table.tractions(log_ratio, causes[cases])[:, 0], per_form[cases], best[cases]
+            )
         return np.asarray(largest)
 
-    def _climbed(
-        self, table: Window, log_ratio: Array, causes: Array, per_form: Array, bracket: tuple[Array, Array]
-    ) -> Array:
-        """Largest pressure over C a^(e-1) within brackets of x, each (case,)."""
-        series = table.tractions(log_ratio, causes)[:, 0]
 
-        def pressure(x: Array) -> Array:
-            added = np.sum(series * table.terms.forms(x), -1)
-            return np.asarray(per_form * halfspace_form(table.kind.shape, x) - added)
+def _climbed(table: PointWindow, series: Array, per_form: Array, best: Indices) -> Array:
+    """Largest pressure over C a^(e-1) around the best of ``SAMPLES``, of layers' coefficients (case, n); (case,)."""
 
-        return climbed(pressure, *bracket)
+    def pressure(x: Array, cases: Indices) -> Array:
+        added = np.sum(series[cases] * table.terms.forms(x), -1)
+        return np.asarray(per_form[cases] * halfspace_form(table.kind.shape, x) - added)
+
+    return climbed(pressure, best)

@@ -21,18 +21,18 @@ from solver.arrays import Array, joined
 from solver.line.electrodecharge import Collected, together
 from solver.point import hankel
 from solver.point.body import Film
-from solver.point.contact import Contact
+from solver.point.contact import PointContact
 from solver.point.hankel import even_orders
 from solver.point.sliding import Rubbed
 from solver.point.surface import BelowPunch
 from solver.point.system import halfspace_terms
-from solver.point.table import Window
+from solver.point.table import PointWindow
 from solver.point.tractions import Tractions
 from solver.stack.electrodereading import DISC, STRIP, Reading
 from solver.stack.electrodes import Electrode, transfers
 from solver.stack.layers import StackError
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(48)
+_DISC_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(48)
 _PHASE = 8.0  # phase of a wave over a panel of densities
 _VALUES_AT_ONCE = 1_000_000  # values of Bessel functions or waves held at once: bounded memory
 
@@ -52,7 +52,7 @@ class Covered:
         """
         ends = np.sort(np.clip(np.stack([*self._ends, 0 * self.size, 0 * self.size + 1], -1), 0.0, 1.0), -1)
         half, middle = (ends[:, 1:] - ends[:, :-1]) / 2, (ends[:, 1:] + ends[:, :-1]) / 2
-        angle = np.pi / 2 * (1 + _NODES)
+        angle = np.pi / 2 * (1 + _DISC_NODES)
         r = np.asarray(middle[..., None] - half[..., None] * np.cos(angle)).reshape(len(half), -1)
         weights = (half[..., None] * np.sin(angle) * np.pi / 2 * _WEIGHTS).reshape(len(half), -1)
         r = np.clip(r, 1e-300, 1.0)
@@ -101,7 +101,7 @@ def _disc_slope(d: Array, b: Array, r: Array) -> Array:
     return np.asarray(np.where((root > 0) & (d != 0), side * slope, 0.0))
 
 
-def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict[str, Array]:
+def electrode_quantities(contact: PointContact, film: Film, reading: Reading) -> dict[str, Array]:
     """Requested quantities of ``solver.names.ELECTRODE_QUANTITIES``, SI; (case,) each."""
     reading.refused(conducts=film.kind.conducts[0])
     reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
@@ -111,7 +111,7 @@ def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict
     return joined(parts, contact.radius.size)
 
 
-def _slides(contact: Contact) -> bool:
+def _slides(contact: PointContact) -> bool:
     """Return whether any of the contacts has friction."""
     friction = contact.pressed.friction
     return friction is not None and bool(np.any(friction.coefficient))
@@ -121,7 +121,7 @@ class _OfPoint(Collected):
     """Cases of one window and electrode whose distances are of like size; lengths over the top layer's thickness."""
 
     def __init__(
-        self, contact: Contact, film: Film, table: Window, reading: Reading, window_places: Indices,
+        self, contact: PointContact, film: Film, table: PointWindow, reading: Reading, window_places: Indices,
         cases: Indices, number: int, octave: int,
     ) -> None:  # fmt: skip
         stack, places = film.kind.film.stack(), window_places[cases]

@@ -76,7 +76,7 @@ def _ratios(z: Array, highest: int) -> Array:
     return ratios
 
 
-_NODES = 14  # per panel; a panel is as long as its distance from the nearest singularity
+_PANEL_COUNT = 14  # per panel; a panel is as long as its distance from the nearest singularity
 _KINKS = 14  # halvings of panels towards the kink of a cone's density at b = 0 and friction's steep end at b = 1
 _PANEL = 8.0  # phase of a panel in b
 #: Depth over a above which rounding spoils the sums: shallower fields are extrapolated from below.
@@ -85,7 +85,7 @@ LEAST = 1e-5
 
 @lru_cache
 def _gauss() -> tuple[Array, Array]:
-    return np.polynomial.legendre.leggauss(_NODES)
+    return np.polynomial.legendre.leggauss(_PANEL_COUNT)
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ from solver.stack.wavenumbers import strip
 
 _NEAR = 0.05  # depth over a above which the half-space's part is closed
 _MOST_PHASE = 8000.0  # largest phase of the integrals over k; beyond it the closed part serves at any depth
-_STEP = 512  # wavenumbers at a time
+_STEP_IN_K = 512  # wavenumbers at a time
 _ENTRIES = 1 << 22  # values of a block of waves: bounded memory
 _PLACES = 4096  # positions along the surface at a time: bounded memory
 _COLUMNS = 1024  # cases at a time: bounded memory
@@ -135,7 +135,7 @@ class Inside:
                     raise StackError(f"x: {np.max(np.abs(X)):g} is farther from the contact than is resolved")
                 k, weights = tractions.wavenumbers(self.stack, 2 * reach, width)
                 rows_of_parts, level = self.rows(number, names), 8 * columns.size
-                step = min(max(_ENTRIES // (level * rows.size), 8), _STEP)
+                step = min(max(_ENTRIES // (level * rows.size), 8), _STEP_IN_K)
                 depths = max(_ENTRIES // (8 * level), 1)
                 for first in range(0, k.size, step):
                     waves = slice(first, first + step)

@@ -24,7 +24,6 @@ from solver.point.sliding import Rubbed
 from solver.point.tractions import Tractions
 from solver.stack.layers import Stack
 
-_CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width
 _BOTTOM, _FAR = 6.0, 6.0  # of a: how deep and how far from the edge a half-space is searched
 _OUTER = 3  # pairs of panels added to a net at most
 _TOGETHER = 64  # cases at a time: bounded memory
@@ -48,7 +47,7 @@ class _Searched:
 
     def top(self, measure: Measure) -> Top:
         """Largest value of a measure of the stresses, and its place."""
-        return highest(self.stresses, self.net.across, measure, _CLOSE)
+        return highest(self.stresses, self.net.across, measure)
 
     def depth(self, top: Top) -> Array:
         """Depth over a of tops; (case,)."""

@@ -11,10 +11,13 @@ x (r/a)^(e-2) 2F1(1 - e/2, 1/2; 3/2; -(x a/r)^2), arsinh(x a/r) of a cone.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import beta, gammaln, gammasgn, hyp2f1
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.cache import cached_small
 
@@ -66,9 +69,6 @@ SAMPLES = np.sin(np.pi / 2 * np.arange(1, 25) / 24)
 
 _NEAR, _SMOOTH = 0.5, 3.0  # of the centre, in r/a; the exponent from which F is smooth there
 
-_STEPS = 46  # of the golden section: to 1e-10 in x, where the pressure is flat
-_RATIO = (np.sqrt(5) - 1) / 2
-
 
 def finite(shape: Shape) -> bool:
     """Return whether the pressure has a largest value: it has none at a disc's edge and at the apex of a cone."""
@@ -101,20 +101,20 @@ def halfspace_peak(shape: Shape) -> float:
     best = int(np.argmax(values))
     if best == SAMPLES.size - 1:
         return float(values[best])
-    bracket = np.array([SAMPLES[max(best - 1, 0)]]), np.array([SAMPLES[best + 1]])
-    return float(climbed(lambda x: halfspace_form(shape, x), *bracket)[0])
+    return float(climbed(lambda x, _: halfspace_form(shape, x), np.array([best]))[0])
 
 
-def climbed(values: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Largest of values that rise and then fall between `low` and `high`, by the golden section; (case,)."""
-    inner, outer = high - _RATIO * (high - low), low + _RATIO * (high - low)
-    at_inner, at_outer = values(inner), values(outer)
-    for _ in range(_STEPS):
-        left = at_inner > at_outer
-        high, low = np.where(left, outer, high), np.where(left, low, inner)
-        inner_or_outer, value = np.where(left, inner, outer), np.where(left, at_inner, at_outer)
-        probe = np.where(left, high - _RATIO * (high - low), low + _RATIO * (high - low))
-        probe_value = values(probe)
-        inner, outer = np.where(left, probe, inner_or_outer), np.where(left, inner_or_outer, probe)
-        at_inner, at_outer = np.where(left, probe_value, value), np.where(left, value, probe_value)
-    return np.maximum(at_inner, at_outer)
+def climbed(values: Callable[[Array, Indices], Array], best: Indices) -> Array:
+    """Largest of values of cases that rise and then fall around the best of ``SAMPLES``, not the last; (case,).
+
+    ``values`` returns those at places of some of the cases, (n,), and these cases, (n,).
+    """
+    from scipy.optimize import elementwise  # slow to import, and most cases are largest at the centre
+
+    def below(x: Array, case: NDArray[Any]) -> Array:
+        return -values(x, case.astype(np.intp))
+
+    cases = np.arange(best.size)
+    bracket = np.where(best > 0, SAMPLES[best - 1], 0.0), SAMPLES[best], SAMPLES[best + 1]
+    minimum = elementwise.find_minimum(below, bracket, args=(cases,))
+    return np.asarray(np.fmax(-minimum.f_x, values(SAMPLES[best], cases)))

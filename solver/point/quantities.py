@@ -7,7 +7,7 @@ hold both charges.
 import numpy as np
 
 from solver.arrays import Array
-from solver.point.contact import Contact, Pressed
+from solver.point.contact import PointContact, Pressed
 from solver.point.friction import Rim
 from solver.point.profile import finite
 from solver.point.sliding import Rubbed
@@ -65,7 +65,7 @@ def sliding_quantities(pressed: Pressed, rim: Rim | None) -> dict[str, Array]:
     return out | ({} if rim is None else {"trailing_tension": rubbed.tension(rim)})
 
 
-def _responses(pressed: Pressed, contact: Contact, port: Stiffness, field: int) -> tuple[Array, ...]:
+def _responses(pressed: Pressed, contact: PointContact, port: Stiffness, field: int) -> tuple[Array, ...]:
     j = 1 + field
     return (
         contact.displacement[:, j],

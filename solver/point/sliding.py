@@ -19,10 +19,10 @@ from solver.arrays import Array
 from solver.halfplane.precision import PrecisionWarning
 from solver.point import hankel
 from solver.point.body import Film
-from solver.point.contact import Contact, Friction, Pressed
+from solver.point.contact import Friction, PointContact, Pressed
 from solver.point.friction import Response, Rim, edge_sums, legendre
 from solver.point.slidingtable import sliding_window
-from solver.point.table import Window
+from solver.point.table import PointWindow
 from solver.point.tractions import Density, Tractions
 
 _MOST_FRICTION, _MOST_ANGLE = 0.6, 0.2  # beyond either a warning states the size of the neglected terms
@@ -33,7 +33,7 @@ _EDGE = np.ones(1)
 class Rubbed:
     """Densities of contacts, without friction and of its first order."""
 
-    contact: Contact
+    contact: PointContact
 
     @property
     def _unit(self) -> Array:
@@ -88,7 +88,7 @@ class Rubbed:
             shift = self._response.shift(self.density.turned(_EDGE)[:, 0, 0])
             return shift / self._unit, np.zeros((*self.density.form.shape, 1))
 
-        def read(window: Window, log_ratio: Array, places: Indices) -> Array:
+        def read(window: PointWindow, log_ratio: Array, places: Indices) -> Array:
             table = sliding_window(window.kind, window.number, self._friction.punch)
             values = np.einsum("cdf,cd->cf", table.read(log_ratio), contact.state.causes[places, body.shape.driving])
             return np.insert(values[:, 1:].reshape(places.size, 3, -1), 0, values[:, :1], axis=-1)
@@ -128,7 +128,7 @@ class Rubbed:
         stress = rim.tension(moments, (unit * first, unit * third))
         if isinstance(body := contact.pressed.body, Film):
 
-            def read(window: Window, log_ratio: Array, places: Indices) -> Array:
+            def read(window: PointWindow, log_ratio: Array, places: Indices) -> Array:
                 tensions = sliding_window(window.kind, window.number, friction.punch).tensions(log_ratio)
                 plain, slid = np.einsum("cmd,cd->mc", tensions, contact.state.causes[places, 1:])
                 return np.asarray(plain + friction.coefficient[places] * slid)

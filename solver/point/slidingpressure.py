@@ -21,7 +21,7 @@ from solver.arrays import Array
 from solver.cache import cached
 from solver.halfplane.potentials import LINE, LINE_WEIGHTS
 from solver.point.body import Film
-from solver.point.contact import Contact, Friction
+from solver.point.contact import Friction, PointContact
 from solver.point.friction import Response, legendre_rates
 from solver.point.profile import Shape, halfspace_form
 from solver.point.slidingtable import SlidingWindow, sliding_window
@@ -31,7 +31,6 @@ _COUNT = 20  # points of a panel
 _MIDDLE = np.pi / 2 * np.array([0.25, 0.5])
 _HALVINGS = 6  # of panels towards the edge
 _APEX = 0.1  # r/a within which p0 + p1 cos(angle) fails below an apex of infinite curvature
-_CLOSE = 1e-8
 _TOGETHER = 4096  # cases at a time: bounded memory
 
 
@@ -80,7 +79,7 @@ class Ray:
     def top(self, middle: Array, turned: Array) -> Array:
         """Largest of p0 + p1 cos(angle), both (case, place); (case,)."""
         both_rays = np.concatenate([(middle - turned)[:, ::-1], middle + turned], 1)
-        return highest(both_rays[:, None, None], self.counts, ITSELF, _CLOSE).value
+        return highest(both_rays[:, None, None], self.counts, ITSELF).value
 
 
 @cached
@@ -147,8 +146,7 @@ class TurnedWindow:
 
     def read(self, log_radius: Array, causes: Array) -> Array:
         """Pressures p1 per eta of causes (V, Psi, g), (case, 3), at log (a/h); (case, place)."""
-        read = np.tensordot(self.window.window.polynomials(log_radius), self._series, 1)
-        return np.asarray(np.einsum("cdp,cd->cp", read, causes))
+        return self.window.window.interval.read(log_radius, np.swapaxes(self._series, 1, 2), causes)
 
 
 @cached
@@ -156,7 +154,7 @@ def _turned_window(window: SlidingWindow) -> TurnedWindow:
     return TurnedWindow(window)
 
 
-def largest_pressure(contact: Contact, friction: Friction) -> Array:
+def largest_pressure(contact: PointContact, friction: Friction) -> Array:
     """Largest pressure of curved punches that slide [Pa], p0 + p1 cos(angle) over the contact; (case,).
 
     For exponents below 2, whose apex is sharp, it is the pressure at rest.
@@ -172,7 +170,7 @@ def largest_pressure(contact: Contact, friction: Friction) -> Array:
     return largest
 
 
-def _pressures(contact: Contact, friction: Friction, cases: Indices) -> tuple[Array, Array]:
+def _pressures(contact: PointContact, friction: Friction, cases: Indices) -> tuple[Array, Array]:
     """Pressures p0 and p1 of some cases at the places of the ray, over C a^(e-1); (case, place) each."""
     body, eta = contact.pressed.body, friction.coefficient[cases, None]
     shape, ray = body.shape, ray_of(body.shape)

@@ -17,7 +17,7 @@ from solver.cache import cached
 from solver.point import hankel
 from solver.point.friction import Response, contact_coupling, legendre
 from solver.point.inside import Inside
-from solver.point.table import PointKind, Window, window
+from solver.point.table import PointKind, PointWindow, window
 from solver.point.tractions import Density, Tractions
 from solver.stack.electroded import difference, surface
 from solver.stack.wavenumbers import strip, wavenumbers
@@ -30,7 +30,7 @@ _EDGE = np.ones(1)
 class SlidingWindow:
     """Layers' contribution to friction over half a decade of radii."""
 
-    window: Window
+    window: PointWindow
     punch: float
 
     @cached_property
@@ -84,7 +84,7 @@ class SlidingWindow:
 
     def read(self, log_radius: Array) -> Array:
         """Shift and coefficients at radii within the window; (case, 3, 1 + 3 n)."""
-        return np.asarray(np.tensordot(self.window.polynomials(log_radius), self._series, 1))
+        return self.window.interval.read(log_radius, self._series)
 
     @cached_property
     def _tensions(self) -> Array:
@@ -105,7 +105,7 @@ class SlidingWindow:
 
     def tensions(self, log_radius: Array) -> Array:
         """Layers' contribution to sigma_xx at the trailing edge, at radii within the window [Pa]; (case, 2, 3)."""
-        return np.asarray(np.tensordot(self.window.polynomials(log_radius), self._tensions, 1))
+        return self.window.interval.read(log_radius, self._tensions)
 
 
 @dataclass(frozen=True, eq=False)

@@ -47,7 +47,7 @@ def halfspace(compliance: Array, shape: Shape) -> Stiffness:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class PressedState:
     """Contacts of given radii under charges or held potentials, over C a^e and C a^(e+1)."""
 
     stiffness: Stiffness

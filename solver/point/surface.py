@@ -17,18 +17,18 @@ from solver.arrays import Array
 from solver.cache import cached
 from solver.halfplane.pressing import ContactError
 from solver.point.body import Film
-from solver.point.contact import Contact, Pressed
+from solver.point.contact import PointContact, Pressed
 from solver.point.friction import Rim
 from solver.point.inside import Inside
 from solver.point.profile import finite, halfspace_form
 from solver.point.system import added_forms, added_means
-from solver.point.table import PointKind, Window, window
+from solver.point.table import PointKind, PointWindow, window
 from solver.point.tractions import Tractions
 
 _STRESSES = ("stress_xx", "stress_zz")
 
 
-def added_stresses(contact: Contact, positions: Array) -> Array:
+def added_stresses(contact: PointContact, positions: Array) -> Array:
     """Layers' contribution to sigma_rr and sigma_tt at r/a, SI; (case, 2, position)."""
     body = contact.pressed.body
     if not isinstance(body, Film):
@@ -36,7 +36,7 @@ def added_stresses(contact: Contact, positions: Array) -> Array:
     places = tuple(positions.tolist())
     read = body.gathered(
         contact.radius,
-        lambda table, log_ratio, _: table.polynomials(log_ratio) @ _series(table.kind, table.number, places),
+        lambda table, log_ratio, _: table.interval.read(log_ratio, _series(table.kind, table.number, places)),
     )
     causes = contact.state.causes * (contact.size / contact.radius)[:, None]
     return np.asarray(np.einsum("ckd,cd->ck", read.reshape(len(read), -1, 4), causes)).reshape(len(read), 2, -1)
@@ -57,7 +57,7 @@ def _series(kind: PointKind, number: int, positions: tuple[float, ...]) -> Array
 class Along:
     """Fields of contacts along a line through the middle."""
 
-    contact: Contact
+    contact: PointContact
     positions: Array  # r/a with a sign; (position,)
 
     @property
@@ -97,7 +97,7 @@ class Along:
             tractions[places[:, None, None], np.arange(3)[:, None], below] += series @ table.terms.forms(x).T
         return np.asarray(tractions * self._units)
 
-    def _layers(self) -> Iterator[tuple[Indices, Window, Array]]:
+    def _layers(self) -> Iterator[tuple[Indices, PointWindow, Array]]:
         """Yield cases, their window and the layers' coefficients, whose strength is in the half-space's part."""
         contact = self.contact
         if isinstance(film := contact.pressed.body, Film):
@@ -149,7 +149,7 @@ def surface_fields(pressed: Pressed, positions: Array, rim: Rim | None = None) -
 class BelowPunch:
     """Tractions of some cases below the punch, each at its own places."""
 
-    contact: Contact
+    contact: PointContact
     cases: Indices  # Indices among the contacts
     series: Array  # Layers' coefficients; (case, 3, n)
 

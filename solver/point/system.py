@@ -27,7 +27,7 @@ from solver.stack.wavenumbers import DECAYED, strip, wavenumbers
 
 _VALUES_AT_ONCE = 2_000_000  # values of the Bessel functions held at once
 _SIZES, _ROWS = 2, 36  # groups of radii per octave; rows of symmetric products at a time
-_ROUNDING, _STEPS = 44.0, 6  # exponent of a value below rounding; steps of the fixed-point iteration for it
+_ROUNDING, _DECAY_STEPS = 44.0, 6  # exponent of a value below rounding; steps of the fixed-point iteration for it
 
 
 def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
@@ -54,7 +54,7 @@ def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
 def _decayed(ratio: float) -> float:
     """Exponent s at the largest wavenumber, where e^-s / (s ratio)^2 is below rounding: j_2m j_2n falls like k^-2."""
     exponent = DECAYED
-    for _ in range(_STEPS):
+    for _ in range(_DECAY_STEPS):
         exponent = min(DECAYED, max(_ROUNDING - 2 * np.log(max(exponent * ratio, 1.0)), 1.0))
     return float(exponent)
 

@@ -17,14 +17,14 @@ from solver.cache import cached
 from solver.line.table import LEAST, MOST
 from solver.line.windows import Kind
 from solver.point.profile import SAMPLES, Shape
-from solver.point.state import State, Stiffness, conducted, halfspace
+from solver.point.state import PressedState, Stiffness, conducted, halfspace
 from solver.point.system import Added, interactions
 from solver.point.tractions import Density
 from solver.stack.electroded import surface
 
 _A_DECADE = 2  # windows per decade, as along a line
 _OVERLAP = 1.05  # of a window with its neighbours
-_NODES = 20  # radii of a window up to a/h = 10: 1e-13 between them
+_RADII = 20  # radii of a window up to a/h = 10: 1e-13 between them
 _WIDE, _DIGITS = 2, 28.0  # first window beyond a/h = 10; exponent of the error between its radii: 1e-12
 _RUNGS = 9
 _FIRST, _SMOOTH, _KINKED = 12, 9.0, 14.0  # functions of a small contact; more per root of a/h, by the profile
@@ -67,7 +67,7 @@ def _contact_compliance(compliance: Array, kind: PointKind) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Window:
+class PointWindow:
     """Contacts on one film of unit thickness, over half a decade of radii and a little more."""
 
     kind: PointKind
@@ -125,7 +125,7 @@ class Window:
 
     def read(self, log_radius: Array) -> Array:
         """Layers' contribution to loads, edges and their rates, at radii within the window; (case, 3, 3, 4)."""
-        return np.asarray(self.polynomials(log_radius) @ self._read).reshape(-1, 3, 3, 4)
+        return self.interval.read(log_radius, self._read).reshape(-1, 3, 3, 4)
 
     @property
     def rungs(self) -> Array:
@@ -135,7 +135,7 @@ class Window:
     def forces(self, log_radius: Array, held: tuple[bool, bool]) -> tuple[Array, Array]:
         """P over C a^(e+1) and d log P / d log a at log (a/h), without charges or with potentials held at zero."""
         series, rates = self._forces[held]
-        polynomials = self.polynomials(log_radius)
+        polynomials = self.interval.polynomials(log_radius)
         return np.exp(polynomials @ series), polynomials @ rates + self.kind.shape.exponent + 1
 
     @cached_property
@@ -147,24 +147,18 @@ class Window:
         )
         for electric, magnetic in product((False, True), repeat=2):
             held = electric, magnetic
-            state = State(stiffness, self.kind.shape, np.zeros((self.nodes.size, 2)), held)
+            state = PressedState(stiffness, self.kind.shape, np.zeros((self.nodes.size, 2)), held)
             series = coefficients(np.log(state.loads[..., 0]))
             series_of[held] = series, self.interval.derived(series)
         return series_of
 
     def pressures(self, log_radius: Array, causes: Array) -> Array:
         """Layers' contribution to the pressure at ``SAMPLES`` of causes (u0, g), (case, 4); (case, sample)."""
-        read = (self.polynomials(log_radius) @ self._series[:, 24:]).reshape(-1, SAMPLES.size, 4)
-        return np.asarray(np.einsum("csd,cd->cs", read, causes))
+        return self.interval.read(log_radius, self._series[:, 24:].reshape(-1, SAMPLES.size, 4), causes)
 
     def tractions(self, log_radius: Array, causes: Array) -> Array:
         """Layers' coefficients of the tractions of causes (u0, g), (case, 4), times a; (case, 3, n)."""
-        read = np.tensordot(self.polynomials(log_radius), coefficients(self.added), 1)
-        return np.asarray(np.einsum("cind,cd->cin", read, causes))
-
-    def polynomials(self, log_radius: Array) -> Array:
-        """Chebyshev polynomials at log a; (case, node)."""
-        return self.interval.polynomials(log_radius)
+        return self.interval.read(log_radius, coefficients(self.added), causes)
 
 
 def interval(number: int, count: int | None = None) -> Interval:
@@ -172,14 +166,14 @@ def interval(number: int, count: int | None = None) -> Interval:
     step, beyond = np.log(10) / _A_DECADE, np.log(_OVERLAP)
     low, high = np.clip([number * step - beyond, (number + 1) * step + beyond], np.log(LEAST), np.log(MOST)).tolist()
     if count is None:
-        count = _NODES if number < _WIDE else 1 + int(_DIGITS / np.arcsinh(np.pi / (high - low)))
+        count = _RADII if number < _WIDE else 1 + int(_DIGITS / np.arcsinh(np.pi / (high - low)))
     return Interval(low, high, count)
 
 
 @cached
-def window(kind: PointKind, number: int) -> Window:
+def window(kind: PointKind, number: int) -> PointWindow:
     """Window of a kind, cached."""
-    return Window(kind, number)
+    return PointWindow(kind, number)
 
 
 @cached

@@ -17,7 +17,7 @@ from solver.point.profile import Shape
 from solver.stack.layers import Stack
 from solver.stack.wavenumbers import wavenumbers
 
-_NODES = 40  # of the integral that a kinked profile adds to the logarithm
+_KINK_NODES = 40  # of the integral that a kinked profile adds to the logarithm
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +122,7 @@ def turned_form_rates(exponent: float, b: Array) -> Array:
 
 def _stretched(e: float, b: Array) -> Array:
     """Return int_0^1 (1 - (s/b)^e) / (1 - (s/b)^2) ds; (b,)."""
-    gauss, gauss_weights = np.polynomial.legendre.leggauss(_NODES)
+    gauss, gauss_weights = np.polynomial.legendre.leggauss(_KINK_NODES)
     v = (1 + gauss) / 2  # s = v^4: powers of s are smooth in v
     s, weights = v**4, 2 * gauss_weights * v**3
     log = np.log(s) - np.log(b)[:, None]

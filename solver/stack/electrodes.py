@@ -25,7 +25,7 @@ from solver.stack.wavenumbers import strip, wavenumbers
 
 _TOP, _PHI = -1, 2  # the surface among the interfaces; phi among (x, y, phi, psi)
 _FARTHEST = 2000.0  # distance over the width of the strip: bounded time
-_STEPS = (8, 16, 32, 64)  # of a graded layer: rows to 1e-9 of the largest
+_STAIRCASES = (8, 16, 32, 64)  # of a graded layer: rows to 1e-9 of the largest
 
 
 class FarError(StackError):
@@ -82,7 +82,7 @@ class Electrode:
         if self.on_top:
             return strip(self.stack)
         if self.stack.top.graded:
-            return self._stepped(_STEPS[0]).width
+            return self._stepped(_STAIRCASES[0]).width
         above = range(self.interfaces[0] + 1)
         return float(sum(self.stack.layers[i].thickness * float(self.stack.media[i].slowest) for i in above))
 
@@ -176,7 +176,7 @@ class Electrode:
 
     def _extrapolated(self, answer: Callable[["Electrode"], Array]) -> Array:
         """Value below a graded layer, extrapolated over staircases: it decays, and sees no detail of the surface."""
-        return extrapolated(lambda count: answer(self._stepped(count)), _STEPS)
+        return extrapolated(lambda count: answer(self._stepped(count)), _STAIRCASES)
 
 
 @cached

@@ -11,7 +11,7 @@ from solver.stack.layers import Stack
 #: Exponent at the largest wavenumber: e^-34 is below rounding.
 DECAYED = 34.0
 _GROWTH = 2.5  # of the panels
-_NODES = 16  # a panel, beside those that the phase needs
+_WAVE_NODES = 16  # a panel, beside those that the phase needs
 _PHASE = 150.0  # the most of a panel: small rules are cheap to find
 _ENDED = 40.0  # thicknesses from which Delta is ended
 _END, _SLOPE = 72.0, 12.0  # k times the distance where it ends, and the width of that: e^-36 of it is left
@@ -43,7 +43,7 @@ def on_panels(ends: Array, reaches: Array) -> tuple[Array, Array]:
     for start, end, reach in zip(ends[:-1], ends[1:], reaches, strict=True):
         parts = int(np.ceil((end - start) * reach / _PHASE))
         half = (end - start) / max(parts, 1) / 2
-        x, w = _gauss(_NODES + int(2 * half * reach / 3.2))
+        x, w = _gauss(_WAVE_NODES + int(2 * half * reach / 3.2))
         middles = start + half * (2 * np.arange(max(parts, 1)) + 1)
         nodes.append((middles[:, None] + half * x).ravel())
         weights.append(np.tile(half * w, middles.size))

@@ -1,103 +1,243 @@
-"""Gaussian processes for scattered cases: a few by scikit-learn's regressors, many by finite rank."""
+"""Gaussian processes on scattered cases: scikit-learn's regressors with the Chebyshev kernel, one an output.
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self, get_args
+The Chebyshev kernel is the product over inputs of 1 + first_j sum_{m>0} rho_j^(m-1) T_m(x) T_m(y): that of the grid,
+whose sum does not end. With x = cos(a), y = cos(b) the sum is half of Q(a - b) + Q(a + b) with Q(s) = (cos s - rho)/
+(1 - 2 rho cos s + rho^2), by the Poisson kernel (W. Rudin, Real and Complex Analysis (1987), section 5.24).
+"""
+
+import warnings
+from collections.abc import Callable, Sequence
+from itertools import accumulate
+from typing import Any, ClassVar, Self
 
 import numpy as np
+import scipy  # scipy.optimize, slow to import, when something is fitted
 import xarray as xr
+from scipy.linalg import cho_solve, solve_triangular
+from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
+from sklearn.gaussian_process.kernels import ConstantKernel, Hyperparameter, Kernel, WhiteKernel
 from typing_extensions import override
 
-from approximation.arrays import Array
+from approximation.arrays import Array, Indices
 from surrogate.data.factorial import output_names, text_attrs
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.face.model import GaussianProcess
-from surrogate.gp.exact import Exact, regressor
-from surrogate.gp.finiterank import FiniteRank
-from surrogate.gp.kernels import whole
+from surrogate.intervals.distribution import NOMINAL, Normal
 
-KernelName = Literal["auto", "rbf", "matern32", "matern52", "chebyshev"]
-KERNELS: tuple[str, ...] = get_args(KernelName)
-#: Cases above which "auto" is the kernel "chebyshev" of finite rank, whose cost is that of their number.
-MANY = 500
+# Ranges of the parameters: coefficient of T_1 relative to that of the constant, and decay.
+FIRST, RHO = (1e-6, 1e3), (1e-3, 0.97)
+VARIANCES, NOISE = (1e-6, 1e6), (1e-12, 1e1)  # of signal and noise, relative to the output's variance
+
+
+class Chebyshev(Kernel):  # type: ignore[misc]  # untyped
+    """The Chebyshev kernel on [-1, 1]^d; coordinates beyond count as those of the nearest end.
+
+    first, rho: shape (d,).
+    """
+
+    def __init__(self, first: Array, rho: Array) -> None:
+        self.first, self.rho = first, rho
+
+    @property
+    def hyperparameter_first(self) -> Hyperparameter:
+        """Coefficients of T_1, as scikit-learn reads them."""
+        return Hyperparameter("first", "numeric", FIRST, np.size(self.first))
+
+    @property
+    def hyperparameter_rho(self) -> Hyperparameter:
+        """Decays, as scikit-learn reads them."""
+        return Hyperparameter("rho", "numeric", RHO, np.size(self.rho))
+
+    def __call__(self, X: Array, Y: Array | None = None, eval_gradient: bool = False) -> Any:
+        """Return the kernel between points (n, d) and (m, d), and its slopes by the logarithms of the parameters."""
+        first, rho = np.atleast_1d(self.first), np.atleast_1d(self.rho)
+        parts = [sums(x, y, decay) for x, y, decay in zip(X.T, (X if Y is None else Y).T, rho, strict=True)]
+        factors = [1 + size * part[0] for size, part in zip(first, parts, strict=True)]
+        kernel = np.prod(factors, axis=0)
+        if not eval_gradient:
+            return kernel
+        d = len(factors)
+        slopes = np.empty((*kernel.shape, 2 * d))
+        for j, ((value, slope), others) in enumerate(zip(parts, _products(factors), strict=True)):
+            slopes[..., j] = first[j] * others * value
+            slopes[..., d + j] = first[j] * rho[j] * others * slope
+        return kernel, slopes
+
+    def diag(self, X: Array) -> Array:
+        """Return the kernel of every point with itself, (n,)."""
+        return np.asarray(np.prod(self._diagonals(X.T), axis=0))
+
+    def is_stationary(self) -> bool:
+        """Return False: the kernel depends on position."""
+        return False
+
+    def slopes(self, X: Array, Y: Array) -> list[Array]:
+        """Return the derivatives of the kernel by each coordinate of X, (n, m) each."""
+        first, rho = np.atleast_1d(self.first), np.atleast_1d(self.rho)
+        factors = [1 + first[j] * sums(X[:, j], Y[:, j], rho[j])[0] for j in range(X.shape[1])]
+        return [
+            first[j]
+            * sum_slopes(X[:, j], Y[:, j], rho[j])
+            * np.prod([f for k, f in enumerate(factors) if k != j], axis=0)
+            for j in range(X.shape[1])
+        ]
+
+    def steepness(self, X: Array) -> Array:
+        """Return the prior variances of the derivatives by each coordinate at points (n, d): (d, n)."""
+        first, rho = np.atleast_1d(self.first), np.atleast_1d(self.rho)
+        others = _products(self._diagonals(X.T))
+        return np.stack([first[j] * sum_curvature(x, rho[j]) * others[j] for j, x in enumerate(X.T)])
+
+    def _diagonals(self, t: Array) -> list[Array]:
+        first, rho = np.atleast_1d(self.first), np.atleast_1d(self.rho)
+        cosines = 2 * np.clip(t, -1, 1) ** 2 - 1  # of the sum of the angles; that of their difference is one
+        return [
+            1 + size / 2 * ((cosine - decay) / (1 + decay * decay - 2 * decay * cosine) + 1 / (1 - decay))
+            for size, decay, cosine in zip(first, rho, cosines, strict=True)
+        ]
+
+
+class Noise(WhiteKernel):  # type: ignore[misc]  # untyped
+    """Noise of the cases that a process is fitted to: its variance is divided by a case's weight.
+
+    weights: shape (n,), optional.
+    """
+
+    def __init__(
+        self, noise_level: float = 1e-4, noise_level_bounds: tuple[float, float] = NOISE, weights: Array | None = None
+    ) -> None:
+        super().__init__(noise_level, noise_level_bounds)
+        self.weights = weights
+
+    def __call__(self, X: Array, Y: Array | None = None, eval_gradient: bool = False) -> Any:
+        """Return the covariance of the noise, (n, n) of the cases, zero between them and other points."""
+        kernel = super().__call__(X, Y, eval_gradient)
+        if Y is not None or self.weights is None:
+            return kernel
+        share = 1 / self.weights
+        if eval_gradient:
+            return kernel[0] * share, kernel[1] * share[:, None]
+        return kernel * share
+
+
+def whole(inputs: int, weights: Array | None = None) -> Kernel:
+    """Return the Chebyshev kernel times a variance, with noise of weighted cases."""
+    correlation = Chebyshev(np.full(inputs, 0.3), np.full(inputs, 0.3))
+    return ConstantKernel(1.0, VARIANCES) * correlation + Noise(weights=weights)
+
+
+def _products(factors: Sequence[Array]) -> list[Array]:
+    """Return the products of all other factors, one a factor."""
+    before = accumulate(factors[:-1], np.multiply, initial=np.ones(1))
+    after = accumulate(factors[:0:-1], np.multiply, initial=np.ones(1))
+    return [left * right for left, right in zip(before, reversed(list(after)), strict=True)]
+
+
+def sums(x: Array, y: Array, rho: float) -> tuple[Array, Array]:
+    """Return sum_{m>0} rho^(m-1) T_m(x) T_m(y), (n, m), and its slope by rho."""
+    x, y = np.clip(x, -1, 1), np.clip(y, -1, 1)
+    even = np.multiply.outer(x, y)
+    odd = np.multiply.outer(np.sqrt(1 - x * x), np.sqrt(1 - y * y))
+    value, slope = np.zeros_like(even), np.zeros_like(even)
+    for cosine in (even + odd, even - odd):  # of the difference and of the sum of the angles
+        inverse = 1 / (1 + rho * rho - 2 * rho * cosine)
+        part = (cosine - rho) * inverse
+        value += part / 2
+        slope += part * part - inverse / 2
+    return value, slope
+
+
+def sum_slopes(x: Array, y: Array, rho: float) -> Array:
+    """Return the slopes by x of the sums of `sums`, (n, m); zero beyond [-1, 1]."""
+    below, above, _, by_below, by_above = _quotient(np.clip(x, -1, 1)[:, None], np.clip(y, -1, 1)[None], rho)
+    slope = (by_above / 2 - above / below / 2 * by_below) / below
+    return np.asarray(np.where(np.abs(x)[:, None] <= 1, slope, 0.0))
+
+
+def sum_curvature(x: Array, rho: float) -> Array:
+    """Return the slopes by x and by y of the sums of `sums` at y = x, (n,)."""
+    inside = np.clip(x, -1, 1)
+    below, above, squared, by_below, by_above = _quotient(inside, inside, rho)
+    value = above / below / 2
+    slope = (by_above / 2 - value * by_below) / below
+    by_both = (2 * rho * rho + squared) - by_above / 2 * by_below / below  # the numerator's slope by both, halved
+    curvature = (by_both - slope * by_below + 4 * rho * squared * value + value * by_below**2 / below) / below
+    return np.asarray(curvature)
+
+
+def _quotient(x: Array, y: Array, rho: float) -> tuple[Array, Array, float, Array, Array]:
+    """Return denominator and numerator of twice the sums, 1 + rho^2, and the slopes of both by x."""
+    squared = 1 + rho * rho
+    even, circle = 2 * x * y, x * x + y * y - 1
+    below = squared**2 - 2 * rho * squared * even + 4 * rho * rho * circle
+    above = (squared + 2 * rho * rho) * even - 4 * rho * circle - 2 * rho * squared
+    by_below = -4 * rho * squared * y + 8 * rho * rho * x
+    by_above = 2 * (squared + 2 * rho * rho) * y - 8 * rho * x
+    return below, above, squared, by_below, by_above
+
+
+#: Cases from which the kernel's parameters are learnt, and cases of a process: the cost grows with their cube.
+SUBSET, MOST = 500, 3000
 #: End of the Chebyshev kernel in half-widths of the box: cases up to an eighth of the width outside are answered by it.
 REACH = 1.25
+_ITERATIONS = 25  # of the search for the most likely parameters
 
 
 class ScatterGP(GaussianProcess):
     """Gaussian process on scattered cases, any number of outputs.
 
-    Up to 500 cases, every output is a regressor of scikit-learn, whose cost grows with the cube of the number of cases.
-    The kernel "auto" is the Chebyshev kernel of `GridGP` on a box that is a quarter wider, with noise that is
-    estimated; its deviations are widened until the 95 % intervals of left-out cases hold, and grow outside of the box.
-    The kernels "rbf", "matern32" and "matern52" have a length scale an input and no noise but for a tiny nugget. With
-    "chebyshev", and with "auto" for more cases, the outputs are one process of finite rank (module `finiterank`), whose
-    cost grows with the number of cases, and whose noise is estimated as well. Standard deviations are those of a new
-    case, with its noise; `_std` of a gradient has no noise in it.
+    Every output is a regressor of scikit-learn. The kernel is the Chebyshev kernel of `GridGP` on a box that is a
+    quarter wider, with noise that is estimated; of more than 500 cases, its parameters are those of 500 random ones.
+    Deviations are those of a new case, with its noise: they are widened until the 95 % intervals of left-out cases
+    hold, and grow outside of the box. `_std` of a gradient has no noise in it.
 
     Parameters
     ----------
-    kernel : {"auto", "rbf", "matern32", "matern52", "chebyshev"}
-        Correlation function; "auto" is the Chebyshev kernel, full for up to 500 cases, of finite rank for more.
     inputs : sequence of Input, optional
         Inputs with box and scale; by default the variables that are not `outputs`, with the range of the cases.
     outputs : sequence of str, optional
         Outputs, by default the variables that are not `inputs`. One of the two must be given.
     nugget : float
-        Added to the diagonal, relative to the variance of the output, beside the noise that "auto" estimates;
-        "chebyshev" has none.
-    restarts : int
-        Restarts of the search for the maximum of the marginal likelihood; "chebyshev" has none.
+        Added to the diagonal, relative to the variance of the output, beside the noise that is estimated.
     random_state : int
-        Seed of the restarts, or of the choice of the cases from which the decay of "chebyshev" is learnt.
-    rank : int
-        Most features of "chebyshev"; there are at most half as many as cases. Time and memory grow with its square.
+        Seed of the choice of the cases from which the kernel's parameters are learnt.
 
     Attributes
     ----------
-    process_ : Exact or FiniteRank
-        What was fitted.
+    regressors_ : list of GaussianProcessRegressor
+        The fitted regressors, one an output.
 
     Examples
     --------
     >>> import numpy as np, xarray as xr
     >>> from surrogate import Input, ScatterGP
     >>> rng = np.random.default_rng(0)
-    >>> x, y = rng.uniform(-1, 1, (2, 5000))
+    >>> x, y = rng.uniform(-1, 1, (2, 200))
     >>> cases = xr.Dataset({"x": ("case", x), "y": ("case", y)})
-    >>> cases["f"] = ("case", np.exp(x * y) + 0.1 * rng.normal(size=5000))
-    >>> model = ScatterGP(inputs=[Input("x", -1, 1), Input("y", -1, 1)], rank=100).fit(cases)
+    >>> cases["f"] = ("case", np.exp(x * y) + 0.1 * rng.normal(size=200))
+    >>> model = ScatterGP(inputs=[Input("x", -1, 1), Input("y", -1, 1)]).fit(cases)
     >>> found = model.predict({"x": 0.5, "y": 0.4})
-    >>> bool(abs(found["f"] - np.exp(0.2)) < 0.02), bool(abs(found["f_std"] - 0.1) < 0.01)
+    >>> bool(abs(found["f"] - np.exp(0.2)) < 0.05), bool(abs(found["f_std"] - 0.1) < 0.03)
     (True, True)
     """
 
     engine: ClassVar[str] = "scatter"
-    process_: Exact | FiniteRank
-    _reach: float  # end of the kernel's coordinates in half-widths; 1 in files of former releases
+    parts: ClassVar[int] = 1
+    regressors_: list[GaussianProcessRegressor]
+    _stretch: Array  # factors that widen the deviations; (p,)
 
     def __init__(
         self,
-        kernel: KernelName = "auto",
         inputs: Sequence[Input] | None = None,
         outputs: Sequence[str] | None = None,
         nugget: float = 1e-10,
-        restarts: int = 0,
         random_state: int = 0,
-        rank: int = 2000,
     ) -> None:
-        self.kernel = kernel
         self.inputs = inputs
         self.outputs = outputs
         self.nugget = nugget
-        self.restarts = restarts
         self.random_state = random_state
-        self.rank = rank
-
-    @property
-    def regressors_(self) -> list[GaussianProcessRegressor]:
-        """The fitted regressors, one an output; none with "chebyshev"."""
-        return self.process_.regressors if isinstance(self.process_, Exact) else []
 
     def fit(self, X: xr.Dataset, weights: Array | None = None) -> Self:
         """Fit to scattered cases.
@@ -107,19 +247,14 @@ class ScatterGP(GaussianProcess):
         X : Dataset
             One dimension (such as `case`); inputs and outputs are variables over it.
         weights : ndarray, shape (n,), optional
-            How many cases each counts as: what the variance of its noise is divided by, all of them positive. Kernels
-            without noise have no use for them.
+            How many cases each counts as: what the variance of its noise is divided by, all of them positive.
 
         Raises
         ------
         ValueError
-            An unknown kernel, a rank below one, a data set of other dimensions, missing variables, values that are not
-            finite, a case outside the box, fewer than two cases for "chebyshev"; one line that names it.
+            A data set of other dimensions, missing variables, values that are not finite, a case outside the box, more
+            than 3,000 cases; one line that names it.
         """
-        if self.kernel not in KERNELS:
-            raise ValueError(f"kernel {self.kernel!r} is none of {', '.join(KERNELS)}")
-        if self.rank < 1:
-            raise ValueError(f"rank {self.rank} must be at least 1")
         inputs, names = self._roles(X)
         columns = {name: _column(X, name) for name in [*(input_.name for input_ in inputs), *names]}
         for factor_input in inputs:
@@ -132,82 +267,69 @@ class ScatterGP(GaussianProcess):
         self.inputs_, self.outputs_ = tuple(inputs), tuple(names)
         self.attrs_ = {name: text_attrs(X[name]) for name in names}
         self.calibration_ = None
-        points = np.stack([columns[input_.name] for input_ in inputs], axis=1)
-        values = np.stack([columns[name] for name in names], axis=1)
-        self.cases_, self.process_ = len(points), self._process(points, values, weights)
+        self.points_ = np.stack([columns[input_.name] for input_ in inputs], axis=1)
+        self.values_, self.weights_ = np.stack([columns[name] for name in names], axis=1), weights
+        self.cases_ = len(self.points_)
+        if self.cases_ > MOST:
+            raise ValueError(f"{self.cases_} scattered cases are more than {MOST}; a factorial has no such limit")
+        subset = np.sort(np.random.default_rng(self.random_state).permutation(self.cases_)[:SUBSET])
+        self._condition([self._most_likely(subset, column) for column in self.values_.T])
         return self
 
-    def _process(self, points: Array, values: Array, weights: Array | None) -> Exact | FiniteRank:
-        cases, t = len(points), unit_coordinates(self.inputs_, points) / REACH
-        self._reach = REACH
-        if self.kernel == "chebyshev" or (self.kernel == "auto" and cases > MANY):
-            if cases < 2:
-                raise ValueError(f"the kernel 'chebyshev' needs at least 2 cases, got {cases}")
-            return FiniteRank.fit(t, values, min(self.rank, cases // 2), self.random_state, weights)
-        self.points_, self.values_, self.weights_ = points, values, weights
-        noisy = self.kernel == "auto"
-        name, known = ("chebyshev", weights) if noisy else (self.kernel, None)
-        how = self.nugget, self.restarts, self.random_state, known, noisy
-        fitted = [regressor(name, t.T, column, None, *how) for column in values.T]
-        return Exact([name] * len(fitted), fitted, widened=True)
+    def _most_likely(self, subset: Indices, values: Array) -> Array:
+        """Return the most likely parameters of the kernel for some of the cases, as logarithms."""
+        kernel = whole(len(self.inputs_), None if self.weights_ is None else self.weights_[subset])
+        if np.ptp(values[subset]) == 0:  # nothing tells the parameters
+            return np.asarray(kernel.theta)
+        with warnings.catch_warnings():
+            # a parameter at its bound means an output that is flat or linear along an input, which is no fault
+            warnings.simplefilter("ignore", ConvergenceWarning)
+            fitted = self._regressor(kernel, _least).fit(self._scaled(self.points_[subset]), values[subset])
+        return np.asarray(fitted.kernel_.theta)
+
+    def _condition(self, thetas: Sequence[Array]) -> None:
+        """Condition the processes of given parameters on the cases."""
+        kernel, X = whole(len(self.inputs_), self.weights_), self._scaled(self.points_)
+        self.regressors_ = [
+            self._regressor(kernel.clone_with_theta(theta), None).fit(X, values)
+            for theta, values in zip(thetas, self.values_.T, strict=True)
+        ]
+        self._stretch = np.array([_stretch(regressor) for regressor in self.regressors_])
+
+    def _regressor(self, kernel: Kernel, optimizer: object) -> GaussianProcessRegressor:
+        return GaussianProcessRegressor(kernel, alpha=self.nugget, optimizer=optimizer, normalize_y=True)
+
+    def _scaled(self, points: Array) -> Array:
+        return np.asarray(unit_coordinates(self.inputs_, points).T / REACH)
 
     @override
     def state(self) -> xr.Dataset:
-        names = ("kernel", "nugget", "restarts", "random_state", "rank")
-        attrs = {name: getattr(self, name) for name in names} | {"reach": self._reach}
-        if isinstance(self.process_, FiniteRank):
-            return self.process_.state().assign_attrs(attrs)
-        thetas = [regressor.kernel_.theta for regressor in self.process_.regressors]
-        theta = np.zeros((len(thetas), max(map(len, thetas))))  # kernels have unequally many parameters
-        for row, parameters in zip(theta, thetas, strict=True):
-            row[: len(parameters)] = parameters
-        weights = np.ones(len(self.points_)) if self.weights_ is None else self.weights_
+        weights = np.ones(self.cases_) if self.weights_ is None else self.weights_
         return xr.Dataset(
             {
                 "point": (("case", "input"), self.points_),
                 "value": (("case", "output"), self.values_),
                 "weight": ("case", weights),
-                "theta": (("output", "theta_index"), theta),
+                "theta": (("output", "theta_index"), [regressor.kernel_.theta for regressor in self.regressors_]),
             },
-            attrs=attrs | {"kernels": " ".join(self.process_.kernels)},
+            attrs={"nugget": self.nugget, "random_state": self.random_state, "reach": REACH},
         )
 
     @override
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
         attrs = stored.attrs
-        if attrs["kernel"] not in KERNELS:
-            raise ValueError(f"unknown kernel {attrs['kernel']!r}")
-        model = cls(
-            attrs["kernel"],
-            inputs,
-            tuple(outputs),
-            float(attrs["nugget"]),
-            int(attrs["restarts"]),
-            int(attrs["random_state"]),
-            int(attrs["rank"]),
-        )
+        if float(attrs.get("reach", 1.0)) != REACH or "feature_degree" in stored:
+            raise ValueError("scattered cases of a kernel that is not read any more: fit them again")
+        model = cls(inputs, tuple(outputs), float(attrs["nugget"]), int(attrs["random_state"]))
         model.inputs_, model.outputs_, model.attrs_ = inputs, tuple(outputs), outputs
-        model._reach = float(attrs.get("reach", 1.0))
-        if "feature_degree" in stored:
-            model.process_ = FiniteRank.restore(stored, len(inputs), len(outputs))
-            return model
         model.points_ = stored["point"].transpose("case", "input").values
         model.values_ = stored["value"].transpose("case", "output").values
-        model.weights_ = stored["weight"].values if "weight" in stored else None
+        model.weights_, model.cases_ = stored["weight"].values, len(model.points_)
         theta = stored["theta"].transpose("output", "theta_index").values
-        usual = " ".join(["matern52" if model.kernel == "auto" else model.kernel] * len(outputs))
-        kernels, noisy = attrs.get("kernels", usual).split(), model.kernel == "auto" and "kernels" in attrs
-        if len(kernels) != len(outputs) or not set(kernels) <= set(KERNELS) - {"auto"}:
-            raise ValueError(f"kernels {' '.join(kernels)!r} for {len(outputs)} outputs")
-        counts = [len(whole(kernel, len(inputs), noisy).theta) for kernel in kernels]
-        if theta.shape[1] != max(counts):
+        if theta.shape != (len(outputs), len(whole(len(inputs)).theta)):
             raise ValueError(f"theta has {theta.shape[1]} columns for {len(inputs)} inputs")
-        X = unit_coordinates(inputs, model.points_).T / model._reach
-        how = model.nugget, 0, model.random_state, model.weights_, noisy
-        columns = zip(kernels, model.values_.T, theta, counts, strict=True)
-        regressors = [regressor(kernel, X, y, parameters[:count], *how) for kernel, y, parameters, count in columns]
-        model.process_ = Exact(kernels, regressors, model._reach > 1)
+        model._condition(list(theta))
         return model
 
     def _roles(self, X: xr.Dataset) -> tuple[Sequence[Input], list[str]]:
@@ -226,22 +348,70 @@ class ScatterGP(GaussianProcess):
         ]
         return inputs, output_names(X, self.outputs, exclude=())
 
-    @property
-    def parts(self) -> int:
-        """Number of parts of the variance: one, or with "chebyshev" two, that of the function and the noise."""
-        return self.process_.parts
-
     @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        return self.process_.mean_variance(t / self._reach, weights)
+        """Return means and variances; beyond the kernel's end a mean stays, and its deviation grows by its slope."""
+        X = t.T / REACH
+        if weights is None:
+            return np.stack([regressor.predict(X) for regressor in self.regressors_]), None
+        with warnings.catch_warnings():
+            # at a training point the variance is zero up to rounding, and scikit-learn warns of its sign
+            warnings.filterwarnings("ignore", message="Predicted variances smaller than 0")
+            pairs = [regressor.predict(X, return_std=True) for regressor in self.regressors_]
+        variance = np.stack([std**2 for _, std in pairs])
+        beyond = np.maximum(np.abs(X) - 1, 0)
+        if beyond.any():
+            for p, (size, kernel) in enumerate(map(_process, self.regressors_)):
+                variance[p] += size * np.einsum("dn,nd->n", kernel.steepness(X), beyond**2)
+        return np.stack([mean for mean, _ in pairs]), (weights[0] * self._stretch**2)[:, None] * variance
 
     @override
     def slopes(self, t: Array) -> Array:
-        return self.process_.slopes(t / self._reach) / self._reach
+        X, slopes = t.T / REACH, np.empty((len(t), len(self.regressors_), t.shape[1]))
+        for p, regressor in enumerate(self.regressors_):
+            size, kernel = _process(regressor)
+            weights = regressor.alpha_ * size / regressor._y_train_std
+            for i, slope in enumerate(kernel.slopes(X, regressor.X_train_)):
+                slopes[i, p] = slope @ weights
+        return slopes / REACH
 
     @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        return self.process_.slope_variances(t / self._reach, weights) / self._reach**2
+        X, variances = t.T / REACH, np.empty((len(t), len(self.regressors_), t.shape[1]))
+        for p, regressor in enumerate(self.regressors_):
+            size, kernel = _process(regressor)
+            prior = kernel.steepness(X)
+            for i, slope in enumerate(kernel.slopes(X, regressor.X_train_)):
+                white = solve_triangular(regressor.L_, slope.T, lower=True)
+                known = size / regressor._y_train_std**2 * np.einsum("nb,nb->b", white, white)
+                variances[i, p] = weights[0, p] * size * np.maximum(prior[i] - known, 0)
+        return np.asarray(variances * (self._stretch[:, None] / REACH) ** 2)
+
+
+def _least(cost: Callable[[Array], tuple[float, Array]], start: Array, bounds: Array) -> tuple[Array, float]:
+    """Return the parameters of least cost and the cost, by scikit-learn's rule for optimisers."""
+    limits = scipy.optimize.Bounds(bounds[:, 0], bounds[:, 1])
+    optimum = scipy.optimize.minimize(
+        cost, start, method="L-BFGS-B", jac=True, bounds=limits, options={"maxiter": _ITERATIONS}
+    )
+    return optimum.x, float(optimum.fun)
+
+
+def _process(regressor: GaussianProcessRegressor) -> tuple[float, Chebyshev]:
+    """Return the variance of a regressor's process in units of its output, and its correlation."""
+    signal = regressor.kernel_.k1
+    return float(signal.k1.constant_value) * float(regressor._y_train_std) ** 2, signal.k2
+
+
+def _stretch(regressor: GaussianProcessRegressor) -> float:
+    """Return the factor by which 95 % intervals of every case, left out, hold it: at least 1.
+
+    Left-out errors over their deviations: Rasmussen and Williams (2006), equation 5.12.
+    """
+    inverse = cho_solve((regressor.L_, True), np.eye(len(regressor.L_)))
+    scores = np.sort(np.abs(regressor.alpha_) / np.sqrt(np.diag(inverse)))
+    rank = min(len(scores), int(np.ceil(NOMINAL * (len(scores) + 1))))
+    return max(1.0, float(scores[rank - 1] / Normal().ends(NOMINAL)[1, 0]))
 
 
 def _column(X: xr.Dataset, name: str) -> Array:

@@ -31,7 +31,7 @@ _ROUNDS, _NEAR, _FEWEST = 4, 1.2, 500
 # Logarithms of lengths [rad] before any case: normal about this one, with this standard deviation; and their bounds.
 _LIKELY, _SPREAD, _BOUNDS = 0.3, 1.5, (1e-3, 1e2)
 _ROUNDING = 1e-9  # added to the correlation's diagonal before it is decomposed
-_BLOCK = 512  # points whose correlations with all others are held at a time
+_NEIGHBOURS_AT_ONCE = 512  # points whose correlations with all others are held at a time
 
 
 @dataclass(frozen=True)
@@ -197,7 +197,7 @@ def ends(distribution: Distribution, copula: Copula | None, level: float, sizes:
     spread = np.cov(scores).reshape(len(scores), -1) @ sizes
     scale = np.sqrt(np.maximum((sizes * spread).sum(axis=0), np.finfo(np.float64).tiny))
     squares = np.zeros(2)
-    for block in blocks(len(scale), _BLOCK):
+    for block in blocks(len(scale), _NEIGHBOURS_AT_ONCE):
         alike = copula.near(t[:, block], t) * (sizes[:, block].T @ spread) / np.multiply.outer(scale[block], scale)
         squares += [float(end[block] @ alike @ end) for end in quantiles]
     return np.sqrt(np.maximum(squares, 0)) * [-1, 1]

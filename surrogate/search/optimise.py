@@ -15,7 +15,7 @@ _CONVERGED = 1e-14  # change of the objective, and excess, at which sequential q
 _BINDS = 1e-7  # margin below which a row binds once it has ended
 _ROUNDING = 1e-15  # margin that no step lessens
 _STANDS = 1e-9  # change of all variables that is none
-_STEPS, _ROUNDS, _STARTS = 4, 3, 6
+_SEARCH_STEPS, _ROUNDS, _STARTS = 4, 3, 6
 _TIE = 1e-11  # share of the objective's range over the box that counts as none
 _VANISHING = 1e-100  # share of the largest slope below which one is none
 
@@ -74,7 +74,7 @@ def improve(problem: Problem, x: Array, scale: float) -> Optimum:
 def retreat(problem: Problem, x: Array) -> Array:
     """Step back into the limits by shortest Newton steps along the gradients of violated limits."""
     exceeding: Flags = np.zeros(0, dtype=bool)
-    for _ in range(_STEPS):
+    for _ in range(_SEARCH_STEPS):
         rows = problem.value(x[None])[1][0]
         if not np.any(rows > 0):
             break
@@ -237,7 +237,7 @@ def _settled(z: Array, d: int, margins: Callable[[Array], Array], slope: Callabl
     """
     z = np.append(np.clip(z[:d], -1.0, 1.0), z[d])
     rows = margins(z)
-    for _ in range(_STEPS):
+    for _ in range(_SEARCH_STEPS):
         near = rows < _BINDS
         if not near.any() or np.abs(rows[near]).max() <= _ROUNDING:
             break

@@ -19,7 +19,7 @@ from surrogate.face.model import GaussianProcess
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.imputation import MOST
 from surrogate.gp.imputation import fit as fit_with_missing
-from surrogate.gp.scattergp import KernelName, ScatterGP
+from surrogate.gp.scattergp import ScatterGP
 from surrogate.transforms.boundedgp import BoundedGP, linked
 
 Design = Literal["auto", "factorial", "scattered"]
@@ -35,20 +35,18 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
     scaler makes of such levels, in any order, are fitted by `GridGP`: with spectral accuracy, free of noise, at a cost
     that grows little faster than their number. A case that stands twice with the same outputs counts once, and where a
     few combinations are missing they are filled in by the process itself, and a warning says so. All others, a
-    factorial of other levels among them, are fitted by `ScatterGP`, with a noise that is estimated: up to 500 by the
-    kernel that is most likely, at the cube of their number, more at a cost that grows with their number.
+    factorial of other levels among them, are fitted by `ScatterGP`, with a noise that is estimated: at most 3,000,
+    at a cost that grows with the cube of their number.
 
     Parameters
     ----------
     design : {"auto", "factorial", "scattered"}
         Which of the two the cases are; by default they are looked at. "factorial" refuses those that are none.
-    kernel : {"auto", "rbf", "matern32", "matern52", "chebyshev"}
-        Correlation function of scattered cases, see `ScatterGP`.
     inputs : sequence of Input, optional
         Range and scale of every column, in their order. By default the range of the cases on a linear scale or, of
         Chebyshev-Gauss levels, the range and scale that they are those of.
     nugget : float
-        Added to the diagonal of the correlation, relative to the variance of the output; the chebyshev kernel has none.
+        Added to the diagonal of the correlation, of scattered cases, relative to the variance of the output.
     extrapolate : bool
         Answer outside the range of the cases too, as cross-validation must; False raises `OutOfBoxError` there.
     bounds : (float, float), optional
@@ -85,14 +83,12 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
     def __init__(
         self,
         design: Design = "auto",
-        kernel: KernelName = "auto",
         inputs: Sequence[Input] | None = None,
         nugget: float = 1e-10,
         extrapolate: bool = True,
         bounds: tuple[float, float] | None = None,
     ) -> None:
         self.design = design
-        self.kernel = kernel
         self.inputs = inputs
         self.nugget = nugget
         self.extrapolate = extrapolate
@@ -109,18 +105,16 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
             Outputs.
         sample_weight : array-like, shape (n,), optional
             How many cases each counts as: none of those of weight zero, and of others the noise has so many times less
-            variance. What has no noise, a factorial or a kernel that is named, has no other use for them.
+            variance. A factorial, which has no noise, has no other use for them.
 
         Raises
         ------
         ValueError
             Values that are not finite numbers, negative weights, fewer than two cases, a constant column, cases outside
-            of `inputs`, an unknown kernel or design, or no factorial where one is asked for; one line.
+            of `inputs`, an unknown design, or no factorial where one is asked for; one line.
         """
         if self.design not in get_args(Design):
             raise ValueError(f"design {self.design!r} is none of {', '.join(get_args(Design))}")
-        if self.kernel not in get_args(KernelName):
-            raise ValueError(f"kernel {self.kernel!r} is none of {', '.join(get_args(KernelName))}")
         columns, outputs = validate_data(
             self, unmasked(X), unmasked(y), dtype=np.float64, multi_output=True, y_numeric=True, ensure_min_samples=2
         )
@@ -235,7 +229,7 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         pairs = zip([*names, *outputs], [*columns.T, *values.T], strict=True)
         data = xr.Dataset({name: (case, column) for name, column in pairs})
         case_weights = None if (weights == 1).all() else weights
-        return ScatterGP(self.kernel, self.inputs, outputs, self.nugget).fit(data, case_weights)
+        return ScatterGP(self.inputs, outputs, self.nugget).fit(data, case_weights)
 
 
 def _places(columns: Array, levels: Sequence[Array]) -> Indices | None:

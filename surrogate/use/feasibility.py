@@ -19,7 +19,7 @@ from surrogate.face.region import Region
 #: cases and terms that are learnt from.
 PASSING, MARGIN, FOLDS, MOST_CASES, MOST_TERMS = 0.05, 0.01, 5, 6000, 100
 #: Highest total degree that is tried, cases that a term needs, the ridge, and steps of Newton's iteration.
-_DEGREES, _CASES_A_TERM, _RIDGE, _STEPS = (1, 2, 3, 4, 6), 4, 1e-4, 60
+_DEGREES, _CASES_A_TERM, _RIDGE, _REGRESSION_STEPS = (1, 2, 3, 4, 6), 4, 1e-4, 60
 #: Refused cases whose reasons are kept.
 _TOLD = 200
 
@@ -103,7 +103,7 @@ def _fitted(terms: Array, refused: Flags) -> Array:
 
     fitted = np.zeros(len(terms))
     least = cost(fitted)
-    for _ in range(_STEPS):
+    for _ in range(_REGRESSION_STEPS):
         share = 1 / (1 + np.exp(-np.clip(sign * (fitted @ terms), -500, 500)))
         gradient = terms @ (sign * share) / terms.shape[1] + penalty * fitted
         hessian = (terms * (share * (1 - share))) @ terms.T / terms.shape[1] + np.diag(penalty)

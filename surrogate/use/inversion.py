@@ -21,7 +21,7 @@ _FIRST = {1: 256, 2: 48, 3: 16}  # cells an input at first, by the number of inp
 _FINE = 0.12  # half of what outputs may change within a cell, in standard deviations
 _NEGLIGIBLE = 14.0  # drop of the log-posterior below its largest value
 _ROUNDS = 60
-_MOST = 400_000  # cells
+_MOST_CELLS = 400_000  # cells
 _HOPELESS = 1e15  # misfit, under errors that hold what outputs change within a cell: all cells are alike so far away
 
 #: Errors of measurement, in any unit, whose squares floating point holds.
@@ -117,7 +117,7 @@ class Inversion:
             cells = cells.only(density >= density.max() - _NEGLIGIBLE)
             changes = (cells.change / np.hypot(errors, cells.std)[:, None]).max(-1)
             coarse = changes.sum(-1) > _FINE
-            if not coarse.any() or len(cells.centre) > _MOST:
+            if not coarse.any() or len(cells.centre) > _MOST_CELLS:
                 break
             halves = self._answered(self._halved(cells.only(coarse), changes[coarse].argmax(-1)))
             cells = cells.only(~coarse).joined(halves)

@@ -1,10 +1,14 @@
-"""Points, series and interpolation against closed forms and numpy's own fits."""
+"""Points, series, products of polynomials and interpolation against numpy; Sobol's points."""
 
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev as theirs
+from numpy.polynomial.chebyshev import chebder, chebval
 
+from approximation import products
+from approximation.arrays import blocks
 from approximation.chebyshev import coefficients, gauss_points, interpolation, mapped_points, polynomials, slopes
+from approximation.sobol import sobol_points
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 8, 41])
@@ -47,3 +51,39 @@ def test_polynomials_and_slopes_are_cosines_of_multiples(size: int) -> None:
     exact = orders * np.sin(orders * angle) / np.sin(angle)
     np.testing.assert_allclose(slopes(np.cos(angle), T), exact, rtol=0, atol=1e-10)
     np.testing.assert_allclose(polynomials(np.array([2.0]), 4)[:, 0], [1, 2, 7, 26], rtol=1e-15)
+
+
+DEGREES = np.array([[0, 0, 0], [3, 0, 1], [0, 5, 0], [2, 1, 4]])
+
+
+def series(degree: int) -> list[float]:
+    return [0.0] * degree + [1.0]
+
+
+@pytest.mark.parametrize("count", [1, 7, 50])
+def test_values_and_slopes_are_those_of_the_series(count: int) -> None:
+    t = np.random.default_rng(0).uniform(-1, 1, (3, count))
+    table = np.array([[chebval(x, series(degree)) for degree, x in zip(row, t, strict=True)] for row in DEGREES])
+    np.testing.assert_allclose(products.values(DEGREES, t), table.prod(axis=1), atol=1e-13)
+    for k, slope in enumerate(products.slopes(DEGREES, t)):
+        steep = table.copy()
+        steep[:, k] = [chebval(t[k], chebder(series(degree))) for degree in DEGREES[:, k]]
+        np.testing.assert_allclose(slope, steep.prod(axis=1), atol=1e-12)
+
+
+def test_blocks_cover_every_place_once() -> None:
+    places = np.arange(11)
+    assert np.concatenate([places[block] for block in blocks(11, 4)]).tolist() == places.tolist()
+
+
+def test_each_of_equal_strips_of_a_cube_has_one_point() -> None:
+    for seed in (None, 0, 3):
+        points = sobol_points(64, 3, seed)
+        assert points.shape == (64, 3)
+        for along in points.T:
+            assert sorted(np.floor(64 * along)) == list(range(64))
+
+
+def test_a_seed_decides_the_points() -> None:
+    assert np.array_equal(sobol_points(16, 2, 1), sobol_points(16, 2, 1))
+    assert not np.array_equal(sobol_points(16, 2, 1), sobol_points(16, 2, 2))

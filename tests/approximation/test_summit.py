@@ -27,7 +27,7 @@ def test_a_measure_is_the_largest_eigenvalue_it_is_written_as() -> None:
 @pytest.mark.parametrize("top", [-0.37, 0.0, 0.81, 1.6])
 def test_the_top_of_one_field_on_a_line_is_found_to_rounding_inside_and_at_an_end(top: float) -> None:
     values = np.exp(-((gauss_points(40) - top) ** 2))[None, None, None]
-    summit = highest(values, (40,), ITSELF, 1e-8)
+    summit = highest(values, (40,), ITSELF)
     across, down, value = summit.across, summit.down, summit.value
     place = min(top, 1.0)
     np.testing.assert_allclose(across, place, rtol=0, atol=1e-12)
@@ -40,7 +40,7 @@ def test_the_top_of_a_norm_over_a_square_is_that_of_an_optimiser() -> None:
         return np.array([np.exp(-3 * (x - 0.3) ** 2 - y**2), 0.4 * np.sin(2 * x + y)])
 
     x, y = np.meshgrid(gauss_points(30), gauss_points(24))
-    top = highest(fields(x, y)[None], (30,), NORM, 1e-8)
+    top = highest(fields(x, y)[None], (30,), NORM)
     across, down, value = top.across, top.down, top.value
 
     def below(place: Array) -> float:
@@ -58,14 +58,14 @@ def test_of_hills_that_are_nearly_as_high_the_higher_is_found_though_its_points_
 
     x = line((60, 60), (-2.0, 0.0, 2.0))
     other_middle, middle = x[30], (x[89] + x[90]) / 2
-    top = highest(field(x)[None, None, None], (60, 60), ITSELF, 1e-8)
+    top = highest(field(x)[None, None, None], (60, 60), ITSELF)
     assert top.panel == (1 if lean > 0 else 0)
     np.testing.assert_allclose(top.value, 1 + max(lean, 0.0), rtol=1e-9)
 
 
 def test_of_equal_tops_the_first_is_given() -> None:
     x = line((30, 30), (-1.0, 0.0, 1.0))
-    top = highest(np.cos(2 * np.pi * (np.abs(x) - 0.5))[None, None, None], (30, 30), ITSELF, 1e-8)
+    top = highest(np.cos(2 * np.pi * (np.abs(x) - 0.5))[None, None, None], (30, 30), ITSELF)
     assert top.panel == 0
     np.testing.assert_allclose(top.across, 0.0, atol=1e-9)
 

@@ -145,7 +145,7 @@ ATTACKS: dict[str, tuple[Callable[[int], object], str]] = {
 
 
 def endless(*_: object) -> None:
-    """In place of `examined.examine`, as are those below: a file that keeps the library busy."""
+    """Replace `examined.examine`, as the next two do: a file that keeps the library busy."""
     examined.limit()
     while True:
         pass

@@ -12,12 +12,12 @@ from typing import Literal
 
 import psutil
 
-from tests.patience import PATIENCE
-from tests.workflow import nursery, warm
+from tests import warm
+from tests.programs import PATIENCE
 from tests.workflow.conftest import Project
 
 Victim = Literal["job", "snakemake"]
-Run = nursery.Running | subprocess.Popen[bytes]
+Run = warm.Running | subprocess.Popen[bytes]
 
 
 def start(project: Project, study: str, *files: str, cold: bool = False) -> Run:
@@ -27,7 +27,7 @@ def start(project: Project, study: str, *files: str, cold: bool = False) -> Run:
         command = ["snakemake", "--cores", "2", *(f"results/{study}/{file}" for file in files)]
     log = project.folder / "run.log"
     if not cold:
-        return nursery.Running(command, project.folder, project.modules, (os.devnull, log, log))
+        return warm.Running(command, project.folder, project.modules, (os.devnull, log, log))
     environment = {**os.environ, "PYTHONPATH": str(project.modules), "OMP_NUM_THREADS": "1"}
     program = Path(sys.executable).with_name(command[0])
     with log.open("ab") as output:
@@ -52,7 +52,7 @@ def jobs(run: Run) -> list[psutil.Process]:
     with suppress(psutil.Error):
         for process in psutil.Process(run.pid).children(recursive=True):
             with suppress(psutil.Error):
-                if any("/.snakemake/scripts/" in word or word == warm.__file__ for word in process.cmdline()):
+                if any("/.snakemake/scripts/" in word or warm.FORKED in word for word in process.cmdline()):
                     descendants.append(process)
     return descendants
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from tests import warm
 from tests.faults.conftest import RESULTS, contents
 from tests.faults.processes import wait_for_orphans
-from tests.workflow import nursery
 from tests.workflow.conftest import Project
 
 Maker = Callable[[str], Project]
@@ -35,7 +35,7 @@ def small_disk(folder: Path, kilobytes: int) -> Iterator[Callable[[], None]]:
 
 def as_plain_user(project: Project, *command: str) -> subprocess.CompletedProcess[str]:
     """Run a command that permissions bind."""
-    return nursery.run(command, project.folder, project.modules, bound=True)
+    return warm.run(command, project.folder, project.modules, bound=True)
 
 
 def leaves_whole_files(full: subprocess.CompletedProcess[str], project: Project, expected: dict[str, bytes]) -> int:

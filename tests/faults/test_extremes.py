@@ -7,17 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import FactorError, Material, MaterialError, find, solve
+from solver import FactorError, MaterialError, solve
 from solver.fields import FIELDS
-from solver.material.constants import UNITS
 from solver.names import QUANTITIES
 from storage.netcdf import read_whole
 from workflow.cli.main import main
 
-FRICTIONS = [0.0, 1e-12, 1e-6, 1e-2, 1.0, 10.0]
-RADII = [1e-9, 1e-6, 1e-3, 1.0, 1e3]
+FRICTIONS = [0.0, 1e-12, 1e-2, 10.0]
+RADII = [1e-9, 1e-3, 1e3]
 LOADS = [1e-3, 1.0, 1e3, 1e6, 1e9]
-FRACTIONS = [0.0, 1e-15, 0.5, 1 - 1e-15, 1.0]
+FRACTIONS = [0.0, 1e-15, 0.5, 1.0]
 POSITIONS = [-1e6, -1 - 1e-12, -1 + 1e-12, 0.0, 1 - 1e-12, 1 + 1e-12, 1e6]
 
 
@@ -46,21 +45,6 @@ def test_factors_over_twelve_decades(composite: str) -> None:
         solved += finite_or_named(case, "load")
     assert len(solved) == len(FRICTIONS) * len(RADII) * len(LOADS) * len(FRACTIONS)
     assert np.mean(solved) > 0.9  # an error is the exception: a contact as wide as the datum
-
-
-@pytest.mark.sampled(3)
-@pytest.mark.parametrize("name", ["steel", "BaTiO3", "PZT-4"])
-@pytest.mark.parametrize("share", [0.0, 1e-15, 1e-12, 1e-8, 1e-4])
-def test_nearly_degenerate_materials(name: str, share: float) -> None:
-    material = find(name)
-    constants = {constant: float(getattr(material, constant)) for constant in UNITS}
-    for moved in ("c11", "c44", "e15", "eps11", "mu33"):
-        near = Material.from_mapping(
-            {"name": "near", **constants, moved: constants[moved] * (1 + share) + (share if moved == "e15" else 0.0)}
-        )
-        assert all(
-            finite_or_named({"material": near, "friction": [0.0, 1e-12, 0.3], "radius": 0.05, "load": 1e5}, "friction")
-        )
 
 
 def test_no_file_holds_what_is_not_finite(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

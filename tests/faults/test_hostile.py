@@ -108,7 +108,7 @@ def few_and_many(few: int, many: int) -> Callable[[Callable[..., None]], Any]:
 
 
 @pytest.mark.soakable
-@few_and_many(60, 3000)
+@few_and_many(30, 3000)
 @given(content=hostile.spoilt(hostile.CASES))
 def test_tables_of_cases(content: bytes, place: Path) -> None:
     (place / "cases.csv").write_bytes(content)
@@ -124,7 +124,7 @@ def test_tables_of_points(content: bytes, place: Path) -> None:
 
 
 @pytest.mark.soakable
-@few_and_many(60, 2000)
+@few_and_many(30, 2000)
 @given(content=hostile.spoilt(hostile.MATERIAL))
 def test_materials(content: bytes, place: Path) -> None:
     (place / "mine.yaml").write_bytes(content)
@@ -132,7 +132,7 @@ def test_materials(content: bytes, place: Path) -> None:
 
 
 @pytest.mark.soakable
-@few_and_many(150, 3000)
+@few_and_many(60, 3000)
 @given(content=hostile.spoilt(hostile.STUDY))
 def test_studies(content: bytes, place: Path) -> None:
     (place / "config/tiny.yaml").write_bytes(content)
@@ -162,7 +162,7 @@ def test_names_of_studies(name: str, place: Path) -> None:
 
 
 @pytest.mark.soakable
-@few_and_many(40, 3000)
+@few_and_many(20, 3000)
 @given(seed=st.integers(0, 2**64), flips=st.integers(1, 30), sealed=st.booleans(), tail=st.integers(0, 300))
 def test_bytes_of_surrogates(seed: int, flips: int, sealed: bool, tail: int, place: Path) -> None:
     dice = random.Random(seed)

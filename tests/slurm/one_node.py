@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tests import programs
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE
 
 CONF = Path("/etc/slurm/slurm.conf")
 MARK = "# written by the tests of meecontact"

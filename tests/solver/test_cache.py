@@ -1,4 +1,4 @@
-"""Results that the solver keeps are bounded by their bytes together, and no allocation by a case's numbers."""
+"""Stored results are bounded by their bytes together, allocations by a case's numbers; rows that differ."""
 
 from functools import cached_property
 from typing import Any
@@ -8,7 +8,7 @@ import pytest
 
 import solver
 from solver import cache
-from solver.arrays import Array
+from solver.arrays import Array, distinct_rows
 
 FILM: dict[str, Any] = {"material": "PZT-4", "thickness": 1e-4, "base": "steel", "magnetic": "insulating"}
 
@@ -64,17 +64,24 @@ def test_what_results_share_counts_once_and_a_view_as_its_whole_array(monkeypatc
     assert cache.trim() <= 1e6
 
 
-@pytest.mark.parametrize(
-    "case", [{"radius": 0.01, "load": 1e4}, {"profile": "sphere", "radius": 0.01, "force": 1.0}], ids=["line", "point"]
-)
-def test_a_gap_permittivity_that_no_medium_has_is_refused(case: dict[str, Any]) -> None:
-    for value in (1e300, 1.1e6):
-        with pytest.raises(solver.FactorError, match=r"gap_permittivity: .* and <= 1e\+06"):
-            solver.solve(FILM | case | {"gap_permittivity": value})
-
-
 def test_charges_that_spread_without_end_are_refused_before_their_table_is_made() -> None:
     weak = {name: float(getattr(solver.find("PZT-4"), name)) for name in ("c11", "c12", "c13", "c33", "c44")}
     film = solver.Material.from_mapping(weak | {"name": "weak", "eps11": "1e-300 F/m", "eps33": "1e-300 F/m"})
     with pytest.raises(solver.FactorError, match="surroundings: "):
         solver.solve(FILM | {"material": film, "radius": 0.01, "load": 1e4})
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        np.tile([2.0, 1.0], (5, 1)),
+        np.array([[3.0, 7.0, 1.0], [1.0, 7.0, 2.0], [3.0, 7.0, 1.0], [1.0, 7.0, np.inf]]),
+        np.ones((1, 3)),
+    ],
+    ids=["alike", "one column constant", "one row"],
+)
+def test_distinct_rows_are_those_of_every_column_sorted(rows: Array) -> None:
+    computed, which = distinct_rows(rows)
+    distinct, all_of = np.unique(rows, axis=0, return_inverse=True)
+    np.testing.assert_array_equal(computed, distinct)
+    np.testing.assert_array_equal(which, all_of.ravel())

@@ -11,6 +11,7 @@ import solver
 from solver.body import KINDS, Kind, kind_of
 from solver.curves import SIZES
 from solver.fields import EVERY_FIELD, EVERY_INTERIOR
+from solver.material.constants import ANY_SIZE, UNITS
 from solver.names import ALL_QUANTITIES
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers, weight_of
 from tests.solver.cases import assert_alike, assert_finite, refused
@@ -186,15 +187,61 @@ def scaled(case: Case, size: float, strength: float) -> Case:
 
 @each_variant
 def test_similar_cases_have_similar_answers(case: Case) -> None:
+    """Random factors; the stiffness of an elastic punch does not scale, so that only its lengths do."""
+    size, strength = 2.0 ** np.random.default_rng(len(case)).uniform(-1, 1, 2)
     if case.get("punch") == "steel":
-        pytest.skip("the stiffness of a punch does not scale")
+        strength = 1.0
     case = case | ({"datum": 0.3} if "load" in case else {})
-    first, other = (solver.solve(similar, X) for similar in (case, scaled(case, 0.7, 1.3)))
+    first, other = (solver.solve(similar, X) for similar in (case, scaled(case, size, strength)))
     assert set(first) == set(other)
     for name, values in first.data_vars.items():
         power = QUANTITY_WEIGHTS[str(name)]
-        expected = values.values * 0.7**power.size * 1.3**power.strength
+        expected = values.values * size**power.size * strength**power.strength
         np.testing.assert_allclose(other[name], expected, rtol=0, atol=1e-6 * np.abs(expected).max(), err_msg=str(name))
+
+
+COUPLINGS = {"e31": "f31", "e33": "f33", "e15": "f15"}
+EXCHANGED = COUPLINGS | {"eps11": "mu11", "eps33": "mu33"}
+#: Parts of a name, and what they become when electric and magnetic fields change places.
+PARTNERS = (
+    ("voltage", "magnetic_potential"), ("electric_displacement", "magnetic_induction"), ("electric", "magnetic"),
+    ("charge", "flux"), ("volt", "ampere"), ("capacitance", "permeance"),
+)  # fmt: skip
+
+
+def partner(name: str) -> str:
+    """Name of the same quantity or constant of the other field."""
+    for first, other in PARTNERS:
+        for old, new in ((first, other), (other, first)):
+            if old in name:
+                return name.replace(old, new)
+    return name
+
+
+@pytest.mark.parametrize("name", ["half-plane", "film", "half-space", "point film"])
+def test_reversed_poling_reverses_the_fields_and_electric_and_magnetic_ones_may_change_places(name: str) -> None:
+    charges = kind(BODIES[name]).loads.charges
+    case = BODIES[name] | {"magnetic": "conducting"} | ({"base": "rigid"} if "film" in name else {})
+    case |= {"friction": 0.3} if "load" in case else {}
+    mix = solver.find("BaTiO3-CoFe2O4 50:50")
+    constants: Case = {constant: getattr(mix, constant) for constant in UNITS}
+
+    def solved(change: Case, T: float, J: float) -> xr.Dataset:
+        material = solver.Material(**constants | change, name="image", any_size=ANY_SIZE)
+        return solver.solve(case | {"material": material, charges[0]: T, charges[1]: J}, X)
+
+    T, J = (share * case[pressing(case)[0]] for share in (1e-11, -1e-8))
+    plain = solved({}, T, J)
+    swapped = {**EXCHANGED, **{other: first for first, other in EXCHANGED.items()}}
+    poled = solved({constant: -constants[constant] for pair in COUPLINGS.items() for constant in pair}, -T, -J)
+    exchanged = solved({constant: constants[other] for constant, other in swapped.items()}, J, T)
+    for quantity, values in plain.data_vars.items():
+        size = 1e-9 * float(np.abs(values).max())
+        odd = {unit.rstrip("-0123456789/") for unit in values.attrs["units"].split()} & {"V", "A", "C", "T", "Wb"}
+        sign = -1 if len(odd) % 2 and quantity != "nominal_field" else 1
+        np.testing.assert_allclose(poled[quantity], sign * values, rtol=0, atol=size, err_msg=str(quantity))
+        if (other := partner(str(quantity))) in exchanged and quantity != "nominal_field":
+            np.testing.assert_allclose(exchanged[other], values, rtol=0, atol=size, err_msg=other)
 
 
 def test_a_stack_scales_with_its_layers_and_every_name_has_its_powers() -> None:
@@ -218,10 +265,12 @@ def test_a_stack_scales_with_its_layers_and_every_name_has_its_powers() -> None:
 
 @each_body
 def test_fields_inside_meet_those_on_the_surface(case: Case) -> None:
-    inside = solver.solve_interior(case, X, [0.0], fields=["stress_yy", "electric_potential"])
+    inside = solver.solve_interior(case, X, [0.0], fields=["stress_yy", "stress_xx", "electric_potential"])
     surface = solver.solve(case, X)
+    along = surface["stress_xx" if "load" in case else "radial_stress"].values
+    np.testing.assert_allclose(inside["stress_xx"][0], along, rtol=0, atol=1e-9 * np.abs(along).max())
     pressure = surface["contact_pressure"].values
-    np.testing.assert_allclose(-inside["stress_yy"][0], pressure, rtol=0, atol=1e-6 * pressure.max())
+    np.testing.assert_allclose(-inside["stress_yy"][0], pressure, rtol=0, atol=1e-9 * pressure.max())
     np.testing.assert_allclose(inside["electric_potential"][0, 1:3], surface["voltage"], rtol=1e-6)
 
 

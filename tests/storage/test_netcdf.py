@@ -1,10 +1,6 @@
 """Files appear whole or not at all, and say so when they are not."""
 
 import hashlib
-import os
-import signal
-import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -18,7 +14,6 @@ from storage.blocks import write_blocks
 from storage.netcdf import read_whole, write_whole
 from storage.sealed import seal
 from surrogate import FormatError
-from tests.patience import PATIENCE
 
 
 def sample() -> xr.Dataset:
@@ -177,25 +172,3 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> 
         write_whole(sample().rename(single="a/b"), tmp_path / "a.nc")
     assert (tmp_path / "a.nc").read_bytes() == before
     assert [file.name for file in tmp_path.iterdir()] == ["a.nc"]
-
-
-def test_a_killed_writer_never_leaves_a_file_under_the_final_name(tmp_path: Path) -> None:
-    script = (
-        "import sys, numpy, xarray; from storage.netcdf import write_whole; "
-        "d = xarray.Dataset({'f': ('x', numpy.random.default_rng(0).normal(size=20_000_000))}); "
-        "print('go', flush=True); "
-        "write_whole(d, sys.argv[1])"
-    )
-    process = subprocess.Popen([sys.executable, "-c", script, str(tmp_path / "a.nc")], stdout=subprocess.PIPE)
-    assert process.stdout is not None
-    process.stdout.readline()
-    deadline = time.monotonic() + PATIENCE
-    while not any(file.stat().st_size > 2**20 for file in tmp_path.iterdir()) and time.monotonic() < deadline:
-        time.sleep(0.001)
-    os.kill(process.pid, signal.SIGKILL)
-    process.wait()
-    process.stdout.close()
-    left = list(tmp_path.iterdir())
-    assert [file.suffix for file in left] == [".partial"]
-    with pytest.raises(FormatError):
-        read_whole(left[0])

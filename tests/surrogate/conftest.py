@@ -1,4 +1,4 @@
-"""What a model's file holds is looked at in this process: what a child makes of hostile files is for tests/storage."""
+"""Files of models are read in this process; tests/faults proves the child that reads hostile files."""
 
 from collections.abc import Iterator
 
@@ -19,5 +19,5 @@ def _in_this_process() -> Iterator[None]:
 
 @pytest.fixture
 def quarantined(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As it is shipped."""
+    """Read files of models in a child process, as shipped."""
     monkeypatch.setattr(persistence, "try_to_read", try_to_read)

@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
-from sklearn.gaussian_process.kernels import RBF, Matern
 
 Array = NDArray[np.float64]
 FactorKernel = Callable[[Array, Array], Array]
@@ -38,9 +37,3 @@ def chebyshev(levels: int, rho: float, amplitude: float) -> FactorKernel:
     weights = amplitude * (np.ones(2) if levels == 2 else rho ** np.arange(terms))
     weights[0] = 1
     return lambda x, y: (chebvander(x, terms - 1) * weights) @ chebvander(y, terms - 1).T
-
-
-def stationary(kind: str, length_scale: float) -> FactorKernel:
-    """Return scikit-learn's kernel of one coordinate."""
-    kernel = RBF(length_scale) if kind == "rbf" else Matern(length_scale, nu=1.5 if kind == "matern32" else 2.5)
-    return lambda x, y: np.asarray(kernel(x[:, None], y[:, None]))

@@ -57,8 +57,8 @@ def factorial(rough: float = 0.0) -> xr.Dataset:
         for levels in [group.axis.levels(n)]
     }
     load = axes["pressing"] * MIDDLE["thickness"] ** 2 / MIDDLE["radius"]
-    given = {"thickness": MIDDLE["thickness"], "radius": MIDDLE["radius"], "load": load}
-    x = xr.Dataset(coords={**axes, **given, "charge": axes["charge_per_load"] * load})
+    fixed = {"thickness": MIDDLE["thickness"], "radius": MIDDLE["radius"], "load": load}
+    x = xr.Dataset(coords={**axes, **fixed, "charge": axes["charge_per_load"] * load})
     return world(x, rough).assign_coords(x.coords)
 
 

@@ -1,4 +1,4 @@
-"""How much of what is possible a Pareto front reaches: the yardstick for two of them."""
+"""Area that a Pareto front dominates, to compare two fronts."""
 
 import numpy as np
 

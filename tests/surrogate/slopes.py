@@ -7,7 +7,7 @@ from surrogate import GaussianProcess
 
 
 def assert_slopes(model: GaussianProcess, X: Array, step: float = 1e-4, rtol: float = 1e-6) -> None:
-    """Of every output by every input at points X (n, d): fourth-order differences, to ``rtol`` of the largest slope.
+    """Compare all derivatives at X (n, d) with fourth-order differences, to ``rtol`` of the largest slope.
 
     ``step`` is over an input's value, or over a hundredth of its range where that is more.
     """

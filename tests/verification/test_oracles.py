@@ -18,13 +18,10 @@ def sliding(half: HalfPlane, friction: float, conducted: tuple[int, ...] = (1, 2
     return Sliding(half, mpf(friction), mpf("0.05"), conducted)
 
 
-CONDUCTED = [(1, 2), (1,), (2,), ()]
-
-
 # --- material constants ---
 
 
-@pytest.mark.parametrize(("material", "speed"), [(SIH_SONG, 0.0), (SIH_SONG, 900.0), (BARIUM_TITANATE, 0.0)])
+@pytest.mark.parametrize(("material", "speed"), [(SIH_SONG, 900.0), (BARIUM_TITANATE, 0.0)])
 def test_angular_integrals_give_the_stroh_eigenvectors_answer(material: dict[str, float], speed: float) -> None:
     half = half_plane(material, speed)
     with mp.workdps(60):
@@ -67,8 +64,7 @@ def without_kap(half: HalfPlane) -> HalfPlane:
     return HalfPlane(local, half.compliance, half.Q, half.R, half.T)
 
 
-@pytest.mark.parametrize("conducted", CONDUCTED)
-@pytest.mark.parametrize("friction", [0.0, 1.5])
+@pytest.mark.parametrize(("conducted", "friction"), [((1, 2), 1.5), ((1,), 0.0)])
 def test_tractions_satisfy_the_integral_equations_and_the_balances(conducted: tuple[int, ...], friction: float) -> None:
     with mp.workdps(WORK_DIGITS):
         half = half_plane(SIH_SONG)
@@ -101,11 +97,10 @@ def check_equations(surface: Sliding, tolerance: mpf) -> None:
         assert abs(answer[i] - (x / surface.radius if i == 0 else 0)) < tolerance * size
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.6])
-def test_response_is_the_same_at_both_edges_and_as_the_digamma_formula(friction: float) -> None:
+def test_response_is_the_same_at_both_edges_and_as_the_digamma_formula() -> None:
     datum = mpf("0.3")
     with mp.workdps(WORK_DIGITS):
-        surface = sliding(half_plane(SIH_SONG), friction)
+        surface = sliding(half_plane(SIH_SONG), 0.6)
         contact = Contact(surface, mpf(10) ** 5, mpf("1e-6"), mpf("2e-3"))
         depth, voltage, magnetic_potential = contact.punch_response(datum)
         half, alpha, width = surface.half, surface.alpha, contact.width

@@ -2,7 +2,7 @@
 
 import pytest
 
-from verification.sliding_points import BALL, FILM, difference, raised
+from verification.integral_equations import BALL, FILM, difference, raised
 
 
 def test_what_is_neglected_grows_with_the_square_of_friction() -> None:

@@ -19,7 +19,6 @@ from verification import (
     balance,
     digits,
     film_air,
-    film_cases,
     film_elements,
     finite_elements,
     integral_equations,
@@ -38,7 +37,7 @@ SIZES = {"finite_elements": replace(SMALL, elements=24)}
 #: Of groups of many cases, a few: `make soak` and `make run STUDY=verification` take all of them.
 FEW: dict[str, tuple[ModuleType, dict[str, tuple[object, ...]]]] = {
     "balance": (balance, {"CASES": ("cylinder",)}),
-    "digits": (digits, {"EXTREMES": ("no friction",)}),
+    "digits": (digits, {"EXTREMES": ("no friction", "steep friction", "tiny", "coalescing roots")}),
     "film_air": (film_air, {"CASES": ("PZT-4 on steel, air",)}),
     "film_elements": (film_elements, {"CASES": ("composite on steel", "BaTiO3 on CoFe2O4 on a rigid base")}),
     "integral_equations": (
@@ -92,7 +91,7 @@ def test_finite_elements_of_points_converge_and_a_wrong_answer_is_red(monkeypatc
 @pytest.mark.soak
 def test_finite_elements_of_films_converge() -> None:
     assert {curve.figure for curve in findings("film_elements", False).curves} == {"film_elements"}
-    film = film_cases.Solved(film_cases.CASES["composite on a rigid base, charged"])
+    film = film_elements.Solved(film_elements.CASES["composite on a rigid base, charged"])
     coarse, fine = (film_elements.Compared(film, order) for order in (4, 6))
     for what in ("load", "edges", "interface"):
         assert fine.error(what) < coarse.error(what) / 4, what
@@ -119,7 +118,7 @@ def test_a_wrong_coupling_turns_the_checks_red(monkeypatch: pytest.MonkeyPatch) 
     assert integral_equations.error("cylinder", (1, 2), 8, other) > 1e-5
     monkeypatch.setattr(finite_elements, "constants", lambda material: m | {"e15": 1.2 * m["e15"]})
     assert max(finite_elements.Loaded(12).errors().values()) > 1e-2
-    film = film_cases.Solved(film_cases.CASES["BaTiO3 on a rigid base"])
+    film = film_elements.Solved(film_elements.CASES["BaTiO3 on a rigid base"])
     monkeypatch.setattr(film_elements, "constants", lambda material: constants(material) | {"e33": 18.8})
     assert film_elements.Compared(film, 4).error("response") > 5e-3
     monkeypatch.setattr(limits, "STEEL", (200e9, 0.31))

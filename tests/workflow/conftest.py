@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import pytest
 
-from tests.workflow import nursery
+from tests import warm
 from workflow.run.provenance import ROOMS, ROOT
 
 if TYPE_CHECKING:
@@ -52,23 +52,21 @@ effects:
 
 @dataclass(frozen=True)
 class Project:
-    """A folder of studies with room for results, and where Python finds the packages."""
+    """Folder of studies and results, and the folder of the packages."""
 
     folder: Path
     modules: Path = ROOT
 
-    def run(
-        self, *command: str, check: bool = True, said: str = "", cold: bool = False
-    ) -> subprocess.CompletedProcess[str]:
-        """Run a command of the virtual environment inside the folder; a fork of a warm process, unless it is cold."""
-        if command[0] in nursery.PROGRAMS and not cold:
-            done = nursery.run(command, self.folder, self.modules, said)
+    def run(self, *command: str, check: bool = True, cold: bool = False) -> subprocess.CompletedProcess[str]:
+        """Run a command of the virtual environment inside the folder, as a fork of a warm process unless it is cold."""
+        if command[0] in warm.PROGRAMS and not cold:
+            done = warm.run(command, self.folder, self.modules)
         else:
             done = subprocess.run(
                 [Path(sys.executable).with_name(command[0]), *command[1:]],
                 cwd=self.folder,
                 env={**os.environ, "PYTHONPATH": str(self.modules), "OMP_NUM_THREADS": "1"},
-                input=said,
+                stdin=subprocess.DEVNULL,
                 capture_output=True,
                 text=True,
                 check=False,
@@ -103,7 +101,7 @@ class Project:
 
 
 def job(study: str, output: str, *inputs: str, parameter: str | None = None) -> "Snakemake":
-    """A job of a study that makes one file out of others, as its script sees it; its log is `a.log`."""
+    """Job of a study that makes one file out of others, as its script sees it; its log is `a.log`."""
     from snakemake.iocontainers import InputFiles, Log, OutputFiles, Params, ResourceList, Snakemake, Wildcards
 
     files = InputFiles(toclone=list(inputs)), OutputFiles(toclone=[output])
@@ -113,7 +111,7 @@ def job(study: str, output: str, *inputs: str, parameter: str | None = None) -> 
 
 
 class Copy(Protocol):
-    """Makes folders with the project's studies and the small one; a whole one has the sources too, to be edited."""
+    """Makes folders with the project's studies and the small one, and with the sources if it is whole."""
 
     def __call__(self, name: str, *, whole: bool = False) -> Project: ...
 
@@ -136,7 +134,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Copy:
 
 @pytest.fixture(scope="session")
 def ran(copy: Copy) -> Project:
-    """A folder in which the small study has run to its report."""
+    """Folder in which the small study has run to its report."""
     project = copy("ran")
     project.run("meecontact", "run", "small", "--cores", "2")
     return project

@@ -143,14 +143,13 @@ def test_edits_rerun_what_depends_on_them(again: Project) -> None:
     effects = {"effect", "figure_effect", "interior", "figure_interior"}
     for file, old, expected in (
         ("workflow/report/templates/study.html.j2", "<h2>Study", {"report"}),
-        ("surrogate/gp/gridgp.py", '"""', after_the_surrogate),
         ("solver/halfplane/contact.py", '"""', after_the_surrogate | effects | exact),
     ):
         assert again.planned_after([(file, old, f"{old}Edited. ")], REPORT) == expected, file
 
 
 def test_equal_inputs_give_equal_bytes(ran: Project, again: Project) -> None:
-    """Of a design and fields inside, and with a Python a job; the rest in tests/faults/test_together.py."""
+    """A design and fields inside, and with a Python a job; tests/faults/test_together.py compares the other files."""
     results, drawn = ran.folder / "results/small", "figures/design_sensor"  # a rule makes all of the folder
     names = ["sensitivity.nc", "design/sensor.nc", "design.nc", "design.csv", "solved.json"]
     names += [str(file.relative_to(results)) for file in results.glob("fields/interior_*.nc")]

@@ -24,7 +24,7 @@ _OUTER = np.array([0.0, 0.06, 0.15, 0.3, 0.55, 0.9, 1.4, 2.0, 2.8, 3.6, 4.6, 5.8
 _TOWARDS = np.append(0.0, 0.15 ** np.arange(11, -1, -1.0))  # pieces of a panel towards a node
 _RULE = 10  # nodes of a piece
 _FAR = 50.0  # r/a from which a film, grounded below, answers nothing beside the gap
-_STEPS, _CLOSE = 40, 1e-7
+_NEWTON_MOST, _CLOSE = 40, 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +159,7 @@ class SlidingGap:
         x: Array = np.zeros(count + n + 2)  # sigma, D, u0, V
         charge = self.charge * float(UNITS[2]) / (STIFFNESS * 2 * np.pi * self.radius**2)
         gap = self._curved * (self.r[count:] ** 2 - 1) ** 1.5 / self.r[count:]
-        for step in range(_STEPS):
+        for step in range(_NEWTON_MOST):
             levels = np.concatenate([moved, np.zeros((2, n, 2))], -1)
             levels[0, :, -2] = levels[1, :, -1] = -1.0
             rows = np.zeros((x.size, x.size))

@@ -19,7 +19,7 @@ from verification.oracles.surface_response import STIFFNESS, UNITS, Array
 Index = NDArray[np.int64]
 _SIGNS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])  # corners in the reference square, in their order
 _CLOSE = 1e-9  # to an element, in its own size
-_STEPS = 9  # of Newton's method at most: one finds a place in a rectangle
+_PLACE_STEPS = 9  # of Newton's method at most: one finds a place in a rectangle
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +158,7 @@ class Body:
         around = np.all((low - slack <= point) & (point <= high + slack), axis=1) & (mesh.layer == layer)
         for element in np.flatnonzero(around):
             local, corners = np.zeros((1, 2)), mesh.corners[element]
-            for _ in range(_STEPS):
+            for _ in range(_PLACE_STEPS):
                 miss = bilinear(local)[0] @ corners + mesh.origin[element] - point
                 by = np.stack([slopes[0] @ corners for slopes in _bilinear_slopes(local)], axis=1)
                 step = np.linalg.solve(by, miss)

@@ -5,7 +5,7 @@ from scipy.special import gamma, hyp2f1, rgamma, roots_jacobi
 
 from verification.oracles.surface_response import Array
 
-_STEPS = np.linspace(-5.9, 5.9, 1181)
+_ABSCISSAE = np.linspace(-5.9, 5.9, 1181)
 
 
 def moments(A: float, B: float, count: int) -> Array:
@@ -36,6 +36,6 @@ def transforms(X: Array, A: float, B: float, count: int) -> Array:
 
 def end_proof_nodes() -> tuple[Array, Array, Array]:
     """1 - X, 1 + X and weights of double-exponential quadrature over -1 < X < 1, whatever the exponents at the ends."""
-    growth = np.exp(np.pi * np.sinh(_STEPS))
+    growth = np.exp(np.pi * np.sinh(_ABSCISSAE))
     right, left = 2 / (1 + growth), 2 / (1 + 1 / growth)
-    return right, left, (_STEPS[1] - _STEPS[0]) * np.pi * np.cosh(_STEPS) * right * left / 2
+    return right, left, (_ABSCISSAE[1] - _ABSCISSAE[0]) * np.pi * np.cosh(_ABSCISSAE) * right * left / 2

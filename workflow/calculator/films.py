@@ -37,7 +37,7 @@ THICKNESSES = dict(zip(FILMS, ("50 um", "1 um", "1 um", "1 um", "110 um"), stric
 PUNCHES = (RIGID_PUNCH, "steel", "tungsten_carbide")
 #: Radius of the contact over the thickness of the film, from and to.
 RANGE = 0.01, 10.0
-_NODES = 48
+_TABLE_NODES = 48
 _EXACT, _BAND, _DRAWN = 1e-8, 1e-5, 1e-4  # of the largest coefficient of a series; smaller ones are left out
 _CHANNELS = [0, 1]  # displacement and voltage
 _CAUSES = [0, 1, 3]  # those and the profile, of a ball; that of a cone follows
@@ -82,7 +82,7 @@ def _table(top: Material, base: Material, punch: str, precision: float, *shown: 
     """Units and series of a film, kept to a share of their largest coefficients; the pressure at the places shown."""
     kind = Kind((Coat(constants_of(top)),), constants_of(base), 0.0, (True, True), (True, True), 1)
     kinds = [PointKind(kind, (True, True), shape, _compliance(punch)) for shape in _SHAPES]
-    rows = [_entries(kinds, place, shown) for place in mapped_points(_NODES, *np.log(RANGE))]
+    rows = [_entries(kinds, place, shown) for place in mapped_points(_TABLE_NODES, *np.log(RANGE))]
     loads, pressures = (coefficients(np.array(part)).T for part in zip(*rows, strict=True))
     centre = len(pressures) - len(_CAUSES) - 1  # where the pressure is largest; elsewhere it is drawn
     return {

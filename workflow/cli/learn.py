@@ -5,9 +5,105 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.names import ALL_QUANTITIES
 from storage.files import output
+from surrogate import GaussianProcess, OutOfBoxError
+from surrogate.data.measurements import Measurements
+from surrogate.data.points import outside
+from workflow.cli.casetable import Table, read_cases
 from workflow.cli.words import named, say, surrogate_file, trained, written_as
+from workflow.language.spelling import nearest
+from workflow.study import categories
+from workflow.study.model import Study
 from workflow.study.reading import InputError, number, one_line
+
+#: What is behind the name of a quantity in the name of the column that has its errors.
+ERROR = "_std"
+
+
+def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measurements:
+    """Read measured rows for a study's surrogate.
+
+    The header has every factor of the study, every category, and names of quantities, with or without
+    ``<quantity>_std``: one standard deviation of the error of measurement. Cells of both may be empty.
+    """
+    quantities = {name: ALL_QUANTITIES[name].units for name in study.outputs}
+    columns = quantities | {f"{name}{ERROR}": units for name, units in quantities.items()}
+    table = read_cases(path, columns)
+    needs = f"the surrogate needs {', '.join((*study.factors, *study.categories))}"
+    _check_columns(table, study, list(columns), needs)
+    X = np.stack([table.numbers(name, needs) for name in model.box], axis=1)
+    wrong = outside(X, model.inputs_)
+    if wrong.any():
+        row, k = np.argwhere(wrong)[0]
+        axis = model.inputs_[k]
+        raise InputError(
+            f"{table.at(int(row))}: {axis.name} = {X[row, k]:.10g} is outside the trained box {axis.range_text()}"
+        )
+    if not (answers := model.has_answers(X)).all():
+        row = int((~answers).argmax())
+        try:
+            model.require_answers(X[row : row + 1])
+        except OutOfBoxError as error:
+            raise InputError(f"{table.at(row)}: {error}") from None
+    named = _kinds(table, study)
+    rows, outputs, values, errors = [], [], [], []
+    for name in quantities:
+        for row in np.flatnonzero(_measured(table, name)).tolist():
+            rows.append(row)
+            outputs.append(model.outputs_.index(categories.output(name, named[row])))
+            values.append(float(table.columns[name][row]))
+            errors.append(float(table.columns[f"{name}{ERROR}"][row]) if f"{name}{ERROR}" in table.columns else np.nan)
+    return Measurements(
+        X, np.array(rows, dtype=np.intp), np.array(outputs, dtype=np.intp), np.array(values), np.array(errors)
+    )
+
+
+def _check_columns(table: Table, study: Study, measured: list[str], needs: str) -> None:
+    inputs = [*study.factors, *study.categories]
+    for name in table.columns:
+        if name not in (*inputs, *measured):
+            near = nearest(name, [*inputs, *measured])
+            raise InputError(f"{table.source}: {name}: neither an input of the surrogate nor learned by it; {near}")
+        if name.endswith(ERROR) and name in measured and name.removesuffix(ERROR) not in table.columns:
+            raise InputError(f"{table.source}: {name}: without a column {name.removesuffix(ERROR)}")
+    for name in inputs:
+        if name not in table.columns:
+            raise InputError(f"{table.source}: {name}: missing; {needs}")
+    if not any(name in measured for name in table.columns):
+        raise InputError(f"{table.source}: no measured quantity; known are {', '.join(study.outputs)}")
+
+
+def _kinds(table: Table, study: Study) -> list[dict[str, str]]:
+    """The categories of every row."""
+    for name, allowed in study.categories.items():
+        for row, value in enumerate(table.columns[name].tolist()):
+            if value not in allowed:
+                shown = "empty" if value is None else repr(value)
+                raise InputError(f"{table.at(row)}: {name}: {shown}; must be one of {', '.join(allowed)}")
+    columns = [table.columns[name].tolist() for name in study.categories]
+    return [dict(zip(study.categories, names, strict=True)) for names in zip(*columns, strict=True)] or [{}] * len(
+        table.lines
+    )
+
+
+def _measured(table: Table, name: str) -> NDArray[np.bool_]:
+    """Return whether each row has a quantity, (row,), and refuse errors that are not positive."""
+    if name not in table.columns:
+        return np.zeros(len(table.lines), dtype=bool)
+    measured = ~table.empty(name)
+    if (column := f"{name}{ERROR}") in table.columns:
+        error = table.columns[column]
+        bad = (error <= 0) | (~measured & ~np.isnan(error))
+        if bad.any():
+            row = int(bad.argmax())
+            why = "must be a positive number, or empty" if measured[row] else f"without a value of {name}"
+            raise InputError(f"{table.at(row)}: {column}: {error[row]:g}: {why}")
+    return measured
+
 
 if TYPE_CHECKING:
     from workflow.learning.instruments import Instrument
@@ -57,7 +153,6 @@ def learn(options: argparse.Namespace) -> None:
     from surrogate import save  # scikit-learn and the solver: not for every command
     from surrogate.transforms.measured.corrected import CorrectedGP
     from workflow.cli import questions
-    from workflow.cli.measuredtable import read_measured
     from workflow.language.renamed import renamed
     from workflow.learning import correction
     from workflow.study import uncertainty

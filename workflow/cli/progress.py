@@ -12,7 +12,7 @@ from workflow.study import partition
 from workflow.study.model import Study
 
 #: What the steps of a run do, by rule; names of a job stand for its wildcards.
-_STEPS = {
+_RULES = {
     "levels": "choosing the levels on pilots",
     "slab": "solving the data set, part {slab}",
     "places": "asking for cases, round {round}",
@@ -47,7 +47,7 @@ def step(study: Study, rule: str, wildcards: Mapping[str, str]) -> str:
     names = {name: value.replace("_", " ") for name, value in wildcards.items()}
     if rule == "slab":
         return f"solving the data set, part {int(names['slab']) + 1} of {partition.count(study)}"
-    words = _STEPS.get(rule, f"drawing {rule.removeprefix('figure_').replace('_', ' ')} {{name}}{{group}}")
+    words = _RULES.get(rule, f"drawing {rule.removeprefix('figure_').replace('_', ' ')} {{name}}{{group}}")
     words = words.format_map({"name": "", "group": "", **names}).strip()
     if rule == "surrogate" and not study.open:
         cases = "" if study.crossed else f", {counted(study.cases)} cases"

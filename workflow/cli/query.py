@@ -28,7 +28,7 @@ from workflow.study.reading import InputError, one_line
 
 _ROWS = 4096  # of an answer that are written at a time
 #: Figures of a number whose interval says nothing of them, and the fewest and most that an interval asks for.
-_DIGITS, _FEWEST, _MOST = 10, 4, 15
+_DIGITS, _WRITTEN_FEWEST, _WRITTEN_MOST = 10, 4, 15
 
 
 def query(options: argparse.Namespace) -> None:
@@ -179,4 +179,4 @@ def shown(
 def _digits(size: float, half_width: float) -> int:
     if not (isfinite(size) and half_width > 0):
         return _DIGITS
-    return min(max(floor(log10(size)) - floor(log10(half_width)) + 2, _FEWEST), _MOST)
+    return min(max(floor(log10(size)) - floor(log10(half_width)) + 2, _WRITTEN_FEWEST), _WRITTEN_MOST)

@@ -103,38 +103,17 @@ def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
 def exact(
     study: Study,
     axes: dict[str, Any],
-    positions: Iterable[float] | None = None,
+    positions: Iterable[float] | None = None,  # of the surface fields, over the half-width; None: no fields
     *,
-    peaks: Collection[str] | None = None,
-    regular: bool = False,
-    curves: bool = False,
-    holes: float | None = None,
-    cache: CaseCache | None = None,
+    peaks: Collection[str] | None = None,  # largest stresses; None: those that the data set has
+    regular: bool = False,  # whether the regular parts of the surface fields are wanted
+    curves: bool = False,  # whether the curves that the surrogate learns are wanted
+    holes: float | None = None,  # most cases that may be refused, which are then masked; None: none
+    cache: CaseCache | None = None,  # of what was solved before
 ) -> xr.Dataset:
-    """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
+    """The exact solver at values of the axes (SI), for every category; FactorError, HolesError or AllRefusedError.
 
-    Without what is no number in some cases, which no file would hold.
-
-    Parameters
-    ----------
-    study : Study
-    axes : dict, SI, values of factors, or of a study with groups all of its axes: then the factors of the cases are
-        coordinates
-    positions : iterable of float, of the surface fields, over the contact's half-width; None: no fields
-    peaks : collection of str, the largest stresses that are wanted; None: those that the data set has
-    regular : bool, whether the regular parts of the surface fields are wanted
-    curves : bool, whether the curves that the surrogate learns are wanted
-    holes : float, the most cases that may be refused, which are then masked (`workflow.study.refusals`); None: none
-    cache : CaseCache, of what was solved before; None: none
-
-    Raises
-    ------
-    FactorError
-        A case that the solver refuses: why, and its factors.
-    AllRefusedError
-        With ``holes``: all cases are refused.
-    HolesError
-        More cases are refused than ``holes``.
+    Values of all groups in place of factors make the factors coordinates. What is no number in some cases is left out.
     """
     grouped = bool(study.groups) and axes.keys() >= study.products.keys() and not axes.keys() >= study.factors.keys()
     over = list(study.products) if grouped else []

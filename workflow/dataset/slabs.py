@@ -36,7 +36,7 @@ from workflow.study.model import Study
 from workflow.study.refusals import MOST, REASON, REFUSAL
 
 CARD = "datacard.json"
-_BLOCK = 2**20  # values of a field that are solved at a time: some twenty temporaries of 8 MiB
+_FIELD_VALUES = 2**20  # values of a field that are solved at a time: some twenty temporaries of 8 MiB
 _CHUNK_CASES, _CHUNK_POSITIONS = 2**14, 16
 _TRIES = 40  # places of which one is answered, as long as no more are missing than may be
 
@@ -52,7 +52,7 @@ def write_slab(study: Study, index: int, path: Path, cache: CaseCache | None = N
     axes[first] = np.array_split(axes[first], partition.count(study))[index]
     positions = study.dataset.positions.values() if study.stores_fields else None
     points = max([study.dataset.positions.count, *(REGIONS[name].panels.size for name in study.regions)])
-    lengths, block = [levels.size for levels in axes.values()], max(1, _BLOCK // points)
+    lengths, block = [levels.size for levels in axes.values()], max(1, _FIELD_VALUES // points)
     chunk = chunk_lengths(lengths, min(block, _CHUNK_CASES))
     regions = list(block_regions(lengths, chunk, block))
     name = f"slab {index + 1} of {partition.count(study)}"

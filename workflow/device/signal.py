@@ -12,11 +12,11 @@ from workflow.device.contact import ContactCurves
 #: Time after which the drop of a constant force is reported [s].
 DROP = 10.0
 _TOLERANCE = 1e-10  # error of an interval over the size of the stored charge
-_BLOCK = 2**15  # intervals that are integrated together: some 30 MB of temporaries
+_INTERVALS_AT_ONCE = 2**15  # intervals that are integrated together: some 30 MB of temporaries
 _DEEPEST = 40  # halvings of a step
 _ROOT = 6**0.5
 # nodes and coefficients of the method Radau IIA of order five (Hairer & Wanner, Solving ODEs II, table IV.5.6)
-_NODES = np.array([(4 - _ROOT) / 10, (4 + _ROOT) / 10, 1.0])
+_RADAU = np.array([(4 - _ROOT) / 10, (4 + _ROOT) / 10, 1.0])
 _COEFFICIENTS = np.array(
     [
         [(88 - 7 * _ROOT) / 360, (296 - 169 * _ROOT) / 1800, (-2 + 3 * _ROOT) / 225],
@@ -74,8 +74,8 @@ def read(history: History, contact: ContactCurves, circuit: Circuit) -> Signal:
     tolerance = _TOLERANCE * balance.scale(history)
     steps = np.diff(history.times)
     stored = np.zeros(len(history.times))
-    for first in range(0, len(steps), _BLOCK):
-        rows = slice(first, first + _BLOCK)
+    for first in range(0, len(steps), _INTERVALS_AT_ONCE):
+        rows = slice(first, first + _INTERVALS_AT_ONCE)
         factors, changes = balance.advance(steps[rows], history.forces[:-1][rows], history.forces[1:][rows], tolerance)
         value = stored[first]
         for row, (factor, change) in enumerate(zip(factors.tolist(), changes.tolist(), strict=True), first + 1):
@@ -131,7 +131,7 @@ class _Balance:
         The summand is that of a step of Radau's method from near the balance of current and leak. What is stored
         beyond that balance decays by the exact exponential: the method's own decay is poor where a step is long.
         """
-        pressed = forces[:, None] + (ends - forces)[:, None] * _NODES
+        pressed = forces[:, None] + (ends - forces)[:, None] * _RADAU
         leaks = self._leak(pressed) * steps[:, None]
         drawn = self.contact.charge_slope(pressed) * (ends - forces)[:, None]
         system = np.eye(3) + _COEFFICIENTS * leaks[:, None, :]

@@ -25,7 +25,7 @@ from workflow.study.model import Study
 #: Fields that are learned, by their regular parts.
 NAMES = ("contact_pressure", "electric_displacement_y", "magnetic_induction_y", "stress_xx")
 ANGLE = Input("angle", 0.0, np.pi, "linear", "rad", "angle of the position under the punch, X = -cos(angle)")
-_BLOCK = 100  # random cases that are solved at once
+_CASES_AT_ONCE = 100  # random cases that are solved at once
 # cases for calibration at most: every one takes as many positions as its block has cases
 _CALIBRATION = 3000
 
@@ -69,7 +69,7 @@ def cases(study: Study, count: int, number: int) -> xr.Dataset:
     points = {name: xr.DataArray(column, dims="case") for name, column in columns.items()}
     parts = []
     # the solver takes the same positions for all cases that it is given: of a block's square, the diagonal is wanted
-    for block in np.array_split(np.arange(count), -(-count // _BLOCK)):
+    for block in np.array_split(np.arange(count), -(-count // _CASES_AT_ONCE)):
         axes = {input_.name: points[input_.name][block] for input_ in inputs[:-1]}
         square = _regular(study, axes, columns["angle"][block])
         parts.append(square.isel(angle=xr.DataArray(np.arange(len(block)), dims="case")).drop_vars("angle"))

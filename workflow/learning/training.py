@@ -37,13 +37,7 @@ def compression(study: Study) -> float:
 
 
 def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
-    """Gaussian process of the study's outputs on its factorial, or on what a cross approximation asked for of it.
-
-    Parameters
-    ----------
-    study : Study
-    quantities : Dataset, over the axes and categories, or over the crossed places
-    """
+    """Gaussian process of the study's outputs on its factorial, or on what a cross approximation asked for of it."""
     data, by = imputed(study, curves.training_data(study, quantities)), None
     if study.groups:
         data = factorial.with_factors(study, data)

@@ -17,7 +17,7 @@ from workflow.study.reading import InputError
 from workflow.study.sections import Axis, Group
 from workflow.study.target import Target
 
-_MOST = 400_000  # cases of a factorial made for one question
+_WIDEST = 400_000  # cases of a factorial made for one question
 _FINEST = 200  # levels of an axis, at most
 _CALIBRATION = 1000  # random cases that calibrate its intervals, at most
 
@@ -55,8 +55,8 @@ def made(study: Study, target: Target, wider: Mapping[str, tuple[float, float]])
     groups = _groups(study, axes)
     levels = [axis.levels for axis in (groups or axes).values()]
     cases = prod(count or 1 for count in levels) * len(study.combinations)
-    if cases > _MOST:
-        raise InputError(f"design: ranges this wide take {cases} cases, more than {_MOST}; {lines(study, wider)}")
+    if cases > _WIDEST:
+        raise InputError(f"design: ranges this wide take {cases} cases, more than {_WIDEST}; {lines(study, wider)}")
     names = [name for name in study.outputs if name in target.names()]
     return studies.remade(
         study,

@@ -49,7 +49,7 @@ CHECK_GROUPS = (
 )  # fmt: skip
 #: Those with convergence curves.
 CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements", "film_air", "points")
-#: What the model can be asked for; ``workflow.measured.values`` has a function of each.
+#: What the model can be asked for; ``workflow.measured.comparison`` has a function of each.
 ModelQuantity = Literal[
     "charge_per_force", "clamped_d33", "free_d33", "indentation_exponent", "response_under_load",
     "stiffness_under_charge", "layer_factor",

@@ -30,10 +30,10 @@ from surrogate.transforms.outputs import Scaling
 from surrogate.transforms.transformed import Transformed, groups_of
 
 # Curves whose largest values are looked for at a time: their fields stay in cache.
-_BLOCK = 128
+_QUERIES_AT_ONCE = 128
 _PROBES = 64
 # Most points of the panels of one file's curves.
-_MOST = 1000
+_LONGEST_PANEL = 1000
 
 Arrays = dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]
 # Rounding of fields of curves, in their sizes: what follows from them is still the same to 1e-9.
@@ -206,7 +206,7 @@ class CurveGP(Transformed):
         out, links = np.empty((len(self.outputs), smooth.shape[1])), self._links
         for k, row in links.plain:
             out[k] = smooth[row]
-        for block in blocks(smooth.shape[1], _BLOCK):
+        for block in blocks(smooth.shape[1], _QUERIES_AT_ONCE):
             for number, measure, names in links.searches():
                 scores, land = smooth[links.scores[number], block], self._landscapes[number]
                 summit = land.summit(scores, measure)
@@ -226,7 +226,7 @@ class CurveGP(Transformed):
         mean = self._followed(smooth)
         for number, measure, names in links.searches():
             rows, land = links.scores[number], self._landscapes[number]
-            for block in blocks(t.shape[1], _BLOCK):
+            for block in blocks(t.shape[1], _QUERIES_AT_ONCE):
                 summit = land.summit(smooth[rows, block], measure)
                 for name in names:
                     by_score = land.sensitivity(smooth[rows, block], measure, summit, self.largest[name].place)
@@ -352,7 +352,7 @@ def from_arrays(stored: xr.Dataset, outputs: Sequence[str]) -> tuple[list[Curves
     while f"curve_field_{len(curves)}" in stored:
         k = len(curves)
         across, down = (tuple(stored[f"curve_{way}_{k}"].values.tolist()) for way in ("across", "down"))
-        if not all(isinstance(count, int) and 0 < count <= _MOST for count in (*across, *down)):
+        if not all(isinstance(count, int) and 0 < count <= _LONGEST_PANEL for count in (*across, *down)):
             raise ValueError(f"curves {k} have panels of {across} by {down} points")
         fields, sizes = (tuple(map(str, stored[f"curve_{part}_{k}"].values.tolist())) for part in ("field", "size"))
         curves.append(Curves(fields, sizes, Panels(across, down), str(stored[f"curve_dim_{k}"].item())))

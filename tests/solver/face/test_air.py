@@ -21,9 +21,9 @@ TABLE: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize("options", [{}, {"speed": 100.0, "punch": "steel", "radius": [0.02, 0.05], "datum": 0.3}])
-def test_a_half_plane_in_no_air_is_the_closed_form(options: dict[str, Any]) -> None:
+def test_a_half_plane_in_no_air_is_the_closed_form() -> None:
     """A gap of next to no permittivity; at the edge, where D_y is infinite without it, it is only next to none."""
+    options = {"speed": 100.0, "punch": "steel", "radius": [0.02, 0.05], "datum": 0.3}
     exact, computed = solver.solve(LINE | options), solver.solve(LINE | AIR | options | {"gap_permittivity": 1e-16})
     gone = {f"{field}_edge_intensity_{edge}" for field in ("electric", "magnetic") for edge in ("trailing", "leading")}
     assert set(computed.data_vars) - gone == set(exact.data_vars) - gone | GAP_QUANTITIES.keys() | {
@@ -43,30 +43,20 @@ def test_air_changes_neither_pressure_nor_charge_per_load_of_a_half_plane() -> N
 
 
 BALL: dict[str, Any] = {
-    "material": "PZT-4",
-    "profile": "sphere",
-    "radius": 5e-3,
-    "force": 0.1,
-    "magnetic": "insulating",
-}
+    "material": "PZT-4", "profile": "sphere", "radius": 5e-3, "force": 0.1, "magnetic": "insulating"
+}  # fmt: skip
+OWN: dict[str, Any] = FILM | {"radius": None, "profile": solver.Profile.cylinder(np.array(0.05))}
 
 
 @pytest.mark.parametrize(
     ("case", "around"),
     [
-        (LINE, "insulated"),
-        (FILM, "air"),
-        (BALL, "insulated"),
-        (BALL | {"thickness": 1e-4, "base": "steel"}, "air"),
-        (FILM | {"electric": "insulating"}, "insulated"),
-        (
-            {name: value for name, value in FILM.items() if name != "radius"}
-            | {"profile": solver.Profile.cylinder(np.array(0.05))},
-            "air",
-        ),
+        (LINE, "insulated"), (FILM, "air"), (BALL, "insulated"), (BALL | {"thickness": 1e-4, "base": "steel"}, "air"),
+        (FILM | {"electric": "insulating"}, "insulated"), (OWN, "air"),
     ],
-)
+)  # fmt: skip
 def test_films_are_in_air_by_default_bit_for_bit_and_half_planes_are_not(case: dict[str, Any], around: str) -> None:
+    case = {name: value for name, value in case.items() if value is not None}
     said, unsaid = solver.solve(case | {"surroundings": around}), solver.solve(case)
     assert set(said.data_vars) == set(unsaid.data_vars)
     for name in unsaid.data_vars:
@@ -118,10 +108,11 @@ FIBROUS = BALL | {"radius": 5e-3, "force": 10.0, "composite": "fibrous", "volume
 
 @pytest.mark.parametrize("case", [TITANATE_FILM, FIBROUS], ids=["film", "half-space"])
 def test_points_in_no_air_are_those_without(case: dict[str, Any]) -> None:
-    """Quantities, fields on the surface and inside, at rest and sliding."""
+    """Quantities, fields on the surface and inside, sliding, and a half-space at rest too."""
     options = {name: value for name, value in case.items() if value is not None} | {"total_charge": 2e-10}
+    rests = [{}] if "composite" in case else []
     x, y = [-3.0, -1.05, -0.5, 0.3, 0.95, 2.0], [-0.02, -0.7, -2.5]
-    for slides in ({}, {"friction": 0.3}):
+    for slides in (*rests, {"friction": 0.3}):
         exact, computed = (
             (solver.solve(options | slides | around, x), solver.solve_interior(options | slides | around, x, y))
             for around in ({"surroundings": "insulated"}, AIR | {"gap_permittivity": 1e-15})
@@ -138,20 +129,11 @@ def test_points_in_no_air_are_those_without(case: dict[str, Any]) -> None:
     "options",
     [
         {"radius": 0.02, "thickness": 3e-4, "base": "steel", "punch": "steel", "load": [1.9e4, 2e4, 2.1e4]},
-        {"radius": 0.02, "friction": 0.2, "load": [7.9e3, 8e3, 8.1e3]},
         {"radius": 0.02, "friction": 0.2, "load": [2.99e4, 3e4, 3.01e4], "material": "PIC255"},
-        {"friction": 0.3, "load": [0.99e5, 1e5, 1.01e5]},
-        {
-            "radius": 0.28,
-            "friction": 0.4,
-            "load": [4.4e6, 4.5e6, 4.6e6],
-            "material": "PZT-5H",
-            "thickness": 6.4e-4,
-            "base": "polyimide",
-            "punch": "steel",
-        },
+        {"radius": 0.28, "friction": 0.4, "load": [4.4e6, 4.5e6, 4.6e6], "material": "PZT-5H", "thickness": 6.4e-4,
+         "base": "polyimide", "punch": "steel"},
     ],
-)
+)  # fmt: skip
 def test_a_held_potential_is_not_that_of_a_closed_gap(options: dict[str, Any]) -> None:
     """Newton's iteration once ended at a gap below zero next to an edge, at some loads or at all of them."""
     computed = solver.solve(LINE | AIR | options)["charge_per_force"].values

@@ -1,4 +1,4 @@
-"""Films through the face: figures found by other methods, the closed form where film and base are one, refusals."""
+"""Films through the face: figures found by other methods, stacks and gradings by two ways to one number."""
 
 from typing import Any
 
@@ -7,7 +7,10 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.names import ALL_PEAKS, FILM_PEAKS
+from solver.line.powerlaw import PowerLaw, constants_of
+from solver.names import ALL_PEAKS, FILM_PEAKS, FILM_QUANTITIES, QUANTITIES
+from tests.solver.cases import assert_alike, refused
+from tests.solver.line.films import BTO, CFO, STEEL
 
 FILM: dict[str, Any] = {
     "material": "BaTiO3",
@@ -107,3 +110,77 @@ def test_peaks_of_film_and_interface() -> None:
     assert set(half.data_vars) & set(ALL_PEAKS) == {"peak_von_mises_depth"}
     with pytest.raises(solver.FactorError, match="peaks: 'shear' is unknown; known are peak_von_mises"):
         solver.solve(FILM, peaks=["shear"])
+
+
+#: Theory of films, section 9, half way down at X = 0: sigma_xx, sigma_yy, D_y, von Mises; on the base at X = 0 and 1:
+#: sigma_xy, sigma_yy.
+INSIDE = {
+    "BaTiO3 on rigid": (
+        (-6.545137408e05, -2.051132126e08, -1.330565069e-02, 1.829406836e08),
+        (0.0, 3.299573303e07), (-1.446113727e08, -1.059483710e08),
+    ),
+    "fibrous on rigid": (
+        (-9.114078814e07, -3.431055653e08, -5.824930730e-02, 2.364533602e08),
+        (-2.839180515e07, 6.210199417e07), (-2.792505284e08, -9.112992695e07),
+    ),
+    "fibrous on steel": (
+        (-1.053084797e08, -2.981709574e08, -4.356648744e-03, 1.904045604e08),
+        (-1.539243427e07, 5.320606955e07), (-2.376930566e08, -9.673632142e07),
+    ),
+}  # fmt: skip
+_HALF_WAY = ("stress_xx", "stress_yy", "electric_displacement_y", "von_mises")
+
+
+@pytest.mark.parametrize("name", INSIDE)
+def test_published_figures_inside_are_hit(name: str) -> None:
+    factors, (half_way, shear, normal) = FIGURES[name][0], INSIDE[name]
+    out = solver.solve(factors)
+    depth = factors["thickness"] / float(out["contact_trailing"] + out["contact_leading"]) * 2
+    computed = solver.solve_interior(factors, [0.0, 1.0], [-depth / 2, -depth], fields=[*_HALF_WAY, "stress_xy"])
+    np.testing.assert_allclose([float(computed[key][0, 0]) for key in _HALF_WAY], half_way, rtol=1e-9)
+    np.testing.assert_allclose(computed["stress_xy"][1], shear, rtol=1e-9, atol=1e-3)
+    np.testing.assert_allclose(computed["stress_yy"][1], normal, rtol=1e-9)
+
+
+BARE: dict[str, Any] = {"radius": 0.05, "friction": 0.3, "load": 1e5, "surroundings": "insulated"}
+PLAIN = BARE | {"material": "BaTiO3", "thickness": 0.2e-3, "base": "steel"}
+PEAKS = ["interface_shear", "base_peak_von_mises", "base_peak_principal_tension"]
+LINEAR = BARE | {"thickness": 0.2e-3, "base": "steel", "volume_fraction": 0.2, "base_volume_fraction": 0.8}
+
+
+def test_a_power_law_by_factors_is_the_profile_of_a_stack() -> None:
+    by_factors = solver.solve(LINEAR)
+    profile = solver.Graded(PowerLaw("fibrous", (constants_of(BTO), constants_of(CFO)), 0.2, 0.8, 1.0), 0.2e-3)
+    body = solver.Stack([profile], base=STEEL)  # of the same law, so that both share tables
+    assert_alike(solver.solve(BARE | {"body": body}), by_factors, 1e-12)
+    assert set(by_factors.data_vars) == {*QUANTITIES, *FILM_QUANTITIES}
+    refused(LINEAR, "peaks: are not given of a film that is graded", peaks=True)
+
+
+def test_a_stack_of_one_layer_is_a_film_and_a_layer_cut_in_two_is_one() -> None:
+    whole = solver.Stack([solver.Layer(BTO, 0.2e-3)], base=STEEL)
+    cut = solver.Stack([solver.Layer(BTO, 0.15e-3), solver.Layer(BTO, 0.05e-3)], base=STEEL)
+    film = solver.solve(PLAIN, [0.5, 1.2], peaks=PEAKS)
+    computed = solver.solve(BARE | {"body": [whole, cut]}, [0.5, 1.2])
+    assert list(computed["body"].values) == [whole.name, cut.name]
+    names = [name for name in map(str, film) if name in computed]
+    assert {*QUANTITIES, *FILM_QUANTITIES, "stress_xx"} <= set(names)
+    assert_alike(computed.isel(body=0), film, 1e-12, names)
+    assert_alike(computed.isel(body=1), film, 3e-9, names)
+    peaks = solver.solve(BARE | {"body": cut}, peaks=True)
+    assert {name for name in FILM_PEAKS if not name.startswith("film")} <= set(peaks.data_vars)
+    assert_alike(peaks, film, 1e-6, PEAKS)
+    inside, alone = (solver.solve_interior(BARE | {"body": body}, [0.3], [-0.5, -0.95, -2.0]) for body in (cut, whole))
+    assert_alike(inside, alone, 1e-8)
+
+
+def test_an_electrode_between_layers_shields_and_counts_as_the_ground() -> None:
+    """Below a grounded electrode a dielectric has no part in the voltage but by its stiffness."""
+    upper = solver.Layer(BTO, 0.2e-3, electric="grounded")
+    computed = solver.solve(BARE | {"body": solver.Stack([upper, solver.Layer(STEEL, 0.3e-3)], base=STEEL)})
+    assert_alike(
+        computed,
+        solver.solve(PLAIN),
+        1e-9,
+        ["contact_trailing", "voltage", "capacitance_per_length", "nominal_field", "depth"],
+    )

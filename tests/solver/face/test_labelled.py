@@ -1,16 +1,17 @@
-"""The labelled face: names, dimensions, units, coordinates, and cases that do not see each other."""
+"""The labelled face: names, dimensions, units, coordinates, attributes, and tables of cases."""
 
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 import solver
+from solver.face.attributes import united
 from solver.fields import FIELDS, INTERIOR, INTERIOR_ON_REQUEST
 from solver.names import EVERY_QUANTITY
 from tests.solver.cases import assert_same
-from verification.cases import SIH_SONG
 
 POSITIONS = (-2.0, -0.5, 0.9, 1.001)
 #: Friction, both charges: nothing that depends on the datum does so by chance alone.
@@ -20,50 +21,14 @@ CASE_OF_DATUM: dict[str, Any] = {
 ONE = {"material": "BaTiO3", "radius": 0.05, "load": 1e5}
 
 
-def test_scattered_cases_share_a_dimension() -> None:
-    """A Dataset of cases, as read from a table: one dimension, factors paired."""
-    table = xr.Dataset(
-        {
-            "material": ("case", ["BaTiO3", "steel", SIH_SONG]),
-            "radius": ("case", [0.01, 0.05, 0.1]),
-            "load": ("case", [1e3, 1e5, 1e4]),
-            "friction": ("case", [0.0, 0.3, 0.6]),
-            "charge": 1e-6,
-        },
-        coords={"case": [10, 20, 30]},
-    )
-    out = solver.solve(table, POSITIONS)
-    assert out.depth.dims == ("case",)
-    assert out.stress_xx.dims == ("case", "position")
-    assert out.coords["material"].dims == ("case",)
-    for i in range(3):
-        row = table.isel(case=i)
-        factors = {str(name): row[name].item() for name in row.data_vars}
-        assert_same(out.isel(case=i), solver.solve(factors, POSITIONS))
-
-
-def test_data_arrays_bring_their_own_dimensions_and_broadcast_with_sequences() -> None:
-    loads = xr.DataArray([[1e3, 1e4, 1e5], [2e3, 2e4, 2e5]], dims=("machine", "step"))
-    radius = xr.DataArray([0.01, 0.02], dims="machine")
-    out = solver.solve({"material": "BaTiO3", "radius": radius, "load": loads, "friction": [0.1, 0.2]})
-    assert set(out.depth.dims) == {"machine", "step", "friction"}
-    single = solver.solve({"material": "BaTiO3", "radius": 0.02, "load": 2e4, "friction": 0.2})
-    assert_same(out.isel(machine=1, step=1, friction=1), single)
-
-
-@pytest.mark.parametrize("composite", ["fibrous", "laminate"])
-def test_phases_by_name_and_by_material(composite: str) -> None:
-    first, two = solver.find("PZT-4"), solver.find("steel")
-    factors = {"composite": composite, "volume_fraction": [0.2, 0.6], "radius": 0.05, "load": 1e5, "friction": 0.2}
-    mix = {"fibrous": solver.fibrous, "laminate": solver.laminate}[composite]
+def test_phases_may_be_named_or_materials() -> None:
+    mine = solver.find("PZT-4").renamed("mine")
+    factors = {"composite": "laminate", "volume_fraction": [0.2, 0.6], "radius": 0.05, "load": 1e5, "friction": 0.2}
     by_name = solver.solve(factors, POSITIONS, phases=("PZT-4", "steel"))
-    by_material = solver.solve(factors, POSITIONS, phases=(first, two))
-    alone = solver.solve(factors, POSITIONS, phases=("mine", "steel"), materials={"mine": first})
+    by_material = solver.solve(factors, POSITIONS, phases=(mine, solver.find("steel")))
     assert_same(by_name, by_material, rtol=0)
-    assert_same(by_name, alone, rtol=0)
-    for i, fraction in enumerate((0.2, 0.6)):
-        case = {"material": mix(first, two, fraction), "radius": 0.05, "load": 1e5, "friction": 0.2}
-        assert_same(by_name.isel(volume_fraction=i), solver.solve(case, POSITIONS))
+    assert_same(by_name, solver.solve(factors, POSITIONS, phases=("own", "steel"), materials={"own": mine}), rtol=0)
+    assert by_material.attrs["phases"] == "mine, steel"
 
 
 def test_own_materials_by_object_and_by_name() -> None:
@@ -104,3 +69,120 @@ def test_what_hangs_on_the_datum_says_which_one_it_has(datum: dict[str, Any], ex
     assert inside["electric_potential"].attrs["comment"] == voltage.attrs["comment"]
     assert "comment" not in inside["stress_xx"].attrs
     assert "just inside" in solver.solve(case)["trailing_tension"].attrs["comment"]
+
+
+TABLE = pd.DataFrame(
+    {"material": ["PZT-4", "BaTiO3", "PZT-4"], "radius": ["50 mm", 0.06, 0.07], "load": [1e4, 2e4, 3e4]},
+    index=["a", "b", "c"],
+)
+CASE: dict[str, Any] = {"material": "PZT-4", "radius": 0.05, "load": 1e4}
+MASKED = np.ma.array([0.05, 1e37], mask=[False, True])
+
+
+@pytest.mark.parametrize("table", [TABLE, TABLE.to_dict("records"), TABLE.astype({"material": "category"})])
+def test_every_row_of_a_table_is_a_case(table: Any) -> None:
+    rows = solver.solve(table)
+    assert dict(rows.sizes) == {"case": 3}
+    for place, row in enumerate(TABLE.to_dict("records")):
+        assert float(rows["voltage"][place]) == pytest.approx(float(solver.solve(row)["voltage"]), rel=1e-12)
+
+
+def test_rows_have_the_labels_of_their_frame_and_may_lack_what_is_optional() -> None:
+    assert list(solver.solve(TABLE)["case"].values) == ["a", "b", "c"]
+    rows = solver.solve([CASE, CASE | {"thickness": "1 mm", "base": "steel", "surroundings": "insulated"}])
+    assert float(rows["voltage"][0]) == pytest.approx(float(solver.solve(CASE)["voltage"]), rel=1e-12)
+    levels = TABLE.set_index(pd.MultiIndex.from_tuples([(1, 2), (1, 3), (2, 4)]))
+    assert solver.solve(levels)["case"].values.tolist() == [0, 1, 2]
+
+
+@pytest.mark.parametrize(
+    ("table", "word"),
+    [
+        (TABLE.iloc[:0], "without rows"),
+        ([], "no list of mappings"),
+        ("PZT-4", "no list of mappings"),
+        (pd.concat([TABLE, TABLE[["load"]]], axis=1), "load: two columns"),
+        (TABLE.assign(load=pd.array([1e4, None, 2e4], dtype="Float64")), "load: nan"),
+        (TABLE.assign(material=["PZT-4", None, "PZT-4"]), "material: 'n"),
+        (TABLE.assign(colour=1), "colour: unknown factor"),
+    ],
+)
+def test_what_is_no_table_of_cases_is_refused(table: Any, word: str) -> None:
+    with pytest.raises(solver.FactorError, match=word):
+        solver.solve(table)
+
+
+@pytest.mark.parametrize("radius", [MASKED, list(MASKED), np.ma.masked, np.ma.array([1, 9], mask=[False, True])])
+def test_a_masked_factor_is_refused_as_nan_is(radius: Any) -> None:
+    case = CASE | {"radius": radius}
+    with pytest.raises(solver.FactorError, match="radius: nan is not"):
+        solver.solve(case)
+    with pytest.raises(solver.FactorError, match="radius: nan is not"):
+        solver.solve_interior(case, [0.0], [-0.5])
+
+
+def test_masked_names_positions_and_constants_are_refused() -> None:
+    hidden = np.ma.array([0.5, 2.0], mask=[False, True])
+    constants = {name: getattr(solver.find("PZT-4"), name) for name in ("c11", "c13", "c33", "c44")}
+    with pytest.raises(solver.FactorError, match="material: 'n"):
+        solver.solve(CASE | {"material": np.ma.array(["PZT-4", "BaTiO3"], mask=[False, True])})
+    with pytest.raises(solver.FactorError, match="positions: nan"):
+        solver.solve(CASE, hidden)
+    with pytest.raises(solver.FactorError, match="x: not a list"):
+        solver.solve_interior(CASE, hidden, [-0.5])
+    with pytest.raises(solver.MaterialError, match="c33: not a finite number"):
+        solver.solve(CASE | {"material": solver.Material(**constants | {"c33": np.ma.array(1e11, mask=True)})})
+    with pytest.raises(solver.MaterialError, match="nan is not within"):
+        solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), hidden)
+
+
+BALL = {
+    "material": "AlN", "profile": "sphere", "punch": "steel", "surroundings": "insulated", "base": "silicon"
+}  # fmt: skip
+
+
+def test_a_text_with_a_unit_is_its_number() -> None:
+    texts = BALL | {"radius": "5 mm", "force": ["1 mN", 0.01, "1e-1N"], "thickness": "20 um"}
+    numbers = BALL | {"radius": 5e-3, "force": [1e-3, 0.01, 0.1], "thickness": 2e-5}
+    xr.testing.assert_identical(solver.solve(texts), solver.solve(numbers))
+    named = xr.DataArray(["5 mm", "2 cm"], dims="punch_radius")
+    assert solver.solve(texts | {"radius": named})["radius"].values.tolist() == [5e-3, 2e-2]
+
+
+COMMON = "charge = 0 C m-1, magnetic_charge = 0 Wb m-1, speed = 0 m s-1, datum = 1 m"
+CONDUCTING = "electric = conducting, magnetic = conducting, surroundings = insulated"
+
+
+@pytest.mark.parametrize(
+    ("factors", "said"),
+    [
+        (
+            {"volume_fraction": [0.3, 0.5], "radius": 0.05},
+            {"composite": "fibrous", "phases": "BaTiO3, CoFe2O4",
+             "defaults": f"friction = 0, {COMMON}, composite = fibrous, profile = cylinder, {CONDUCTING}"},
+        ),
+        (
+            {"volume_fraction": 0.3, "composite": ["laminate", "fibrous"], "radius": 0.05, "profile": "half_cylinder"},
+            {"composite": "laminate, fibrous", "phases": "BaTiO3, CoFe2O4",
+             "defaults": f"friction = 0, {COMMON}, corner = leading, {CONDUCTING}"},
+        ),
+        (
+            {"material": "PZT-4", "width": 0.1, "profile": "flat", "friction": 0.2, "datum": 2.0, "speed": 0.0},
+            {"defaults": f"charge = 0 C m-1, magnetic_charge = 0 Wb m-1, slope = 0, {CONDUCTING}"},
+        ),
+    ],
+)  # fmt: skip
+def test_a_solution_says_what_no_factor_says(factors: dict[str, object], said: dict[str, str]) -> None:
+    for out in (solver.solve({**factors, "load": 1e4}), solver.solve_interior({**factors, "load": 1e4}, [0], [-1])):
+        attrs = dict(out.attrs)
+        assert attrs.pop("title").startswith("exact ")
+        assert attrs.pop("source").startswith("meecontact: closed-form")
+        assert attrs == said
+
+
+def test_solutions_put_together_keep_what_any_of_them_says() -> None:
+    parts = [
+        {"title": "t", "defaults": "friction = 0, slope = 0"},
+        {"phases": "a, b", "defaults": "friction = 0, x = 1"},
+    ]
+    assert united(parts) == {"title": "t", "phases": "a, b", "defaults": "friction = 0, slope = 0, x = 1"}

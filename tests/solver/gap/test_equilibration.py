@@ -50,3 +50,10 @@ def test_panels_sixteen_times_as_far_change_nothing(stack: Stack, load: float, o
     far = replace(contact, table=AirTable(contact.table.table, 16 * np.cosh(contact.table.operators.grid.ends[-1])))
     assert far.nodes > contact.nodes
     np.testing.assert_allclose(figures(contact), figures(far), rtol=off)
+
+
+def test_a_roller_that_hardly_touches_a_half_plane_has_its_charge_per_load() -> None:
+    """Theorem: at zero volts no charge lies beside the contact, and Q/P is the half-plane's coupling at any load."""
+    case = {"material": PVDF, "radius": 20e-3, "load": 1e-6, "surroundings": "air"}
+    tiny, plain = (solver.solve(case | loads) for loads in ({}, {"load": 1e4, "surroundings": "insulated"}))
+    assert float(tiny["charge_per_force"]) == pytest.approx(float(plain["charge_per_force"]), rel=1e-9)

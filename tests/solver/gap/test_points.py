@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 import solver
 from solver.gap.ringoperators import RingOperators
@@ -93,6 +94,30 @@ def test_a_gap_s_end_is_a_sphere_s_radius_unless_it_is_said() -> None:
     wide = answer(HALF | {"gap_radius": 2e-2})
     difference = wide["capacitance"] - sphere["capacitance"]
     assert difference == pytest.approx(4 * np.pi * VACUUM_PERMITTIVITY * 5e-3 * np.log(4), rel=0.02)
+
+
+def test_a_ball_that_hardly_touches_has_the_capacitance_of_one_that_touches_at_a_point() -> None:
+    """A dielectric so thin that field lines cross it straight: the sum over r of two capacitors in series.
+
+    Field lines spread over (h/L)^2 = 1e-5 of it, L = sqrt(2 R h/eps_r) being the distance as far as charges lie.
+    """
+    h, R, eps = 1e-5, 1.0, 3.0
+    film: dict[str, Any] = {"c11": 3e9, "c12": 1e9, "c13": 1e9, "c33": 3e9, "c44": 1e9}
+    film |= {f"eps{place}": eps * VACUUM_PERMITTIVITY for place in ("11", "33")}
+    case = {"material": Material(**film), "thickness": h, "base": "rigid", "profile": "sphere", "radius": R}
+
+    def per_log_r(log_r: float) -> float:
+        r = np.exp(log_r)
+        return float(2 * np.pi * r**2 * VACUUM_PERMITTIVITY / (r**2 / (2 * R) * (1 + (r / R) ** 2) + h / eps))
+
+    touching = quad(per_log_r, np.log(1e-8), np.log(1e5), limit=200)[0]
+    for force in (1e-13, 5e-18):  # contact radii of 3e-3 and 1.1e-4 thicknesses, 3e-8 and 1e-9 of the gap's end
+        assert answer(case | {"force": force})["capacitance"] == pytest.approx(touching, rel=1e-5)
+
+
+def test_a_gap_that_ends_too_far_away_is_refused() -> None:
+    with pytest.raises(solver.FactorError, match=r"^contact: narrower than 1e-12 of the distance at which"):
+        answer(HALF | {"gap_radius": 1e10})
 
 
 def test_a_gap_that_ends_within_the_contact_is_refused() -> None:

@@ -32,6 +32,13 @@ def test_a_dielectric_under_its_own_elasticity_feels_nothing_of_it() -> None:
     assert shifted["peak_displacement"] > still["peak_displacement"]
 
 
+def test_sliding_contacts_without_charge_are_similar() -> None:
+    """A half-space in air has no length but the ball's, which tiny contacts do not see: lengths go with force^(1/3)."""
+    small, tiny = (answer(HALF | SLID | {"force": force}) for force in (1e-13, 1e-19))
+    for name, power in (("contact_offset", 2), ("peak_pressure", 2), ("trailing_tension", 2)):
+        assert small[name] / tiny[name] == pytest.approx(10.0**power, rel=1e-5), name
+
+
 @pytest.mark.parametrize("case", [HALF, FILM | {"base": "rigid"}, FIBROUS | {"magnetic": "conducting"}])
 def test_tension_beside_the_trailing_edge_is_that_of_the_fields_inside(case: dict[str, Any]) -> None:
     """Sums over b and waves, extrapolated to the edge, against moments and rates."""

@@ -1,64 +1,116 @@
-"""The integral equations (2.2) and the free surface outside, by quadrature of the tractions that ``solve`` returns."""
+"""The integral equations (2.2) of rigid and elastic punches, by quadrature of their tractions; Hertz and Dundurs."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
+from numpy.typing import NDArray
 
 import solver
-from tests.solver.quadrature import Array, rule
+from solver.halfplane.contact import Contact
+from solver.halfplane.profile import Profile
+from solver.halfplane.quantities import Response
+from solver.halfplane.sliding import Punch, Sliding
+from solver.halfplane.surface import HalfPlane
+from solver.material.constants import Material
 from tests.solver.strategies import constants, loads, property_based
-from verification.oracles.surface_response import surface_response
+from verification.oracles.surface_response import SurfaceResponse, surface_response
 
-_RULE = rule()
+Array = NDArray[np.float64]
+FIBROUS = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
+STEEL = {"punch_modulus": 210e9, "punch_poisson": 0.3}
+ELASTIC: dict[str, Any] = STEEL | {
+    "material": FIBROUS, "load": 1e5, "friction": 0.3, "charge": 2e-6, "magnetic_charge": -3e-3
+}  # fmt: skip
+_STEPS = np.linspace(-3.1, 3.1, 241)
+_SHARE = 1 / (1 + np.exp(-np.pi * np.sinh(_STEPS)))
+#: Double-exponential rule in the angle, X = cos(angle): 241 nodes integrate fields of friction up to 4 to rounding.
+_ANGLE = np.pi * _SHARE
+_X, _ROOT = np.clip(np.cos(_ANGLE), -1 + 2**-53, 1 - 2**-53), np.sin(_ANGLE)
+_WEIGHT = (_STEPS[1] - _STEPS[0]) * np.pi * np.cosh(_STEPS) * _ANGLE * (1 - _SHARE)
 _INSIDE = np.array([-0.93, -0.41, 0.07, 0.55, 0.9])
-_OUTSIDE = np.array([-25.0, -2.0, -1.3, 1.3, 4.0])
 
 
-def tractions(case: dict[str, Any]) -> tuple[Array, Array, Array]:
-    """(sigma_xy, sigma_yy, D_y, B_y) times sqrt(1 - X^2) at the rule's nodes; themselves at ``_INSIDE``; x there."""
-    out = solver.solve(case, np.concatenate([_RULE.X, _INSIDE]), regular=True)
-    root = np.sqrt(1 - out.coords["position"].values ** 2)
-    root[: _RULE.X.size] = _RULE.root
+@dataclass(frozen=True)
+class Tractions:
+    """Tractions (sigma_xy, sigma_yy, D_y, B_y) at ``_INSIDE``, their Hilbert transforms there, and x."""
+
+    values: Array
+    transforms: Array
+    x: Array
+
+
+def tractions(case: dict[str, Any]) -> Tractions:
+    """Tractions of a case; the singularity is taken out of the principal value."""
+    out = solver.solve(case, np.concatenate([_X, _INSIDE]), regular=True)
+    root = np.concatenate([_ROOT, np.sqrt(1 - _INSIDE**2)])
     rows = [out.shear_traction * root, -out.contact_pressure * root]
     rows += [out.electric_displacement_y_regular, out.magnetic_induction_y_regular]
     t = np.stack([row.values for row in rows])
+    regular, values = t[:, : _X.size], t[:, _X.size :] / root[_X.size :]
+    quotient = (regular[:, None] - values[:, :, None] * _ROOT) / (_X - _INSIDE[:, None])
+    transforms = (quotient @ _WEIGHT + values * np.log((1 - _INSIDE) / (1 + _INSIDE))) / np.pi
     a, b = out.contact_trailing.item(), out.contact_leading.item()
-    x = (a - b) / 2 + (a + b) / 2 * _INSIDE
-    return t[:, : _RULE.X.size], t[:, _RULE.X.size :] / np.sqrt(1 - _INSIDE**2), x
-
-
-def transforms_inside(regular: Array, within: Array) -> Array:
-    """(1/pi) PV int t(s)/(s - X) ds at ``_INSIDE``, the singularity taken out."""
-    quotient = (regular[:, None, :] - within[:, :, None] * _RULE.root) / (_RULE.X - _INSIDE[:, None])
-    return np.asarray((quotient @ _RULE.weight + within * np.log((1 - _INSIDE) / (1 + _INSIDE))) / np.pi)
+    return Tractions(values, transforms, (a - b) / 2 + (a + b) / 2 * _INSIDE)
 
 
 @property_based
 @given(c=constants(), case=loads())
 def test_the_integral_equations_hold(c: dict[str, float], case: dict[str, Any]) -> None:
     surface = surface_response({"g11": 0.0, "g33": 0.0} | c)
-    regular, within, x = tractions({"material": solver.Material.from_mapping(c), **case})
-    transform = transforms_inside(regular, within)
+    t = tractions({"material": Material.from_mapping(c), **case})
     N, k = surface.normal_compliance, surface.shear_coupling
-    residual = np.outer(k, within[0]) + N @ transform[1:]
-    residual[0] -= x / case["radius"]
-    size = np.abs(N) @ np.max(np.abs(within[1:]), axis=1) + np.abs(k) * np.max(np.abs(within[0]))
+    residual = np.outer(k, t.values[0]) + N @ t.transforms[1:]
+    residual[0] -= t.x / case["radius"]
+    size = np.abs(N) @ np.max(np.abs(t.values[1:]), axis=1) + np.abs(k) * np.max(np.abs(t.values[0]))
     assert np.all(np.abs(residual) <= 1e-11 * size[:, None])
 
 
-@property_based
-@given(c=constants(), case=loads())
-def test_fields_along_the_surface_follow_from_the_tractions(c: dict[str, float], case: dict[str, Any]) -> None:
-    """sigma_xx, D_x and B_x by (2.1), a quadrature and the constitutive law alone, under the punch and beside it."""
-    surface = surface_response({"g11": 0.0, "g33": 0.0} | c)
-    material = solver.Material.from_mapping(c)
-    regular, within, _ = tractions({"material": material, **case})
-    outside = (regular * _RULE.weight) @ (1 / (_RULE.X[:, None] - _OUTSIDE)) / np.pi
-    t = np.concatenate([within, np.zeros_like(outside)], axis=1)
-    along = surface.along_surface(t, np.concatenate([transforms_inside(regular, within), outside], axis=1))
-    out = solver.solve({"material": material, **case}, np.concatenate([_INSIDE, _OUTSIDE]))
-    for name, row in (("stress_xx", 0), ("electric_displacement_x", 2), ("magnetic_induction_x", 3)):
-        size = float(np.max(np.abs(out[name])))
-        assert out[name].values == pytest.approx(along[row], rel=1e-9, abs=1e-10 * size), name
+def response(material: Material) -> SurfaceResponse:
+    return surface_response({name: value for name, value in material.plain().items() if isinstance(value, float)})
+
+
+@pytest.mark.parametrize(
+    ("profile", "slope", "lost"),
+    [
+        ({"radius": 0.05}, (0.0, 20.0), 1e-11),
+        # the rule loses digits where a corner leaves the pressure unbounded
+        ({"profile": "wedge", "slope": 0.004, "corner": "trailing"}, (-0.004,), 1e-6),
+        ({"profile": solver.Profile.polynomial([1e-4, 15.0, 1e4, 2e7])}, (1e-4, 15.0, 1e4, 2e7), 1e-11),
+    ],
+    ids=["cylinder", "wedge", "cubic"],
+)
+def test_the_surfaces_of_body_and_elastic_punch_fit(
+    profile: dict[str, Any], slope: tuple[float, ...], lost: float
+) -> None:
+    """Slopes of body and punch, each from the Stroh eigenvectors of its material, differ by that of the profile."""
+    t, body, punch = tractions(ELASTIC | profile), response(FIBROUS), response(Material.isotropic(210e9, 0.3))
+    fits = body.shear_coupling[0] * t.values[0] + body.normal_compliance[0] @ t.transforms[1:]
+    fits += punch.normal_compliance[0, 0] * t.transforms[1] - punch.shear_coupling[0] * t.values[0]  # upside down
+    required = sum(c * t.x**k for k, c in enumerate(slope))
+    np.testing.assert_allclose(fits, required, rtol=0, atol=lost * np.max(np.abs(required)))
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.9])
+def test_isotropic_bodies_are_those_of_the_textbooks(friction: float) -> None:
+    """Johnson, Contact Mechanics: cot(pi alpha) = eta beta of Dundurs; Hertz's half-length without friction."""
+    (E1, nu1), (E2, nu2) = (70e9, 0.22), (200e9, 0.3)
+    case = {"material": Material.isotropic(E1, nu1), "punch_modulus": E2, "punch_poisson": nu2, "friction": friction}
+    computed = solver.solve(case | {"radius": 0.05, "load": 1e5})
+    G1, G2 = E1 / (2 * (1 + nu1)), E2 / (2 * (1 + nu2))
+    beta = ((1 - 2 * nu1) / G1 - (1 - 2 * nu2) / G2) / (2 * (1 - nu1) / G1 + 2 * (1 - nu2) / G2)
+    alpha = 0.5 - np.arctan(friction * beta) / np.pi
+    assert computed.pressure_exponent.item() == pytest.approx(alpha, rel=1e-13)
+    star = 1 / ((1 - nu1**2) / E1 + (1 - nu2**2) / E2)
+    width = (computed.contact_trailing + computed.contact_leading).item()
+    assert width == pytest.approx(np.sqrt(4 * 0.05 * 1e5 / (star * alpha * (1 - alpha) * np.pi)), rel=1e-13)
+
+
+def test_datum_of_an_elastic_punch_moves_the_depth_by_a_logarithm() -> None:
+    punch = Punch.isotropic(210e9, 0.3)
+    sliding = Sliding(HalfPlane(FIBROUS), np.array(0.3), np.array([True, True]), punch)
+    contact = Contact(sliding, Profile.cylinder(np.array(0.05)), np.array(1e5), np.array([2e-6, -3e-3]))
+    near, far = (float(Response(contact, np.array(0.2), np.array(datum)).depth) for datum in (0.05, 0.5))
+    assert far - near == pytest.approx(float(punch.compliance) * 1e5 / np.pi * np.log(10), rel=1e-10)

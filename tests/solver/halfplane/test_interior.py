@@ -1,4 +1,4 @@
-"""Fields inside the half-plane against 50-digit eigenvectors, collocation, the surface, equilibrium, the far field."""
+"""Fields inside the half-plane against 50-digit eigenvectors, collocation and line integrals."""
 
 from typing import Any
 
@@ -8,7 +8,7 @@ import xarray as xr
 
 import solver
 from solver.fields import INTERIOR, INTERIOR_ON_REQUEST
-from verification.cases import SIH_SONG, constants
+from verification.cases import constants
 from verification.oracles import collocation, interior, profile
 from verification.oracles.surface_response import surface_response
 from verification.oracles.weighted_chebyshev import end_proof_nodes
@@ -45,20 +45,15 @@ def nearly_isotropic() -> solver.Material:
     return solver.Material.from_mapping(constants)
 
 
+#: Cases that the group of 50 digits of the verification lacks.
 CASES = {
-    "all distinct": (solver.find("CoFe2O4"), 0.0, (1, 2)),
-    "composite": (solver.find(SIH_SONG), 0.0, (1, 2)),
-    "three near each other": (solver.find("BaTiO3"), 0.0, (1, 2)),
-    "two near each other": (solver.find("PZT-4"), 0.0, (1,)),
-    "isotropic": (solver.find("steel"), 0.0, (2,)),
     "nearly isotropic": (nearly_isotropic(), 0.0, (1, 2)),
-    "moving": (solver.find(SIH_SONG), 1500.0, (1, 2)),
-    "moving, isotropic": (solver.find("steel"), 1500.0, ()),
     "nearly at the limit": (solver.find("PZT-5H"), 1970.0, (1, 2)),
+    "two near each other": (solver.find("PZT-4"), 0.0, (1,)),
 }
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", CASES)
 def test_fields_agree_with_50_digit_eigenvectors(name: str) -> None:
     material, speed, conducted = CASES[name]
@@ -67,13 +62,10 @@ def test_fields_agree_with_50_digit_eigenvectors(name: str) -> None:
     exact = interior.solve(constants(material), POINTS, **case, conducted=conducted)
     kinds = {field: "conducting" if i in conducted else "insulating" for i, field in ((1, "electric"), (2, "magnetic"))}
     computed = at_points({"material": material, **case, **kinds}, POINTS, fields=ALL)
-    if name in ("isotropic", "moving, isotropic"):  # nothing couples: what is not loaded is zero
-        exact = {field: values for field, values in exact.items() if np.any(computed[field])}
     assert_close(computed, exact, 2e-11 if speed > 1900 else 1e-12)
 
 
-@pytest.mark.parametrize("corner", ["leading", "trailing"])
-@pytest.mark.parametrize("kind", ["flat", "wedge", "half_cylinder"])
+@pytest.mark.parametrize(("kind", "corner"), [("flat", "leading"), ("wedge", "trailing"), ("half_cylinder", "leading")])
 def test_profiles_agree_with_quadrature_of_collocated_tractions(kind: str, corner: str) -> None:
     material = solver.find("CoFe2O4")
     shapes: dict[str, tuple[dict[str, Any], profile.Profile]] = {
@@ -106,33 +98,48 @@ def test_profiles_agree_with_quadrature_of_collocated_tractions(kind: str, corne
         rows.append([t_1[0], t_2[1], t_2[0], t_1[2], t_2[2], t_1[3], t_2[3], electric])
     names = ["stress_xx", "stress_yy", "stress_xy", "electric_displacement_x", "electric_displacement_y"]
     names += ["magnetic_induction_x", "magnetic_induction_y", "electric_field_x"]
-    case: dict[str, Any] = {
-        "material": material,
-        "profile": kind,
-        "load": 1e5,
-        "friction": 0.5,
-        "charge": 1e-6,
-        "magnetic_charge": 1e-3,
-    }
+    case: dict[str, Any] = {"material": material, "profile": kind, "load": 1e5, "friction": 0.5}
+    case |= {"charge": 1e-6, "magnetic_charge": 1e-3}
     assert_close(at_points(case | factors, points), dict(zip(names, np.transpose(rows), strict=True)), 1e-10)
 
 
-MATERIALS = ["BaTiO3", "CoFe2O4", SIH_SONG, "PZT-4", "steel"]
-CASE: dict[str, Any] = {"radius": 0.05, "load": 1e5, "friction": 0.4, "charge": 1e-6, "magnetic_charge": 1e-3}
+BOTH = ("electric", "magnetic")
+POTENTIALS = [f"{field}_potential" for field in BOTH]
 
 
-@pytest.mark.sampled(5)
-@pytest.mark.parametrize("speed", [0.0, 1500.0])
-@pytest.mark.parametrize("name", MATERIALS)
-def test_on_the_surface_they_are_the_surface_fields(name: str, speed: float) -> None:
-    X = [-30.0, -3.0, -1.001, -0.99, -0.3, 0.5, 0.999, 1.01, 2.0, 40.0]
-    case = CASE | {"material": name, "speed": speed}
-    surface, body = solver.solve(case, X), solver.solve_interior(case, X, [0.0]).squeeze("y")
-    names = {"stress_xx": "stress_xx", "stress_xy": "shear_traction"}
-    names |= {f"{kind}_{axis}": f"{kind}_{axis}" for kind in GROUPS[1:3] for axis in "xy"}
-    for inside, outside in names.items():
-        scale = float(np.max(np.abs(surface[outside])))
-        # 1.1e-12 on one kind of processor, less on another
-        np.testing.assert_allclose(body[inside], surface[outside], rtol=1e-11, atol=4e-12 * scale, err_msg=inside)
-    scale = float(np.max(surface["contact_pressure"]))
-    np.testing.assert_allclose(-body["stress_yy"], surface["contact_pressure"], rtol=1e-11, atol=1e-12 * scale)
+@pytest.mark.parametrize(
+    ("case", "path"),
+    [
+        (
+            {"volume_fraction": 0.5, "radius": 0.05, "friction": 0.3, "charge": 1e-6, "magnetic_charge": -1e-3},
+            ((0.2, -0.4), (1.7, -0.05)),
+        ),
+        (
+            {"volume_fraction": 0.3, "profile": "flat", "width": 0.01, "friction": 0.5, "charge": 2e-6, "datum": 3.0},
+            ((-1.4, -0.3), (-30.0, -8.0)),
+        ),
+        (
+            {"material": "PZT-4", "radius": 0.1, "friction": 0.6, "electric": "insulating", "speed": 900.0},
+            ((0.1, -5.0), (4.0, 0.0)),
+        ),
+    ],
+    ids=["cylinder", "flat", "moving"],
+)
+def test_differences_of_potentials_are_line_integrals_of_the_fields(
+    case: dict[str, Any], path: tuple[tuple[float, float], tuple[float, float]]
+) -> None:
+    case = case | {"load": 1e5}
+    response = solver.solve(case)
+    half_width = float(response["contact_trailing"] + response["contact_leading"]) / 2
+    t, weights = np.polynomial.legendre.leggauss(200)
+    (x0, y0), (x1, y1) = path
+    x, y = (x0 + x1) / 2 + t * (x1 - x0) / 2, (y0 + y1) / 2 + t * (y1 - y0) / 2
+    across = solver.solve_interior(case, x, [y0], fields=[f"{field}_field_x" for field in BOTH])
+    down = solver.solve_interior(case, [x1], y, fields=[f"{field}_field_y" for field in BOTH])
+    ends = [solver.solve_interior(case, [x], [y], fields=POTENTIALS).squeeze(drop=True) for x, y in path]
+    for field in BOTH:
+        integral = weights @ across[f"{field}_field_x"].values[0] * (x1 - x0) / 2
+        integral += weights @ down[f"{field}_field_y"].values[:, 0] * (y1 - y0) / 2
+        first, last = (float(end[f"{field}_potential"]) for end in ends)
+        size = max(abs(first), abs(last), 1e-30)
+        assert last - first == pytest.approx(-half_width * integral, rel=1e-9, abs=1e-11 * size)

@@ -16,39 +16,24 @@ POSITIONS = np.array([-1.7, -1.001, -0.95, 0.2, 0.95, 1.001, 4.0])
 CONDUCTED = [(1, 2), (1,), (2,), ()]
 
 
-def cubic(x: Any) -> Any:
-    return 3.0 * (x - 5e-5) + 2e9 * (x - 5e-5) ** 3
-
-
-#: g' = 3 (x - x0) + 2e9 (x - x0)^3 with x0 = 5e-5, in powers of x.
-CUBIC = (-3.0 * 5e-5 - 2e9 * 5e-5**3, 3.0 + 6e9 * 5e-5**2, -6e9 * 5e-5, 2e9)
 #: g' = 2e-4 + 10 x + 1e9 x^3 from the corner.
 CORNERED = (2e-4, 10.0, 0.0, 1e9)
 
 CASES: dict[str, tuple[dict[str, Any], profile.Profile]] = {
-    "cylinder": ({"radius": 0.05}, profile.cylinder(0.05)),
     "flat": ({"profile": "flat", "width": 4e-4}, profile.flat(4e-4)),
-    "tilted": ({"profile": "flat", "width": 4e-4, "slope": 1e-4}, profile.flat(4e-4, 1e-4)),
     "wedge": ({"profile": "wedge", "slope": 2e-3}, profile.wedge(2e-3)),
-    "wedge, trailing": (
-        {"profile": "wedge", "slope": 2e-3, "corner": "trailing"},
-        profile.wedge(2e-3, "trailing"),
-    ),
-    "half cylinder": ({"profile": "half_cylinder", "radius": 0.05}, profile.half_cylinder(0.05)),
-    "half cylinder, trailing": (
-        {"profile": "half_cylinder", "radius": 0.05, "corner": "trailing"},
-        profile.half_cylinder(0.05, "trailing"),
+    "half cylinder": (
+        {"profile": "half_cylinder", "radius": 0.05, "corner": "trailing"}, profile.half_cylinder(0.05, "trailing")
     ),
     "quartic": (
         {"profile": solver.Profile.polynomial((0.0, 0.0, 0.0, 5e8), (True, True))},
         profile.Profile(lambda x: 5e8 * x**3),
     ),
-    "own, smooth": ({"profile": solver.Profile.polynomial(CUBIC, (True, True))}, profile.Profile(cubic)),
-    "own, one corner": (
+    "one corner": (
         {"profile": solver.Profile.polynomial(CORNERED, (True, False))},
         profile.Profile(lambda x: 2e-4 + 10.0 * x + 1e9 * x**3, sharp_leading=0.0),
     ),
-    "own, two corners": (
+    "two corners": (
         {"profile": solver.Profile.polynomial((1e-5, 0.2, 1e3), (False, False), 4e-4)},
         profile.Profile(lambda x: 1e-5 + 0.2 * x + 1e3 * x**2, 2e-4, -2e-4),
     ),
@@ -64,7 +49,7 @@ def collocated(shape: profile.Profile, friction: float, conducted: tuple[int, ..
     return collocation.solve(case), surface
 
 
-@pytest.mark.sampled(24)
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("conducted", CONDUCTED)
 @pytest.mark.parametrize("friction", [0.0, 1e-12, 0.8])
 @pytest.mark.parametrize("name", CASES)
@@ -88,25 +73,6 @@ def test_profile_agrees_with_collocation(name: str, friction: float, conducted: 
     for field, values in fields(computed, surface, POSITIONS).items():
         scale = float(np.max(np.abs(values)))
         np.testing.assert_allclose(solved[field], values, rtol=1e-10, atol=1e-11 * scale, err_msg=field)
-
-
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_flat_punch_tilts_as_the_moment_asks(friction: float) -> None:
-    moment = 3.0
-    case = BASE | {"profile": "flat", "width": 4e-4, "friction": friction}
-    nodes, weights = np.polynomial.legendre.leggauss(400)
-    angle = np.pi * (nodes + 1) / 2  # X = cos(angle) takes the singular edges away
-    X, w = np.cos(angle), weights * np.pi / 2 * np.sin(angle)
-    stated = solver.solve(case | {"moment": moment}, X)
-    pressure = stated["contact_pressure"].values
-    tolerance = 1e-10 if friction == 0 else 1e-3  # edges of other powers than -1/2
-    assert 2e-4 * w @ pressure == pytest.approx(1e5, rel=tolerance)
-    assert 2e-4**2 * w @ (X * pressure) == pytest.approx(moment, rel=10 * tolerance)
-    # one slope gives the same contact, and the moment is linear in it
-    low, high = (solver.solve(case | {"slope": s}, X)["contact_pressure"].values @ (X * w) * 4e-8 for s in (0.0, 1e-4))
-    tilt = 1e-4 * (4e-8 * (X * w) @ pressure - low) / (high - low)
-    same = solver.solve(case | {"slope": tilt}, X)
-    np.testing.assert_allclose(stated["contact_pressure"], same["contact_pressure"], rtol=1e-9)
 
 
 def test_a_flat_punch_may_tilt_until_the_pressure_leaves_an_edge() -> None:

@@ -17,19 +17,11 @@ POSITIONS = [-250.0, -1.7, -1.0001, -0.95, 0.2, 0.95, 1.0001, 4.0]
 BOTH = np.array([True, True])
 
 
-@pytest.mark.sampled(4)
-@pytest.mark.parametrize("share", [0.1, 0.6, 0.95, 0.999])
-@pytest.mark.parametrize("name", [SIH_SONG, "PZT-5H", "steel"])
+@pytest.mark.parametrize(("name", "share"), [(SIH_SONG, 0.999), ("steel", 0.6)])
 def test_moving_punch_agrees_with_50_digits(name: str, share: float) -> None:
     speed = float(limiting_speed(solver.find(name), BOTH)) * share
-    case: dict[str, Any] = {
-        "radius": 0.03,
-        "load": 4e4,
-        "friction": 0.6,
-        "charge": 1e-6,
-        "magnetic_charge": -2e-3,
-        "datum": 0.2,
-    }
+    case: dict[str, Any] = {"radius": 0.03, "load": 4e4, "friction": 0.6, "datum": 0.2}
+    case |= {"charge": 1e-6, "magnetic_charge": -2e-3}
     computed = solver.solve({"material": name, **case, "speed": speed}, POSITIONS)
     exact = precise.solve(constants(solver.find(name)), **case, speed=speed, positions=POSITIONS)
     for quantity, value in exact.quantities.items():
@@ -54,22 +46,19 @@ def test_limiting_speed_of_isotropic_solids_is_that_of_rayleigh_waves() -> None:
         assert float(transonic_speed(material)) == pytest.approx(shear, rel=1e-12)
 
 
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize("name", ["BaTiO3", SIH_SONG, "PZT-5H"])
-def test_at_the_limiting_speed_the_restricted_tensor_is_singular(name: str) -> None:
+def test_at_the_limiting_speed_the_restricted_tensor_is_singular() -> None:
     def stiffness(speed: mpf) -> mpf:
-        N = half_plane(constants(solver.find(name)), float(speed)).normal_compliance
+        N = half_plane(constants(solver.find(SIH_SONG)), float(speed)).normal_compliance
         return 1 / (N[0, 0] - (N[0, 1:3] * mp.inverse(N[1:3, 1:3]) * N[1:3, 0])[0])
 
-    limit = float(limiting_speed(solver.find(name), BOTH))
+    limit = float(limiting_speed(solver.find(SIH_SONG), BOTH))
     at_rest, below, above = (stiffness(mpf(v)) for v in (0.0, limit * (1 - 1e-9), limit * (1 + 1e-9)))
     assert below > 0 > above
     assert abs(below) < 1e-6 * at_rest
 
 
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize("name", ["BaTiO3", SIH_SONG, "PZT-5H"])
-def test_at_the_transonic_speed_a_root_becomes_real(name: str) -> None:
+def test_at_the_transonic_speed_a_root_becomes_real() -> None:
+    name = "PZT-5H"
     speed = float(transonic_speed(solver.find(name)))
     half = half_plane(constants(solver.find(name)))
     inertia = mpf(constants(solver.find(name))["rho"]) * mpf(speed) ** 2

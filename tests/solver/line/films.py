@@ -67,14 +67,15 @@ def interior_fields(contact: FilmContact, X: Array, Y: Array, names: tuple[str, 
 
 
 def by_exponentials(stack: Stack, wave: float) -> tuple[Array, Array]:
-    """[k u; t] on top, and k phi below every layer from the lowest on, of a stack whose layers lie on electrodes.
+    """[k u; t] on top, and k phi of every electrode below a layer, the lowest first; (8, n) and (electrode, n).
 
-    Of the base's tractions (4) and of the charges of the electrodes, the lowest first; (8, n) and (layer, n).
+    The n columns are of the base's tractions (4) and of the charges of the electrodes, the lowest first.
     """
     assert stack.base_medium is not None
     columns, phi = np.concatenate([stack.base_medium.compliance, np.eye(4)]), []
     for layer, medium in zip(stack.layers[::-1], stack.media[::-1], strict=True):
-        columns = np.concatenate([columns, np.eye(8)[:, [6]]], 1)
-        phi.append(np.pad(columns[2], (0, 4 + len(stack.layers) - columns.shape[1])))
+        if not phi or layer.electric == "grounded":
+            columns = np.concatenate([columns, np.eye(8)[:, [6]]], 1)
+            phi.append(columns[2])
         columns = expm(wave * layer.thickness * medium.system) @ columns
-    return columns, np.array(phi)
+    return columns, np.array([np.pad(row, (0, columns.shape[1] - row.size)) for row in phi])

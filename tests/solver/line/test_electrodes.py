@@ -1,4 +1,4 @@
-"""Electrodes in a stack: identities that hold whatever presses, and patches against fields and other ways to them."""
+"""Electrodes in a stack and on top: identities whatever presses, patches against fields inside and reciprocity."""
 
 from typing import Any
 
@@ -9,20 +9,29 @@ from scipy.interpolate import BarycentricInterpolator
 
 import solver
 from solver.arrays import Array
+from solver.stack.electroded import beyond_local, local
 from solver.stack.electrodes import Electrode, electrodes
 from solver.stack.layers import Layer, Stack
 from tests.solver.line.films import BTO, FIBROUS, SILICON, by_exponentials
 
 PVDF, PZT, PDMS, GLASS, COPPER = (solver.find(name) for name in ("PVDF", "PZT-4", "PDMS", "glass", "copper"))
 BARE: dict[str, Any] = {"surroundings": "insulated"}
-BALL = BARE | {"profile": "sphere", "radius": 0.01, "force": [0.1, 1.0], "magnetic": "insulating"}
+BALL = BARE | {"profile": "sphere", "radius": 0.01, "force": 0.3, "magnetic": "insulating"}
+DISC = BARE | {"profile": "disc", "width": 2e-4, "force": 2.0, "magnetic": "insulating"}
+CONE = BARE | {"profile": "cone", "slope": 0.05, "force": 2.0, "magnetic": "insulating"}
 ROLLER = BARE | {"radius": 0.05, "load": 2e4, "friction": 0.3, "datum": 0.1}
 COVERS = {"rubber": Layer(PDMS, 1e-3, "grounded"), "ceramic": Layer(FIBROUS, 2e-4, "grounded")}
 ACTIVE = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4, "grounded"), Layer(FIBROUS, 2e-4)], SILICON)
+TOP = {"electrode": "top", "collector": 1, "magnetic": "insulating"}
+BURIED = {"collector": 2, "body": Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)])}
 
 
 def charge(solution: xr.Dataset, name: str = "electrode_charge_per_force") -> Array:
     return np.asarray(solution[name].values)
+
+
+def patch_charge(factors: dict[str, Any]) -> Array:
+    return charge(solver.solve(factors), "patch_charge_per_force")
 
 
 @pytest.mark.parametrize("cover", COVERS)
@@ -72,19 +81,51 @@ def test_what_small_waves_carry_tends_to_the_whole() -> None:
             np.testing.assert_allclose(electrode.whole, small, atol=1e-5 * np.max(np.abs(small)))
 
 
-@pytest.mark.parametrize("punch", [BALL | {"force": 0.3}, ROLLER], ids=["ball", "roller"])
-def test_strips_sum_to_the_electrode(punch: dict[str, Any]) -> None:
-    """41 strips side by side equal one of their total width, which collects nearly the whole charge."""
-    body = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)])
-    width = 5e-5
-    case = punch | {"body": body, "collector": 2, "patch": "strip"}
-    places = width * np.arange(-20, 21)
-    parts = charge(solver.solve(case | {"patch_size": width, "patch_position": places}), "patch_charge_per_force")
-    wide = solver.solve(case | {"patch_size": 41 * width})
-    assert np.sum(parts) == pytest.approx(float(wide["patch_charge_per_force"]), rel=1e-10)
-    assert float(wide["patch_charge_per_force"]) == pytest.approx(float(wide["electrode_charge_per_force"]), rel=1e-3)
-    endless = solver.solve(case | {"patch_size": 0.02})
-    assert charge(endless, "patch_charge_per_force") == pytest.approx(charge(endless), rel=1e-10)
+@pytest.mark.parametrize(
+    ("case", "patch"),
+    [
+        (ROLLER | BURIED, "strip"), (BALL | BURIED, "strip"), (BALL | BURIED, "disc"), (ROLLER | TOP, "strip"),
+        (DISC | TOP, "strip"), (BALL | TOP, "disc"), (CONE | TOP, "disc"),
+    ],
+    ids=["roller", "ball", "ball, disc", "roller, top", "disc, top", "ball, top", "cone, top"],
+)  # fmt: skip
+def test_patches_add_up_to_the_electrode_and_differ_by_its_gradient(case: dict[str, Any], patch: str) -> None:
+    """Strips side by side are one strip; an endless patch is the electrode, e33/c33 of a film on a rigid base."""
+    whole = charge(solver.solve(case | ({"body": Stack([Layer(PZT, 2e-4)])} if "electrode" in case else {})))
+    if "electrode" in case:
+        assert whole == pytest.approx(float(PZT.e33 / PZT.c33), rel=1e-12)
+        endless = patch_charge(case | {"body": Stack([Layer(PZT, 2e-4)]), "patch": patch, "patch_size": 0.05})
+        case = case | {"body": Stack([Layer(PZT, 2e-4)], SILICON)}
+    else:
+        endless = patch_charge(case | {"patch": patch, "patch_size": 0.05})
+    assert endless == pytest.approx(whole, rel=1e-10)
+    case, width = case | {"patch": patch}, 5e-5
+    if patch == "strip":
+        parts = patch_charge(case | {"patch_size": width, "patch_position": width * np.arange(-10, 11)})
+        assert np.sum(parts) == pytest.approx(patch_charge(case | {"patch_size": 21 * width}), rel=1e-10)
+    step, pitch = 1e-7, 1.7e-4
+    solution = solver.solve(case | {"patch_size": 1e-4, "patch_pitch": pitch})
+    near = patch_charge(case | {"patch_size": 1e-4, "patch_position": [0.0, pitch, pitch / 2 - step, pitch / 2 + step]})
+    assert float(solution["crosstalk"]) == pytest.approx(near[1] / near[0], rel=1e-12)
+    assert float(solution["patch_charge_gradient"]) == pytest.approx((near[2] - near[3]) / step, rel=1e-5)
+
+
+def test_the_charge_is_reciprocal_to_what_the_voltage_moves() -> None:
+    """u_y of the surface per phi of an electrode, by matrix exponentials of each layer, is the charge per sigma_yy."""
+    k = np.array([1e3, 3e3, 1e4])
+    covered = Stack([Layer(BTO, 1e-4), Layer(FIBROUS, 2e-4)], SILICON, electroded=True)
+    for body, rows in (
+        (ACTIVE, Electrode(ACTIVE, 2).rows(k)[:, 0]),
+        (covered, local(covered) + beyond_local(covered, k)),
+    ):
+        for wave, row in zip(k.tolist(), rows, strict=True):
+            columns, phi = by_exponentials(body, wave)
+            # no traction on top but the charge of an electrode there, whose phi follows; then phi of those below
+            system = np.concatenate([columns[[4, 5, 7, 2]] if body.electroded else columns[4:], phi])
+            driven = np.eye(len(system))[3 if body.electroded else 5]  # k phi of one electrode in these units
+            moved = columns[1] @ np.linalg.solve(system, driven)
+            assert abs(moved) > (1e-3 if body.electroded else 1e-6)
+            assert moved == pytest.approx(row[1], rel=1e-8)
 
 
 def test_strips_below_a_roller_collect_the_jump_of_the_field_inside() -> None:
@@ -105,12 +146,10 @@ def test_strips_below_a_roller_collect_the_jump_of_the_field_inside() -> None:
         assert float(solution["electrode_pressure"]) == pytest.approx(-float(middle["stress_yy"].squeeze()), rel=1e-7)
 
 
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize("number", [2, 1])
-def test_discs_below_a_ball_that_slides_collect_the_jump_of_the_field_inside(number: int) -> None:
+def test_discs_below_a_ball_that_slides_collect_the_jump_of_the_field_inside() -> None:
     """D_y of the plane of symmetry at x and -x, whose mean is even about the middle and whose difference turns."""
     ball = {"profile": "sphere", "radius": 2e-3, "force": 4.0, "friction": 0.4, "magnetic": "insulating"}
-    plain, size, place = solver.solve(ball | {"body": ACTIVE}), 1.2e-4, 7e-5
+    plain, number, size, place = solver.solve(ball | {"body": ACTIVE}), 2, 1.2e-4, 7e-5
     radius = float(plain["contact_radius"])
     x, w = np.polynomial.legendre.leggauss(16)
     turn = 2 * np.pi * (np.arange(32) + 0.5) / 32
@@ -136,49 +175,30 @@ def test_discs_below_a_ball_that_slides_collect_the_jump_of_the_field_inside(num
     assert charges[0] == pytest.approx(expected, rel=1e-6)
 
 
-def test_a_patch_s_charge_is_reciprocal_to_what_its_voltage_moves() -> None:
-    """u_y of the surface per phi of an electrode, by matrix exponentials of each layer, is the charge per sigma_yy."""
-    k = np.array([1e3, 3e3, 1e4])
-    rows = Electrode(ACTIVE, 2).rows(k)[:, 0]
-    for wave, row in zip(k.tolist(), rows, strict=True):
-        columns, phi = by_exponentials(ACTIVE, wave)
-        system = np.concatenate([columns[4:], phi])  # no traction on top, and phi of electrodes 3, 2, 1
-        driven = np.eye(7)[5]  # of electrode 2: k phi in these units
-        moved = columns[1] @ np.linalg.solve(system, driven)
-        assert abs(moved) > 1e-6
-        assert moved == pytest.approx(row[1], rel=1e-8)
-
-
-def test_discs_strips_and_neighbours_below_a_ball() -> None:
-    """A disc that holds all is the electrode; discs of one place fill a strip; the gradient is the difference's."""
-    body = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)])
-    case = BALL | {"force": 0.3, "body": body, "collector": 2}
-    whole = solver.solve(case | {"patch_size": 0.05})
-    assert charge(whole, "patch_charge_per_force") == pytest.approx(charge(whole), rel=1e-10)
-    step, pitch = 1e-6, 3e-4
-    read = {"patch_size": 2e-4, "patch_pitch": pitch}
-    for patch in ("disc", "strip"):
-        solution = solver.solve(case | read | {"patch": patch})
-        near = charge(
-            solver.solve(
-                case
-                | {
-                    "patch_size": 2e-4,
-                    "patch": patch,
-                    "patch_position": [0.0, pitch, pitch / 2 - step, pitch / 2 + step],
-                }
-            ),
-            "patch_charge_per_force",
+@pytest.mark.parametrize(
+    ("punch", "patch"), [(ROLLER, {}), (BALL, {"force": 2.0, "patch": "disc"})], ids=["strips", "discs"]
+)
+def test_a_cover_that_grows_thin_leads_there(punch: dict[str, Any], patch: dict[str, Any]) -> None:
+    """Electrodes below 4 and 2 um of the same film, whose charge comes by waves alone, on a line to no cover at all."""
+    read = punch | patch | {"collector": 1, "patch_size": 1e-4, "patch_position": np.array([-1e-4, 3e-5, 1.2e-4, 2e-4])}
+    covered = [
+        patch_charge(
+            read | {"electric": "insulating", "body": Stack([Layer(PZT, t, "grounded"), Layer(PZT, 2e-4)], SILICON)}
         )
-        assert float(solution["crosstalk"]) == pytest.approx(near[1] / near[0], rel=1e-9)
-        assert float(solution["patch_charge_gradient"]) == pytest.approx((near[2] - near[3]) / step, rel=1e-4)
-    # rings of discs about the middle against the strip: int over the strip of the density by discs' differences
-    radii = np.linspace(1e-7, 3e-3, 4001)
-    inside = charge(solver.solve(case | {"patch_size": 2 * radii}), "patch_charge_per_force")
-    middle, density = (radii[1:] + radii[:-1]) / 2, np.diff(inside)
-    share = np.where(middle < 1e-4, 1.0, 2 / np.pi * np.arcsin(np.minimum(1e-4 / middle, 1.0)))
-    strip = solver.solve(case | {"patch_size": 2e-4, "patch": "strip"})
-    assert inside[0] + density @ share == pytest.approx(float(strip["patch_charge_per_force"]), rel=1e-4)
+        for t in (4e-6, 2e-6)
+    ]
+    charges = patch_charge(read | TOP | {"body": Stack([Layer(PZT, 2e-4)], SILICON)})
+    size = np.max(np.abs(charges))
+    assert np.max(np.abs(covered[1] - charges)) > 5e-3 * size  # that far away is the thinner one
+    np.testing.assert_allclose(2 * covered[1] - covered[0], charges, atol=5e-3 * size)
+
+
+def test_a_metal_on_top_is_the_electrode_that_is_asked_for_there() -> None:
+    body = Stack([Layer(COPPER, 1e-5), Layer(PZT, 1e-4)], SILICON)
+    assert electrodes(Stack(body.layers, SILICON, electroded=True)) == electrodes(body) == [(0,), (1,)]
+    assert not Electrode(body, 1).on_top
+    read = BALL | {"force": 0.1, "collector": 1, "patch_size": 1e-3, "body": body}
+    assert patch_charge(read | {"electrode": "top"}) == pytest.approx(patch_charge(read), rel=1e-9)
 
 
 def test_what_a_base_stretches_leads_on_to_the_free_slab_s_d33() -> None:

@@ -22,7 +22,7 @@ from solver.stack.electroded import surface as surface_of
 from solver.stack.electrodes import Electrode
 from solver.stack.fourier import Medium
 from solver.stack.grading import Graded, GradedMedium
-from solver.stack.layers import Layer, Stack
+from solver.stack.layers import Stack
 from solver.stack.reflection import held
 from tests.solver.cases import assert_alike
 from tests.solver.line.films import BTO, CFO, FIBROUS, STEEL, contact, interior_fields, surface_fields
@@ -51,11 +51,6 @@ def exponential(depth: Array) -> solver.Material:
 FALLING = {covered: Stack((Graded(exponential, 1.0),), electroded=covered) for covered in (False, True)}
 LINEAR = Stack((Graded(linear, 1.0),))
 ON_STEEL = Stack((Graded(linear, 2e-4, *END),), STEEL)
-
-
-def at_half_lengths(stack: Stack, half: Array, accuracy: float = 1.0) -> Array:
-    sliding = Sliding(HalfPlane(stack.top.material), np.array(0.3), np.array([True, True]))
-    return at(System(kernel(stack, 2.1 * float(np.max(half))), sliding, (True, True), 1, accuracy), half)
 
 
 def test_exponential_grading_has_its_exact_exponents() -> None:
@@ -151,20 +146,6 @@ def test_edge_intensity_of_a_graded_dielectric_is_that_of_bessel_functions() -> 
         matrix *= (-1.0) ** (m + n)
         sums = 1 + np.cumsum(np.linalg.solve(matrix[:, 1:], -matrix[:, 0]))
         assert -np.sqrt(np.pi) * intensity == pytest.approx((4 * sums[199] - sums[99]) / 3, rel=1e-7)
-
-
-def test_staircases_tend_to_the_graded_film() -> None:
-    half, loads = np.array([0.3]), []
-    for count in (8, 16, 32):
-        middles = (np.arange(count) + 0.5) / count
-        stack = Stack(tuple(Layer(linear(np.array(z)), 1.0 / count) for z in middles))
-        read = at_half_lengths(stack, half)[0]
-        loads.append(read[0, 0] / stack.scale[1] ** 2)
-    exact = at_half_lengths(LINEAR, np.array([0.3, 1.0]))[0, 0, 0] / LINEAR.scale[1] ** 2
-    first, second = loads[1] - loads[0], loads[2] - loads[1]
-    limit = loads[2] + second / (first / second - 1)  # the middle of the top layer is not the surface: first order
-    assert limit == pytest.approx(exact, rel=1e-4)
-    assert abs(loads[2] / exact - 1) < 6e-4
 
 
 def test_contact_on_a_graded_film_is_read_from_a_table() -> None:

@@ -1,4 +1,6 @@
-"""The table of kernels: every material of the library resolves, and its values are the integrals (films, F3.2)."""
+"""Tables of kernels: every material of the library resolves, values are integrals (films, F3.2), one serves punches."""
+
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -6,10 +8,15 @@ from scipy.integrate import quad_vec
 
 import solver
 from solver.arrays import Array
+from solver.halfplane.profile import Profile
+from solver.halfplane.sliding import Punch
 from solver.line import kernel as module
+from solver.line.contact import FilmContact
 from solver.line.kernel import ENTRIES, Kernel, kernel
+from solver.line.table import table
 from solver.stack.layers import RIGID, Layer, Stack, StackError
 from solver.stack.reflection import waves
+from tests.solver.line.films import FIBROUS, ON_STEEL, cases
 
 #: Roots with a large real part put singularities beside the first panels.
 STEEP = ["PMN-PT 67:33", "PMN-PT 67:33 (alternative 1)"]
@@ -54,3 +61,22 @@ def test_values_are_the_integrals() -> None:
 
     whole = quad_vec(density, 1e-12, 40 / table.width, epsabs=1e-12 * size, norm="max")[0]
     np.testing.assert_allclose(table.at(np.array([x]))[0, :10], -whole / np.pi, rtol=0, atol=1e-10 * size)
+
+
+def test_silicone_on_a_stiff_film_is_the_silicone_of_hertz() -> None:
+    """The film is 1e5 times as stiff: it adds 1e-5 of the compliance."""
+    soft, profile = Punch.isotropic(2e6, 0.49), Profile.cylinder(np.array(0.05))
+    tabled = table(ON_STEEL, 0.0, least=0.3, most=4.0, punch=soft)
+    computed = FilmContact(tabled, profile, cases(3.0), np.zeros((1, 2)), np.array(1.0))
+    hertz = np.sqrt(2 * float(soft.compliance) * 0.05 * 3.0 / np.pi)
+    assert float(computed.half_width[0]) == pytest.approx(hertz, rel=2e-5)
+
+
+def test_one_table_of_a_stack_serves_every_punch(monkeypatch: pytest.MonkeyPatch) -> None:
+    stack = Stack((Layer(FIBROUS, 2e-4),))
+    computed = Mock(wraps=module._transforms)
+    monkeypatch.setattr(module, "_transforms", computed)
+    for punch in (Punch(), Punch.isotropic(210e9, 0.3), Punch.isotropic(630e9, 0.22)):
+        for friction in (0.0, 0.3):
+            table(stack, friction, least=0.3, most=1.0, nodes=4, punch=punch)
+    assert computed.call_count == 1

@@ -54,7 +54,7 @@ def test_default_tables_are_read_to_1e_8(most: float) -> None:
     """Between the half-lengths of the table, against the system itself; load to 1e-9, the others over their range."""
     tabled = table(STACKS["fibrous on rigid"], 0.3, most=most)
     half = np.exp(np.linspace(np.log(0.0102), np.log(0.98 * most), 7))
-    read = np.tensordot(tabled.polynomials(np.log(half)), tabled.series, 1)
+    read = tabled.interval.read(np.log(half), tabled.series)
     exact = at(tabled.system, half)
     size = np.max(np.abs(exact), axis=0)
     assert np.all(np.abs(read - exact)[:, : outputs.EDGE_STRESS.start] <= 3e-8 * size[: outputs.EDGE_STRESS.start])

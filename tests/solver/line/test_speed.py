@@ -8,11 +8,10 @@ from solver.arrays import Array
 from solver.halfplane.profile import Profile
 from solver.line.contact import FilmContact
 from solver.line.table import table
-from solver.stack.grading import Graded
 from solver.stack.layers import Layer, Stack
 from solver.stack.reflection import waves
 from solver.stack.speed import critical_speed
-from tests.solver.line.films import BTO, CFO, STEEL, cases, interior_fields
+from tests.solver.line.films import BTO, STEEL, cases, interior_fields
 
 MIX = solver.find("BaTiO3-CoFe2O4 50:50")
 
@@ -71,9 +70,3 @@ def test_forces_inside_are_those_of_the_inertia() -> None:
         assert abs(inertia) > 1e-3 * abs(along[0])
         assert along[0] + down[1] == pytest.approx(inertia, rel=1e-5)
         assert along[3] == pytest.approx(-down[4], rel=1e-5)
-
-
-def test_graded_film_of_one_fraction_moves_as_a_homogeneous_one() -> None:
-    profile = Graded(lambda depth: solver.fibrous(BTO, CFO, 0.5 + 0 * depth), 1.0)
-    graded, plain = (critical_speed(Stack((top,), STEEL)) for top in (profile, Layer(profile.material, 1.0)))
-    assert graded == pytest.approx(plain, rel=1e-5)

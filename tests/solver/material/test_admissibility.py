@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import solver
 from tests.solver.cases import assert_finite
-from tests.solver.strategies import between, constants, loads, phases, property_based
+from tests.solver.strategies import between, constants, loads, property_based
 
 POSITIONS = (-1e3, -1.001, -0.5, 0.999, 4.0)
 
@@ -38,20 +38,6 @@ def test_admissible_materials_are_solved(c: dict[str, float], case: dict[str, An
     assert 0 < lam < 1e3 / min(c["c11"], c["c33"], c["c44"])
 
 
-@property_based
-@given(first=phases(), second=phases(), fraction=between(0, 1))
-def test_composites_of_admissible_phases_are_admissible(
-    first: solver.Material, second: solver.Material, fraction: float
-) -> None:
-    for mix in (solver.fibrous, solver.laminate):
-        material = mix(first, second, fraction)
-        blocks = energies({name: float(getattr(material, name)) for name in ("c11", "c12", "c13", "c33", *DIELECTRIC)})
-        assert all(np.linalg.eigvalsh(block)[0] > 0 for block in blocks)
-        out = solver.solve({"material": material, "radius": 0.05, "load": 1e5, "friction": 0.5}, POSITIONS)
-        assert_finite(out)
-
-
-DIELECTRIC = ("eps11", "eps33", "g11", "g33", "mu11", "mu33")
 _BREAKABLE = {"c13": ("c11", "c33"), "c12": ("c11", "c11"), "g11": ("eps11", "mu11"), "g33": ("eps33", "mu33")}
 
 

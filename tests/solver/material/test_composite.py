@@ -7,11 +7,15 @@ import pytest
 from hypothesis import given
 
 import solver
+from solver.material import laws
 from solver.material.constants import UNITS
+from solver.names import COMPOSITES
 from tests.solver import micromechanics
 from tests.solver.strategies import between, phases, property_based
 from verification.oracles.half_plane import CONSTANTS
+from workflow.study.layered import BodyLayer
 
+PHASES = solver.find("BaTiO3"), solver.find("CoFe2O4")
 BOTH = pytest.mark.parametrize("kind", ["fibrous", "laminate"])
 MIX: dict[str, Any] = {"fibrous": solver.fibrous, "laminate": solver.laminate}
 EXACT: dict[str, Any] = {"fibrous": micromechanics.fibrous, "laminate": micromechanics.laminate}
@@ -41,7 +45,7 @@ def size(name: str, c: dict[str, Any]) -> float:
 @BOTH
 @pytest.mark.parametrize("fraction", [0.0, 1e-9, 0.37, 0.999, 1.0])
 def test_composites_are_those_of_the_full_tensors(kind: str, fraction: float) -> None:
-    first, second = solver.find("BaTiO3"), solver.find("CoFe2O4")
+    first, second = PHASES
     assert_exact(kind, first, second, fraction, 1e-12)
     assert_exact(kind, second, first, fraction, 1e-12)
 
@@ -52,11 +56,13 @@ def test_composites_are_those_of_the_full_tensors(kind: str, fraction: float) ->
 def test_composites_of_any_admissible_phases(
     kind: str, first: solver.Material, second: solver.Material, fraction: float
 ) -> None:
+    """The check of a material is that of its energy."""
     assert_exact(kind, first, second, fraction, 1e-11)
+    MIX[kind](first, second, fraction).check()
 
 
 def test_published_table_follows_from_fibrous_mori_tanaka() -> None:
-    mix = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
+    mix = solver.fibrous(*PHASES, 0.5)
     assert float(mix.g33) == pytest.approx(2.75e-9, abs=0.005e-9)
     assert float(mix.eps33) == pytest.approx(6.37e-9, abs=0.005e-9)
     assert float(mix.mu33) == pytest.approx(8.39e-5, abs=0.005e-5)
@@ -65,19 +71,15 @@ def test_published_table_follows_from_fibrous_mori_tanaka() -> None:
 
 @BOTH
 def test_fractions_and_phases_broadcast(kind: str) -> None:
-    first, second = solver.find("BaTiO3"), solver.find("CoFe2O4")
+    first, second = PHASES
     fractions = np.linspace(0, 1, 6).reshape(2, 3)
     mix = MIX[kind](first, second, fractions)
     assert mix.shape == (2, 3)
     single = MIX[kind](first, second, float(fractions[1, 1]))
+    assert float(single.rho) == pytest.approx(0.8 * 5800 + 0.2 * 5300, rel=1e-15)
     for name in UNITS:
         values = np.broadcast_to(getattr(mix, name), (2, 3))
         np.testing.assert_allclose(values[1, 1], getattr(single, name), rtol=4e-16, err_msg=name)
-
-
-@BOTH
-def test_mass_is_conserved(kind: str) -> None:
-    assert float(MIX[kind](solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.25).rho) == 0.25 * 5800 + 0.75 * 5300
 
 
 def test_two_readings_of_a_laminate_of_a_laminate() -> None:
@@ -87,3 +89,18 @@ def test_two_readings_of_a_laminate_of_a_laminate() -> None:
     flat = solver.laminate(a, solver.laminate(b, c, 0.75), 0.2)
     for name, value in solid(nested).items():
         np.testing.assert_allclose(value, float(getattr(flat, name)), rtol=1e-13, atol=1e-26, err_msg=name)
+
+
+def test_a_name_without_law_is_refused_and_a_new_law_serves_the_layers_of_a_study(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with pytest.raises(solver.MaterialError, match="'woven' is not one of fibrous, laminate, AlScN"):
+        laws.compose("woven", PHASES, 0.3)
+    layer = BodyLayer(composite="laminate", volume_fraction=0.3, thickness=1e-4)
+    woven = layer.model_copy(update={"composite": "woven"})
+    monkeypatch.setitem(COMPOSITES, "woven", "volume_fraction")
+
+    with pytest.raises(solver.MaterialError, match="woven"):  # a third law is no laminate
+        woven.compose({}, {}, ("BaTiO3", "CoFe2O4"))
+    monkeypatch.setitem(laws._LAWS, "woven", lambda phases, fraction: phases[0])
+    assert woven.compose({}, {}, ("BaTiO3", "CoFe2O4")).material == PHASES[0]

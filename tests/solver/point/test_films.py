@@ -11,7 +11,7 @@ from solver.line.powerlaw import constants_of
 from solver.line.windows import Coat, Kind
 from solver.point.profile import Shape
 from solver.point.quantities import quantities
-from solver.point.table import PointKind, Window
+from solver.point.table import PointKind, PointWindow
 from solver.stack.reflection import waves
 from solver.stack.wavenumbers import strip, wavenumbers
 from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, film, of_coats, on_film
@@ -49,7 +49,7 @@ def by_abel(kind: Kind, a: float, exponent: float, points: int = 200) -> tuple[A
 @pytest.mark.parametrize(("a", "exponent"), list(product([0.01, 0.7, 4.0, 9.5], [2.0, 1.0, 0.0])))
 def test_loads_and_edges_are_those_of_abel_s_equation(kind: Kind, a: float, exponent: float) -> None:
     point_kind = PointKind(kind, (True, True), Shape(exponent))
-    window = Window(point_kind, int(np.floor(2 * np.log10(a))))
+    window = PointWindow(point_kind, int(np.floor(2 * np.log10(a))))
     stiffness = point_kind.stiffness(window.read(np.array([np.log(a)])))
     loads, edges = by_abel(kind, a, exponent)
     for ours, exact in ((a * stiffness.loads[0], loads), (stiffness.edges[0], edges)):

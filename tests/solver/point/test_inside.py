@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from scipy.linalg import expm
+from scipy.optimize import minimize_scalar
 from scipy.special import jv
 
 import solver
@@ -77,19 +78,6 @@ def test_fields_are_in_balance_and_obey_the_material(body: dict[str, Any]) -> No
     np.testing.assert_allclose(stress["stress_xy"], 2 * m.c44 * xy - m.e15 * along, rtol=1e-9)
 
 
-def test_closed_integrals_meet_those_over_the_wavenumbers(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Spheres and cones, sliding: all of it closed against as much over k as there is."""
-    for case in (BALL, BALL | {"profile": "cone", "slope": 0.01, "radius": None}):
-        complete = {name: value for name, value in case.items() if value is not None} | {"friction": 0.2}
-        x, y = [-2.0, 0.0, 0.6], [-0.06, -0.5, -3.0]
-        usual = inside(complete, x, y)
-        with monkeypatch.context() as changed:
-            changed.setattr("solver.point.inside._NEAR", 100.0)
-            closed = inside(complete, x, y)
-        for name in usual:
-            np.testing.assert_allclose(closed[name], usual[name], atol=1e-10 * float(np.abs(usual[name]).max()), rtol=0)
-
-
 def test_stresses_of_a_film_are_integrals_of_its_system() -> None:
     """On a rigid base: its 8 x 8 system by matrix exponentials, and the pressure's own transform, over k."""
     h, x, y = 1e-4, 0.8, -0.7
@@ -157,3 +145,14 @@ def test_potentials_vanish_far_away_and_are_none_without_a_ground() -> None:
         inside(CHARGED | {"thickness": 8e-5, "surroundings": "insulated",
                "base": "rigid", "interface_magnetic": "insulated"}, [0.0], [-0.5],
                ["magnetic_potential"])  # fmt: skip
+
+
+def test_von_mises_below_a_ball_is_huber_s() -> None:
+    """On the axis, where sigma_rr and sigma_yy are closed; the depth is that of the top."""
+    solution = solver.solve(BALL | {"material": STEEL}, peaks=True)
+    top = minimize_scalar(
+        lambda z: -abs(1.5 / (1 + z**2) - (1 + NU) * (1 - z * np.arctan(1 / z))),
+        bounds=(0.3, 0.7), method="bounded", options={"xatol": 1e-9},
+    )  # fmt: skip
+    assert float(solution["peak_von_mises"] / solution["peak_pressure"]) == pytest.approx(-top.fun, rel=1e-9)
+    assert float(solution["peak_von_mises_depth"] / solution["contact_radius"]) == pytest.approx(top.x, rel=1e-6)

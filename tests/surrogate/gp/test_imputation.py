@@ -2,39 +2,9 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
-from approximation.arrays import Array
-from surrogate import GridGP, Input
 from surrogate.gp import imputation
 from surrogate.gp.factors import Factor
-
-
-def smooth(a: Array, b: Array, c: Array) -> Array:
-    return np.exp(0.6 * a + 0.4 * b) / (1.6 + 0.7 * c + 0.3 * a) + np.sin(1.2 * a * b)
-
-
-def test_a_grid_without_a_corner_is_as_good_where_it_has_cases() -> None:
-    """Oracle: the function itself. The bound of the whole grid's error holds beside the hole too, ten times of it."""
-    inputs = [Input(name, -1, 1) for name in "abc"]
-    levels = [input_.levels(count) for input_, count in zip(inputs, (12, 11, 10), strict=True)]
-    axes = np.meshgrid(*levels, indexing="ij")
-    holes = axes[0] + axes[1] + 0.3 * axes[2] > 1.25
-    assert 0.13 < holes.mean() < 0.14
-    exact = smooth(*axes)
-    whole = xr.Dataset({"y": (("a", "b", "c"), exact)}, coords=dict(zip("abc", levels, strict=True)))
-    lacking = xr.Dataset({"y": whole["y"].where(~holes)}, coords=whole.coords)
-    model, best = imputation.fit(lambda: GridGP(inputs=inputs), lacking, holes), GridGP(inputs=inputs).fit(whole)
-    nodes = np.stack([axis.ravel() for axis in axes], -1)
-    size = np.ptp(exact)
-    answer = model.predict_array(nodes)[:, 0].reshape(holes.shape)
-    np.testing.assert_allclose(answer[~holes], exact[~holes], rtol=0, atol=1e-12 * size)  # it interpolates
-    X = np.random.default_rng(0).uniform(-1, 1, (4000, 3))
-    inside = X[:, 0] + X[:, 1] + 0.3 * X[:, 2] < 1.25
-    errors = [np.abs(input_.predict_array(X)[:, 0] - smooth(*X.T))[inside] / size for input_ in (model, best)]
-    assert errors[1].max() < 5e-6  # what 12 x 11 x 10 levels can tell
-    assert errors[0].max() < 1.5 * errors[1].max()
-    assert np.median(errors[0]) < 1.5 * np.median(errors[1])
 
 
 def test_factors_that_do_not_tell_what_is_missing_are_filled_all_along() -> None:

@@ -88,7 +88,7 @@ def test_levels_end_where_the_cases_end(count: int) -> None:
         model.quantile(points, 0.99999)
 
 
-@pytest.mark.parametrize("count", [60, *(pytest.param(more, marks=pytest.mark.soak) for more in (150, 500))])
+@pytest.mark.parametrize("count", [60, *(pytest.param(larger, marks=pytest.mark.soak) for larger in (150, 500))])
 def test_few_cases_still_give_right_marginal_coverage(count: int) -> None:
     model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((10, 4, 4, 4, 2)))
     shares = []
@@ -103,7 +103,7 @@ def test_few_cases_still_give_right_marginal_coverage(count: int) -> None:
 def test_a_scattered_model_is_calibrated_too() -> None:
     keep = ["mixture", "angle", "size", "ratio"]
     train, held, fresh = (functions.scattered(n, seed=s)[keep] for n, s in ((60, 0), (600, 1), (3000, 2)))
-    model = ScatterGP("matern32", functions.INPUTS[:3]).fit(train).calibrate(held)
+    model = ScatterGP(functions.INPUTS[:3]).fit(train).calibrate(held)
     table = validate(model, fresh, None)
     assert float(table["coverage"][0]) == pytest.approx(0.95, abs=0.03)
 
@@ -118,7 +118,7 @@ def test_fitting_again_forgets_the_calibration() -> None:
 
 
 def held(model: Calibration, t: Array, errors: Array) -> Flags:
-    """Whether the 95 % intervals of a calibration without parts of a variance hold errors (p, n)."""
+    """Return True where the 95 % interval of a calibration without parts of a variance holds the error, (p, n)."""
     std = model.std(np.zeros_like(errors), t)
     lower, upper = model.distribution.ends(0.95)[..., None]
     return np.asarray((lower * std <= errors) & (errors <= upper * std))
@@ -129,8 +129,8 @@ def test_a_scale_that_waves_across_two_inputs_is_followed() -> None:
     random = np.random.default_rng(0)
     t = random.uniform(-1, 1, (3, 22_000))
     errors = random.normal(size=(1, t.shape[1])) * np.exp(1.5 * np.sin(4 * (t[0] - t[2]) + 0.5))
-    some = t[:, :6000]
-    learnt = calibrate(errors[:, :6000], [np.zeros((1, 6000))], some, sharing(some))
+    learning = t[:, :6000]
+    learnt = calibrate(errors[:, :6000], [np.zeros((1, 6000))], learning, sharing(learning))
     assert set(np.flatnonzero(learnt.trend_degree.max(axis=0) > 2)) >= {0, 2}
     assert int((learnt.trend_degree.astype(bool).sum(axis=1) > 1).sum()) == 27 + 3
     new, points = errors[:, 6000:], t[:, 6000:]
@@ -160,8 +160,8 @@ def test_a_scale_stays_within_what_the_cases_showed() -> None:
 
 def test_cases_that_share_places_count_as_places_in_parts_of_the_box() -> None:
     random = np.random.default_rng(2)
-    few, own = np.repeat(random.uniform(-1, 1, (1, 60)), 50, axis=1), random.uniform(-1, 1, (1, 3000))
-    t = np.concatenate([few, own])
+    few, distinct = np.repeat(random.uniform(-1, 1, (1, 60)), 50, axis=1), random.uniform(-1, 1, (1, 3000))
+    t = np.concatenate([few, distinct])
     learnt = calibrate(random.normal(size=(1, 3000)), [np.zeros((1, 3000))], t, sharing(t))
     assert not learnt.guard.slabs[0].any()  # six places each
     assert not learnt.trend_degree.all(axis=1).any()  # no product of the two
@@ -208,8 +208,8 @@ def test_intervals_of_derivatives_hold_in_about_their_share() -> None:
     )
     for name in ("near_pole", "smooth", "ratio"):
         true = (above[name] - below[name]) / (2 * step)
-        own = {end: slopes[f"{name}_{end}"].sel(input=input_.name) for end in ("lower", "upper")}
-        held = ((own["lower"] <= true) & (true <= own["upper"]))[inner]
+        ends = {end: slopes[f"{name}_{end}"].sel(input=input_.name) for end in ("lower", "upper")}
+        held = ((ends["lower"] <= true) & (true <= ends["upper"]))[inner]
         assert 0.85 <= float(held.mean()) <= 1
 
 

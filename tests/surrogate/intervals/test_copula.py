@@ -34,7 +34,7 @@ def cases(count: int, seed: int) -> xr.Dataset:
 @pytest.fixture(scope="module")
 def model() -> GridGP:
     x, y = INPUTS[0].levels(12), INPUTS[1].levels(8)
-    grid = {name: (("x", "y"), own) for name, own in truth(x[:, None], y).items()}
+    grid = {name: (("x", "y"), values) for name, values in truth(x[:, None], y).items()}
     return GridGP(inputs=INPUTS).fit(xr.Dataset(grid, {"x": x, "y": y})).calibrate(cases(3000, 1))
 
 
@@ -51,10 +51,10 @@ def test_expressions_of_outputs_hold_where_independent_draws_do_not(model: GridG
     random, held = np.random.default_rng(4), {}
     for name, what in EXPRESSIONS.items():
         true = what({key: fresh[key].values for key in truth(np.ones(1), np.ones(1))})
-        together = {key: own.values for key, own in drawn.data_vars.items()}
-        apart = {key: random.permuted(own, axis=0) for key, own in together.items()}
-        for kind, draws in (("together", together), ("apart", apart)):
-            low, high = np.quantile(what({str(key): own for key, own in draws.items()}), [0.025, 0.975], axis=0)
+        together = {key: draw.values for key, draw in drawn.data_vars.items()}
+        permuted = {key: random.permuted(draw, axis=0) for key, draw in together.items()}
+        for kind, draws in (("together", together), ("apart", permuted)):
+            low, high = np.quantile(what({str(key): draw for key, draw in draws.items()}), [0.025, 0.975], axis=0)
             held[name, kind] = float(np.mean((low <= true) & (true <= high)))
     for name in EXPRESSIONS:
         # four standard errors of 1,500 cases, and what a calibration on 3,000 and 400 draws leave
@@ -68,22 +68,22 @@ def test_closed_sums_reach_as_far_as_they_should(model: GridGP) -> None:
     X = np.stack([fresh["x"], fresh["y"]], axis=1)
     error = np.stack([fresh[name] for name in model.outputs_], axis=1) - model.predict_array(X)
     for weights in ([1.0, 1.0, 0.0], [0.4, -1.0, 0.0], [1.0, 0.0, -0.5]):
-        own = np.array([model.ends_of_sum(x[None], np.array([weights])) for x in X])
+        ends_of_sums = np.array([model.ends_of_sum(x[None], np.array([weights])) for x in X])
         sums = error @ weights
-        inside = np.mean((own[:, 0] <= sums) & (sums <= own[:, 1]))
+        inside = np.mean((ends_of_sums[:, 0] <= sums) & (sums <= ends_of_sums[:, 1]))
         assert inside == pytest.approx(0.955, abs=4 * np.sqrt(0.95 * 0.05 / 600) + 0.01)
 
 
 def test_differences_of_near_points_hold(model: GridGP) -> None:
     count, step = 120, 0.02
     fresh = cases(count, 9)
-    at = fresh["x"].values * (1 - step)
-    moved = truth(at + step, fresh["y"].values)
+    start = fresh["x"].values * (1 - step)
+    moved = truth(start + step, fresh["y"].values)
     held: list[bool] = []
     alone: list[bool] = []
     for k in range(count):
-        points = {"x": xr.DataArray([at[k], at[k] + step], dims="end"), "y": float(fresh["y"][k])}
-        true = moved["first"][k] - truth(at[k : k + 1], fresh["y"].values[k : k + 1])["first"][0]
+        points = {"x": xr.DataArray([start[k], start[k] + step], dims="end"), "y": float(fresh["y"][k])}
+        true = moved["first"][k] - truth(start[k : k + 1], fresh["y"].values[k : k + 1])["first"][0]
         for together, result in ((True, held), (False, alone)):
             drawn = model.sample(points, 200, k, together=together)["first"].values
             low, high = np.quantile(drawn[:, 1] - drawn[:, 0], [0.025, 0.975])
@@ -105,7 +105,9 @@ def test_draws_keep_the_calibrated_marginals_however_many_points(model: GridGP) 
 def test_lengths_are_those_that_errors_were_drawn_with() -> None:
     random, lengths = np.random.default_rng(0), np.array([0.15, 0.8])
     angles = random.uniform(0, np.pi, (2, 1500))
-    square = sum(np.subtract.outer(own, own) ** 2 / length**2 for own, length in zip(angles, lengths, strict=True))
+    square = sum(
+        np.subtract.outer(angle, angle) ** 2 / length**2 for angle, length in zip(angles, lengths, strict=True)
+    )
     scores = np.linalg.cholesky(np.exp(-0.5 * square) + 1e-8 * np.eye(1500)) @ random.normal(size=(1500, 8))
     result = Copula.of(scores.T, np.cos(angles)).lengths
     assert np.abs(np.log(result / lengths)).max() < 0.25
@@ -136,9 +138,9 @@ def test_draws_over_points_have_the_correlation_of_the_copula() -> None:
     copula = Copula(np.stack([random.permutation(500), np.arange(500)], axis=1), np.array([0.4]))
     angles = np.array([0.5, 0.7, 2.5])
     drawn = copula.drawn(np.cos(angles)[None], 20_000, random)
-    for own in drawn:
-        assert np.abs(np.sort(own, axis=0) - (np.arange(20_000) + 0.5)[:, None] / 20_000).max() < 0.015  # uniform
-        score = np.clip(own, 1e-9, 1 - 1e-9)
+    for draws in drawn:
+        assert np.abs(np.sort(draws, axis=0) - (np.arange(20_000) + 0.5)[:, None] / 20_000).max() < 0.015  # uniform
+        score = np.clip(draws, 1e-9, 1 - 1e-9)
         correlation = np.corrcoef(ndtri(score), rowvar=False)
         np.testing.assert_allclose(correlation, np.exp(-0.5 * np.subtract.outer(angles, angles) ** 2 / 0.16), atol=0.03)
 

@@ -60,8 +60,8 @@ def test_a_kink_is_told_from_a_near_pole_by_refinement() -> None:
 
 
 def test_given_counts_are_kept_and_blamed_when_too_few() -> None:
-    def run(**given: int) -> Pilot:
-        return explore(Solver(), functions.INPUTS, 1e-4, 1_000_000, fixed=given)
+    def run(**counts: int) -> Pilot:
+        return explore(Solver(), functions.INPUTS, 1e-4, 1_000_000, fixed=counts)
 
     assert run(angle=12).choice.counts["angle"] == 12
     with pytest.raises(UnreachableError, match=r"out of reach with 3 levels of 'angle': output '[a-z_]+' errs by"):

@@ -42,11 +42,7 @@ def wavy(shift: float, limit: float) -> Problem:
     def slope(p: Array) -> tuple[Array, Array]:
         x, y = p
         objective = np.stack(
-            [
-                3 * np.cos(3 * x + s) * np.cos(2 * y - shift) + 0.3,
-                -2 * np.sin(3 * x + s) * np.sin(2 * y - shift),
-            ],
-            -1,
+            [3 * np.cos(3 * x + s) * np.cos(2 * y - shift) + 0.3, -2 * np.sin(3 * x + s) * np.sin(2 * y - shift)], -1
         )
         excess = np.stack([np.full(3, 2 * x), 2 * np.cos(4 * y + s) + s], -1)
         return objective, excess
@@ -54,7 +50,7 @@ def wavy(shift: float, limit: float) -> Problem:
     return Problem(2, value, slope)
 
 
-def brute_force(problem: Problem, side: int = 801) -> float:
+def brute_force(problem: Problem, side: int = 401) -> float:
     """Best feasible worst case on a dense grid."""
     axis = np.linspace(-1, 1, side)
     X = np.stack([g.ravel() for g in np.meshgrid(axis, axis)], -1)

@@ -2,19 +2,16 @@
 
 from copy import copy
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
-import surrogate
 from surrogate import GridGP, Group, GroupedGP, Input, Scaling
 from surrogate.data.inputs import unit_coordinates
 from surrogate.use.sensitivity import sobol
 from surrogate.use.validation import validate
 from tests.surrogate.grouped import GROUPING, GROUPS, INPUTS, PRESSING, SCALINGS, cases, factorial, world
-from tests.surrogate.slopes import assert_slopes
 
 
 @pytest.fixture(scope="module")
@@ -36,11 +33,6 @@ def test_what_the_groups_tell_is_exact_in_the_inputs(exact: GroupedGP) -> None:
         np.testing.assert_allclose(answer[name].values, true, rtol=1e-9, atol=1e-10 * float(np.ptp(true)))
     assert len(exact.reduced_.inputs_) == 3
     assert list(exact.box) == [input_.name for input_ in INPUTS]
-
-
-def test_gradients_are_those_by_the_inputs(with_ends: GroupedGP) -> None:
-    X = np.stack([input_.from_unit(np.array([-0.3, 0.2, 0.6])) for input_ in INPUTS], axis=1)
-    assert_slopes(with_ends, X, rtol=1e-5)
 
 
 def test_intervals_hold_at_the_ends_of_groups_and_in_corners(with_ends: GroupedGP) -> None:
@@ -90,26 +82,6 @@ def test_a_guard_of_other_inputs_is_refused(with_ends: GroupedGP) -> None:
     member.calibration_ = fewer
     with pytest.raises(ValueError, match="outer guard has other inputs"):
         with_ends.over({"reduced": member})
-
-
-def test_a_file_gives_the_same_answers(with_ends: GroupedGP, tmp_path: Path) -> None:
-    calibrated = with_ends
-    surrogate.save(with_ends, tmp_path / "model.nc")
-    again = surrogate.load(tmp_path / "model.nc")
-    points = cases(20, 4, to_ends=20)[[input_.name for input_ in INPUTS]]
-    xr.testing.assert_identical(again.predict(points), calibrated.predict(points))
-    xr.testing.assert_identical(again.interval(points, 0.9), calibrated.interval(points, 0.9))
-    xr.testing.assert_identical(again.gradient(points), calibrated.gradient(points))
-
-
-def test_a_part_answers_as_the_whole(with_ends: GroupedGP) -> None:
-    points = cases(30, 5)[[input_.name for input_ in INPUTS]]
-    part, whole = with_ends.only(["depth", "length"]), with_ends.predict(points)
-    answer = part.predict(points)
-    assert part.outputs_ == ("depth", "length")
-    for name in ("depth", "length"):
-        np.testing.assert_allclose(answer[name], whole[name], rtol=1e-8)
-        np.testing.assert_allclose(answer[f"{name}_std"], whole[f"{name}_std"], rtol=1e-6)
 
 
 def test_sensitivity_is_that_to_the_inputs(exact: GroupedGP) -> None:

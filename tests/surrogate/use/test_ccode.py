@@ -120,7 +120,7 @@ def assert_agrees(
 
 def test_kinds_that_have_no_short_form_are_refused_by_name() -> None:
     x = np.linspace(0, 1, 6)
-    model = ScatterGP("rbf", [Input("x", 0, 1)]).fit(xr.Dataset({"x": ("case", x), "y": ("case", x**2)}))
+    model = ScatterGP([Input("x", 0, 1)]).fit(xr.Dataset({"x": ("case", x), "y": ("case", x**2)}))
     with pytest.raises(ValueError, match=r"the surrogate is a ScatterGP \(engine 'scatter'\); exported are GridGP"):
         rounded(model, ["y"], 1e-5, np.float64)
 

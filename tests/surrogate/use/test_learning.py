@@ -1,6 +1,6 @@
 """Constants and discrepancies from measured rows: intervals that hold on truths nobody has measured."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,16 +15,17 @@ from storage.netcdf import read_whole, write_whole
 from surrogate import FormatError, GridGP, Input, load, save
 from surrogate.data.measurements import Measurements
 from surrogate.transforms.measured.corrected import CorrectedGP
-from surrogate.transforms.measured.discrepancy import Discrepancy, Draw
-from surrogate.use import residuals
-from surrogate.use.learning import Learnt, NotSettledError, learn
-from surrogate.use.residuals import Residuals
+from surrogate.transforms.measured.discrepancy import Draw
+from surrogate.use import learning
+from surrogate.use.learning import Learnt, NotSettledError, Residuals, learn
 from tests.surrogate.slopes import assert_slopes
 
 Array = NDArray[np.float64]
 INPUTS = (Input("x", 0.0, 1.0), Input("y", 1.0, 10.0, "log"))
 CONSTANTS = {"stiffness": "10 %", "coupling": "10 %", "nothing": "5 %"}
 SIZES = np.array([3.0, 2.0])
+#: Fields of a discrepancy with one value per measured row.
+BY_ROW = ("points", "noise", "residual", "slopes")
 
 
 def model(X: Array, z: Array) -> Array:
@@ -135,18 +136,18 @@ def posterior(device: Device) -> Learnt:
 def dense(rows: Measurements, about: Array, draw: Draw, X: Array, output: int) -> tuple[Array, Array]:
     """Mean and variance of an output by conditioning all that is unknown at once: one large matrix, no blocks."""
     whole_points = np.concatenate([rows.points, X])
-    t = np.stack([one.to_unit(whole_points[:, k]) for k, one in enumerate(INPUTS)], 1)
+    t = np.stack([input_.to_unit(whole_points[:, k]) for k, input_ in enumerate(INPUTS)], 1)
     where = np.concatenate([rows.row, len(rows.points) + np.arange(len(X))])
     which = np.concatenate([rows.output, np.full(len(X), output)])
     J = slopes(whole_points, about)[where, which]
     covariance = J @ J.T
-    for q, one in draw.discrepancies.items():
-        separation = cdist(t[where] / one.lengths, t[where] / one.lengths)
-        covariance += np.outer(which == q, which == q) * one.amplitude**2 * np.exp(-0.5 * separation**2)
+    for q, discrepancy in draw.discrepancies.items():
+        separation = cdist(t[where] / discrepancy.lengths, t[where] / discrepancy.lengths)
+        covariance += np.outer(which == q, which == q) * discrepancy.amplitude**2 * np.exp(-0.5 * separation**2)
     n = len(rows.value)
     noise = np.empty(n)
-    for q, one in draw.discrepancies.items():
-        noise[rows.of(q)] = one.noise
+    for q, discrepancy in draw.discrepancies.items():
+        noise[rows.of(q)] = discrepancy.noise
     mean = model(whole_points, about)[where, which] - J @ about
     weights = np.linalg.solve(covariance[:n, :n] + np.diag(noise), covariance[:n, n:]).T
     left = covariance[n:, n:] - weights @ covariance[:n, n:]
@@ -174,17 +175,10 @@ def test_values_left_out_are_predicted_from_all_other_rows(device: Device, poste
     )
     parts = []
     for draw in posterior.draws:
-        discrepancies = {}
-        for q, discrepancy in draw.discrepancies.items():
-            selected = remaining[rows.of(q)]
-            discrepancies[q] = Discrepancy(
-                discrepancy.points[selected],
-                discrepancy.noise[selected],
-                discrepancy.amplitude,
-                discrepancy.lengths,
-                discrepancy.residual[selected],
-                discrepancy.slopes[selected],
-            )
+        discrepancies = {
+            q: replace(whole, **{field: getattr(whole, field)[remaining[rows.of(q)]] for field in BY_ROW})
+            for q, whole in draw.discrepancies.items()
+        }
         mean, variance = dense(
             others, posterior.about, Draw.of(discrepancies, np.ones(3)), rows.points[rows.row[5]][None], rows.output[5]
         )
@@ -196,7 +190,7 @@ def test_values_left_out_are_predicted_from_all_other_rows(device: Device, poste
 
 def test_what_is_unknown_is_drawn_from_its_density(monkeypatch: pytest.MonkeyPatch) -> None:
     # one input, one constant, no outliers: the density on a grid of amplitude, length and scale of the errors
-    monkeypatch.setattr(residuals, "CHANCE", np.array([1.0, 0.0, 0.0]))
+    monkeypatch.setattr(learning, "CHANCE", np.array([1.0, 0.0, 0.0]))
     random = np.random.default_rng(5)
     x = np.linspace(-1, 1, 9)
     value = 0.06 * np.sin(2.5 * x) + 0.02 * random.normal(size=9)
@@ -216,7 +210,7 @@ def test_what_is_unknown_is_drawn_from_its_density(monkeypatch: pytest.MonkeyPat
     )
     a, length, scale = (axis.ravel() for axis in np.meshgrid(*grids, indexing="ij"))
     prior = 0.5 * a - 0.5 * (np.exp(a) / 0.2) ** 2 - 0.5 * ((length - np.log(2)) / 0.7) ** 2
-    trust = -1.5 * np.log1p((scale / residuals.TRUST) ** 2 / 2)
+    trust = -1.5 * np.log1p((scale / learning.TRUST) ** 2 / 2)
     residual, square = value - 0.02 * x * 0.3, (x[:, None] - x) ** 2
     base = 0.5 * 0.02**2 * np.outer(x, x) + 1e-6 * np.eye(9)
     noise = (0.01 * np.exp(scale))[:, None, None] ** 2 * np.eye(9)
@@ -321,5 +315,7 @@ def test_what_cannot_be_learnt_is_refused(device: Device) -> None:
 
 def repeated(count: int) -> Measurements:
     """One output at random points, measured as 6 +- 0.001."""
-    X = np.stack([one.from_unit(np.random.default_rng(k).uniform(-1, 1, count)) for k, one in enumerate(INPUTS)], 1)
+    X = np.stack(
+        [input_.from_unit(np.random.default_rng(k).uniform(-1, 1, count)) for k, input_ in enumerate(INPUTS)], 1
+    )
     return Measurements(X, np.arange(count), np.zeros(count, int), np.full(count, 6.0), np.full(count, 1e-3))

@@ -1,1 +1,1 @@
-"""Tests of workflow/measured."""
+"""Tests of workflow/calculator."""

@@ -1,4 +1,4 @@
-"""What the calculator's scripts calculate in JavaScript is what the solver does: every material, profile and film."""
+"""The calculator's scripts agree with the solver: every material, profile and film."""
 
 import json
 import subprocess
@@ -60,7 +60,7 @@ console.log(JSON.stringify(answers));
 
 
 def calculated(questions: list[dict[str, Any]]) -> list[Any]:
-    """What the scripts answer."""
+    """Answers of the scripts."""
     content = json.dumps({"library": LIBRARY, "asked": questions})
     command = [programs.path("node"), "-e", script() + DRIVER]
     done = subprocess.run(command, input=content, capture_output=True, text=True, check=False)
@@ -180,7 +180,7 @@ def test_films_are_the_solver_s(name: str, shape: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("shape", SHAPES[:1], ids=str)
 def test_other_constants_of_a_film_are_the_solver_s(shape: dict[str, Any]) -> None:
-    """To 2e-4: tables keep 1e-5 of the largest coefficient, and the least band that the page tells is 5e-4."""
+    """Tables hold 1e-5 of the largest coefficient, and the least band on the page is 5e-4: agreement to 2e-4."""
     name = "PVDF on glass"
     (table,) = (candidate for candidate in films.tables([name]) if candidate["punch"] == "steel")
     case: dict[str, Any] = {**shape, "force": 1e-3, "punch": "steel", "thickness": 2e-6,

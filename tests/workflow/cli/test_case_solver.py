@@ -48,7 +48,7 @@ def test_blocks_give_the_bytes_of_one_pass(tmp_path: Path, monkeypatch: pytest.M
 #: A row of every column that the cases below change.
 ROW = {
     "composite": "", "volume_fraction": "0.5", "material": "", "radius": "0.05", "friction": "0.1", "load": "1e5",
-    "thickness": "", "base": "", "punch": "", "surroundings": "", "electric": "", "magnetic": "",
+    "surroundings": "", "electric": "", "magnetic": "",
 }  # fmt: skip
 
 
@@ -57,15 +57,9 @@ ROW = {
     [
         ({"volume_fraction": "1.5"}, "volume_fraction: 1.5 is not a finite number >= 0 and <= 1"),
         ({"volume_fraction": "", "material": "stel"}, "material: 'stel' is unknown; did you mean 'steel'?"),
-        ({"volume_fraction": ""}, "material: missing; give a material's name, or a composite's volume_fraction"),
-        ({"material": "steel"}, "material: give either a material or a composite's volume_fraction, not both"),
         ({"radius": "-1"}, "radius: -1 is not a finite number > 0"),
-        ({"friction": "-0.1"}, "friction: -0.1 is not"),
         ({"load": ""}, "load: missing"),
-        ({"load": "inf"}, "load: inf is not a finite number > 0 [N m-1]"),
         ({"radius": "1e300", "load": "1e300"}, "not finite for these factors"),
-        ({"base": "steel"}, "base: 'steel' without a thickness; only a film has one"),
-        ({"punch": "stel"}, "punch: 'stel' is unknown; did you mean 'steel'?"),
         ({"surroundings": "air", "electric": "insulating", "magnetic": "insulating"}, "the punch conducts no field"),
     ],
 )

@@ -1,4 +1,4 @@
-"""Tables of cases from anywhere: what strangers' programs write is read, what has no end or bound is refused."""
+"""Tables of cases of other programs are read; endless and unbounded ones are refused."""
 
 import os
 import resource
@@ -40,13 +40,19 @@ def test_devices_and_pipes_are_refused(tmp_path: Path) -> None:
             read_cases(path)
 
 
-def test_a_cell_may_bear_its_unit(tmp_path: Path) -> None:
-    table = tmp_path / "cases.csv"
-    table.write_text("thickness,radius [mm],force\n20 um,5,10 mN\n0.00002,5 cm,0.01\n", encoding="utf-8")
-    columns = read_cases(table).columns
-    assert columns["thickness"].tolist() == [2e-5, 2e-5]
-    assert columns["radius"].tolist() == [5e-3, 5e-2]
-    assert columns["force"].tolist() == [0.01, 0.01]
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("thickness,radius [mm],force\n20 um,5,10 mN\n0.00002,5 cm,0.01\n", [[2e-5, 2e-5], [5e-3, 5e-2], [0.01, 0.01]]),
+        ("load [kN·m⁻¹],charge,base_modulus\n1.5×10¹,−2 µC·m⁻¹,2.1×10¹¹\n", [[1.5e4], [-2e-6], [2.1e11]]),
+    ],
+)
+def test_a_cell_may_have_its_unit_and_printed_numbers_are_read(
+    text: str, expected: list[list[float]], tmp_path: Path
+) -> None:
+    path = tmp_path / "cases.csv"
+    path.write_text(text, encoding="utf-8")
+    assert [column.tolist() for column in read_cases(path).columns.values()] == expected
 
 
 WAYS = [
@@ -92,22 +98,12 @@ def test_tables_of_spreadsheets_are_read(encoding: str, separator: str, mark: st
     np.testing.assert_array_equal(columns["radius"], [0.05, 5.5e-3])
 
 
-def test_printed_numbers_are_read(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("column", "other"), [("radius", "0.05"), ("material", "PZT-4")])
+def test_words_for_missing_values_are_refused(column: str, other: str, tmp_path: Path) -> None:
     path = tmp_path / "cases.csv"
-    path.write_text("load [kN·m⁻¹],charge,base_modulus\n1.5×10¹,−2 µC·m⁻¹,2.1×10¹¹\n", encoding="utf-8")
-    columns = read_cases(path).columns
-    assert [column.tolist() for column in columns.values()] == [[1.5e4], [-2e-6], [2.1e11]]
-
-
-@pytest.mark.parametrize(
-    "word", ["NA", "N/A", "n.a.", "nan", "NaN", "null", "None", "-", "--", "–", "n.d.", "?", "-9999"]
-)
-def test_words_for_missing_values_are_refused(word: str, tmp_path: Path) -> None:
-    path = tmp_path / "cases.csv"
-    for column, other in (("radius", "0.05"), ("material", "PZT-4")):
+    words = ["NA", "N/A", "n.a.", "nan", "NaN", "null", "None", "-", "--", "–", "n.d.", "?"]
+    for word in words + ["-9999"] * (column == "radius"):
         path.write_text(f"{column}\n{other}\n{word}\n", encoding="utf-8")
-        if column == "material" and word == "-9999":
-            continue
         with pytest.raises(InputError, match=r"line 3: .* stands for a missing value; leave the cell empty"):
             read_cases(path)
 

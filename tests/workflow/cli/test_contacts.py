@@ -78,6 +78,17 @@ def test_a_table_mixes_lines_and_points_and_is_written_as_one(tmp_path: Path) ->
     assert main.main(["solve", str(table), "-o", str(sheet), "--positions", "0"]) == 2
 
 
+def test_fields_inside_films_end_at_a_rigid_base(tmp_path: Path) -> None:
+    table, out = tmp_path / "films.csv", tmp_path / "inside.nc"
+    rows = "".join(f"PZT-4,0.05,1e5,0.5,{base},insulated\n" for base in ("rigid", "steel"))
+    table.write_text(f"material,radius,load,thickness [mm],base,surroundings\n{rows}", encoding="utf-8")
+    grid = ["--x=0,0.5", "--y=-4,-0.5", "--fields=stress_yy,von_mises"]
+    assert main.main(["interior", str(table), "-o", str(out), *grid]) == 0
+    data = read_whole(out)
+    assert np.isnan(data["von_mises"].values).any(axis=2).tolist() == [[True, False], [False, False]]
+    assert np.all(data["stress_yy"].values[:, 1] < 0)
+
+
 def test_the_place_between_two_patches_is_told_as_far_as_the_noise_lets_it() -> None:
     """On a device: sqrt(2) of the charge noise over what the difference of both charges changes by a metre."""
     cover = solver.Stack([solver.Layer(solver.find("PDMS"), 1e-3, "grounded"), solver.Layer(solver.find("PVDF"), 1e-4)])

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from workflow.cli import main
-from workflow.cli.helping import EXAMPLES
+from workflow.cli.main import EXAMPLES
 from workflow.run.sources import ROOT
 
 

@@ -79,15 +79,11 @@ def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, caps
     ("old", "new", "reason"),
     [
         ("radius [cm]", "radius [V]", "column 'radius': unit mismatch: 'V' does not measure what 'm' measures"),
-        ("voltage [kV]", "voltage [km]", "column 'voltage': unit mismatch: 'km' does not measure what 'V' measures"),
         ("composite,", "composite [1],", "column 'composite': holds names, which have no unit"),
         ("voltage [kV]", "volts", "column 'volts': unknown column; did you mean"),
-        ("voltage [kV]", "capacitance_per_length", "column 'capacitance_per_length': unknown column"),
         ("voltage [kV]", "slope", "slope: neither an input of the surrogate nor learned by it"),
         ("radius [cm]", "radius", "is outside the trained box [0.02, 0.1] m"),
         (",depth,", ",contact_trailing,", "depth_std: without a column depth"),
-        (",depth,depth_std,voltage [kV]", ",friction,speed,datum", "friction: neither an input"),
-        (",composite,", ",material,", "material: neither an input"),
         ("load,", "speed,", "speed: neither an input"),
         (",laminate,", ",AlScN,", "composite: 'AlScN'; must be one of fibrous, laminate"),
         (",laminate,", ",,", "composite: empty; must be one of fibrous, laminate"),
@@ -114,7 +110,6 @@ def test_rows_that_do_not_fit_are_refused(
     ("words", "reason"),
     [
         (["--instrument", "voltage=3%"], "'voltage' is not QUANTITY_gain or QUANTITY_offset of one of depth,"),
-        (["--instrument", "charge_gain=3%"], "--instrument: 'charge_gain' is not QUANTITY_gain"),
         (["--instrument", "voltage_gain=90%"], "voltage_gain: '90%' is not a number above 0 and up to 0.5 (50 %)"),
         (["--instrument", "voltage_offset=1um"], "--instrument: voltage_offset: unit mismatch: '1um'"),
         (["--instrument", "voltage_offset=2%"], "voltage_offset: '2%' is not a positive size with a unit"),
@@ -122,9 +117,7 @@ def test_rows_that_do_not_fit_are_refused(
         (["--instrument", "voltage_gain=1%,"], "--instrument: a name is missing in 'voltage_gain=1%,'"),
         (["--instrument", "contact_trailing_gain=1%"], "no row holds a measured contact_trailing"),
         (["--uncertain", "CoFe2O4 stifness"], "did you mean 'CoFe2O4 stiffness'?"),
-        (["--uncertain", "CoFe2O4 stiffness=2"], "is not a number above 0 and up to 0.5"),
         (["--uncertain", "CoFe2O4 stiffness=x"], "is not a number above 0 and up to 0.5"),
-        (["--uncertain", "CoFe2O4 stiffness=0"], "is not a number above 0 and up to 0.5"),
     ],
 )
 def test_instruments_and_constants_that_do_not_fit_are_refused(

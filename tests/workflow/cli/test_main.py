@@ -12,8 +12,7 @@ import xarray as xr
 import solver
 import surrogate
 from solver import solve
-from solver.fields import FIELDS, INTERIOR
-from solver.names import QUANTITIES
+from solver.fields import INTERIOR
 from storage.netcdf import read_whole
 from tests.workflow.conftest import SMALL, Copy, Project
 from workflow.cli import main
@@ -37,20 +36,6 @@ def complaint(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str
     return captured.err
 
 
-def test_solve_gives_every_quantity_of_every_case(tmp_path: Path) -> None:
-    cases = write(tmp_path / "cases.csv", "material,radius,friction,load\nPZT-4,0.05,0.3,1e5\nmine,0.01,0,2e4\n")
-    mine = write(tmp_path / "mine.yaml", "name: mine\nc11: 166e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\n")
-    out = tmp_path / "out.nc"
-    assert main.main(["solve", str(cases), "-o", str(out), "--materials", str(mine)]) == 0
-    data = read_whole(out)
-    assert set(data.data_vars) == set(QUANTITIES)
-    assert data.sizes == {"case": 2}
-    exact = solve({"material": "PZT-4", "radius": 0.05, "friction": 0.3, "load": 1e5})
-    for name in QUANTITIES:
-        assert float(data[name][0]) == pytest.approx(float(exact[name]), rel=1e-14)
-    assert data.attrs["Conventions"] == "CF-1.11"
-
-
 def test_lost_digits_are_told_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     speed = float(solver.limiting_speed(solver.find("steel"))) * (1 - 1e-9)
     cases = tmp_path / "cases.csv"
@@ -59,19 +44,6 @@ def test_lost_digits_are_told_in_one_line(tmp_path: Path, capsys: pytest.Capture
     warned, wrote = capsys.readouterr().err.splitlines()
     assert warned.startswith("meecontact: warning: steel: a speed so near the limiting one that rounding costs digits")
     assert wrote.startswith("wrote ")
-
-
-def test_solve_gives_fields_where_positions_are_given(tmp_path: Path) -> None:
-    cases = write(tmp_path / "cases.csv", "volume_fraction,radius,load\n0.5,0.05,1e5\n0.7,0.05,1e5\n")
-    out = tmp_path / "out.nc"
-    assert main.main(["solve", str(cases), "-o", str(out), "--positions=-2,0,0.5,3"]) == 0
-    data = read_whole(out)
-    assert list(data["position"].values) == [-2.0, 0.0, 0.5, 3.0]
-    for name, described in FIELDS.items():
-        assert data[name].dims == ("case", "position")
-        assert data[name].attrs["units"] == described.units
-    assert (data.attrs["composite"], data.attrs["phases"]) == ("fibrous", "BaTiO3, CoFe2O4")
-    assert data.attrs["defaults"].startswith("friction = 0, charge = 0 C m-1, ")
 
 
 @pytest.mark.parametrize(
@@ -120,15 +92,6 @@ def test_missing_files_and_folders_are_named(tmp_path: Path, capsys: pytest.Capt
     assert f"surrogate: {tmp_path}: holds no surrogate.nc" in complaint(capsys, "query", tmp_path, "--at", "load=1")
     assert "'slove' is none; did you mean 'solve'?" in complaint(capsys, "slove")
     assert "-o/--output" in complaint(capsys, "solve", cases)
-
-
-def test_material_prints_roots_compliance_and_source(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main.main(["material", "BaTiO3-CoFe2O4 50:50"]) == 0
-    text = capsys.readouterr().out
-    for word in ("admissible", "1.901723i", "1.324019i", "0.935605i", "0.797192i", "Sih", "compliance"):
-        assert word in text
-    speed = float(solver.limiting_speed(solver.find("BaTiO3-CoFe2O4 50:50")))
-    assert f"limiting speed of a conducting punch: {speed / 1e3:.6g} km/s" in text
 
 
 def test_material_refuses_the_widely_copied_sign(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -237,8 +200,6 @@ def test_the_installed_command_exits_with_the_status(copy: Copy, capsys: pytest.
     assert done.stderr.startswith("meecontact: material: 'stel' is unknown; did you mean 'steel'?")
     assert project.run("meecontact", "--help").stdout.startswith("usage: meecontact")
 
-
-# --- every profile and conduction, and the interior ---
 
 MIXED = """\
 profile,radius,width,slope,material,volume_fraction,load,friction,charge,magnetic,speed,corner,moment

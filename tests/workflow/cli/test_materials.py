@@ -87,6 +87,10 @@ def test_the_compliance_of_a_material_has_the_solver_s_numbers(capsys: pytest.Ca
     assert main.main(["material", name]) == 0
     out = capsys.readouterr().out
     half = HalfPlane(solver.find(name))
+    speed = float(solver.limiting_speed(solver.find(name)))
+    assert f"limiting speed of a conducting punch: {speed / 1e3:.6g} km/s" in out
+    for word in ("admissible", "1.901723i", "1.324019i", "0.935605i", "0.797192i", "Sih"):
+        assert word in out
     rows = [
         re.split(r" {2,}", line.strip()) for line in out[out.index("compliance N") :].splitlines() if line[0] == " "
     ]

@@ -38,10 +38,7 @@ def told(capsys: pytest.CaptureFixture[str], text: str) -> list[float]:
     "text",
     [
         "-519+-1%",
-        "-519 V +- 1 %",
         "-0.519kV+-1%",
-        "-0.519 kV+-5.19V",
-        "-519+-5.19",
         "-519e3mV+-5190 mV",
         "-0.519+-0.00519 kV",
         "−519 ± 1 %",
@@ -60,12 +57,9 @@ def test_one_measurement_in_all_its_forms(text: str, capsys: pytest.CaptureFixtu
     [
         ("-0.519kV", "'-0.519kV' is not of the form VALUE+-STD"),
         ("-519+-5mm", "unit mismatch: 'mm' does not measure what 'V' measures"),
-        ("-519mm+-1%", "--measured: voltage"),
         ("-519+-0%", "'0%' is not a positive number with a unit"),
         ("-519+--5", "'-5' is not a positive number with a unit"),
-        ("nan+-1%", "--measured: voltage"),
         ("519+-1%", "voltage would fit with the opposite sign"),
-        ("-519000+-1%", "voltage would fit with a factor of 0.001"),
         ("-519uV+-1%", "voltage would fit with a factor of 1e+06"),
         ("519mV+-1%", "voltage would fit with the opposite sign and a factor of 1000"),
     ],

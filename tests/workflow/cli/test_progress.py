@@ -1,4 +1,4 @@
-"""What a run says: every step by what it does, one line on a terminal, errors as they are."""
+"""Progress of a run: each step in words, one line on a terminal, errors unchanged."""
 
 import io
 import logging
@@ -20,7 +20,7 @@ class Terminal(io.StringIO):
 
 
 def record(event: str = "", level: int = logging.INFO, message: str = "", **known: Any) -> logging.LogRecord:
-    """What Snakemake logs."""
+    """Record of Snakemake's log."""
     entry = logging.LogRecord("snakemake.logging", level, "", 0, message, None, None)
     entry.__dict__.update(known, event=type("Event", (), {"value": event})())
     return entry

@@ -1,4 +1,4 @@
-"""What options may be: refused in one line with status 2, before anything is read or written."""
+"""Options are refused in one line with status 2, before anything is read or written."""
 
 import json
 import os

@@ -77,7 +77,6 @@ def test_other_constants_and_other_questions_are_other_cases(film: Study, tmp_pa
     for old, new in (
         ("dataset:", "phases: [CoFe2O4, BaTiO3]\ndataset:"),
         ("inside: 2", "inside: 4"),
-        ("friction: 0.2", "friction: 0.25"),
     ):
         assert slab(made(FILM.replace(old, new)), tmp_path)[0].taken == 0
 

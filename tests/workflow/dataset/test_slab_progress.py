@@ -3,12 +3,11 @@
 import os
 import pty
 import struct
-import sys
 import termios
 from fcntl import ioctl
 from pathlib import Path
-from subprocess import PIPE, Popen
 
+from tests import warm
 from workflow.run.provenance import ROOT
 
 CODE = """
@@ -22,22 +21,14 @@ slabs.write_slab(study.model_copy(update={{"dataset": dataset}}), 0, Path({path!
 
 
 def test_progress_shows_on_a_terminal_and_stays_out_of_a_log(tmp_path: Path) -> None:
-    code = CODE.format(path=str(tmp_path / "slab.nc"))
-    quiet = Popen([sys.executable, "-c", code], cwd=ROOT, stderr=PIPE)
-    assert quiet.communicate()[1] == b""
+    command = ["python", "-c", CODE.format(path=str(tmp_path / "slab.nc"))]
+    assert warm.run(command, ROOT).stderr == ""
     ours, theirs = pty.openpty()
     ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 100, 0, 0))
-    shown = Popen([sys.executable, "-c", code], cwd=ROOT, stderr=theirs)
-    os.close(theirs)
-    text = b""
-    while True:
-        try:
-            part = os.read(ours, 4096)
-        except OSError:  # the other end is closed
-            break
-        if not part:
-            break
-        text += part
+    shown = warm.Running(command, ROOT, ROOT, (os.devnull, os.devnull, os.ttyname(theirs)))
     assert shown.wait() == 0
+    os.close(theirs)
+    text = os.read(ours, 4096)
+    os.close(ours)
     assert b"slab 1 of 26" in text
     assert b"/1600" in text

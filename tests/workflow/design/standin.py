@@ -54,7 +54,7 @@ def candidate(study: Study, off: float = 0.0, **target: Any) -> Candidate:
     return Candidate({}, ask(study, "mine", Target.model_validate(target), predicted, Exact(study)))
 
 
-def design(study: Study, at: dict[str, float], off: float = 0.0, **target: Any) -> Question:
+def design(study: Study, point: dict[str, float], off: float = 0.0, **target: Any) -> Question:
     """One design of a question, by its variables in SI."""
     question = candidate(study, off, **target).question
-    return question.at(np.array([axis.to_unit(at[name]) for name, axis in question.inputs.items()], dtype=float))
+    return question.at(np.array([axis.to_unit(point[name]) for name, axis in question.inputs.items()], dtype=float))

@@ -1,17 +1,12 @@
-"""What terms count as over scenarios, by hand: kinks, margins, bounds without a unit, a new statistic."""
-
-from dataclasses import dataclass
-from typing import Self
+"""Terms counted over scenarios, by hand: kinks, margins, bounds without a unit."""
 
 import numpy as np
 import pytest
 
-from approximation.arrays import Array
-from workflow.design.question import risk, terms
+from workflow.design.question import terms
 from workflow.design.question.pilot import smooth_pieces
 from workflow.language import statements, statistics
 from workflow.language.grammar import parse
-from workflow.study.target import Distribution, Target
 
 
 def term(text: str, bound: float) -> terms.Term:
@@ -48,44 +43,3 @@ def test_the_least_of_smooth_pieces_is_the_expression(text: str) -> None:
     least = np.min([np.broadcast_to(piece.evaluate(known), 61) for piece in pieces], 0)
     np.testing.assert_allclose(least, expression.evaluate(known), atol=1e-12)
     assert smooth_pieces(expression, -1.0, known) == [expression]  # the most of them is no least
-
-
-def test_a_new_statistic_is_one_class_and_its_measure() -> None:
-    """The mean of the worst tenth, added here: read by the study, counted by the question."""
-
-    @dataclass(frozen=True)
-    class WorstTenth(statistics.Statistic):
-        forms = ("worst tenth",)
-
-        @classmethod
-        def read(cls, text: str) -> Self | None:
-            return cls() if text in cls.forms else None
-
-        @property
-        def told(self) -> str:
-            return "in the worst tenth"
-
-        def __str__(self) -> str:
-            return "worst tenth of"
-
-    @dataclass(frozen=True)
-    class Tail(risk.RiskMeasure):
-        sign: float
-
-        def rows(self, values: Array) -> Array:
-            ordered = np.sort(self.sign * values, -1)
-            return np.asarray(self.sign * ordered[..., : max(values.shape[-1] // 10, 1)].mean(-1))
-
-        def jacobian(self, values: Array) -> Array:
-            raise NotImplementedError
-
-    risk.measure.register(WorstTenth, lambda statistic, sign: Tail(sign))
-    drawn = {"load": Distribution(uniform=[1e4, 2e4])}
-    target = Target(maximise="load", over=["radius"], uncertain=drawn, robust="worst tenth")
-    assert str(target.statistic) == "worst tenth of"
-    goal = terms.wanted(target.objectives[0], target.statistic)
-    assert goal.drawn
-    draws = target.uncertain["load"].quantile((np.arange(1000) + 0.5) / 1000)
-    assert goal.counted(draws[None, None]) == pytest.approx([1.05e4])
-    with pytest.raises(ValueError, match="is not 'worst case', 'mean', 'mean - K std' or 'worst tenth'"):
-        statistics.statistic("best case")

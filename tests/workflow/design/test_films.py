@@ -6,7 +6,7 @@ import pytest
 import solver
 from approximation.arrays import Array
 from tests.studies import fitted, made
-from workflow.design.question import budget, sources
+from workflow.design.question import costly, sources
 from workflow.design.search import targets
 
 FILM = """\
@@ -43,7 +43,7 @@ def test_a_thickness_is_found_with_few_exact_cases(monkeypatch: pytest.MonkeyPat
     answer = targets.solve_target(study, "thick", model)
     # the verdict of a half-plane would solve 201 scenarios at once, and every step of the polish some more
     assert max(counts) <= 14  # loads up to the first limit, of one table
-    assert sum(counts) <= budget.AFFORDABLE_FILMS
+    assert sum(counts) <= costly.AFFORDABLE_FILMS
     assert "led by the surrogate" in answer.polish
     assert answer.feasible
     design = {name: answer.variable(name).value for name in study.factors}

@@ -1,4 +1,4 @@
-"""What is said of one design, against closed forms: Hertz on a body without charges, bounds of the library, by hand."""
+"""Judgements of one design against closed forms: Hertz on a body without charges, bounds of the library."""
 
 import numpy as np
 import pytest

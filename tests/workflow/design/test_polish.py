@@ -95,7 +95,7 @@ def test_a_polish_that_ends_beyond_a_limit_by_little_retreats(beyond: float, mon
 
 
 def test_the_exact_solver_is_searched_where_the_surrogate_leads_astray() -> None:
-    """By the surrogate designs end at 56 mm; truly nothing near that stands, and all up to 20 mm do."""
+    """The surrogate leads to 56 mm, where no design is feasible; all designs up to 20 mm are."""
 
     def steep(radius: Array, friction: Array) -> Array:
         return np.where(radius < 0.02, 2.5e9 * radius, 200e6 + 1e9 * (0.1 - radius)) * (1 + 0 * friction)

@@ -9,7 +9,7 @@ from scipy.stats import qmc
 
 from surrogate import GaussianProcess
 from tests import studies
-from workflow.design.question import budget
+from workflow.design.question import costly
 from workflow.design.search import targets
 from workflow.design.search.candidate import Candidate
 from workflow.run.sources import ROOT
@@ -58,8 +58,8 @@ def test_no_design_of_a_dense_search_is_better(name: str, target: str) -> None:
         targets._asked(study, target, chosen_target, model, choice)
         for choice in targets.combinations(study, chosen_target)
     ]
-    # cases that take milliseconds: test_budget.py
-    assert not any(budget.asked(choice.question) for choice in choices)
+    # cases that take milliseconds: test_costly.py
+    assert not any(costly.asked(choice.question) for choice in choices)
     best = max(map(dense, choices))
     answer = targets.solve_target(study, target, model)
     goal = choices[0].question.terms[0]

@@ -9,7 +9,7 @@ from surrogate.search.optimise import maximise
 from surrogate.search.pareto import Front
 from tests.workflow.design import standin
 from workflow.design.question.question import Question
-from workflow.design.search import front, polish, targets
+from workflow.design.search import polish, targets
 from workflow.design.search.candidate import Candidate
 from workflow.study.target import Target
 
@@ -57,14 +57,14 @@ def test_the_front_of_all_choices_is_what_none_of_them_dominates() -> None:
     def part(rows: list[list[float]]) -> xr.Dataset:
         return xr.Dataset({"front_exact": (("front", "objective"), np.array(rows))})
 
-    merged = front.merged({"a": part([[3.0, 1.0], [1.0, 3.0]]), "b": part([[2.0, 2.0], [2.0, 0.5]])}, np.ones(2))
+    merged = targets.merged({"a": part([[3.0, 1.0], [1.0, 3.0]]), "b": part([[2.0, 2.0], [2.0, 0.5]])}, np.ones(2))
     assert merged["front_exact"].values.tolist() == [[1.0, 3.0], [2.0, 2.0], [3.0, 1.0]]
     assert merged["front_choice"].values.tolist() == ["a", "b", "a"]
     fronts = [
         Front(np.empty((2, 0)), np.array(rows), np.zeros(2), np.ones(2))
         for rows in ([[3.0, 1.0], [1.0, 3.0]], [[2.0, 0.0]])
     ]
-    least, span = front.normalisation(fronts)
+    least, span = targets.normalisation(fronts)
     assert (least.tolist(), span.tolist()) == ([1.0, 1.0], [2.0, 2.0])  # the second front is dominated
 
 

@@ -1,4 +1,4 @@
-"""What the spread of the materials' constants makes of a design, against materials that are moved by hand."""
+"""Spread of a design from the spread of the materials' constants, against materials that are moved by hand."""
 
 from dataclasses import replace
 

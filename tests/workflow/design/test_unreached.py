@@ -41,5 +41,3 @@ def test_plain_snakemake_tells_it_of_the_designs_that_it_makes(ran: Project, tmp
     shutil.copytree(ran.folder, project.folder, symlinks=True)
     done = project.snakemake("--force", "--", "results/small/design.nc")
     assert done.stdout.splitlines().count(LINE) == 1
-    quiet = project.snakemake("--force", "--", "results/small/datacard.json")
-    assert LINE not in quiet.stdout

@@ -53,7 +53,6 @@ def test_the_slope_is_the_derivative_of_the_charge(film: ContactCurves) -> None:
 AIR = {"profile": "sphere", "material": "PZT-4", "radius": 0.02, "punch": "steel", "thickness": 80e-6, "base": "steel"}
 CONTACTS: dict[str, tuple[dict[str, Any], float]] = {  # with the largest relative error of a signal
     "ball in air": (AIR, 5e-3),  # through few contacts, of 0.4 s each
-    "ball": (AIR | {"surroundings": "insulated"}, 1e-3),
     "ball on a half-space": (BALL, 5e-4),
     "cone": ({"profile": "cone", "material": "PZT-4", "slope": 0.01}, 5e-4),
     "disc": ({k: v for k, v in FILM.items() if k != "radius"} | {"profile": "disc", "width": 2e-4}, 5e-4),

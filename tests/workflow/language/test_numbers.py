@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.workflow.report.browser import evaluated, needs_browser
+from tests.workflow.report.browser import in_node, needs_node
 from workflow.language.numbers import label, number, prefixed, shown
 from workflow.report.page import TEMPLATES
 
@@ -41,7 +41,7 @@ def test_a_label_is_wrapped_and_never_cut() -> None:
     assert max(map(len, lines)) <= 34
 
 
-@needs_browser
+@needs_node
 def test_the_page_writes_numbers_as_python_does(tmp_path: Path) -> None:
     random = np.random.default_rng(0)
     values = [0.0, 2.5, 0.25, 1.25, 999.96, 99999.6, 1e5, 1e-3, 5e4, *(10.0 ** np.arange(-15, 13)).tolist()]
@@ -52,4 +52,4 @@ def test_the_page_writes_numbers_as_python_does(tmp_path: Path) -> None:
     script = (TEMPLATES / "numbers.js").read_text(encoding="utf-8")
     written = "cases.map(([v, u, d]) => [digits(v, d), said(v, u, d), engineering(v, u).size, engineering(v, u).units])"
     script += f"const cases = {json.dumps(cases)};"
-    assert evaluated(script, written, tmp_path) == expected
+    assert in_node(script, written, tmp_path) == expected

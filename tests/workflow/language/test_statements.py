@@ -194,6 +194,8 @@ def test_refuses_other_limits(text: str, reason: str) -> None:
 )  # fmt: skip
 def test_statistics_of_the_objective(text: str, statistic: statistics.Statistic) -> None:
     assert statistics.statistic(text) == statistic
+    with pytest.raises(ValueError, match="is not 'worst case', 'mean' or 'mean - K std'"):
+        statistics.statistic("best case")
 
 
 def test_every_unit_of_the_interface_is_known() -> None:

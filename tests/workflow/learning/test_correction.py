@@ -11,8 +11,8 @@ from surrogate.data.measurements import Measurements
 from tests.workflow.study.test_uncertainty import FILM
 from workflow.dataset import draws, factorial
 from workflow.learning import correction
+from workflow.learning.correction import Summary
 from workflow.learning.instruments import Instrument
-from workflow.learning.summary import Summary
 from workflow.study import uncertainty
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
@@ -61,7 +61,7 @@ def truth(study: Study, model: GridGP, known: list[Constant], z: Array, count: i
 
 
 def rows(X: Array, exact: Array, outputs: list[int], share: float, seed: int) -> Measurements:
-    """What is read of some outputs, with normal errors of a share of the values."""
+    """Readings of outputs, with normal errors of a share of the values."""
     row, output = (index.ravel() for index in np.meshgrid(np.arange(len(X)), outputs, indexing="ij"))
     error = share * abs(exact[row, output])
     return Measurements(

@@ -13,7 +13,7 @@ PAGE = Path(__file__).parents[3] / "docs/learning.md"
 
 
 def blocks(section: str) -> list[str]:
-    """What is indented in a section of the page."""
+    """Indented blocks in a section of the page."""
     text = PAGE.read_text(encoding="utf-8").split(f"\n## {section}\n")[1].split("\n## ")[0]
     blocks_of_code, lines = [], list[str]()
     for line in [*text.splitlines(), ""]:

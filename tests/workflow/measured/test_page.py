@@ -1,4 +1,4 @@
-"""What the documents say of measurements is what the study says, whose rows reach the page, the figure and netCDF."""
+"""The documents, the figure and netCDF hold the rows of the study of measurements."""
 
 import re
 from pathlib import Path

@@ -5,8 +5,8 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 
-from workflow.measured import values
-from workflow.measured.values import modelled
+from workflow.measured import comparison
+from workflow.measured.comparison import modelled
 from workflow.study.sections import ModelQuantity, ModelValue
 
 TIP: dict[str, Any] = {"profile": "sphere", "radius": 1e-6, "force": 1e-4}
@@ -18,7 +18,7 @@ def value(quantity: ModelQuantity, **case: Any) -> float:
 
 
 def test_every_quantity_of_a_row_has_an_answer() -> None:
-    assert set(values._ANSWERS) == set(get_args(ModelQuantity))
+    assert set(comparison._ANSWERS) == set(get_args(ModelQuantity))
 
 
 @pytest.mark.parametrize(

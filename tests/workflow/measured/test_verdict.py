@@ -6,8 +6,7 @@ from typing import Any
 import pytest
 
 from tests.studies import edited, refusal
-from workflow.measured.comparison import AGREES_WITHIN, judged
-from workflow.measured.values import Spread
+from workflow.measured.comparison import AGREES_WITHIN, Spread, judged
 from workflow.study.sections import Measurement
 
 D33 = {"quantity": "free_d33", "case": {"material": "PZT-4"}}

@@ -1,4 +1,4 @@
-"""A page in a headless Chromium: what a probe in it sees."""
+"""Pages in a headless Chromium with a probe, and scripts in Node."""
 
 import html
 import json
@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from tests import programs
-from tests.patience import PATIENCE
+from tests.programs import PATIENCE
 
 
 def needs_browser(test: Callable[..., None]) -> Callable[..., None]:
@@ -35,22 +35,15 @@ console.error = console.warn = (...words) => complaints.push(words.join(" "));
 
 
 def opened(text: str, folder: Path, width: int, probe: str) -> dict[str, Any]:
-    """What a headless Chromium sees of a page at some width."""
+    """Return the data that a probe finds in a page of some width, in a headless Chromium."""
     page = text.replace("<head>", f"<head>{ERRORS}", 1).replace("</body>", f"{probe}</body>")
     seen = _probed(page, folder, f"--window-size={width},900", "--virtual-time-budget=20000")
     assert isinstance(seen, dict)
     return seen
 
 
-def evaluated(script: str, expression: str, folder: Path) -> Any:
-    """What an expression is after a script in a headless Chromium, as plain data."""
-    page = f'<!doctype html><meta charset=utf-8><pre id="probe"></pre><script>{script}\n'
-    page += f"document.querySelector('pre').textContent = JSON.stringify({expression});</script>"
-    return _probed(page, folder)
-
-
 def in_node(script: str, expression: str, folder: Path) -> Any:
-    """What an expression is after a script in Node, as plain data."""
+    """Return an expression's value after a script in Node, as plain data."""
     file = folder / "probe.js"
     file.write_text(f"{script}\nconsole.log(JSON.stringify({expression}));", encoding="utf-8")
     done = subprocess.run(
@@ -60,7 +53,7 @@ def in_node(script: str, expression: str, folder: Path) -> Any:
 
 
 def _probed(page: str, folder: Path, *flags: str) -> Any:
-    """What a page has written into its probe."""
+    """Return the data that a page writes into its probe."""
     file = folder / "probe.html"
     file.write_text(page, encoding="utf-8")
     quiet = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]

@@ -1,4 +1,4 @@
-"""What the page says of the datum is what the exact solver says, and nothing that depends on it goes unmarked."""
+"""The page's datum effects are those of the exact solver, and every number that depends on the datum is marked."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""What the page says of films: times with tables, what is absolute, and their own drawing."""
+"""Films on the page: times with tables, absolute quantities, and a drawing."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What the panel judges of limits, by one allowance for its map and its list, and tells of a device."""
+"""The panel judges limits by one allowance on its map and in its list, and computes a device's figures."""
 
 import json
 from pathlib import Path
@@ -11,7 +11,7 @@ import xarray as xr
 from surrogate import GridGP, Input
 from surrogate.use.export import exported
 from tests.studies import made
-from tests.workflow.report.browser import evaluated, needs_browser
+from tests.workflow.report.browser import in_node, needs_node
 from workflow.language import grammar
 from workflow.language.constants import FIGURES
 from workflow.report import whatif
@@ -63,20 +63,20 @@ def panel(fitted: GridGP, **changes: Any) -> str:
 const judge = judging({{ data, model, chosen: 0, kind: {json.dumps(kind)} }}), [limit] = data.cases[0].limits;"""
 
 
-@needs_browser
+@needs_node
 def test_the_map_allows_a_limit_what_the_list_below_it_allows(tmp_path: Path) -> None:
     fitted = model()
     cell = "({{ excess: {0}.excess, room: {0}.room, broken: judge.cell({1}).broken }})"
     worst = f"judge.worst(limit, judge.scenarios(data.cases[0], {CENTRE}))"
-    seen = evaluated(SCRIPTS + panel(fitted), cell.format(worst, CENTRE), tmp_path)
+    seen = in_node(SCRIPTS + panel(fitted), cell.format(worst, CENTRE), tmp_path)
     assert seen["excess"] == pytest.approx(ALLOWANCE / 2, rel=1e-6)
     assert seen["room"] >= ALLOWANCE
     assert not seen["broken"]
     beyond = panel(fitted, value=50.0)  # a corner has 40 sqrt(2) 1.1 pC/N
-    assert evaluated(SCRIPTS + beyond, "judge.cell([1, 1]).broken", tmp_path)
+    assert in_node(SCRIPTS + beyond, "judge.cell([1, 1]).broken", tmp_path)
 
 
-@needs_browser
+@needs_node
 def test_figures_at_the_sliders_are_those_of_python(tmp_path: Path) -> None:
     study = made(STUDY)
     values = {"charge_per_force": -4e-11, "capacitance_per_length": 2e-8, "load": 5e3}
@@ -86,13 +86,13 @@ def test_figures_at_the_sliders_are_those_of_python(tmp_path: Path) -> None:
     constants = {name: np.array(value) for name, value in study.device.constants.items()} if study.device else {}
     known = {name: np.array(value) for name, value in values.items()} | constants
     expected = {name: float(grammar.parse(FIGURES[name].formula).evaluate(known)) for name in trees}
-    assert evaluated(script, values_of, tmp_path) == pytest.approx(expected, rel=1e-12)
-    moved = evaluated(script, "carried(trees.signal_charge, values, { charge_per_force: 1e-13 })", tmp_path)
+    assert in_node(script, values_of, tmp_path) == pytest.approx(expected, rel=1e-12)
+    moved = in_node(script, "carried(trees.signal_charge, values, { charge_per_force: 1e-13 })", tmp_path)
     assert moved == pytest.approx(1e-13 * 5e3 * 0.01, rel=1e-9)  # linear in it: load times length times the change
 
 
-@needs_browser
-def test_errors_go_together_in_the_browser_as_in_python(tmp_path: Path) -> None:
+@needs_node
+def test_errors_go_together_in_the_page_as_in_python(tmp_path: Path) -> None:
     random, axes = np.random.default_rng(0), dict(zip(("radius", "load"), INPUTS, strict=True))
     held = {name: ("case", axis.from_unit(random.uniform(-1, 1, 200))) for name, axis in axes.items()}
 
@@ -113,7 +113,7 @@ def test_errors_go_together_in_the_browser_as_in_python(tmp_path: Path) -> None:
         script = (
             f"offBy(model, ['{symbol}', 'charge_per_force', 'capacitance_per_length'], {known}, judge.errors(answer))"
         )
-        sizes = evaluated(f"{SCRIPTS}{panel(fitted)} const answer = predict(model, [0.3, 0.3]);", script, tmp_path)
+        sizes = in_node(f"{SCRIPTS}{panel(fitted)} const answer = predict(model, [0.3, 0.3]);", script, tmp_path)
         expected = float(np.abs(fitted.ends_of_sum(X, np.array([slopes]))).max())
         added = float(
             np.abs(np.stack(fitted.interval_array(X))[:, 0] - [charge, capacitance]).max(axis=0) @ np.abs(slopes)
@@ -121,7 +121,7 @@ def test_errors_go_together_in_the_browser_as_in_python(tmp_path: Path) -> None:
         # the derivatives here are difference quotients over one deviation, small beside the values
         assert sizes == pytest.approx(expected, rel=1e-3)
         assert sizes < added
-    lone = evaluated(
+    lone = in_node(
         f"{SCRIPTS}{panel(fitted)} const answer = predict(model, [0.3, 0.3]);",
         f"offBy(model, ['*', 'capacitance_per_length', 3], {known}, judge.errors(answer))", tmp_path,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""What is beside the contact of a design, and what the other surroundings would make of it, in numbers and words."""
+"""Surroundings of a design's contact and the effect of the other ones, in numbers and words."""
 
 import pytest
 
@@ -43,7 +43,7 @@ def test_air_is_compared_with_what_is_insulated_and_the_other_way_round(study: S
 
 
 def test_a_ball_on_a_film_is_compared_too() -> None:
-    """Its capacitance is whole: 2.3 pF under a large ball on a thin film, and ten times as much in air."""
+    """A large ball on a thin film has 2.3 pF, and ten times as much in air."""
     ball = shipped("point_sensor").narrowed({"base": "steel"})
     compared = other_surroundings.compared(ball, {"thickness": 5e-5, "radius": 0.05, "force": 0.1})
     assert list(compared["quantities"]) == ["voltage", "capacitance", "charge_per_force"]

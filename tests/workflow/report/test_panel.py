@@ -98,7 +98,7 @@ addEventListener("load", async () => {
 
 @pytest.fixture(scope="module")
 def seen(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """What the panel of the quickstart shows while it is used."""
+    """State of the quickstart's panel while it is used."""
     package = find_spec("axe_core_python")
     assert package is not None
     assert package.origin is not None

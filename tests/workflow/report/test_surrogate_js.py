@@ -1,4 +1,4 @@
-"""The surrogate in the browser says what it says in Python, with its groups and its largest values of curves too."""
+"""The page's surrogate answers as Python's does, with groups and largest values of curves too."""
 
 import json
 from collections.abc import Callable
@@ -11,20 +11,16 @@ import xarray as xr
 from surrogate import CurveGP, GaussianProcess, GroupedGP, Input
 from surrogate.use.export import exported
 from tests.surrogate import curved, grouped
-from tests.workflow.report.browser import needs_browser, opened
+from tests.workflow.report.browser import in_node, needs_node
 from workflow.report.page import TEMPLATES
 
 SCRIPTS = "".join((TEMPLATES / name).read_text(encoding="utf-8") for name in ("surrogate.js", "largest.js"))
-PROBE = """
-<pre id="probe"></pre><script>%s
-const model = loadSurrogate(%s), points = %s;
-const told = points.map((t) => predict(model, t)), parts = ["mean", "std", "lower", "upper"];
-const found = Object.fromEntries(parts.map((part) => [part, told.map((one) => [...one[part]])]));
-found.means = points.map((t) => [...means(model, t)]);
-found.shares = points.map((t) => fromUnit(%s, t[0]));
-document.querySelector("pre").textContent = JSON.stringify({ ...found, complaints });
-</script>
-"""
+ANSWERS = """({
+  ...Object.fromEntries(["mean", "std", "lower", "upper"].map(
+    (part) => [part, points.map((t) => [...predict(model, t)[part]])])),
+  means: points.map((t) => [...means(model, t)]),
+  shares: points.map((t) => fromUnit(share, t[0])),
+})"""
 SHARE = Input("share", 0.02, 0.9, "logit")
 
 
@@ -51,18 +47,18 @@ def held_out(model: CurveGP) -> GaussianProcess:
     return model.calibrate(off.assign(points))
 
 
-@needs_browser
+@needs_node
 @pytest.mark.parametrize("fitted_model", [of_groups, of_curves, of_curves_over_groups])
-def test_the_browser_says_the_same(fitted_model: Callable[[], GaussianProcess], tmp_path: Path) -> None:
+def test_the_script_says_the_same(fitted_model: Callable[[], GaussianProcess], tmp_path: Path) -> None:
     model = fitted_model()
     t = np.random.default_rng(2).uniform(-1, 1, (40, len(model.inputs_)))
     t[0], t[1] = 1.0, -1.0
     X = np.stack([axis.from_unit(row) for axis, row in zip(model.inputs_, t.T, strict=True)], axis=1)
     mean, std = model.predict_array(X, return_std=True)
-    plain = json.dumps({"name": "share", "low": 0.02, "high": 0.9, "scale": "logit"})
-    probe = PROBE % (SCRIPTS, json.dumps(exported(model)), json.dumps(t.tolist()), plain)
-    seen = opened("<!doctype html><html><head></head><body></body></html>", tmp_path, 800, probe)
-    assert not seen["complaints"]
+    data = {"model": exported(model), "points": t.tolist()}
+    data["share"] = {"name": "share", "low": 0.02, "high": 0.9, "scale": "logit"}
+    script = f"{SCRIPTS}const data = {json.dumps(data)}, {{ points, share }} = data, model = loadSurrogate(data.model);"
+    seen = in_node(script, ANSWERS, tmp_path)
     lower, upper = model.interval_array(X)
     for part, expected in {"mean": mean, "means": mean, "std": std, "lower": lower, "upper": upper}.items():
         np.testing.assert_allclose(seen[part], expected, rtol=1e-9, atol=1e-9 * float(np.abs(std).min()))

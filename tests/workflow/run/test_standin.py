@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.workflow import nursery
+from tests import warm
 from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT
 
@@ -21,7 +21,7 @@ def test_a_script_alone_makes_what_its_job_makes(ran: Project, tmp_path: Path, s
     for folder in ("config", "results"):
         shutil.copytree(ran.folder / folder, tmp_path / folder)
     output.unlink()
-    done = nursery.run(["python", str(ROOT / "workflow/scripts" / script), f"results/small/{file}"], tmp_path, ROOT)
+    done = warm.run(["python", str(ROOT / "workflow/scripts" / script), f"results/small/{file}"], tmp_path, ROOT)
     assert done.returncode == 0, done.stderr
     assert output.read_bytes() == (ran.folder / "results/small" / file).read_bytes()
     assert not (tmp_path / ".snakemake").exists()

@@ -64,7 +64,6 @@ def test_only_depths_on_a_base_that_gives_hang_on_the_datum(study: Study) -> Non
         ("electric: grounded", "magnetic: insulated", "interface_magnetic: 'insulated' is allowed above a"),
         ("interface_electric: grounded}", "base_volume_fraction: 0.2}\ndataset: {peaks: true}", "dataset: peaks: are"),
         ("  friction: {low: 0.0, high: 0.3", "  grading_exponent: {low: 2.0, high: 3.0", "factors: grading_exponent"),
-        ("radius: 0.05", "radius: 0.05, speed: 1e5 m/s", "speed: 100000 m/s is not below the first"),
         ("design:", "surrogate: {fields: 4}\ndesign:", "surrogate: fields: only those of half-planes are learned"),
         ("design:", "surrogate: {outputs: [peak_von_mises]}\ndesign:", "surrogate: outputs: some of thes"),
     ],

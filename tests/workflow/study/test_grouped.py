@@ -148,7 +148,7 @@ ELASTIC = STUDY.replace("{composite: fibrous, datum: 0.5}", "{composite: fibrous
 
 
 def test_groups_that_do_not_tell_an_elastic_punch_s_depth_leave_it_out() -> None:
-    """Its datum is its radius: of two cases with one load radius / datum^2 the depth differs by a logarithm."""
+    """The punch's datum is its radius: the depths of two cases of one group differ by a logarithm."""
     assert "groups: depth, blocked_load_per_volt depend on an elastic punch's radius" in refusal(ELASTIC)
     rigid = made(ELASTIC.replace("punch: steel", "punch: rigid"))
     assert "depth" in rigid.outputs

@@ -28,7 +28,7 @@ factors:
   volume_fraction: {low: 0.48, high: 0.52, levels: 2}
 dataset: {slabs: 1, positions: {inside: 3, outside: 2}}
 surrogate: {outputs: [voltage, voltage_per_load, trailing_tension, depth]}
-validation: {cases: 20, calibration: 60, tolerance: 1e-3}
+validation: {cases: 20, calibration: 40, tolerance: 1e-3}
 design:
   thin:
     maximise: abs(voltage_per_load)

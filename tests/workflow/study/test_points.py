@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.constants import Boltzmann
 
 import solver
 from solver.body import HALF_SPACE
@@ -14,8 +15,13 @@ from surrogate import Input
 from tests.studies import data_set, edited, fitted, made, refusal
 from workflow.dataset import effects, factorial
 from workflow.dataset import slabs as dataset
+from workflow.design.search import targets
+from workflow.design.wording import words
 from workflow.language.constants import DEVICE, FIGURES_BY
+from workflow.learning import training
+from workflow.report import page
 from workflow.report.figures import field_panels
+from workflow.report.figures.design_plots import figures_of
 from workflow.run.provenance import ROOT
 from workflow.study import representatives
 from workflow.study.model import Study, load, remade
@@ -165,3 +171,31 @@ def test_the_surrogate_of_a_probe_is_right_to_1e_5_of_the_range_within_its_box()
     for name in model.outputs_:
         size = float(np.ptp(exact[name].values))
         np.testing.assert_allclose(answered[name], exact[name], rtol=0, atol=1e-5 * size, err_msg=name)
+
+
+def test_a_design_in_groups_is_what_the_solver_says() -> None:
+    """One axis stands for three factors; the depoling stress of PZT-4 limits the design."""
+    text = BALL.replace("{levels: 4}", "{levels: 14, scale: log}").replace("steel}", "steel, magnetic: insulating}")
+    text = text.replace("over: [thickness, radius]", "over: [radius]").replace(
+        "{force: 0.1}", "{thickness: 50 um, force: 0.2}"
+    )
+    text = text.replace("abs(signal_charge) <= 100 pC, force <= 1 N, ", "")
+    outputs = "surrogate: {outputs: [contact_radius, charge_per_force, capacitance, peak_pressure]}\n"
+    study = made(f"{text}{outputs}validation: {{cases: 20, calibration: 60, tolerance: 1e-3}}\n")
+    model, exact = fitted(study, calibrated=True), factorial.exact(study, factorial.axes(study))
+    assert dict(exact.sizes) == {"force_radius_per_thickness3": 14}
+    table = training.validate(study, exact, factorial.cases(study, "validation"), model)
+    assert float(table["max_error"].max()) < 1e-3
+    answer = targets.solve_target(study, "quiet", model)
+    solved = solver.solve(study.fixed | answer.case)
+    assert float(solved["peak_pressure"]) == pytest.approx(83e6, rel=1e-3)
+    capacitance = float(solved["capacitance"]) + 10e-12
+    noise = np.hypot(1e-15, np.sqrt(Boltzmann * 293.15 * capacitance))
+    assert answer.terms[0].exact == pytest.approx(noise / abs(float(solved["charge_per_force"])), rel=1e-9)
+    figures = {figure.figure: figure.figure_low for figure in answer.figures}
+    assert figures["signal_charge"] == pytest.approx(0.2 * float(solved["charge_per_force"]), rel=1e-9)
+    assert figures["circuit_capacitance"] == pytest.approx(capacitance, rel=1e-9)
+    assert "force" not in figures
+    assert "contact" in figures_of(answer, study.design["quiet"])  # over r/a
+    assert words.verdict(answer).device
+    assert "film" in str(page._problem(study))

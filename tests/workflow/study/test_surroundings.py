@@ -1,4 +1,4 @@
-"""Studies with air beside the contact: what their cases have, which fields nobody stores, and what is refused."""
+"""Studies with air beside the contact and the punch of a device: quantities, fields, defaults, refusals."""
 
 import re
 from pathlib import Path
@@ -90,7 +90,7 @@ groups:
 
 
 def test_groups_tell_how_wide_the_gap_is() -> None:
-    """By size alone cases are similar: that they are as strongly pressed says nothing of the vacuum in the gap."""
+    """Cases of one size are similar, but equally strong pressing does not fix the vacuum in the gap."""
     assert re.search(r"is in no group.*make radius / thickness a group", refusal(GROUPS))
     study = made(GROUPS + "  radius / thickness: {levels: 3}\n")
     assert study.cases == 9
@@ -170,3 +170,35 @@ def test_what_air_does_not_have_leaves_a_device_insulated(sections: dict[str, di
     assert study.surroundings == ["insulated"]
     assert study.meeting == "line"
     assert why in study.defaults[0]
+
+
+def test_a_device_is_pressed_by_steel_unless_it_says_otherwise() -> None:
+    study = settled()
+    defaults.press(study)
+    assert study.fixed["punch"] == "steel"
+    assert study.elastic
+    assert study.defaults[-1].startswith("punch: steel, the default of a study with a device")
+
+
+@pytest.mark.parametrize(
+    "fixed", [{"punch": "rigid"}, {"punch": "brass"}, {"punch_modulus": 7e10, "punch_poisson": 0.3}]
+)
+def test_what_a_study_says_stays(fixed: dict[str, object]) -> None:
+    study = settled(fixed=fixed)
+    defaults.press(study)
+    assert {name: study.fixed[name] for name in fixed} == fixed
+    assert not any(line.startswith("punch") for line in study.defaults)
+    bare = settled(device=None)
+    defaults.press(bare)
+    assert "punch" not in bare.fixed
+
+
+def test_groups_that_have_no_place_for_it_leave_it_rigid() -> None:
+    groups = {"load * radius / thickness^2": {"levels": 3}}
+    study = settled(factors=BOX, groups=groups, surrogate={"outputs": ["depth", "voltage"]})
+    defaults.press(study)
+    assert "punch" not in study.fixed
+    assert (
+        study.defaults[-1]
+        == "punch: rigid, since its groups do not tell what one of steel makes of its surrogate.outputs"
+    )

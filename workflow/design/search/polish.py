@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from approximation.arrays import Array
-from workflow.design.question import budget
+from workflow.design.question import costly
 from workflow.design.question.question import Question
 from workflow.design.question.sources import Source
 from workflow.design.search.candidate import Candidate
@@ -18,7 +18,7 @@ _ROUNDS = 6  # polishes, each with limits shifted by what many more scenarios sa
 _SAFETY = 1e-10  # relative safety margin, beyond rounding
 _NEAR = 1e-6  # relative distance at which a limit binds
 _FLAT, _SAME = 5, 1e-9  # values of a variable, and relative change of the goal over them that is none
-_CLOSE = 1e-6  # length of a scaled range to which a variable that does not matter is found
+_UNMOVED = 1e-6  # length of a scaled range to which a variable that does not matter is found
 _LOST = 1e-6  # share of the objective that safety margins may cost
 _RETREATS = 3  # steps back behind limits that many more scenarios judge
 
@@ -34,7 +34,7 @@ def first_feasible(ranked: list[Candidate]) -> Candidate:
         if polished.best.feasible:
             return replace(polished, passed=tuple(passed), polish="; ".join([polished.polish, *map(_missed, passed)]))
         passed.append(polished)
-        if not candidate.best.feasible or sum(attempt.cases for attempt in passed) > budget.most(candidate.question):
+        if not candidate.best.feasible or sum(attempt.cases for attempt in passed) > costly.most(candidate.question):
             break
     return passed[0]
 
@@ -42,7 +42,7 @@ def first_feasible(ranked: list[Candidate]) -> Candidate:
 def _missed(passed: Candidate) -> str:
     """Why a choice that is better by the surrogate is not taken."""
     limits = [term for term in passed.question.terms if term.limited]
-    excess = _excess(passed.design, budget.affordable(passed.question)).judged
+    excess = _excess(passed.design, costly.affordable(passed.question)).judged
     return (
         f"{passed.words} is better and not taken: it misses {limits[excess.argmax()].label} by {excess.max():.2g} of it"
     )
@@ -90,7 +90,7 @@ def _polish(candidate: Candidate) -> Candidate:
     if (
         polished.best.feasible
         or not candidate.best.feasible
-        or budget.asked(candidate.question)
+        or costly.asked(candidate.question)
         or not candidate.question.inputs
     ):
         return polished
@@ -100,8 +100,8 @@ def _polish(candidate: Candidate) -> Candidate:
 
 def _shifted(candidate: Candidate) -> Candidate:
     """The best of the designs that keep the limits, each polished with these shifted by what the last one missed."""
-    question, source = candidate.question, budget.affordable(candidate.question)
-    usual = budget.safety(question, _SAFETY) * question.inequality
+    question, source = candidate.question, costly.affordable(candidate.question)
+    usual = costly.safety(question, _SAFETY) * question.inequality
     rounds = _ROUNDS if question.inputs else 0
     first = candidate.counted(source)
     current, last, safety, spent = first, None, np.zeros(len(question.inequality)), 0
@@ -112,7 +112,7 @@ def _shifted(candidate: Candidate) -> Candidate:
             break
         last = current if np.all(excess.kept) else last
         done = not current.best.feasible or excess.agrees(safety)
-        if (k > 0 and done) or k == rounds or spent + excess.cases > budget.most(question):
+        if (k > 0 and done) or k == rounds or spent + excess.cases > costly.most(question):
             break
         # what a few scenarios make of a limit differs from what many do: shift it by that
         safety = excess.judged - excess.searched + usual
@@ -122,7 +122,7 @@ def _shifted(candidate: Candidate) -> Candidate:
         spent += cases
     best = replace(current.best, feasible=False) if last is None else last.best
     return replace(
-        candidate, best=best, cases=spent, polish=budget.words(question, spent, rounds > 0 and last is not first)
+        candidate, best=best, cases=spent, polish=costly.words(question, spent, rounds > 0 and last is not first)
     )
 
 
@@ -153,7 +153,7 @@ def _cheapest(candidate: Candidate) -> Candidate:
     has anyway. Where cases are costly no variable was seen not to matter.
     """
     question, design, x = candidate.question, candidate.design, candidate.best.x.copy()
-    if not candidate.best.feasible or question.objectives > 1 or budget.asked(question):
+    if not candidate.best.feasible or question.objectives > 1 or costly.asked(question):
         return candidate
     limited = np.array([place for place, term in enumerate(question.terms) if term.limited], dtype=np.intp)
 
@@ -172,7 +172,7 @@ def _cheapest(candidate: Candidate) -> Candidate:
         low, high = -1.0, float(x[column])
         if np.all(excess(_moved(x, column, low)) <= room):
             high = low
-        while high - low > _CLOSE:
+        while high - low > _UNMOVED:
             middle = (low + high) / 2
             low, high = (low, middle) if np.all(excess(_moved(x, column, middle)) <= room) else (middle, high)
         x[column] = high

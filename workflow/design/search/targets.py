@@ -1,6 +1,6 @@
 """Design: the best factors under limits, found on the surrogate, polished and judged exactly; tolerances' cost."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -12,12 +12,12 @@ from approximation.arrays import Array
 from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem, improve
-from surrogate.search.pareto import Front
-from workflow.design.question import budget
+from surrogate.search.pareto import Front, front, non_dominated
+from workflow.design.question import costly
 from workflow.design.question.pilot import ask
 from workflow.design.question.question import Question
 from workflow.design.question.sources import Exact, Predicted
-from workflow.design.search import contact_fields, front, polish
+from workflow.design.search import contact_fields, polish
 from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import Answer, Category, Choice, Tolerated
@@ -29,6 +29,79 @@ from workflow.study.categories import output
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
+
+_SAFETY = 1e-6  # relative safety margin to the limits, beside the surrogate's own doubt
+_KEPT = 1e-9  # exact excess that counts as none: the optimiser's own accuracy
+
+
+def trace(question: Question) -> Front | None:
+    """The front on the surrogate, with the safety margin that its uncertainty asks for; None: not feasible."""
+    problem = question.problem(question.predicted, _SAFETY * question.inequality)
+    if not question.inputs:
+        return _point(problem, question.objectives)
+    coarse = front(problem, question.objectives, points=3, fill=1, scan=question.scan)
+    if coarse is None:
+        return None
+    doubt = assessment.doubts(question.at(coarse.x[len(coarse.x) // 2]))
+    problem = question.problem(question.predicted, (_SAFETY + doubt) * question.inequality)
+    return front(problem, question.objectives, scan=question.scan) or coarse
+
+
+def _point(problem: Problem, objectives: int) -> Front | None:
+    """The front of a question without continuous variables: its one design, if that keeps the limits."""
+    x = np.empty((1, 0))
+    rows, excess = problem.value(x)
+    values = rows.reshape(1, objectives, -1).min(-1)
+    return Front(x, values, values[0], np.ones(objectives)) if excess.max(initial=-np.inf) <= 0 else None
+
+
+def normalisation(traced: Sequence[Front]) -> tuple[Array, Array]:
+    """Least value of every objective over some fronts together, and its range: what a compromise is measured by."""
+    values = np.concatenate([part.values for part in traced])
+    values = values[non_dominated(values)]
+    span = np.ptp(values, axis=0)
+    return values.min(0), np.where(span > 0, span, 1.0)
+
+
+def best_of(traced: Front, problem: Problem) -> Optimum:
+    """The design of a front that a scalarised problem rates highest."""
+    objective, excess = problem.value(traced.x)
+    best = int(objective.min(1).argmax())
+    return Optimum(traced.x[best], float(objective[best].min()), excess[best], True)
+
+
+def verified(traced: Question, share: float = 1.0) -> xr.Dataset:
+    """Return the front solved exactly, costly cases in deciding scenarios; designs beyond a limit are left out."""
+    designs, columns = costly.thinned(traced, share)
+    wanted, sets = designs.objectives, designs.searched
+    exact, guessed = (designs.count(source, sets) for source in (costly.affordable(designs), designs.predicted))
+    exact = costly.corrected(designs, exact, columns)
+    excess = np.stack(
+        [term.oriented(exact[:, k]) for k, term in enumerate(designs.terms) if term.limited] or [np.zeros(len(exact))]
+    )
+    feasible = np.flatnonzero(excess.max(0) <= _KEPT)
+    variables = designs.at(designs.x[feasible]).variables | {
+        name: np.full(feasible.size, value) for name, value in designs.held.items() if name in designs.target.variables
+    }
+    return xr.Dataset(
+        {
+            "front_exact": (("front", "objective"), exact[feasible, :wanted]),
+            "front_predicted": (("front", "objective"), guessed[feasible, :wanted]),
+            "front_value": (("front", "factor"), np.stack(list(variables.values()), -1)),
+        },
+        coords={"objective": [term.label for term in designs.terms[:wanted]], "factor": list(variables)},
+    )
+
+
+def merged(parts: Mapping[str, xr.Dataset], signs: Array) -> xr.Dataset:
+    """The front of all choices: what no design of any of them dominates, sorted by the first objective."""
+    whole = xr.concat(
+        [part.assign(front_choice=("front", [name] * part.sizes["front"])) for name, part in parts.items()], "front"
+    )
+    values = whole["front_exact"].transpose("front", "objective").values
+    undominated = np.flatnonzero(non_dominated(values * signs))
+    return whole.isel(front=undominated[np.argsort(values[undominated, 0])])
+
 
 #: By how much the margin of the edge is made wider, each time that the solver refuses the best design.
 _WIDER = (0.01, 0.02, 0.04, 0.08)
@@ -42,20 +115,9 @@ _SLICE = 121  # points of a slice
 
 
 def solve_target(study: Study, name: str, model: GaussianProcess) -> Answer:
-    """Answer one design target of a study.
+    """Answer one design target of a study, by name, with the surrogate of its quantities.
 
-    Parameters
-    ----------
-    study, name
-        The study and the name of its target.
-    model
-        Surrogate of the study's quantities.
-
-    Raises
-    ------
-    InputError
-        An objective that is constant, unbounded or undefined; an exact value outside the surrogate's interval, unless
-        the target allows it.
+    InputError: the objective is constant, unbounded or undefined, or an exact value left the surrogate's interval.
     """
     return answer(study, name, study.design[name], model)
 
@@ -120,7 +182,7 @@ def _costs(
     """Cost of the tolerances of the best design."""
     tell("what the tolerances cost")
     nominal = without_tolerances(target)
-    if budget.asked(best.question):  # near the design: a search of its own would cost as much as the design did
+    if costly.asked(best.question):  # near the design: a search of its own would cost as much as the design did
         without = near(best, _asked(study, name, nominal, model, best.choice))
     else:
         others = _candidates(study, name, nominal, model, lambda words: tell(f"what the tolerances cost: {words}"))
@@ -163,9 +225,9 @@ def _search(candidates_of_choices: list[Candidate], tell: Callable[[str], None])
     traced: list[Front | None] = [None] * len(candidates_of_choices)
     if candidates_of_choices[0].question.objectives > 1:
         tell("tracing the front")
-        traced = [front.trace(candidate.question) for candidate in candidates_of_choices]
+        traced = [trace(candidate.question) for candidate in candidates_of_choices]
     fronts = [traced_front for traced_front in traced if traced_front is not None]
-    scales = front.normalisation(fronts) if fronts else None
+    scales = normalisation(fronts) if fronts else None
     candidates = []
     for number, (question, traced_front) in enumerate(zip(candidates_of_choices, traced, strict=True), 1):
         tell(
@@ -180,22 +242,22 @@ def _search(candidates_of_choices: list[Candidate], tell: Callable[[str], None])
 def _climbed(candidate: Candidate) -> Candidate:
     question, predicted = candidate.question, candidate.question.predicted
     if not question.inputs:
-        return replace(candidate, best=_only(candidate.problem(budget.affordable(candidate.question))))
+        return replace(candidate, best=_only(candidate.problem(costly.affordable(candidate.question))))
     if candidate.front is not None:
-        first = replace(candidate, best=front.best_of(candidate.front, candidate.problem(predicted)))
+        first = replace(candidate, best=best_of(candidate.front, candidate.problem(predicted)))
     else:
         first = candidate.sought(predicted)
     safer = first.improved(predicted, assessment.doubts(first.design) * question.inequality)
     # where no design is as far from the limits as the surrogate is in doubt, the exact solver decides if it can
-    decided = first.best.feasible and not safer.best.feasible and not budget.asked(question)
+    decided = first.best.feasible and not safer.best.feasible and not costly.asked(question)
     return first if decided else safer
 
 
 def _front(candidates: list[Candidate]) -> xr.Dataset:
     """The exact front of all choices."""
     traced = [(candidate, candidate.question.at(candidate.front.x)) for candidate in candidates if candidate.front]
-    parts = {candidate.words: front.verified(designs, 1 / len(traced)) for candidate, designs in traced}
-    return front.merged(parts, np.array([objective.sign for objective in candidates[0].question.target.objectives]))
+    parts = {candidate.words: verified(designs, 1 / len(traced)) for candidate, designs in traced}
+    return merged(parts, np.array([objective.sign for objective in candidates[0].question.target.objectives]))
 
 
 def _categories(target: Target, best: Candidate) -> tuple[Category, ...]:

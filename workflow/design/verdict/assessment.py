@@ -9,7 +9,7 @@ from approximation.arrays import Array
 from approximation.sobol import sobol_points
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, CHOICES, PROFILES
 from workflow.dataset import factorial
-from workflow.design.question import budget
+from workflow.design.question import costly
 from workflow.design.question.question import Question
 from workflow.design.question.risk import WorstCase
 from workflow.design.question.scenarios import Scenarios
@@ -31,9 +31,9 @@ _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that count
 _SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)
 _WIDE, _SMOOTH = 1e-5, 1e-7  # m: a contact that is not a tip's, and the depth below which roughness decides it
 _PILOT = 512
-_STEP = 1e-3  # relative step of elasticities
+_ELASTIC_STEP = 1e-3  # relative step of elasticities
 _ERROR = 0.01  # relative error in building a variable
-_SHARES = 1 + np.array([-_STEP, _STEP, -_ERROR, _ERROR])
+_SHARES = 1 + np.array([-_ELASTIC_STEP, _ELASTIC_STEP, -_ERROR, _ERROR])
 _NOTHING = 1e-9  # share of the goal that counts as no change
 
 
@@ -67,8 +67,8 @@ def exactly(design: Question, terms: Sequence[Term]) -> tuple[Array, int]:
     """Exact values of some terms at one design in the verdict, and the number of costly cases."""
     values, cases = [], 0
     for term in terms:
-        if budget.names(design, term):
-            counted = budget.count_exactly(design, term)
+        if costly.names(design, term):
+            counted = costly.count_exactly(design, term)
             values.append(counted.value)
             cases += counted.cases
         else:
@@ -197,8 +197,8 @@ def _variables(design: Question, exact: Array, worst: Scenario) -> tuple[Variabl
 def _corners(design: Question) -> dict[str, Array]:
     """Every quantity of a design, exactly, over many corners of the ranges; what is costly over a few."""
     out: dict[str, Array] = {}
-    for sets, costly in ((design.judged, False), (design.searched, True)):
-        names = [name for name in design.exact.quantities if (name in design.study.costly) == costly]
+    for sets, slow in ((design.judged, False), (design.searched, True)):
+        names = [name for name in design.exact.quantities if (name in design.study.costly) == slow]
         out |= design.exact.values(design.factors(sets[False]), names) if names else {}
     return out
 
@@ -303,7 +303,7 @@ def sensitivities(design: Question, exact: Array) -> dict[str, Sensitivity]:
 
     By differences on what stands for the exact solver.
     """
-    source = budget.affordable(design)
+    source = costly.affordable(design)
     varied = _varied(design, source)
     # of draws the few of the search: what they lack is added to all alike
     sets = {key: design.searched[key] if key is True else chosen for key, chosen in design.judged.items()}

@@ -84,7 +84,7 @@ _FINE = re.compile(r"-?\d+\.\d+")
 _STYLE = re.compile(r' style="([^"]*)"')
 _GROUP = re.compile(r"<g>|<g [^>]*>|</g>")
 _ID = re.compile(r'(\bid="|url\(#|href="#)([^")]+)')
-_STEP = re.compile(r"([A-Za-z])([^A-Za-z]*)")
+_PATH_PART = re.compile(r"([A-Za-z])([^A-Za-z]*)")
 
 
 def field_label(field: xr.DataArray, size: float, where: str = "") -> tuple[float, str]:
@@ -195,7 +195,7 @@ def _outline(path: str) -> str:
     """A path whose lines go by differences; no error adds up, as they are differences of rounded places."""
     parts: list[str] = []
     point = (0, 0)
-    for letter, coordinates in _STEP.findall(path):
+    for letter, coordinates in _PATH_PART.findall(path):
         places = [round(100 * float(place)) for place in coordinates.split()]
         if letter == "L" and parts:
             across, down = places[0] - point[0], places[1] - point[1]

@@ -23,7 +23,7 @@ Bools = NDArray[np.bool_]
 
 #: Costly cases of one part of a question, and of one about films.
 AFFORDABLE, AFFORDABLE_FILMS = 1000, 150
-_MOST = 256  # of one value of one term
+_MOST_SCENARIOS = 256  # of one value of one term
 _LEAST = 9  # designs of a front
 _BATCH = 12  # scenarios solved at a time, at least: a dozen peaks cost as much as three alone
 _BATCH_FILMS = 3  # every one with tables of its own
@@ -104,7 +104,7 @@ def count_exactly(design: Question, term: Term) -> Counted:
     """
     many, few = design.judged[term.key], design.searched[term.key]
     whole = design.value(design.predicted, many, term)
-    if term.deciding(whole[0]).sum() <= _MOST:
+    if term.deciding(whole[0]).sum() <= _MOST_SCENARIOS:
         return _count_exactly(design, many, term, whole)
     part = design.value(design.predicted, few, term)
     counted = _count_exactly(design, few, term, part)
@@ -119,7 +119,7 @@ def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: A
         value = float(term.counted(values)[0])
         distances = np.abs(flat - value)
         missing = term.deciding(values[0])
-        if solved.sum() < _MOST:
+        if solved.sum() < _MOST_SCENARIOS:
             # what the surrogate may have put on the wrong side of those that decide, by twice its largest error so far
             missing |= distances <= 2 * error
         missing &= ~solved

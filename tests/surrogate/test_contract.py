@@ -1,0 +1,156 @@
+"""The contract of every model: its file, its parts, its derivatives, and one point in every way of asking."""
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from approximation.arrays import Array
+from surrogate import BoundedGP, GaussianProcess, GridGP, GroupedGP, ScatterGP, load, save
+from tests.surrogate import curved, functions, grouped
+from tests.surrogate.slopes import assert_slopes
+from tests.surrogate.transforms import test_boundedgp
+
+
+@cache
+def grid() -> GridGP:
+    """Outputs of different sizes, one of them constant."""
+    data = functions.factorial((9, 5, 5, 5, 2))
+    return GridGP(functions.INPUTS).fit(data.assign(flat=((), 3.0), small=1e-12 * data["smooth"]))
+
+
+def scattered(count: int) -> ScatterGP:
+    cases = functions.scattered(count, seed=0)[["mixture", "size", "ratio", "no_bias"]]
+    return ScatterGP([functions.INPUTS[0], functions.INPUTS[2]]).fit(cases)
+
+
+def calibrated() -> GaussianProcess:
+    """Enough cases for a correction of the mean, products of two inputs in the trend, and guards of corners."""
+    model = GridGP(functions.INPUTS).fit(functions.factorial((9, 5, 5, 5, 2)))
+    model.calibrate(functions.scattered(3000, seed=1))
+    assert model.correction_ is not None
+    return model
+
+
+MODELS: dict[str, Callable[[], GaussianProcess]] = {
+    "grid": grid,
+    "calibrated": calibrated,
+    "scattered": lambda: scattered(40),
+    "scattered, calibrated": lambda: scattered(30).calibrate(functions.scattered(200, seed=1)),
+    "grouped": lambda: (
+        GroupedGP(grouped.GROUPING).fit(grouped.factorial(0.2)).calibrate(grouped.cases(300, 11, 0.2, to_ends=300))
+    ),
+    "curves": curved.fitted,
+    "curves over groups": curved.fitted_over_groups,
+    "bounded": lambda: (
+        BoundedGP(GridGP(inputs=test_boundedgp.INPUTS), test_boundedgp.BOUNDS)
+        .fit(test_boundedgp.grid())
+        .calibrate(test_boundedgp.cases(300, 1))
+    ),
+}
+each_model = pytest.mark.parametrize("name", MODELS)
+#: Of derivatives against differences, where they are less exact than 1e-5.
+SLOPES = {"curves": 2e-5, "curves over groups": 2e-5}
+#: Of a part's means, over the output's spread, where they are compressed otherwise than the whole's.
+PARTS = {"grouped": 1e-8, "bounded": 1e-8, "curves": 1e-7, "curves over groups": 1e-7}
+
+
+@cache
+def fitted(name: str) -> GaussianProcess:
+    return MODELS[name]()
+
+
+def inside(model: GaussianProcess, count: int = 12) -> Array:
+    """Points in the box, (n, d)."""
+    t = np.random.default_rng(2).uniform(-0.9, 0.9, (len(model.inputs_), count))
+    return np.stack([input_.from_unit(row) for input_, row in zip(model.inputs_, t, strict=True)], axis=1)
+
+
+@each_model
+def test_a_file_gives_the_same_answers_and_one_model_makes_one_file(name: str, tmp_path: Path) -> None:
+    model, X = fitted(name), inside(fitted(name))
+    save(model, tmp_path / "a.nc")
+    again = load(tmp_path / "a.nc")
+    assert type(again) is type(model)
+    assert again.box == model.box
+    pairs = [(m.predict(X), m.interval(X, 0.9), m.gradient(X, return_std=True)) for m in (again, model)]
+    for answer, expected in zip(*pairs, strict=True):
+        xr.testing.assert_identical(answer, expected)
+    save(again, tmp_path / "b.nc")
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+    with netCDF4.Dataset(tmp_path / "a.nc") as file:  # every variable says what it is
+        assert file.title.startswith("surrogate of ")
+        assert file.source.startswith("meecontact: Gaussian")
+        assert any("calibration_guard" in key for key in file.variables) == (model.calibration_ is not None)
+        for variable in file.variables.values():
+            assert variable.long_name, variable.name
+            assert variable.units == "1"
+    again.made_from_ = "some state"
+    save(again, tmp_path / "c.nc")
+    assert (model.made_from_, load(tmp_path / "c.nc").made_from_) == ("", "some state")
+
+
+@each_model
+def test_a_part_answers_as_the_whole(name: str) -> None:
+    model, X = fitted(name), inside(fitted(name))
+    outputs = model.outputs_
+    whole, all_slopes = model.predict(X), model.gradient(X)
+    for chosen in ([outputs[-1]], [outputs[-1], outputs[0]]):
+        part = model.only(chosen)
+        answer, slopes = part.predict(X), part.gradient(X)
+        if not isinstance(model, ScatterGP):  # which answers no less
+            assert part.outputs_ == tuple(chosen)
+            assert list(answer.data_vars) == [key for output in chosen for key in (output, f"{output}_std")]
+        for output in chosen:
+            size = float(np.ptp(whole[output].values)) or 1.0
+            np.testing.assert_allclose(answer[output], whole[output], rtol=0, atol=PARTS.get(name, 2e-9) * size)
+            rtol = 1e-6 if name in PARTS else 1e-12
+            np.testing.assert_allclose(answer[f"{output}_std"], whole[f"{output}_std"], rtol=rtol, atol=0)
+            for slope, other in zip(slopes[output].values, all_slopes[output].values, strict=True):
+                assert np.abs(slope - other).max() <= 1e-6 * np.abs(other).max() + 1e-12 * size
+    assert model.outputs_ == outputs  # the model itself stays
+
+
+@each_model
+def test_derivatives_are_differences_of_the_means(name: str) -> None:
+    """Grids: an output that depends on every input, since a derivative that is zero leaves rounding."""
+    model = fitted(name).only(["mixed"]) if name in ("grid", "calibrated") else fitted(name)
+    assert_slopes(model, inside(model, 5), rtol=SLOPES.get(name, 1e-5))
+
+
+@each_model
+def test_one_point_has_the_numbers_of_a_block_in_every_way_of_asking(name: str) -> None:
+    model, X = fitted(name), inside(fitted(name))
+    mean, std = model.predict_array(X, return_std=True)
+    room = 1e-13 * np.ptp(mean, axis=0) if name in ("grid", "calibrated") else 1e-9 * np.ptp(mean, axis=0)
+    for row, x in enumerate(X[:4]):
+        (alone,), (spread,) = model.predict_array(x[None], return_std=True)
+        assert (np.abs(alone - mean[row]) <= room).all()
+        np.testing.assert_allclose(spread, std[row], rtol=1e-9)
+        arrays = alone, spread, *(ends[0] for ends in model.interval_array(x[None], 0.9))
+        numbers = dict(zip(model.box, x.tolist(), strict=True))
+        ways: list[Any] = [numbers, {key: xr.DataArray(value) for key, value in numbers.items()}, x[None]]
+        ways += [{key: xr.DataArray([value], dims="case") for key, value in numbers.items()}]
+        for way in ways:
+            answer = {**model.predict(way), **model.interval(way, 0.9)}
+            for k, output in enumerate(model.outputs_):
+                keys = output, f"{output}_std", f"{output}_lower", f"{output}_upper"
+                assert [float(answer[key].item()) for key in keys] == [float(array[k]) for array in arrays]
+
+
+@each_model
+def test_answers_share_nothing(name: str) -> None:
+    model = fitted(name)
+    first, second = (dict(zip(model.box, x.tolist(), strict=True)) for x in inside(model, 2))
+    for ask in (model.predict, model.interval, lambda point: model.predict(point, extrapolate=True)):
+        before = ask(first)
+        copied, after = before.copy(deep=True), ask(second)
+        next(iter(before.data_vars.values())).attrs["units"] = "none"
+        for answer in (after, ask(second)):
+            xr.testing.assert_identical(answer, ask({key: xr.DataArray(value) for key, value in second.items()}))
+        xr.testing.assert_equal(before, copied)
