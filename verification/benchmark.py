@@ -1,6 +1,6 @@
 """A table of solved problems for other codes: every number by the solver and by a method that shares no code with it.
 
-``python -m verification.benchmark > docs/benchmark.csv`` makes the table anew, in some minutes. The problems
+``python -m verification.benchmark > docs/benchmark.csv`` makes the table anew, in two minutes. The problems
 stand in docs/benchmark.md. A number has the digits that both methods support.
 """
 
