@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from solver.face.refusal import CaseError, FactorError
+    from solver.face.refusal import CaseError, FactorError, SmallStrainWarning
     from solver.face.solution import solve, solve_curves, solve_interior
     from solver.halfplane.precision import PrecisionWarning
     from solver.halfplane.profile import Profile
@@ -25,6 +25,7 @@ __all__ = [
     "MaterialError",
     "PrecisionWarning",
     "Profile",
+    "SmallStrainWarning",
     "Stack",
     "aluminium_scandium_nitride",
     "fibrous",
@@ -47,6 +48,7 @@ _MODULES = {
     "MaterialError": "material.constants",
     "PrecisionWarning": "halfplane.precision",
     "Profile": "halfplane.profile",
+    "SmallStrainWarning": "face.refusal",
     "Stack": "stack.layers",
     "aluminium_scandium_nitride": "material.alloy",
     "fibrous": "material.composite",

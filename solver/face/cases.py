@@ -87,6 +87,15 @@ class Cases:
         return profile
 
     @property
+    def smooth_edges(self) -> tuple[bool, bool]:
+        """Return whether the leading and the trailing edge of cases of a kind are smooth: the punch has no corner."""
+        if self.kind.contact == "point":
+            smooth = self._one("profile") != "disc"
+            return smooth, smooth
+        trailing, leading = self.profile.smooth
+        return leading, trailing
+
+    @property
     def outline(self) -> Outline:
         """Factors that the profile of the cases takes; none if the user made the profile."""
         kind = self._one("profile")

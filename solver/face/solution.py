@@ -1,24 +1,27 @@
 """The labelled face of the solver: named factors in, an ``xarray.Dataset`` with units out."""
 
+import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from importlib import import_module
+from math import prod
 from types import MappingProxyType
 from typing import cast
 
 import numpy as np
 import xarray as xr
 
-from solver.arrays import Array, unmasked
+from solver.arrays import Array, BoolArray, unmasked
 from solver.curves import REGIONS, SIZES, described
 from solver.described import Contact
 from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.factors import Factors, checked
-from solver.face.refusal import FactorError
+from solver.face.refusal import FactorError, SmallStrainWarning
+from solver.face.strain import Excess, excesses, sentence
 from solver.fields import ACROSS, ALONG, EVERY_FIELD, EVERY_INTERIOR
 from solver.material.constants import Material
-from solver.names import ALL_PEAKS, ALL_QUANTITIES
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, OF_HEAT
 
 #: Module and class by contact, by layers of the body, and by charge in the air around the contact. A module is imported
 #: with the first case of its kind: cases on a half-plane never load the films.
@@ -50,18 +53,21 @@ def solve(
     factors
         Values by factor name: scalars, ``DataArray`` of any dimensions, or plain sequences, which become a dimension
         named after their factor; dimensions broadcast, so sequences span the full factorial. A table spans none: every
-        row of a ``pandas.DataFrame``, and every mapping of a list, is one case, along the one dimension ``case`` with
-        the labels of the frame's index. A cell that is masked, NA or None is NaN. ``load`` must be given,
-        what the ``profile`` needs (default ``cylinder``: ``radius``; see ``solver.names.PROFILES``; or a
-        :class:`Profile` of one's own), and either ``material`` (a name or :class:`Material`) or the fraction of a
-        composite (``composite``, default ``fibrous``; see ``solver.names.COMPOSITES``). The rest default to 0
-        (``datum``: 1 m; ``electric`` and ``magnetic``: conducting). A case with a ``thickness`` is a film on its
-        ``base``, graded with a ``base_volume_fraction``, see ``solver.names.OF_A_FILM``; NaN and empty names mean that
-        a case has none. Instead of material, film and base a ``body`` may be given: a :class:`Stack`, or a list.
-        Beside a film's contact is air, where that can be, unless ``surroundings`` is ``insulated``: voltages and
-        capacitances are others by factors.
+        row of a ``pandas.DataFrame``, of the ``pandas.Series`` in a mapping, which share an index, and every mapping of
+        a list is one case, along the one dimension ``case`` with the labels of the index. A cell that is masked, NA or
+        None is NaN. ``load`` must be given, what the ``profile`` needs (default ``cylinder``: ``radius``; see
+        ``solver.names.PROFILES``; or a :class:`Profile` of one's own), and either ``material`` (a name or
+        :class:`Material`) or the fraction of a composite (``composite``, default ``fibrous``; see
+        ``solver.names.COMPOSITES``). The rest default to 0 (``datum``: 1 m; ``electric`` and ``magnetic``: conducting).
+        A case with a ``thickness`` is a film on its ``base``, graded with a ``base_volume_fraction``, see
+        ``solver.names.OF_A_FILM``; NaN and empty names mean that a case has none. A film that something warm
+        touches (``touch_temperature``, ``hold``) has the quantities of ``solver.names.HEAT_QUANTITIES`` as well.
+        Instead of material, film and base a ``body`` may be given: a :class:`Stack`, or a list. Beside a film's contact
+        is air, where that can be, unless ``surroundings`` is ``insulated``: voltages and capacitances are others by
+        factors.
     positions
-        Surface positions X = (x - c)/h, or r/a of a point contact, dimensionless, any but +-1.
+        Surface positions X = (x - c)/h, or r/a of a point contact, dimensionless. At an edge, +-1, contact pressure and
+        shear traction are 0 where the punch is smooth; all other fields, which jump or are infinite there, are NaN.
     materials
         Own materials by name, beside the built-in ones.
     phases
@@ -80,7 +86,8 @@ def solve(
         ``solver.names``. Values that a dimension does not change are broadcast views, not copies. A quantity that
         some case does not have is left out: the potentials of a field that a punch does not conduct; peak pressure,
         edge intensities and edge stresses at a corner of the punch, where they are infinite; what only films or only
-        half-planes have, where both are asked for.
+        half-planes have, where both are asked for; those of heat where a constant is not known, which the attribute
+        ``heat`` names.
 
     Raises
     ------
@@ -91,6 +98,12 @@ def solve(
         one load. Names field, value and what is allowed.
     MaterialError
         Unknown or inadmissible material.
+
+    Warns
+    -----
+    SmallStrainWarning
+        Contact half-widths above 0.2 of the punch's radius, or depths above 0.1 of the thickness of a film on a rigid
+        or much stiffer base: one line with the number of cases and the worst one.
 
     Examples
     --------
@@ -106,23 +119,32 @@ def solve(
     >>> dict(solve([roller | {"load": 1e4}, roller | {"load": 4e4}]).sizes)
     {'case': 2}
     """
-    cases = Cases(checked(factors), materials, phases)
+    arrays = checked(factors)
+    pressed = {name: array for name, array in arrays.items() if name not in OF_HEAT}
+    cases = Cases(pressed, materials, phases)
     X = None if positions is None else _positions(positions)
-    searched = _searched(peaks)
+    searched, found = _searched(peaks), list[Excess]()
 
     def part(cases: Cases) -> xr.Dataset:
         body, coordinates = body_of(cases), cases.coordinates
-        values = body.quantities() | (body.peaks(searched) if searched else {})
+        values = body.quantities()
+        found.extend(excesses(cases, values))
+        values |= body.peaks(searched) if searched else {}
         outputs = cases.labelled(values, ALL_QUANTITIES, "factors (contact as wide as the datum, or overflow)")
         if X is not None:
-            coordinates |= (
-                axis := {"position": xr.Variable("position", X, ALONG if cases.kind.contact == "line" else ACROSS)}
-            )
-            fields = body.surface(X, regular=regular)
-            outputs |= cases.labelled(fields, EVERY_FIELD, "factors and positions (overflow)", axis)
+            attrs = ALONG if cases.kind.contact == "line" else ACROSS
+            coordinates |= {"position": xr.Variable("position", X, attrs)}
+            outputs |= _on_surface(cases, lambda places: body.surface(places, regular=regular), X)
         return xr.Dataset(outputs, coordinates)
 
     out = cases.solved("exact solution of a punch on a magneto-electro-elastic half-plane", part)
+    if "touch_temperature" in arrays:
+        from solver.face.heat import with_heat  # few cases are touched
+
+        out = with_heat(out, arrays, materials, phases)
+    if found:
+        count = prod(cases.sizes.values())
+        warnings.warn(SmallStrainWarning(sentence(found, count), found), stacklevel=2)
     first = [name for name in ALL_QUANTITIES if name in out]
     return out[[*first, *(name for name in out.data_vars if name not in first)]]
 
@@ -133,6 +155,29 @@ def body_of(cases: Cases) -> Body:
     module, name = _BODIES[kind.contact, kind.layered, kind.air]
     solved_by = cast(Callable[[Cases], Body], getattr(import_module(f"solver.face.{module}"), name))
     return solved_by(cases)
+
+
+_CARRIED = ("contact_pressure", "shear_traction")  # fields that tend to 0 at a smooth edge
+_INNER = np.array([0.5])
+
+
+def _on_surface(cases: Cases, fields: Callable[[Array], dict[str, Array]], X: Array) -> dict[str, xr.Variable]:
+    """Surface fields at positions; at an edge they are 0 where they tend to it from both sides, else NaN."""
+    edge = np.abs(X) == 1
+    places = _INNER if np.all(edge) else X[~edge]
+    axis = {"position": xr.Variable("position", places)}
+    result = cases.labelled(fields(places), EVERY_FIELD, "factors and positions (overflow)", axis)
+    if not np.any(edge):
+        return result
+    leading, trailing = cases.smooth_edges
+    smooth = ((X == -1) & leading) | ((X == 1) & trailing)
+    for name, variable in result.items():
+        values = np.full((*variable.shape[:-1], X.size), np.nan)
+        values[..., ~edge] = variable.values[..., : np.count_nonzero(~edge)]
+        if name in _CARRIED:
+            values[..., smooth] = 0.0
+        result[name] = xr.Variable(variable.dims, values, variable.attrs)
+    return result
 
 
 def _searched(peaks: bool | Collection[str]) -> frozenset[str]:
@@ -152,9 +197,9 @@ def _positions(positions: Iterable[float]) -> Array:
         X = np.asarray(positions if isinstance(positions, np.ndarray) else list(positions), dtype=np.float64)
     if X.ndim != 1 or not X.size:
         raise FactorError("positions: not a list of at least one number")
-    bad = X[~np.isfinite(X) | (np.abs(X) == 1)]
+    bad = X[~np.isfinite(X)]
     if bad.size:
-        raise FactorError(f"positions: {bad[0]:g} is not allowed; any finite X but -1 and 1 (the edges are singular)")
+        raise FactorError(f"positions: {bad[0]:g} is not allowed; any finite X")
     return X
 
 
@@ -178,8 +223,8 @@ def solve_interior(
     factors, materials, phases
         As for :func:`solve`.
     x, y
-        (x - c)/h and y/h <= 0, dimensionless: the grid is their product. An edge of the contact, (+-1, 0), has no
-        value. On the surface the fields are those of the body. Under a film the fields are those of its base; a rigid
+        (x - c)/h and y/h <= 0, dimensionless: the grid is their product. At an edge of the contact, (+-1, 0), fields
+        are NaN. On the surface the fields are those of the body. Under a film the fields are those of its base; a rigid
         base has none: NaN. A point on an interface belongs to the film.
     fields
         Names of ``solver.fields.INTERIOR`` and ``INTERIOR_ON_REQUEST``; by default all of the former, without what
@@ -194,7 +239,7 @@ def solve_interior(
     Raises
     ------
     FactorError
-        As :func:`solve`; a point above the surface or on an edge; an unknown field.
+        As :func:`solve`; a point above the surface; an unknown field.
     MaterialError
         Unknown or inadmissible material, or one without c12 when a field asked for needs it; inside a film, points
         some hundred thicknesses beside the contact, or the magnetic potential over a base that insulates that field.
@@ -214,11 +259,32 @@ def solve_interior(
 
     def part(cases: Cases) -> xr.Dataset:
         body = body_of(cases)
-        values = body.interior(grid_x, grid_y, fields)
-        outputs = cases.labelled(values, EVERY_INTERIOR, "factors and points (overflow)", axes, hollow=body.hollow)
+        values = _without_edges(grid_x, grid_y, lambda x, y: body.interior(x, y, fields))
+        hollow = body.hollow or bool(np.any(_edges(grid_x, grid_y)))
+        outputs = cases.labelled(values, EVERY_INTERIOR, "factors and points (overflow)", axes, hollow=hollow)
         return xr.Dataset(outputs, cases.coordinates | axes)
 
     return cases.solved("exact fields inside a magneto-electro-elastic half-plane below a punch", part)
+
+
+def _edges(x: Array, y: Array) -> BoolArray:
+    """Mark the points of a grid that are edges of the contact; (y, x)."""
+    return np.asarray((y == 0)[:, None] & (np.abs(x) == 1))
+
+
+def _without_edges(x: Array, y: Array, fields: Callable[[Array, Array], dict[str, Array]]) -> dict[str, Array]:
+    """Fields on a grid, NaN at the edges of the contact; (..., y, x)."""
+    edges = _edges(x, y)
+    if not np.any(edges):
+        return fields(x, y)
+    parts, result = [(~edges.any(1), np.full(x.size, True)), (edges.any(1), ~edges.any(0))], dict[str, Array]()
+    for rows, columns in parts:
+        if not (np.any(rows) and np.any(columns)):
+            continue
+        for name, values in fields(x[columns], y[rows]).items():
+            whole = result.setdefault(name, np.full((*values.shape[:-2], y.size, x.size), np.nan))
+            whole[..., np.flatnonzero(rows)[:, None], np.flatnonzero(columns)] = values
+    return result or {name: np.full_like(values, np.nan) for name, values in fields(0.5 * x, y).items()}
 
 
 def _grid(x: Iterable[float], y: Iterable[float]) -> tuple[Array, Array]:
@@ -233,8 +299,6 @@ def _grid(x: Iterable[float], y: Iterable[float]) -> tuple[Array, Array]:
         lines.append(line)
     if np.any(lines[1] > 0):
         raise FactorError(f"y: {lines[1].max():g} is above the surface; y/h must be <= 0")
-    if np.any(lines[1] == 0) and np.any(np.abs(lines[0]) == 1):
-        raise FactorError("x: the fields have no value on an edge of the contact, x = +-1 at y = 0")
     return lines[0], lines[1]
 
 

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
-from solver.gap.newton import is_open, iterated, opened, reopened
+from solver.gap.newton import is_open, iterated, opened, reopened, solved
 from solver.gap.refusal import GapError, require_open
 from solver.gap.ringoperators import RingsByRadius, Rows
 from solver.gap.rings import Rings
@@ -78,7 +78,7 @@ class AirPoint:
         """Limit of Newton's iteration."""
 
         def step(state: PointState, _last: float) -> Array:
-            return np.asarray(np.linalg.solve(state.jacobian, state.residual))
+            return solved(state.jacobian, state.residual)
 
         return iterated(state, step, 1, quadratic=True)
 
@@ -91,7 +91,7 @@ class AirPoint:
         for _ in range(2):
             state = PointState(self, unknowns)
             # with force and gap fixed the equations are linear
-            unknowns[1:] -= np.linalg.solve(state.frozen[1:, 1:], state.residual[1:])
+            unknowns[1:] -= solved(state.frozen[1:, 1:], state.residual[1:])
         return unknowns
 
 
@@ -261,7 +261,7 @@ class PointState:
         right = np.zeros((self.unknowns.size, count))
         right[0, 0] = load * self.outputs[0] / self.problem.force**2
         right[2 + np.arange(count - 1), 1 + np.arange(count - 1)] = -1 / load
-        return self._moved(np.asarray(np.linalg.solve(matrix, right)))
+        return self._moved(solved(matrix, right))
 
     @cached_property
     def at_fixed_contact(self) -> Array:
@@ -272,7 +272,7 @@ class PointState:
         count = len(self.problem.rows.fields)
         right = np.zeros((self.unknowns.size, count))
         right[2 + np.arange(count), np.arange(count)] = -1 / load
-        return self._moved(np.asarray(np.linalg.solve(matrix, right)))[1:]
+        return self._moved(solved(matrix, right))[1:]
 
     def _moved(self, steps: Array) -> Array:
         """Changes of (-depth, V, Psi) for steps of the unknowns."""

@@ -109,7 +109,7 @@ def nodes(
     sharp = min(radius, last)
     offsets = np.concatenate([*breaks, beyond]) - sharp
     if radius < 2 * last:
-        least = max(near, radius - last, LEAST) / 2
+        least = max(near, radius - last) / 2
         steps = least * 2.0 ** np.arange(int(np.ceil(np.log2(max(1.0, sharp) / least))) + 1)
         offsets = np.concatenate([offsets, [0.0], steps, -steps])
     ends = np.unique(offsets)

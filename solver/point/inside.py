@@ -28,6 +28,7 @@ _PLACES = 4096  # positions along the surface at a time: bounded memory
 _COLUMNS = 1024  # cases at a time: bounded memory
 _ON = 1 + 1e-12  # a depth on an interface belongs to the layer above it
 _DEEP = 4.0  # thickness over a of the layer that replaces a half-space
+_FROM_EDGE, _AT_EDGE = 1e-3, 1e-7  # from an edge, below which depths shrink with the distance; and how far at most
 _FARTHEST = 2000.0  # distance over the thickness of the top layer: bounded time
 
 
@@ -157,11 +158,12 @@ class Inside:
     def _closed(self, tractions: Tractions, X: Array, depth: Array, names: tuple[str, ...], potentials: bool) -> Array:
         """Half-space's part of the fields, potentials over a; (column, field, depth, x)."""
         part, columns = _HalfspacePart(self, tractions, names, potentials), tractions.ratio.size
-        shallow = depth < hankel.LEAST
-        base = hankel.LEAST * np.arange(1, 4) if np.any(shallow) else np.empty(0)
-        summed = np.concatenate([base, depth[~shallow]])
         out = np.empty((columns, len(names), depth.size, X.size))
         for place, x in enumerate(X.tolist()):
+            least = hankel.LEAST * min(1.0, max(abs(1 - abs(x)) / _FROM_EDGE, _AT_EDGE))
+            shallow = depth < least
+            base = least * np.arange(1, 4) if np.any(shallow) else np.empty(0)
+            summed = np.concatenate([base, depth[~shallow]])
             nodes = tractions.nodes(abs(x), float(np.min(summed)))
             densities = tractions.vectors(nodes.b, np.arange(columns))
             step = max(_ENTRIES // (4 * ORDERS * (nodes.b.size + 4 * columns)), 1)
@@ -169,7 +171,7 @@ class Inside:
             values = np.concatenate([part.at(x, level, nodes, densities) for level in levels], -1)
             out[:, :, ~shallow, place] = values[..., base.size :]
             if base.size:  # Lagrange's polynomials through 1, 2, 3
-                t = depth[shallow] / hankel.LEAST
+                t = depth[shallow] / least
                 share = np.stack([(t - 2) * (t - 3) / 2, (t - 1) * (3 - t), (t - 1) * (t - 2) / 2], -1)
                 out[:, :, shallow, place] = values[..., : base.size] @ share.T
         return out

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from approximation.arrays import Array, Flags, unmasked
+from approximation.arrays import Array, Flags, columns_of, unmasked
 from surrogate.data.inputs import Input
 
 # Room for rounding at the ends of the box, as a share of its width on the input's own scale.
@@ -86,6 +86,8 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
             factor.name: xr.Variable((), x, factor.attrs) for factor, x in zip(inputs, point, strict=True)
         }
         return Points(point[None], (), (), coordinates)
+    if columns := {} if isinstance(points, xr.Dataset) else columns_of(points):
+        points = {**points, **_columns(columns, next(iter(columns.values())).index)}
     arrays = {name: _as_array(name, points[name], names) for name in names}
     try:
         xr.align(*(array for array in arrays.values() if array.dims), join="exact", copy=False)
@@ -162,9 +164,7 @@ def _by_name(points: Any, names: Sequence[str]) -> dict[Any, Any]:
     if isinstance(points, Table):
         if len(set(points.columns)) < len(points.columns):
             raise ValueError("the table of points has a column twice")
-        labels = getattr(points, "index", None)
-        coords = {} if labels is None or labels.nlevels > 1 else {CASE: np.asarray(labels)}
-        return {name: xr.DataArray(_numbers(points[name]), coords, CASE) for name in points.columns}
+        return _columns({name: points[name] for name in points.columns}, getattr(points, "index", None))
     array = None if isinstance(points, (str, bytes, xr.DataArray)) else _plain(points)
     if array is None or array.ndim != 2 or array.shape[1] != len(names) or array.dtype.kind not in "iuf":
         got = type(points).__name__ if array is None else f"{array.dtype} values of shape {array.shape}"
@@ -173,6 +173,12 @@ def _by_name(points: Any, names: Sequence[str]) -> dict[Any, Any]:
             f"{', '.join(names)}; got {got}"
         )
     return {name: _along(column) for name, column in zip(names, array.T, strict=True)}
+
+
+def _columns(columns: Mapping[Any, Any], labels: Any) -> dict[Any, Any]:
+    """Columns of a table over the labels of its rows; several levels of them are left out."""
+    coords = {} if labels is None or labels.nlevels > 1 else {CASE: np.asarray(labels)}
+    return {name: xr.DataArray(_numbers(column), coords, CASE) for name, column in columns.items()}
 
 
 def _one_point(points: Mapping[Any, Any] | xr.Dataset, names: Sequence[str]) -> Array | None:

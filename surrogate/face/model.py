@@ -241,7 +241,8 @@ class GaussianProcess(Core):
         points : mapping, Dataset, DataFrame or array
             One entry per input, in physical units: a scalar, a DataArray of any dimensions, or a plain sequence, which
             becomes a dimension named after its input; dimensions broadcast, so sequences span the full factorial. A
-            DataFrame with a column an input, or a list of mappings, is a table: its rows lie along dimension `case`.
+            DataFrame with a column an input, a mapping of Series with one index, or a list of mappings is a table: its
+            rows lie along dimension `case`.
             An array is (n, d) in the order of the inputs: points along dimension `point`.
         return_std : bool
             Add `<output>_std`, the standard deviation: half of the central 68 % of the predictive distribution. The

@@ -23,12 +23,12 @@ from scipy.special import ndtr
 
 from approximation import products
 from approximation.arrays import Array, Flags, Indices
+from approximation.products import additive, pairwise
 from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.copula import Copula
 from surrogate.intervals.distribution import NOMINAL, ONE_STD, PROBABILITIES, Normal, Tabulated
 from surrogate.intervals.guard import fill, unguarded
 from surrogate.intervals.sharing import places
-from surrogate.intervals.trend import additive, pairwise
 
 FOLDS = 5
 # Highest degree of the local scale along an input by the number of cases, and beyond these one more for so many places

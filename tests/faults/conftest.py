@@ -28,15 +28,9 @@ REPORT = str(RESULTS / "report.html")
 
 # what holds measured times, or is written for people
 NOT_COMPARED = {
-    "timing.json",
-    "datacard.json",
-    "datacard.md",
-    "provenance.json",
-    "report.html",
-    "croissant.json",
-    "ro-crate-metadata.json",
-    "study.yaml",  # a copy for the crate
-}
+    "timing.json", "datacard.json", "datacard.md", "provenance.json", "report.html", "croissant.json",
+    "ro-crate-metadata.json", "study.yaml",  # the last is a copy for the crate
+}  # fmt: skip
 
 
 def contents(project: Project, study: str = "tiny") -> dict[str, bytes]:

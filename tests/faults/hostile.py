@@ -78,14 +78,8 @@ def spoilt(draw: st.DrawFn, valid: str) -> bytes:
 
 
 _FORBIDDEN = (
-    "os.system",
-    "os.exec",
-    "os.posix_spawn",
-    "subprocess.Popen",
-    "socket.connect",
-    "ctypes.dlopen",
-    "pty.spawn",
-)
+    "os.system", "os.exec", "os.posix_spawn", "subprocess.Popen", "socket.connect", "ctypes.dlopen", "pty.spawn"
+)  # fmt: skip
 _guarded: list[Path] = []
 
 

@@ -107,28 +107,22 @@ def few_and_many(few: int, many: int) -> Callable[[Callable[..., None]], Any]:
     return twice
 
 
-@pytest.mark.soakable
-@few_and_many(30, 3000)
-@given(content=hostile.spoilt(hostile.CASES))
-def test_tables_of_cases(content: bytes, place: Path) -> None:
-    (place / "cases.csv").write_bytes(content)
-    run(place, "solve", "cases.csv", "-o", "out.nc", "--positions=-0.5,2")
+#: A valid text of each kind, its file, and the command that reads it.
+TEXTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
+    "cases": (hostile.CASES, "cases.csv", ("solve", "cases.csv", "-o", "out.nc", "--positions=-0.5,2")),
+    "points": (hostile.POINTS, "cases.csv", ("query", "surrogate.nc", "cases.csv", "-o", "out.csv")),
+    "material": (hostile.MATERIAL, "mine.yaml", ("material", "mine.yaml")),
+}
 
 
 @pytest.mark.soakable
-@few_and_many(15, 500)
-@given(content=hostile.spoilt(hostile.POINTS))
-def test_tables_of_points(content: bytes, place: Path) -> None:
-    (place / "cases.csv").write_bytes(content)
-    run(place, "query", "surrogate.nc", "cases.csv", "-o", "out.csv")
-
-
-@pytest.mark.soakable
-@few_and_many(30, 2000)
-@given(content=hostile.spoilt(hostile.MATERIAL))
-def test_materials(content: bytes, place: Path) -> None:
-    (place / "mine.yaml").write_bytes(content)
-    run(place, "material", "mine.yaml")
+@pytest.mark.parametrize("kind", TEXTS)
+@few_and_many(25, 2000)
+@given(data=st.data())
+def test_spoilt_texts(kind: str, data: st.DataObject, place: Path) -> None:
+    valid, file, words = TEXTS[kind]
+    (place / file).write_bytes(data.draw(hostile.spoilt(valid)))
+    run(place, *words)
 
 
 @pytest.mark.soakable
@@ -148,15 +142,8 @@ def test_studies(content: bytes, place: Path) -> None:
 @given(name=st.one_of(st.text(max_size=30), st.sampled_from(hostile.PAYLOADS)))
 def test_names_of_studies(name: str, place: Path) -> None:
     (place / "outside.yaml").write_text(hostile.STUDY, encoding="utf-8")
-    for word in (
-        name,
-        f"../{name}",
-        "../outside",
-        str(place / "outside"),
-        "tiny/../../outside",
-        f"{name}\0",
-        f"no {name}.yaml",
-    ):
+    outside = "../outside", str(place / "outside"), "tiny/../../outside"
+    for word in (name, f"../{name}", f"{name}\0", f"no {name}.yaml", *outside):
         if not word.startswith("-"):
             assert run(place, "run", word) == 2
 

@@ -12,9 +12,11 @@ import xarray as xr
 
 from approximation.arrays import Array
 from surrogate import BoundedGP, GaussianProcess, GridGP, GroupedGP, ScatterGP, load, save
+from surrogate.transforms.measured.corrected import CorrectedGP
 from tests.surrogate import curved, functions, grouped
 from tests.surrogate.slopes import assert_slopes
 from tests.surrogate.transforms import test_boundedgp
+from tests.surrogate.use import test_learning
 
 
 @cache
@@ -51,6 +53,9 @@ MODELS: dict[str, Callable[[], GaussianProcess]] = {
         BoundedGP(GridGP(inputs=test_boundedgp.INPUTS), test_boundedgp.BOUNDS)
         .fit(test_boundedgp.grid())
         .calibrate(test_boundedgp.cases(300, 1))
+    ),
+    "corrected": lambda: test_learning.corrected(
+        test_learning.learnt(test_learning.DEVICE.rows()), test_learning.DEVICE.rows()
     ),
 }
 each_model = pytest.mark.parametrize("name", MODELS)
@@ -103,7 +108,7 @@ def test_a_part_answers_as_the_whole(name: str) -> None:
     for chosen in ([outputs[-1]], [outputs[-1], outputs[0]]):
         part = model.only(chosen)
         answer, slopes = part.predict(X), part.gradient(X)
-        if not isinstance(model, ScatterGP):  # which answers no less
+        if not isinstance(model, ScatterGP | CorrectedGP):  # these answer all their outputs
             assert part.outputs_ == tuple(chosen)
             assert list(answer.data_vars) == [key for output in chosen for key in (output, f"{output}_std")]
         for output in chosen:

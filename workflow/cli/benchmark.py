@@ -18,18 +18,6 @@ _MOST_BYTES = 2**20
 Key = tuple[str, str]
 
 
-def add(commands: "argparse._SubParsersAction[Any]") -> None:
-    """Add the command to those of the program."""
-    command = commands.add_parser(
-        "benchmark",
-        help="compare numbers of another code with a table of solved problems",
-        description="Prints a verdict for every number of the table (docs/benchmark.md). The file has the columns "
-        "problem, quantity and value, in SI units. Without a file: prints the table.",
-    )
-    command.add_argument("answers", type=Path, nargs="?", metavar="ANSWERS.csv")
-    command.set_defaults(run=benchmark)
-
-
 def benchmark(options: argparse.Namespace) -> None:
     """Print the table, or a verdict for each of its numbers."""
     known = {(row["problem"], row["quantity"]): row for row in _rows(TABLE)}

@@ -2,11 +2,13 @@
 
 import logging
 import sys
+import warnings
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+from solver import SmallStrainWarning
 from storage import netcdf
 from storage.sealed import FormatError
 from workflow.run import lock, sources
@@ -19,6 +21,7 @@ log = logging.getLogger("meecontact")
 
 def start(script: Mapping[str, Any]) -> "Snakemake":
     """Return Snakemake's job of a script from its ``globals()``, with its log; a stand-in if it runs alone."""
+    warnings.simplefilter("ignore", SmallStrainWarning)  # a verdict says it of designs
     if "snakemake" in script:
         job: Snakemake = script["snakemake"]
         _log_to(job.log[0])

@@ -110,7 +110,7 @@ FIBROUS = BALL | {"radius": 5e-3, "force": 10.0, "composite": "fibrous", "volume
 def test_points_in_no_air_are_those_without(case: dict[str, Any]) -> None:
     """Quantities, fields on the surface and inside, sliding, and a half-space at rest too."""
     options = {name: value for name, value in case.items() if value is not None} | {"total_charge": 2e-10}
-    rests = [{}] if "composite" in case else []
+    rests: list[dict[str, Any]] = [{}] if "composite" in case else []
     x, y = [-3.0, -1.05, -0.5, 0.3, 0.95, 2.0], [-0.02, -0.7, -2.5]
     for slides in (*rests, {"friction": 0.3}):
         exact, computed = (

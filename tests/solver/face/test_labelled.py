@@ -1,5 +1,7 @@
 """The labelled face: names, dimensions, units, coordinates, attributes, and tables of cases."""
 
+import re
+import warnings
 from typing import Any
 
 import numpy as np
@@ -8,7 +10,6 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.face.attributes import united
 from solver.fields import FIELDS, INTERIOR, INTERIOR_ON_REQUEST
 from solver.names import EVERY_QUANTITY
 from tests.solver.cases import assert_same
@@ -85,6 +86,18 @@ def test_every_row_of_a_table_is_a_case(table: Any) -> None:
     assert dict(rows.sizes) == {"case": 3}
     for place, row in enumerate(TABLE.to_dict("records")):
         assert float(rows["voltage"][place]) == pytest.approx(float(solver.solve(row)["voltage"]), rel=1e-12)
+
+
+def test_series_with_one_index_are_columns_of_a_table() -> None:
+    columns = {name: TABLE[name] for name in ("radius", "load")}
+    rows = solver.solve({"material": "PZT-4", "friction": [0.0, 0.1]} | columns)
+    assert dict(rows["voltage"].sizes) == {"friction": 2, "case": 3}
+    assert list(rows["case"].values) == ["a", "b", "c"]
+    for place, (_, row) in enumerate(TABLE[["radius", "load"]].iterrows()):
+        alone = solver.solve({"material": "PZT-4"} | dict(row))
+        assert float(rows["voltage"][0, place]) == pytest.approx(float(alone["voltage"]), rel=1e-12)
+    with pytest.raises(solver.FactorError, match=r"^load: its rows are not those of radius: Series are columns"):
+        solver.solve(columns | {"material": "PZT-4", "load": TABLE["load"].iloc[::-1]})
 
 
 def test_rows_have_the_labels_of_their_frame_and_may_lack_what_is_optional() -> None:
@@ -180,9 +193,25 @@ def test_a_solution_says_what_no_factor_says(factors: dict[str, object], said: d
         assert attrs == said
 
 
-def test_solutions_put_together_keep_what_any_of_them_says() -> None:
-    parts = [
-        {"title": "t", "defaults": "friction = 0, slope = 0"},
-        {"phases": "a, b", "defaults": "friction = 0, x = 1"},
-    ]
-    assert united(parts) == {"title": "t", "phases": "a, b", "defaults": "friction = 0, slope = 0, x = 1"}
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [
+        ({"profile": "sphere", "radius": 1e-3, "force": [1.0, 1e5]}, "in 1 of 2 cases, at worst a half-width of"),
+        ({"radius": 1e-3, "load": 1e8}, "strain: a half-width of 0.00122 m is 1.2 of the punch radius 0.001 m"),
+        (
+            {"thickness": 1e-4, "base": "rigid", "profile": "flat", "width": 1e-4, "load": 4e6},
+            "0.22 of the thickness",
+        ),
+        ({"thickness": 1e-4, "base": "steel", "profile": "sphere", "radius": 0.1, "force": 2e4}, ""),
+        ({"radius": 0.05, "load": 1e5}, ""),
+    ],
+)
+def test_contacts_beyond_small_strain_are_told_with_both_numbers(case: dict[str, Any], words: str) -> None:
+    """The depth of a film on a base as soft as it is the base's, not a strain of the film."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        answer = solver.solve({"material": "PZT-4", "surroundings": "insulated"} | case)
+    assert [warning.category for warning in caught] == [solver.SmallStrainWarning] * bool(words)
+    assert all(re.search(words, str(warning.message)) for warning in caught)
+    if case.get("base") == "steel":
+        assert float(answer["depth"]) > 0.1 * float(answer["thickness"])

@@ -115,6 +115,15 @@ def test_a_ball_that_hardly_touches_has_the_capacitance_of_one_that_touches_at_a
         assert answer(case | {"force": force})["capacitance"] == pytest.approx(touching, rel=1e-5)
 
 
+def test_a_gap_that_opens_slowly_leaves_its_equations_their_digits() -> None:
+    """A power of 4 opens by 1e-20 m where it touches: the capacitance is that of the wide gap, whatever touches."""
+    case = {"material": "PZT-4", "surroundings": "air", "profile": "power", "exponent": 4.0, "coefficient": 1e5}
+    small, tiny = (answer(case | {"gap_radius": 1e-2, "force": force}) for force in (1e-8, 1e-17))
+    for name in ("capacitance", "capacitance_at_force", "voltage_per_force"):
+        assert tiny[name] == pytest.approx(small[name], rel=1e-6), name
+    assert tiny["contact_stiffness"] == pytest.approx(small["contact_stiffness"] * 1e-9**0.2, rel=1e-6)
+
+
 def test_a_gap_that_ends_too_far_away_is_refused() -> None:
     with pytest.raises(solver.FactorError, match=r"^contact: narrower than 1e-12 of the distance at which"):
         answer(HALF | {"gap_radius": 1e10})

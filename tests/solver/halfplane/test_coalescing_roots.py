@@ -46,8 +46,8 @@ def test_double_roots_of_coupled_materials(name: str, offset: float) -> None:
     check(material | {"c13": material["c13"] * (1 + offset)})
 
 
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("offset", [0.0, -1e-8, 1e-15])
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("offset", [-1e-8, 0.0, 1e-15])
 def test_isotropic_and_nearly_isotropic_elasticity(offset: float) -> None:
     material = isotropic(70e9, 0.33)
     check(material | {"c33": material["c33"] * (1 + offset)})

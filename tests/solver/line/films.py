@@ -72,7 +72,7 @@ def by_exponentials(stack: Stack, wave: float) -> tuple[Array, Array]:
     The n columns are of the base's tractions (4) and of the charges of the electrodes, the lowest first.
     """
     assert stack.base_medium is not None
-    columns, phi = np.concatenate([stack.base_medium.compliance, np.eye(4)]), []
+    columns, phi = np.concatenate([stack.base_medium.compliance, np.eye(4)]), list[Array]()
     for layer, medium in zip(stack.layers[::-1], stack.media[::-1], strict=True):
         if not phi or layer.electric == "grounded":
             columns = np.concatenate([columns, np.eye(8)[:, [6]]], 1)

@@ -166,10 +166,7 @@ def test_contact_on_a_graded_film_is_read_from_a_table() -> None:
     np.testing.assert_allclose(inside[:, 1:], finer, atol=1e-4 * float(np.max(np.abs(finer))))
 
 
-@pytest.mark.parametrize("load", [1e11, 1e20])
-def test_too_large_loads_on_graded_films_are_refused_by_homogeneous_ones(
-    monkeypatch: pytest.MonkeyPatch, load: float
-) -> None:
+def test_too_large_loads_on_graded_films_are_refused_by_homogeneous_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(kind: Kind, number: int, *, rough: bool = False) -> Table:
         assert not kind.graded, "a graded film's own wide table takes a minute"
         return window(kind, number, rough=rough)
@@ -177,7 +174,7 @@ def test_too_large_loads_on_graded_films_are_refused_by_homogeneous_ones(
     monkeypatch.setattr("solver.line.similar.window", refuse)
     case = {"volume_fraction": 0.8, "base_volume_fraction": 0.2, "thickness": 1e-4, "base": "rigid", "radius": 0.05}
     with pytest.raises(solver.CaseError, match=r"wider than the resolved range, 0\.0001 to 60 of half-length"):
-        solver.solve(case | {"load": load})
+        solver.solve(case | {"load": 1e11})
 
 
 def test_tables_that_take_long_say_so_first(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -39,6 +39,16 @@ def test_below_an_electrode_it_shifts_as_a_body_whose_surface_is_grounded() -> N
     assert float(solution["contact_offset"] / solution["contact_radius"]) == pytest.approx(-angle / np.pi, rel=1e-12)
 
 
+@pytest.mark.parametrize("body", [{}, {"thickness": 1e-4, "surroundings": "insulated", "base": "steel"}])
+def test_pressure_next_to_the_edge_falls_as_a_root_of_the_distance(body: dict[str, Any]) -> None:
+    """To the first order the root's exponent adds a logarithm; sums over depths of 1e-5 had no digits within 1e-4."""
+    distance = np.array([1e-6, 1e-4, 1e-2])
+    for side in (-1, 1):
+        at = solver.solve(BALL | {"friction": 0.3} | body, side * (1 - distance))["contact_pressure"].values.ravel()
+        over_root = at / np.sqrt(distance)
+        assert abs(np.diff(over_root, 2)[0]) < 0.03 * over_root[1]
+
+
 def test_tension_beside_the_trailing_edge_is_that_of_the_fields_inside() -> None:
     for body in ({}, {"thickness": 1e-4, "surroundings": "insulated", "base": "steel"}):
         case = BALL | {"friction": 0.3} | body

@@ -10,7 +10,6 @@ from scipy.special import j0, j1
 
 import solver
 from solver.arrays import Array
-from solver.fields import POINT_FIELDS
 from solver.halfplane.surface import HalfPlane
 from solver.point.profile import Shape, halfspace_form
 from tests.solver.point.points import BTO, FIBROUS
@@ -87,20 +86,15 @@ def test_stresses_on_a_film_are_those_inside_it(punch: dict[str, Any]) -> None:
         np.testing.assert_allclose(fields[name], inside[other].squeeze(), atol=1e-9 * size, rtol=0)
 
 
-def test_fields_are_those_that_a_body_has() -> None:
-    ball = PUNCHES[0] | {"force": [1.0, 10.0]}
-    whole = solver.solve({"material": "BaTiO3"} | ball, [0.0, 2.0], regular=True)
-    assert set(POINT_FIELDS) < set(whole.data_vars)
-    assert whole["radial_stress"].dims == ("force", "position")
-    np.testing.assert_allclose(whole["radial_stress"].sel(position=2.0) * 3**0.5, whole["radial_stress_regular"][:, 1])
+def test_stresses_need_c12_and_a_bare_surface_and_a_cone_s_pressure_is_infinite_at_its_apex() -> None:
     without, stresses = {"material": replace(BTO, c12=np.array(np.nan))}, {"radial_stress", "hoop_stress"}
-    for other in (without, without | COATED, {"material": "BaTiO3", "electrode": "top"} | COATED):
-        assert not stresses & set(solver.solve(other | ball, [0.0]).data_vars)
+    for body in (without, without | COATED, {"material": "BaTiO3", "electrode": "top"} | COATED):
+        assert not stresses & set(solver.solve(body | PUNCHES[0] | {"force": 1.0}, [0.0]).data_vars)
     with pytest.raises(solver.FactorError, match=r"^positions: the pressure of r\^1 is infinite at 0"):
         solver.solve({"material": "BaTiO3", "force": 1.0} | PUNCHES[1], [0.0])
 
 
-@pytest.mark.parametrize("exponent", [0.4, 1.0, 1.6, 3.5])
+@pytest.mark.parametrize("exponent", [0.4, 1.6])
 def test_the_pressure_grows_towards_the_middle_as_in_50_digits(exponent: float) -> None:
     """F = int_0^x (1 - x^2 + v^2)^(e/2 - 1) dv, x = sqrt(1 - r^2), by quadrature in mpmath."""
     places = [1e-9, 1e-6, 1e-3, 0.5, 0.99]

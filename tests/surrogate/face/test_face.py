@@ -350,4 +350,8 @@ def test_the_rows_of_tables_are_points(product: GridGP) -> None:
     assert answer["f"].dims == ("case",)
     assert answer["case"].values.tolist() == ["first", "second"]
     np.testing.assert_allclose(answer["f"], [0.75, 0.5], rtol=1e-9)
+    columns = product.predict({"x": frame["x"], "y": frame["y"]})
+    assert columns["f"].identical(answer["f"])
+    with pytest.raises(ValueError, match=r"^y: its rows are not those of x: Series are columns of one table"):
+        product.predict({"x": frame["x"], "y": frame["y"].iloc[::-1]})
     np.testing.assert_array_equal(product.predict(frame.to_dict("records"))["f"], answer["f"])

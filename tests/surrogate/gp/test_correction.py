@@ -17,20 +17,6 @@ from tests.surrogate import functions
 COUNTS = (24, 8, 6, 8, 4)
 
 
-@pytest.mark.parametrize("cases", [100, 400, 1000, 3000])
-def test_every_term_has_its_cases(cases: int) -> None:
-    rho = (0.3, 1e-3, 0.02, 0.05, 1e-3)
-    result = degrees(rho, cases)
-    if result is None:
-        assert cases == 100
-        return
-    assert len(result) * 5 <= cases / 7
-    cost = np.minimum(-0.5 * np.log(rho), 1.5)
-    # whatever costs no more than the dearest is there
-    degree_grid = np.stack(np.meshgrid(*[np.arange(9)] * 5, indexing="ij"), -1).reshape(-1, 5)
-    assert len(result) == np.count_nonzero(degree_grid @ cost <= (result @ cost).max() + 1e-9)
-
-
 def test_terms_have_no_more_parts_along_shared_factors_than_places_allow() -> None:
     rho = (0.3, 1e-3, 0.02, 0.05, 1e-3)
     free, bound = degrees(rho, 3000), degrees(rho, 3000, [100, 3000, 3000, 100, 3000])

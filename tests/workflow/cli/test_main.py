@@ -41,8 +41,9 @@ def test_lost_digits_are_told_in_one_line(tmp_path: Path, capsys: pytest.Capture
     cases = tmp_path / "cases.csv"
     cases.write_text(f"material,radius,load,speed\nsteel,0.05,1e5,{speed!r}\n", encoding="utf-8")
     assert main.main(["solve", str(cases), "-o", str(tmp_path / "out.nc")]) == 0
-    warned, wrote = capsys.readouterr().err.splitlines()
+    warned, strained, wrote = capsys.readouterr().err.splitlines()
     assert warned.startswith("meecontact: warning: steel: a speed so near the limiting one that rounding costs digits")
+    assert strained.startswith("meecontact: warning: contact: beyond small strain: a half-width of 2.6")
     assert wrote.startswith("wrote ")
 
 
@@ -50,10 +51,9 @@ def test_lost_digits_are_told_in_one_line(tmp_path: Path, capsys: pytest.Capture
     ("command", "rows", "options", "says"),
     [
         ("solve", "steel,0.1,1e4\nstel,0.1,1e4", [], "line 3: material: 'stel' is unknown; did you mean 'steel'?"),
-        ("solve", "steel,0.1,1e4", ["--positions=1"], "positions: 1 is not allowed"),
         ("solve", "steel,0.1,1e4", ["--positions=0,x"], "--positions: 'x' is not a number"),
         ("solve", "steel,0.1,1e4", ["--positions=nan"], "positions: nan"),
-        ("interior", "BaTiO3,0.05,1e5", ["--x=-1,0", "--y=0"], "x: the fields have no value on an edge"),
+        ("interior", "BaTiO3,1e-4,1e5", ["--x=0", "--y=-1"], "line 2: load: 100000 has no unit, and"),
         ("interior", "BaTiO3,0.05,1e5", ["--x=0", "--y=0.5"], "y: 0.5 is above the surface; y/h must be <= 0"),
         ("interior", "BaTiO3,0.05,1e5", ["--x=0,a", "--y=-1"], "--x: 'a' is not a number"),
         ("interior", "BaTiO3,0.05,1e5", ["--x=0", "--y=-1", "--fields=von_mise"], "fields: 'von_mise' is not one of"),

@@ -1,0 +1,98 @@
+"""Contacts beyond small strain: too wide for their punch's radius, or too deep for their film."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from solver.arrays import Array, BoolArray
+from solver.face.cases import Cases
+from solver.face.materials import base_of, material_of
+from solver.names import BODY
+from solver.stack.layers import Stack
+
+WIDE, DEEP = 0.2, 0.1  # largest half-width over radius, and depth over thickness, as of designs
+_STIFF = 10.0  # c44 of a base over its film's, from which on the depth is that of the film
+
+
+@dataclass(frozen=True)
+class Excess:
+    """Cases with too large a size, and the worst of them."""
+
+    words: str  # Size and reference, with a gap for each
+    limit: float
+    count: int
+    size: float  # [m]
+    reference: float  # [m]
+
+    @property
+    def share(self) -> float:
+        """Size over its reference."""
+        return self.size / self.reference
+
+    def __str__(self) -> str:
+        words = self.words.format(f"{self.size:.3g} m", f"{self.share:.2g}", f"{self.reference:.3g} m")
+        return f"{words} (at most {self.limit:g})"
+
+
+def excesses(cases: Cases, values: Mapping[str, Array]) -> list[Excess]:
+    """Sizes beyond small strain among the solved cases of one kind."""
+    found: list[Excess | None] = []
+    names = cases.kind.ends
+    if "radius" in cases.outline.takes and all(name in values for name in names):
+        twice = values[names[0]] + values[names[1]]
+        words = "a half-width of {} is {} of the punch radius {}"
+        found.append(_excess(words, WIDE, twice / 2, cases.values["radius"]))
+    if cases.kind.layered and cases.kind.datum != "relative" and "depth" in values:
+        thickness = _thickness(cases)
+        if np.max(values["depth"]) > DEEP * np.min(thickness):
+            depth = np.where(_on_stiff(cases), values["depth"], 0.0)
+            found.append(_excess("a depth of {} is {} of the thickness {}", DEEP, depth, thickness))
+    return [excess for excess in found if excess]
+
+
+def _excess(words: str, limit: float, size: Array, reference: Array) -> Excess | None:
+    if np.max(size) <= limit * np.min(reference):  # the usual case in one pass
+        return None
+    share = size / reference
+    count = int(np.count_nonzero(share > limit))
+    if not count:
+        return None
+    worst = np.unravel_index(int(np.nanargmax(share)), share.shape)
+    return Excess(words, limit, count, *(float(np.broadcast_to(v, share.shape)[worst]) for v in (size, reference)))
+
+
+def _thickness(cases: Cases) -> Array:
+    """Thickness of all layers of every case [m]; (...)."""
+    if BODY not in cases.values:
+        return np.asarray(cases.values["thickness"])
+    stacks: list[Stack] = list(cases.values[BODY].flat)
+    return np.array([stack.thickness for stack in stacks]).reshape(cases.values[BODY].shape)
+
+
+def _on_stiff(cases: Cases) -> BoolArray:
+    """Mark films on a base that is rigid or much stiffer: under others the depth is the base's; (...)."""
+    if BODY in cases.values:
+        stacks: list[Stack] = list(cases.values[BODY].flat)
+        stiff = [
+            isinstance(stack.base, str)
+            or float(stack.base.c44) > _STIFF * min(float(layer.material.c44) for layer in stack.layers)
+            for stack in stacks
+        ]
+        return np.array(stiff).reshape(cases.values[BODY].shape)
+    base, rigid = base_of(cases)
+    return np.asarray(rigid | (base.c44 > _STIFF * material_of(cases).c44))
+
+
+def sentence(found: Iterable[Excess], cases: int) -> str:
+    """Every kind of excess with its worst case and number of cases, in one line; empty if there is none."""
+    joined: dict[str, Excess] = {}
+    for excess in found:
+        worse = max(joined.get(excess.words, excess), excess, key=lambda each: each.share)
+        count = excess.count + (joined[excess.words].count if excess.words in joined else 0)
+        joined[excess.words] = replace(worse, count=count)
+    parts = [
+        f"in {excess.count} of {cases} cases, at worst {excess}" if cases > 1 else str(excess)
+        for excess in joined.values()
+    ]
+    return f"contact: beyond small strain: {'; '.join(parts)}" if parts else ""
