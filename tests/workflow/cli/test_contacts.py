@@ -13,47 +13,28 @@ from storage.netcdf import read_whole
 from workflow.cli import main
 from workflow.language import grammar
 
-AIRY = """\
-material,radius,load,magnetic,surroundings,gap_permittivity,thickness [mm],base
-PZT-4,0.05,1e4,insulating,,,,
-PZT-4,0.05,1e4,insulating,air,,,
-PZT-4,0.05,1e4,insulating,air,2.2,0.2,steel
-"""
-
-
-def test_a_table_mixes_surroundings_and_says_what_is_empty(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    table, out = tmp_path / "air.csv", tmp_path / "out.nc"
-    table.write_text(AIRY, encoding="utf-8")
-    assert main.main(["solve", str(table), "-o", str(out)]) == 0
-    printed = capsys.readouterr().err
-    assert "empty where a case has no such quantity: pressure_exponent" in printed or "edge_intensity" in printed
-    data = read_whole(out)
-    assert np.isnan(data["gap_field"].values).tolist() == [True, False, False]
-    assert data["gap_field"].attrs["comment"] == "no number where a case has none"
-    case: dict[str, Any] = {"material": "PZT-4", "radius": 0.05, "load": 1e4, "magnetic": "insulating"}
-    film: dict[str, Any] = {"surroundings": "air", "gap_permittivity": 2.2, "thickness": 2e-4, "base": "steel"}
-    for row, factors in enumerate([{}, {"surroundings": "air"}, film]):
-        for name in ("contact_trailing", "voltage", "charge_per_force"):
-            exact = float(solver.solve(case | factors)[name])
-            assert float(data[name][row]) == pytest.approx(exact, rel=1e-9), (row, name)
-
-
 LINES_AND_POINTS = """\
 material,profile,radius [mm],width [um],load,force,thickness [mm],base,friction,electric,surroundings,\
-punch_modulus [GPa],punch_poisson,punch
-BaTiO3,cylinder,50,,1e4,,,,0.1,,,210,0.3,
-BaTiO3,sphere,5,,,1,,,,,,,,
-BaTiO3,sphere,5,,,1,0.1,steel,,,insulated,,,brass
-BaTiO3,disc,,100,,1,,,,insulating,,,,
-PZT-4,,50,,1e4,,0.2,rigid,,,insulated,,,
+punch_modulus [GPa],punch_poisson,punch,gap_permittivity,magnetic
+BaTiO3,cylinder,50,,1e4,,,,0.1,,,210,0.3,,,
+BaTiO3,sphere,5,,,1,,,,,,,,,,
+BaTiO3,sphere,5,,,1,0.1,steel,,,insulated,,,brass,,
+BaTiO3,disc,,100,,1,,,,insulating,,,,,,
+PZT-4,,50,,1e4,,0.2,rigid,,,insulated,,,,,
+PZT-4,,50,,1e4,,0.2,steel,,,air,,,,2.2,insulating
 """
 
 
-def test_a_table_mixes_lines_and_points_and_is_written_as_one(tmp_path: Path) -> None:
+def test_a_table_mixes_lines_points_and_surroundings_and_is_written_as_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     table, out, sheet = tmp_path / "mixed.csv", tmp_path / "out.nc", tmp_path / "out.csv"
     table.write_text(LINES_AND_POINTS, encoding="utf-8")
     assert main.main(["solve", str(table), "-o", str(out)]) == 0
+    assert "empty where a case has no such quantity: " in capsys.readouterr().err
     data = read_whole(out)
+    assert np.isnan(data["gap_field"].values).tolist() == [True] * 5 + [False]
+    assert data["gap_field"].attrs["comment"] == "no number where a case has none"
     ball: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 1.0}
     disc: dict[str, Any] = {"material": "BaTiO3", "profile": "disc", "width": 1e-4, "force": 1.0}
     cases: list[dict[str, Any]] = [
@@ -62,6 +43,8 @@ def test_a_table_mixes_lines_and_points_and_is_written_as_one(tmp_path: Path) ->
         disc | {"electric": "insulating"},
         {"material": "PZT-4", "radius": 0.05, "load": 1e4, "thickness": 2e-4, "base": "rigid",
          "surroundings": "insulated"},
+        {"material": "PZT-4", "radius": 0.05, "load": 1e4, "thickness": 2e-4, "base": "steel", "surroundings": "air",
+         "gap_permittivity": 2.2, "magnetic": "insulating"},
     ]  # fmt: skip
     for row, case in enumerate(cases):
         exact = solver.solve(case)
@@ -70,7 +53,7 @@ def test_a_table_mixes_lines_and_points_and_is_written_as_one(tmp_path: Path) ->
             known = name in exact and name not in POINT_SLIDING  # the column of frictions gives points theirs
             assert not known or value == pytest.approx(float(exact[name]), rel=1e-9), (row, name)
             assert known or np.isnan(value) or name in POINT_SLIDING, (row, name)
-    np.testing.assert_array_equal(data["radius"], [0.05, 5e-3, 5e-3, np.nan, 0.05])
+    np.testing.assert_array_equal(data["radius"], [0.05, 5e-3, 5e-3, np.nan, 0.05, 0.05])
     assert main.main(["solve", str(table), "-o", str(sheet)]) == 0
     rows = list(csv.DictReader(sheet.read_text(encoding="utf-8").splitlines()))
     assert float(rows[1]["contact_radius [m]"]) == float(data["contact_radius"][1])
