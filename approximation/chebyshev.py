@@ -6,9 +6,8 @@ Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013),
 from typing import Any
 
 import numpy as np
+import scipy  # scipy.fft, and scipy.special: slow to import, and not every job needs them
 from numpy.polynomial.chebyshev import chebvander
-from scipy.fft import dct
-from scipy.special import eval_chebyt
 
 from approximation.arrays import Array
 
@@ -34,7 +33,7 @@ def coefficients(values: Array, axis: int = 0) -> Array:
     values: (..., n, ...).
     """
     # the transform counts points from the right end
-    series = dct(np.flip(values, axis), type=2, axis=axis) / values.shape[axis]
+    series = scipy.fft.dct(np.flip(values, axis), type=2, axis=axis) / values.shape[axis]
     first: list[Any] = [slice(None)] * values.ndim
     first[axis] = 0
     series[tuple(first)] /= 2
@@ -55,7 +54,7 @@ def polynomials(t: Array, count: int) -> Array:
     t: (B,).
     """
     if len(t) < _FEW:
-        return np.asarray(eval_chebyt(np.arange(count)[:, None], t))
+        return np.asarray(scipy.special.eval_chebyt(np.arange(count)[:, None], t))
     T = np.empty((count, len(t)))
     T[0] = 1
     if count > 1:

@@ -3,11 +3,10 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from storage.sealed import FormatError
-from surrogate.data.inputs import Input, chebyshev_levels
-from surrogate.data.points import OutOfBoxError
-
 if TYPE_CHECKING:
+    from storage.sealed import FormatError
+    from surrogate.data.inputs import Input, chebyshev_levels
+    from surrogate.data.points import OutOfBoxError
     from surrogate.face.model import GaussianProcess
     from surrogate.face.persistence import load, save
     from surrogate.gp.crossgp import CrossGP
@@ -41,28 +40,32 @@ __all__ = [
     "save",
 ]
 
-# imported when asked for: scikit-learn, on which they stand, takes longer to import than most jobs take for their work
-_MODELS = {
-    "BoundedGP": "transforms.boundedgp",
-    "CrossGP": "gp.crossgp",
-    "CurveGP": "transforms.curves.curvegp",
-    "FactorialRegressor": "use.estimator",
-    "GaussianProcess": "face.model",
-    "GridGP": "gp.gridgp",
-    "Group": "transforms.inputs",
-    "GroupedGP": "transforms.groupedgp",
-    "Grouping": "transforms.groups",
-    "Scaling": "transforms.outputs",
-    "ScatterGP": "gp.scattergp",
-    "load": "face.persistence",
-    "save": "face.persistence",
+# imported when asked for: most of a small job's time is imports
+_MODULES = {
+    "BoundedGP": "surrogate.transforms.boundedgp",
+    "CrossGP": "surrogate.gp.crossgp",
+    "CurveGP": "surrogate.transforms.curves.curvegp",
+    "FactorialRegressor": "surrogate.use.estimator",
+    "FormatError": "storage.sealed",
+    "GaussianProcess": "surrogate.face.model",
+    "GridGP": "surrogate.gp.gridgp",
+    "Group": "surrogate.transforms.inputs",
+    "GroupedGP": "surrogate.transforms.groupedgp",
+    "Grouping": "surrogate.transforms.groups",
+    "Input": "surrogate.data.inputs",
+    "OutOfBoxError": "surrogate.data.points",
+    "Scaling": "surrogate.transforms.outputs",
+    "ScatterGP": "surrogate.gp.scattergp",
+    "chebyshev_levels": "surrogate.data.inputs",
+    "load": "surrogate.face.persistence",
+    "save": "surrogate.face.persistence",
 }
 
 
 def __getattr__(name: str) -> object:
-    if name not in _MODELS:
+    if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_MODELS[name]}"), name)
+    return getattr(import_module(_MODULES[name]), name)
 
 
 def __dir__() -> list[str]:

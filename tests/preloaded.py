@@ -18,11 +18,12 @@ from snakemake.script import PythonScript
 
 LIBRARIES = """
 snakemake.api snakemake.cli snakemake.dag snakemake.executors.local snakemake.logging snakemake.report
-snakemake.scheduling snakemake.workflow
+snakemake.scheduling snakemake.workflow scipy.linalg scipy.optimize scipy.special
 """
 #: They import what the scripts import.
 ROOMS = """
-surrogate.use.sensitivity workflow.cli.main workflow.dataset.datacard workflow.dataset.effects workflow.dataset.levels
+surrogate.use.sensitivity workflow.cli.launch workflow.cli.learn workflow.cli.main workflow.cli.sensing
+workflow.cli.solve workflow.cli.studies workflow.dataset.datacard workflow.dataset.effects workflow.dataset.levels
 workflow.design.search.targets workflow.design.wording.table workflow.learning.readout_trial workflow.learning.surface
 workflow.learning.timing workflow.learning.training workflow.measured.comparison workflow.report.figures.design_plots
 workflow.report.page workflow.report.sections workflow.run.provenance workflow.study.planned

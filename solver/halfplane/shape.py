@@ -16,19 +16,17 @@ With ``E = 1 + delta Phi`` nothing is divided by theta. In ``u = z - sqrt(z^2 - 
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from math import factorial
 
 import numpy as np
-from scipy.special import exprel, polygamma
+import scipy  # scipy.special, slow to import, and not every job solves
 
 from solver.arrays import Array, Points, dot, power_series, stack
 from solver.halfplane.sliding import FrictionAngle
 
 _FAR = 0.3  # |u| below which the series is summed; above it the closed form cancels less than (1/u)^(degree + 2)
 _TERMS = 32  # 0.3^32 is below rounding
-#: Taylor coefficients of (digamma(3/2 + delta) - digamma(3/2)) / delta.
-DIGAMMA_SERIES = np.array([float(polygamma(n, 1.5)) / factorial(n) for n in range(1, 49)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +148,8 @@ class Shape:
         slope = self.angle.log_cos_over_tan[..., None] - 2 * rho * np.arctanh(X)  # log(cos(theta) E) / tan(theta)
         pressed = self._edges(1 - X, 1 + X, root) * root * power_series(self.factor, X)
         return np.asarray(
-            pressed * slope * exprel(slope * self.angle.tan[..., None]) - self._sign * rho * self._polynomial_part(X)
+            pressed * slope * scipy.special.exprel(slope * self.angle.tan[..., None])
+            - self._sign * rho * self._polynomial_part(X)
         )
 
     def follower_at(self, edge: float) -> Array:
@@ -226,9 +225,15 @@ def _coefficient(slope: Array, series: list[Array], shift: int) -> Array:
     return np.asarray(sum(picked, np.zeros(())))
 
 
+@cache
+def digamma_series() -> Array:
+    """Return the Taylor coefficients of (digamma(3/2 + delta) - digamma(3/2)) / delta; (48,)."""
+    return np.array([float(scipy.special.polygamma(n, 1.5)) / factorial(n) for n in range(1, 49)])
+
+
 def digamma_difference(delta: Array) -> Array:
     """``(digamma(3/2 + delta) - digamma(3/2)) / delta`` for ``|delta| <= 1/2``; trigamma(3/2) at 0.
 
     The Taylor series about 3/2 has radius 3/2, so 48 terms reach rounding at ``|delta| = 1/2``.
     """
-    return np.asarray(np.polynomial.polynomial.polyval(delta, DIGAMMA_SERIES, tensor=False))
+    return np.asarray(np.polynomial.polynomial.polyval(delta, digamma_series(), tensor=False))

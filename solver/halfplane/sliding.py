@@ -5,8 +5,8 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
+import scipy  # scipy.special, slow to import, and not every job solves
 from numpy.typing import ArrayLike
-from scipy.special import exprel
 
 from solver.arrays import Array, BoolArray, column, dot, stack
 from solver.halfplane.surface import HalfPlane
@@ -36,7 +36,7 @@ class FrictionAngle:
     @cached_property
     def log_cos_over_tan(self) -> Array:
         """log(cos theta) / tan(theta), 0 without friction."""
-        return -self.tan / (2 * exprel(np.log1p(self.tan**2)))
+        return -self.tan / (2 * scipy.special.exprel(np.log1p(self.tan**2)))
 
 
 @dataclass(frozen=True, eq=False)

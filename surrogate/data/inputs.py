@@ -6,9 +6,9 @@ from functools import cache
 from typing import Literal, get_args
 
 import numpy as np
+import scipy  # scipy.special, slow to import, and few inputs have such a scale
 import xarray as xr
 from numpy.typing import ArrayLike
-from scipy.special import expit, logit
 
 from approximation.arrays import Array, Indices, unmasked
 from approximation.chebyshev import gauss_points
@@ -20,6 +20,10 @@ COLUMNS = {
     "input": "name", "low": "low", "high": "high", "scale": "scale", "input_units": "units",
     "input_long_name": "long_name",
 }  # fmt: skip
+
+
+def _logit(share: ArrayLike) -> Array:
+    return np.asarray(scipy.special.logit(share))
 
 
 @dataclass(frozen=True)
@@ -87,8 +91,8 @@ class Input:
         if self.scale == "log":
             return np.asarray(2 * np.log(value / self.low) / np.log(self.high / self.low) - 1)
         if self.scale == "logit":
-            low, high = logit(self.low), logit(self.high)
-            return np.asarray(2 * (logit(value) - low) / (high - low) - 1)
+            low, high = _logit(self.low), _logit(self.high)
+            return np.asarray(2 * (_logit(value) - low) / (high - low) - 1)
         return 2 * (value - self.low) / (self.high - self.low) - 1
 
     def from_unit(self, unit: ArrayLike) -> Array:
@@ -98,7 +102,7 @@ class Input:
         if self.scale == "log":
             value = self.low * np.exp(share * np.log(self.high / self.low))
         elif self.scale == "logit":
-            value = expit(logit(self.low) + share * (logit(self.high) - logit(self.low)))
+            value = scipy.special.expit(_logit(self.low) + share * (_logit(self.high) - _logit(self.low)))
         else:
             value = self.low + share * (self.high - self.low)
         return np.asarray(np.where(unit == -1, self.low, np.where(unit == 1, self.high, value)))
@@ -109,7 +113,7 @@ class Input:
         if self.scale == "log":
             return np.asarray(2 / (np.log(self.high / self.low) * value))
         if self.scale == "logit":
-            return np.asarray(2 / ((logit(self.high) - logit(self.low)) * value * (1 - value)))
+            return np.asarray(2 / ((_logit(self.high) - _logit(self.low)) * value * (1 - value)))
         return np.full_like(value, 2 / (self.high - self.low))
 
     def levels(self, count: int) -> Array:
@@ -164,7 +168,7 @@ def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
     if logs.size:
         t[logs] = np.log(X.T[logs] / low[logs])
     if logits.size:
-        t[logits] = logit(X.T[logits]) - logit(low[logits])
+        t[logits] = _logit(X.T[logits]) - _logit(low[logits])
     t *= 2
     t /= width
     t -= 1
@@ -185,7 +189,7 @@ def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, Indices, Indices]:
     low = np.array([[input_.low] for input_ in inputs]).reshape(-1, 1)
     width = [
         np.log(input_.high / input_.low) if input_.scale == "log"
-        else logit(input_.high) - logit(input_.low) if input_.scale == "logit"
+        else _logit(input_.high) - _logit(input_.low) if input_.scale == "logit"
         else input_.high - input_.low
         for input_ in inputs
     ]  # fmt: skip

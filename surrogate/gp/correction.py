@@ -12,9 +12,9 @@ from heapq import heappop, heappush
 from typing import Self
 
 import numpy as np
+import scipy  # scipy.linalg, slow to import, when something is fitted
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
 
 from approximation import products
 from approximation.arrays import Array, Indices, blocks
@@ -206,7 +206,7 @@ def _weighted(basis: Array, error: Array, scale: Array, groups: Indices) -> tupl
     orthonormal, triangle = np.linalg.qr(basis * root[:, None])
     projections = orthonormal.T @ (error * root)
     left = _left_out((error * root - orthonormal @ projections)[None], orthonormal, groups)[0]
-    return solve_triangular(triangle, projections), left / root
+    return scipy.linalg.solve_triangular(triangle, projections), left / root
 
 
 def _left_out(residuals: Array, basis: Array, groups: Indices) -> Array:

@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
+import scipy  # scipy.optimize, slow to import, when errors are learned
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 from scipy.special import ndtr, ndtri
 
 from approximation.arrays import Array, Indices, blocks
@@ -163,7 +163,7 @@ def _fitted(squares: Array, alike: Array) -> Array:
 
     starts = [np.full(len(squares), np.log(length)) for length in (1.0, _LIKELY, 0.1)]
     bounds = [(float(np.log(_BOUNDS[0])), float(np.log(_BOUNDS[1])))] * len(squares)
-    fits = [minimize(cost, start, jac=True, method="L-BFGS-B", bounds=bounds) for start in starts]
+    fits = [scipy.optimize.minimize(cost, start, jac=True, method="L-BFGS-B", bounds=bounds) for start in starts]
     return np.asarray(np.exp(min(fits, key=lambda fit: float(fit.fun)).x))
 
 

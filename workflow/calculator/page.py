@@ -9,7 +9,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from solver import units
-from solver.halfplane.shape import DIGAMMA_SERIES
+from solver.halfplane.shape import digamma_series
 from solver.material.constants import UNITS, VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
 from solver.material.laws import compose
 from solver.material.library import find, materials
@@ -103,7 +103,7 @@ def library() -> dict[str, Any]:
         "units": {name: described.units for name, described in (ALL_QUANTITIES | FACTORS).items()},
         "symbols": {symbol: _measured(symbol) for symbol in _SYMBOLS},
         "prefixes": {prefix: units.parse(f"{prefix}m").scale for prefix in _PREFIXES},
-        "digamma": DIGAMMA_SERIES.tolist(),
+        "digamma": digamma_series().tolist(),
     }
 
 
@@ -126,7 +126,7 @@ def _alloy() -> dict[str, Any]:
 def _marked(material: dict[str, Any]) -> dict[str, Any]:
     """A material whose limits say where they were not read at their sources."""
     limits = material["limits"].items()
-    return material | {
+    return {name: entry for name, entry in material.items() if name != "thermal"} | {
         "limits": {name: limit | {"source": limit["source"] + unverified(limit["source"])} for name, limit in limits}
     }
 

@@ -21,28 +21,6 @@ _PRECISIONS: dict[str, type[np.floating[Any]]] = {"single": np.float32, "double"
 _LEAST, _MOST = 1e-12, 0.1
 
 
-def add(commands: "argparse._SubParsersAction[Any]") -> None:
-    """Add the command to those of the program."""
-    command = commands.add_parser(
-        "export",
-        help="write a trained surrogate as C, for controllers and simulators",
-        description="Rounds outputs of a surrogate to an error. c: NAME.c and NAME.h, C89 without allocation or "
-        "library calls beyond math.h, with value, 95 % interval, gradient and a check of the box. fmu: a unit for "
-        "system simulators (FMI 3.0, Co-Simulation), with these sources and, where there is a compiler, a binary.",
-    )
-    command.add_argument("surrogate", type=surrogate_file, metavar="surrogate.nc", help="or results/STUDY")
-    command.add_argument("--as", dest="form", required=True, choices=list(_FORMS))
-    command.add_argument("--outputs", metavar="NAME,...", help="default: all")
-    command.add_argument(
-        "--error", default="1e-5", metavar="SHARE", help="largest error over an output's range; default: 1e-5"
-    )
-    command.add_argument("--precision", choices=list(_PRECISIONS), default="double", help="default: double")
-    command.add_argument(
-        "-o", "--output", type=Path, metavar="NAME.c|.fmu", help="default: the study's name, in this folder"
-    )
-    command.set_defaults(run=export)
-
-
 def export(options: argparse.Namespace) -> None:
     """Write the files and say how far they are from the surrogate."""
     from surrogate.use import ccode, fmu, rounding

@@ -3,20 +3,25 @@
 import argparse
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.names import ALL_QUANTITIES
 from storage.files import output
-from surrogate import GaussianProcess, OutOfBoxError
+from surrogate import GaussianProcess, OutOfBoxError, save
 from surrogate.data.measurements import Measurements
 from surrogate.data.points import outside
+from surrogate.transforms.measured.corrected import CorrectedGP
+from workflow.cli import questions
 from workflow.cli.casetable import Table, read_cases
-from workflow.cli.words import named, say, surrogate_file, trained, written_as
+from workflow.cli.words import named, say, trained
+from workflow.language.given import size
+from workflow.language.renamed import renamed
 from workflow.language.spelling import nearest
-from workflow.study import categories
+from workflow.learning import correction
+from workflow.learning.instruments import Instrument
+from workflow.study import categories, uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError, number, one_line
 
@@ -105,58 +110,12 @@ def _measured(table: Table, name: str) -> NDArray[np.bool_]:
     return measured
 
 
-if TYPE_CHECKING:
-    from workflow.learning.instruments import Instrument
-    from workflow.study.model import Study
-
 #: Name of the corrected surrogate, beside the one that it was made from, where none is given.
 CORRECTED = "corrected.nc"
 
 
-def add(commands: "argparse._SubParsersAction[Any]") -> None:
-    """Add the command to those of the program."""
-    command = commands.add_parser(
-        "learn",
-        help="correct a surrogate by measurements",
-        description="Estimates uncertain constants and discrepancies from measured rows, with intervals. MEASURED.csv "
-        "has a column for every factor and category of the study, and columns of measured quantities. NAME_std is one "
-        "standard deviation of the error of NAME. Cells may be empty; errors that are missing are estimated. A header "
-        "may say a unit, as 'thickness [um]'; a number without a unit is in SI.",
-    )
-    command.add_argument("measured", type=Path, metavar="MEASURED.csv")
-    command.add_argument("--on", type=surrogate_file, required=True, metavar="results/STUDY/surrogate.nc")
-    command.add_argument(
-        "--uncertain",
-        action="append",
-        metavar="NAME[=5%],...",
-        help="'BaTiO3 permittivity', 'BaTiO3 e33', 'steel modulus'",
-    )
-    command.add_argument(
-        "--instrument",
-        action="append",
-        metavar="QUANTITY_gain=3%,...",
-        help="'voltage_gain=3%%', 'depth_offset=0.1um': what readings may be off by, all alike; one standard deviation",
-    )
-    command.add_argument(
-        "-o",
-        "--output",
-        type=written_as(nc="netCDF"),
-        metavar="OUT.nc",
-        help=f"default: {CORRECTED} beside the surrogate",
-    )
-    command.add_argument("--json", action="store_true", help="print JSON instead of words")
-    command.set_defaults(run=learn)
-
-
 def learn(options: argparse.Namespace) -> None:
     """Learn from measured rows, write the corrected surrogate and print what was learned, as the options say."""
-    from surrogate import save  # scikit-learn and the solver: not for every command
-    from surrogate.transforms.measured.corrected import CorrectedGP
-    from workflow.cli import questions
-    from workflow.language.renamed import renamed
-    from workflow.learning import correction
-    from workflow.study import uncertainty
-
     trained(options.on)
     path = output(options.output or options.on.with_name(CORRECTED), options.on, options.measured)
     study, model = questions.results(options.on.parent, options.on)
@@ -192,12 +151,8 @@ def _share(option: str, name: str, text: str) -> float:
     return share
 
 
-def _instruments(words: list[str] | None, study: "Study") -> "list[Instrument]":
+def _instruments(words: list[str] | None, study: Study) -> list[Instrument]:
     """``QUANTITY_gain=3%`` and ``QUANTITY_offset=0.1um`` between commas: what readings may be off by."""
-    from solver.names import ALL_QUANTITIES
-    from workflow.language.given import size
-    from workflow.learning.instruments import Instrument
-
     instruments: list[Instrument] = []
     for name, text in named("--instrument", words).items():
         quantity, _, family = name.rpartition("_")

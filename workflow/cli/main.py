@@ -6,23 +6,14 @@ import sys
 import textwrap
 import warnings
 from collections.abc import Sequence
-from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NoReturn, TextIO
+from typing import Any, NoReturn, TextIO, TypeAlias
 
-import numpy as np
-
-from solver import FactorError, MaterialError, PrecisionWarning, SmallStrainWarning
-from solver.threads import one_thread
-from storage.files import output, write_text
-from surrogate import FormatError, OutOfBoxError
-from workflow.cli import export, learn, materials, sensing, solve, studies
-from workflow.cli.launch import launch
-from workflow.cli.progress import busy
-from workflow.cli.query import query
 from workflow.cli.words import cores, printable_streams, say, surrogate_file, written_as
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, one_line
+
+Commands: TypeAlias = "argparse._SubParsersAction[Any]"
 
 #: One example a command, after ``meecontact``; those of questions ask the results of the quickstart.
 EXAMPLES = {
@@ -89,32 +80,68 @@ magneto-electro-elastic bodies.
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line."""
+    """Run the command line. What a command needs is imported when it is known: half a second before the help."""
     printable_streams()
-    options = _parser().parse_args(arguments)
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    if options.command is None:
+        parser.print_help()
+        return 0
+    from solver import PrecisionWarning, SmallStrainWarning
+    from solver.threads import one_thread
+
     try:
         with warnings.catch_warnings(), one_thread():  # sums that threads share differ in their last digits
             warnings.simplefilter("always", PrecisionWarning)
             warnings.simplefilter("ignore", SmallStrainWarning)  # of a design the verdict says it
             warnings.showwarning = _warned
             return int(options.run(options) or 0)
-    except (InputError, FactorError, MaterialError, OutOfBoxError, FormatError) as error:
-        print(f"meecontact: {one_line(f'{error}{_aside(options, error)}')}", file=sys.stderr)
-        return 2
-    except np.linalg.LinAlgError as error:
-        print(f"meecontact: constants beyond what double precision can solve ({error})", file=sys.stderr)
-        return 2
+    except InputError as error:
+        return _refuse(error)
     except BrokenPipeError:  # who reads has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nor is there anything left to flush
         return 0
     except OSError as error:
-        reason = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-        print(f"meecontact: {one_line(reason)}", file=sys.stderr)
-        return 2
+        return _refuse(f"{error.filename}: {error.strerror}" if error.filename else error)
+    except _refusals() as error:
+        return _refuse(f"{error}{_aside(options, error)}")
+    except _unsolvable() as error:
+        return _refuse(f"constants beyond what double precision can solve ({error})")
+
+
+def _refuse(reason: object) -> int:
+    print(f"meecontact: {one_line(str(reason))}", file=sys.stderr)
+    return 2
+
+
+class _Version(argparse.Action):
+    """Prints the version, which takes longer to look up than to parse all options."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from importlib.metadata import version
+
+        print(f"{parser.prog} {version('meecontact')}")
+        parser.exit()
+
+
+def _refusals() -> tuple[type[Exception], ...]:
+    """Return the rooms' own kinds of bad input."""
+    from solver import FactorError, MaterialError
+    from surrogate import FormatError, OutOfBoxError
+
+    return FactorError, MaterialError, OutOfBoxError, FormatError
+
+
+def _unsolvable() -> type[Exception]:
+    from numpy.linalg import LinAlgError
+
+    return LinAlgError
 
 
 def _aside(options: argparse.Namespace, error: Exception) -> str:
     """Return a hint behind an error: the option for a material that the library lacks."""
+    from solver import MaterialError
+
     unknown = (
         isinstance(error, MaterialError) and "is unknown" in str(error) and getattr(options, "materials", None) == []
     )
@@ -135,8 +162,7 @@ def _warned(
 
 def _parser() -> Parser:
     parser = Parser(prog="meecontact", description=_ABOUT)
-    parser.add_argument("--version", action="version", version=f"%(prog)s {version('meecontact')}")
-    parser.set_defaults(run=lambda options: parser.print_help())
+    parser.add_argument("--version", action=_Version, nargs=0, help="show program's version number and exit")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
 
     command = commands.add_parser("run", help="check a study and run it with Snakemake, up to its report")
@@ -166,7 +192,7 @@ def _parser() -> Parser:
     )
     command.set_defaults(run=_material)
 
-    solve.add_solve(commands)
+    _add_solve(commands)
 
     command = commands.add_parser(
         "query",
@@ -189,7 +215,7 @@ def _parser() -> Parser:
         "--extrapolate", action="store_true", help="answer outside the trained box as well, with a flag"
     )
     command.add_argument("--exact", metavar="STUDY", help="the surrogate's study: also solve the points exactly")
-    command.set_defaults(run=query)
+    command.set_defaults(run=_query)
 
     command = commands.add_parser("design", help="answer a design question with a trained surrogate, in seconds")
     command.add_argument("results", type=Path, metavar="results/STUDY")
@@ -229,12 +255,11 @@ def _parser() -> Parser:
     _add_si(command)
     command.set_defaults(run=_invert)
 
-    sensing.add(commands)
-    export.add(commands)
-    add(commands)
-
-    solve.add_interior(commands)
-    learn.add(commands)
+    _add_signal(commands)
+    _add_export(commands)
+    _add_calculator(commands)
+    _add_interior(commands)
+    _add_learn(commands)
     exemplify(commands)
     return parser
 
@@ -243,12 +268,167 @@ def _add_si(command: argparse.ArgumentParser) -> None:
     command.add_argument("--si", action="store_true", help="print SI units without prefixes")
 
 
+def _add_solve(commands: Commands) -> None:
+    """Add ``solve`` to the commands of the program."""
+    command = commands.add_parser("solve", help="solve a table of cases exactly: quantities and surface fields")
+    _add_cases(command, nc="netCDF", csv="CSV")
+    command.add_argument("--positions", metavar="X1,X2,...", help="surface positions X = (x - c)/h, or r/a")
+    command.add_argument(
+        "--peaks", action="store_true", help="also find the largest stresses of the body (milliseconds a case)"
+    )
+    command.set_defaults(run=_solve)
+
+
+def _add_interior(commands: Commands) -> None:
+    """Add ``interior`` to the commands of the program."""
+    command = commands.add_parser("interior", help="solve a table of cases exactly: fields inside the body, on a grid")
+    _add_cases(command, nc="netCDF")
+    command.add_argument("--x", required=True, metavar="X1,X2,...", help="(x - c)/h")
+    command.add_argument("--y", required=True, metavar="Y1,Y2,...", help="y/h <= 0")
+    command.add_argument(
+        "--fields", metavar="NAME,...", help="these fields only; strains and potentials have to be named"
+    )
+    command.set_defaults(run=_interior)
+
+
+def _add_cases(command: argparse.ArgumentParser, **endings: str) -> None:
+    command.add_argument(
+        "cases", type=Path, metavar="CASES.csv", help="table of cases: one row a case, one column a factor"
+    )
+    command.add_argument(
+        "-o",
+        "--output",
+        type=written_as(**endings),
+        required=True,
+        metavar="|".join(f"OUT.{ending}" for ending in endings),
+    )
+    command.add_argument(
+        "--materials",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE.yaml",
+        help="file of a material that the library lacks",
+    )
+
+
+def _add_signal(commands: Commands) -> None:
+    """Add ``signal`` to the commands of the program."""
+    command = commands.add_parser(
+        "signal",
+        help="compute charge, voltage and amplifier output of a history of forces",
+        description="HISTORY is a text file with columns of time and force, in units that its header says; a line "
+        "contact may have a load [N/m]; a film may have the temperature [K or degC] of what touches it. Titles, "
+        "remarks and other columns are skipped. Force and temperature are linear between the rows. The circuit begins "
+        "without voltage. docs/signal.md has the circuit and its signs.",
+    )
+    command.add_argument("history", type=Path, metavar="HISTORY.csv")
+    command.add_argument(
+        "--on", required=True, metavar="CASE.csv | NAME=VALUE,...", help="the contact, without its force"
+    )
+    command.add_argument(
+        "--device", required=True, metavar="NAME=VALUE,...", help="'input_capacitance=10 pF,input_resistance=1 GOhm'"
+    )
+    command.add_argument("--scale", metavar="'NUMBER N/V'", help="force of a volt, for a force recorded as a voltage")
+    command.add_argument(
+        "--temperature", default="293.15", metavar="K", help="temperature of the circuit; default: 293.15"
+    )
+    command.add_argument(
+        "--parts", type=int, default=1, help="number of parts of every interval between rows; default: 1"
+    )
+    command.add_argument("-o", "--output", type=written_as(csv="CSV"), required=True, metavar="OUT.csv")
+    command.add_argument(
+        "--materials",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE.yaml",
+        help="file of a material that the library lacks",
+    )
+    command.set_defaults(run=_signal)
+
+
+def _add_export(commands: Commands) -> None:
+    """Add ``export`` to the commands of the program."""
+    command = commands.add_parser(
+        "export",
+        help="write a trained surrogate as C, for controllers and simulators",
+        description="Rounds outputs of a surrogate to an error. c: NAME.c and NAME.h, C89 without allocation or "
+        "library calls beyond math.h, with value, 95 % interval, gradient and a check of the box. fmu: a unit for "
+        "system simulators (FMI 3.0, Co-Simulation), with these sources and, where there is a compiler, a binary.",
+    )
+    command.add_argument("surrogate", type=surrogate_file, metavar="surrogate.nc", help="or results/STUDY")
+    command.add_argument("--as", dest="form", required=True, choices=["c", "fmu"])
+    command.add_argument("--outputs", metavar="NAME,...", help="default: all")
+    command.add_argument(
+        "--error", default="1e-5", metavar="SHARE", help="largest error over an output's range; default: 1e-5"
+    )
+    command.add_argument("--precision", choices=["single", "double"], default="double", help="default: double")
+    command.add_argument(
+        "-o", "--output", type=Path, metavar="NAME.c|.fmu", help="default: the study's name, in this folder"
+    )
+    command.set_defaults(run=_export)
+
+
+def _add_calculator(commands: Commands) -> None:
+    """Add ``calculator`` to the commands of the program."""
+    command = commands.add_parser(
+        "calculator",
+        help="write a web page that calculates contacts, without a server",
+        description="One file: every material, punch and profile of the library by closed forms, a few films by "
+        "tables, own constants pasted in.",
+    )
+    command.add_argument(
+        "-o", "--output", type=written_as(html="HTML"), default=Path("calculator.html"), metavar="OUT.html"
+    )
+    command.set_defaults(run=_calculator)
+
+
+def _add_learn(commands: Commands) -> None:
+    """Add ``learn`` to the commands of the program."""
+    command = commands.add_parser(
+        "learn",
+        help="correct a surrogate by measurements",
+        description="Estimates uncertain constants and discrepancies from measured rows, with intervals. MEASURED.csv "
+        "has a column for every factor and category of the study, and columns of measured quantities. NAME_std is one "
+        "standard deviation of the error of NAME. Cells may be empty; errors that are missing are estimated. A header "
+        "may say a unit, as 'thickness [um]'; a number without a unit is in SI.",
+    )
+    command.add_argument("measured", type=Path, metavar="MEASURED.csv")
+    command.add_argument("--on", type=surrogate_file, required=True, metavar="results/STUDY/surrogate.nc")
+    command.add_argument(
+        "--uncertain",
+        action="append",
+        metavar="NAME[=5%],...",
+        help="'BaTiO3 permittivity', 'BaTiO3 e33', 'steel modulus'",
+    )
+    command.add_argument(
+        "--instrument",
+        action="append",
+        metavar="QUANTITY_gain=3%,...",
+        help="'voltage_gain=3%%', 'depth_offset=0.1um': what readings may be off by, all alike; one standard deviation",
+    )
+    command.add_argument(
+        "-o",
+        "--output",
+        type=written_as(nc="netCDF"),
+        metavar="OUT.nc",
+        help="default: corrected.nc beside the surrogate",
+    )
+    command.add_argument("--json", action="store_true", help="print JSON instead of words")
+    command.set_defaults(run=_learn)
+
+
 def _material(options: argparse.Namespace) -> None:
+    from workflow.cli import materials
+
     print(materials.listed() if options.material is None else _shown(materials.described(options.material)))
 
 
 def _design(options: argparse.Namespace) -> None:
-    from workflow.cli import questions  # scikit-learn and the searches: not for every command
+    from storage.files import output, write_text
+    from workflow.cli import questions
+    from workflow.cli.progress import busy
     from workflow.design.wording import table
     from workflow.design.wording.words import verdict
 
@@ -264,6 +444,7 @@ def _design(options: argparse.Namespace) -> None:
 
 def _invert(options: argparse.Namespace) -> None:
     from workflow.cli import questions
+    from workflow.cli.progress import busy
 
     with busy("inferring"):
         answer = questions.invert(options.results, vars(options), si=options.si)
@@ -276,34 +457,62 @@ def _shown(text: str) -> str:
 
 
 def _init(options: argparse.Namespace) -> None:
+    from workflow.cli import studies
+
     say(f"wrote {studies.begin(options.name, options.like)}: meecontact run {options.name}")
 
 
 def _list(options: argparse.Namespace) -> None:
+    from workflow.cli import studies
+
     print(_shown(studies.listed(options.kind)))
 
 
 def _run(options: argparse.Namespace) -> int:
+    from workflow.cli.launch import launch
+
     return launch(options.study, options.cores, options.profile, dry=options.dry_run)
 
 
-def add(commands: "argparse._SubParsersAction[Any]") -> None:
-    """Add the command to those of the program."""
-    command = commands.add_parser(
-        "calculator",
-        help="write a web page that calculates contacts, without a server",
-        description="One file: every material, punch and profile of the library by closed forms, a few films by "
-        "tables, own constants pasted in.",
-    )
-    command.add_argument(
-        "-o", "--output", type=written_as(html="HTML"), default=Path("calculator.html"), metavar="OUT.html"
-    )
-    command.set_defaults(run=write)
+def _solve(options: argparse.Namespace) -> None:
+    from workflow.cli import solve
+
+    solve.solve_table(options)
 
 
-def write(options: argparse.Namespace) -> None:
-    """Write the page."""
-    from workflow.calculator.page import page  # tables of films: not for every command
+def _interior(options: argparse.Namespace) -> None:
+    from workflow.cli import solve
+
+    solve.solve_inside(options)
+
+
+def _query(options: argparse.Namespace) -> None:
+    from workflow.cli.query import query
+
+    query(options)
+
+
+def _signal(options: argparse.Namespace) -> None:
+    from workflow.cli.sensing import signal
+
+    signal(options)
+
+
+def _export(options: argparse.Namespace) -> None:
+    from workflow.cli.export import export
+
+    export(options)
+
+
+def _learn(options: argparse.Namespace) -> None:
+    from workflow.cli.learn import learn
+
+    learn(options)
+
+
+def _calculator(options: argparse.Namespace) -> None:
+    from storage.files import output, write_text
+    from workflow.calculator.page import page
 
     path = output(options.output)
     write_text(path, page())

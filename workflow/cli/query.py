@@ -6,7 +6,7 @@ import io
 from collections.abc import Mapping, Sequence
 from math import floor, isfinite, log10
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -19,12 +19,12 @@ from surrogate.data.points import outside
 from surrogate.intervals.distribution import NOMINAL
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.words import place, say, trained
-from workflow.dataset import factorial
 from workflow.language.numbers import prefixed
 from workflow.language.spelling import nearest
-from workflow.study import location
-from workflow.study import model as studies
 from workflow.study.reading import InputError, one_line
+
+if TYPE_CHECKING:
+    from workflow.study.model import Study
 
 _ROWS = 4096  # of an answer that are written at a time
 #: Figures of a number whose interval says nothing of them, and the fewest and most that an interval asks for.
@@ -95,8 +95,11 @@ def _level(model: GaussianProcess, level: float | None) -> float:
         raise InputError(f"--level: {error}") from None
 
 
-def study_of(model: GaussianProcess, text: str) -> studies.Study:
+def study_of(model: GaussianProcess, text: str) -> "Study":
     """The study that a surrogate came from, by its name or its file."""
+    from workflow.study import location  # and the solver: not for every query
+    from workflow.study import model as studies
+
     study = studies.named(location.given(text))
     if set(model.box) != set(study.factors):
         raise InputError(
@@ -107,8 +110,10 @@ def study_of(model: GaussianProcess, text: str) -> studies.Study:
     return study
 
 
-def _with_exact(answer: xr.Dataset, model: GaussianProcess, table: Table, study: studies.Study) -> xr.Dataset:
+def _with_exact(answer: xr.Dataset, model: GaussianProcess, table: Table, study: "Study") -> xr.Dataset:
     """The answer with ``<output>_exact`` beside every output."""
+    from workflow.dataset import factorial
+
     points = {name: xr.DataArray(values, dims="point") for name, values in table.columns.items()}
     exact = factorial.training_data(study, factorial.exact(study, points))
     return answer.assign({f"{name}_exact": exact[name] for name in model.outputs_})

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from itertools import chain, product
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -28,21 +28,22 @@ from solver.names import (
     CHOICES,
     ELECTRODE_QUANTITIES,
     FACTORS,
+    HEAT_QUANTITIES,
     OF_A_FILM,
     OF_A_PUNCH,
     OF_AN_ELECTRODE,
+    OF_HEAT,
     POINT_SLIDING,
 )
 from storage.files import output, write_text
 from storage.netcdf import write_whole
 from workflow.cli.casetable import Table, read_cases
-from workflow.cli.words import numbers, say, written_as
+from workflow.cli.words import numbers, say
 from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.wordings import plain
 from workflow.study.reading import InputError, read_material
 
 _NAMED = 8  # quantities that a message names
-Commands: TypeAlias = "argparse._SubParsersAction[Any]"
 _DEFAULTS: dict[str, float | str | None] = {name: factor.default for name, factor in FACTORS.items()}
 _DEFAULTS |= {name: choices[0] for name, choices in CHOICES.items() if name not in ("composite", "corner")}
 # a case without: a half-plane, a rigid punch
@@ -58,51 +59,8 @@ _OF_OPTIONS = ("positions", "x", "y", "fields")  # what a message opens with tha
 _REFUSALS = (FactorError, MaterialError, np.linalg.LinAlgError)
 
 
-def add_solve(commands: Commands) -> None:
-    """Add ``solve`` to the commands of the program."""
-    command = commands.add_parser("solve", help="solve a table of cases exactly: quantities and surface fields")
-    _add_cases(command, nc="netCDF", csv="CSV")
-    command.add_argument("--positions", metavar="X1,X2,...", help="surface positions X = (x - c)/h, or r/a")
-    command.add_argument(
-        "--peaks", action="store_true", help="also find the largest stresses of the body (milliseconds a case)"
-    )
-    command.set_defaults(run=_solve)
-
-
-def add_interior(commands: Commands) -> None:
-    """Add ``interior`` to the commands of the program."""
-    command = commands.add_parser("interior", help="solve a table of cases exactly: fields inside the body, on a grid")
-    _add_cases(command, nc="netCDF")
-    command.add_argument("--x", required=True, metavar="X1,X2,...", help="(x - c)/h")
-    command.add_argument("--y", required=True, metavar="Y1,Y2,...", help="y/h <= 0")
-    command.add_argument(
-        "--fields", metavar="NAME,...", help="these fields only; strains and potentials have to be named"
-    )
-    command.set_defaults(run=_interior)
-
-
-def _add_cases(command: argparse.ArgumentParser, **endings: str) -> None:
-    command.add_argument(
-        "cases", type=Path, metavar="CASES.csv", help="table of cases: one row a case, one column a factor"
-    )
-    command.add_argument(
-        "-o",
-        "--output",
-        type=written_as(**endings),
-        required=True,
-        metavar="|".join(f"OUT.{ending}" for ending in endings),
-    )
-    command.add_argument(
-        "--materials",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FILE.yaml",
-        help="file of a material that the library lacks",
-    )
-
-
-def _solve(options: argparse.Namespace) -> None:
+def solve_table(options: argparse.Namespace) -> None:
+    """Solve a table and write its answer, as the options say."""
     positions = None if options.positions is None else numbers("--positions", options.positions)
     points = len(positions or [0.0])
     table, out = _solved(
@@ -138,12 +96,14 @@ def _check_units(table: Table, out: xr.Dataset) -> None:
 
 
 def _unasked(table: Table) -> set[str]:
-    """Quantities that nobody misses: of electrodes and of sliding points, where no case has such a factor."""
+    """Quantities that nobody misses: of electrodes, of heat and of sliding points, where no case has such a factor."""
     electrodes = () if {*OF_AN_ELECTRODE} & {*table.columns} else (*ELECTRODE_QUANTITIES,)
-    return {*electrodes, *(() if "friction" in table.columns else POINT_SLIDING)}
+    heat = () if {*OF_HEAT} & {*table.columns} else (*HEAT_QUANTITIES,)
+    return {*electrodes, *heat, *(() if "friction" in table.columns else POINT_SLIDING)}
 
 
-def _interior(options: argparse.Namespace) -> None:
+def solve_inside(options: argparse.Namespace) -> None:
+    """Solve a table on a grid inside the body and write its answer, as the options say."""
     x, y = numbers("--x", options.x), numbers("--y", options.y)
     fields = [name.strip() for name in options.fields.split(",")] if options.fields else None
     points = len(x) * len(y)

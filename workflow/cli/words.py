@@ -10,7 +10,6 @@ from pathlib import Path
 
 from solver.units import in_si
 from storage.files import regular
-from workflow.language.given import check_bare
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, number, one_line
 
@@ -82,6 +81,8 @@ def quantity(where: str, text: str, units: str, factor: str = "") -> float:
         except ValueError:
             return in_si(text, units)
         if factor:
+            from workflow.language.given import check_bare  # NumPy: not for the help
+
             check_bare(factor, value)
         return value
     except ValueError as error:

@@ -1,9 +1,10 @@
 """The circuit that reads a contact: one balance of charge for amplifiers of voltage and of charge.
 
 The punch is one node with the cable and the amplifier's input, at the voltage V against ground. The contact gives it
-the charge Q(P) + C(P) V, the capacitances of the circuit C_e V. No charge enters the node but through resistances:
+the charge Q(P) + Q_heat + C(P) V, the capacitances of the circuit C_e V. No charge enters the node but through
+resistances and by the amplifier's bias current:
 
-    d/dt [Q(P) + (C(P) + C_e) V] = -(C(P)/tau + G_e) V,
+    d/dt [Q(P) + Q_heat + (C(P) + C_e) V] = -(C(P)/tau + G_e) V + I_bias,
 
 tau the time in which charge leaks through the film (resistivity times permittivity). A voltage amplifier has
 C_e = C_in + C_cable and G_e = 1/R_in, and its output is V. A charge amplifier of open-loop gain A has the output -A V,
@@ -17,9 +18,9 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from scipy.constants import Boltzmann
 
 from solver import Material
+from solver.units import BOLTZMANN
 from workflow.language import grammar
 
 
@@ -58,6 +59,11 @@ class Circuit:
         """Output over the voltage of the punch."""
         return -self.numbers.get("open_loop_gain", 1e6) if self.reads_charge else 1.0
 
+    @property
+    def bias_current(self) -> float:
+        """Current that the amplifier's input feeds into the node [A]."""
+        return self.numbers.get("bias_current", 0.0)
+
     @cached_property
     def capacitance(self) -> float:
         """C_e [F]: cable, input and what the feedback seems to be at the input."""
@@ -84,7 +90,7 @@ class Circuit:
         feedback = self.numbers.get("feedback_capacitance", 0.0)
         amplifier = self._figure("smallest_force", contact + feedback, charge_per_force=1.0)
         discharged = feedback or contact + self.capacitance
-        return float(np.hypot(amplifier, np.sqrt(Boltzmann * temperature * discharged)))
+        return float(np.hypot(amplifier, np.sqrt(BOLTZMANN * temperature * discharged)))
 
     def _figure(self, name: str, contact: float, **known: float) -> float:
         """A figure of a device with a contact of some capacitance [F]."""

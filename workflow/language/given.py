@@ -2,15 +2,16 @@
 
 import re
 from collections.abc import Mapping
-from typing import Any
-
-from pydantic import ValidationInfo
+from typing import TYPE_CHECKING, Any
 
 from solver import units
 from solver.units import in_si
 from workflow.language.expressions import units_of
 from workflow.language.factors import FACTORS, own_kind
 from workflow.language.numbers import shown
+
+if TYPE_CHECKING:
+    from pydantic import ValidationInfo
 
 _NUMBERS = ("low", "high", "choices", "uniform", "normal", "triangular")  # of a range or a distribution
 #: Sizes, in SI, below and from which on a bare number has probably lost its unit, and the unit that was meant.
@@ -86,7 +87,7 @@ def number(name: str, value: float | str, units: str = "", context: object = Non
     return value
 
 
-def entries(section: Any, info: ValidationInfo) -> Any:
+def entries(section: Any, info: "ValidationInfo") -> Any:
     """Return a section of numbers by the names of factors in SI; other content stays as it is."""
     if not isinstance(section, Mapping):
         return section

@@ -104,7 +104,7 @@ def check_target(study: Contents, where: str, target: Target) -> None:
             raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
     for name in target.tolerance:
         _check_tolerance(study, f"{where}: tolerance: {name}", name, target)
-    for name in target.constants():
+    for name in (name for name in target.constants() if name not in study.factors):
         for narrowed in study.chosen(target):
             try:
                 narrowed.constant(name)

@@ -11,7 +11,7 @@ from functools import cache
 from itertools import combinations
 
 import numpy as np
-from scipy.linalg import null_space
+import scipy  # scipy.linalg, slow to import, and few studies have groups
 
 from solver.similarity import Weight, weight_of
 from surrogate import Input
@@ -156,8 +156,8 @@ def unlike(products: Sequence[Product], factors: Sequence[str], fixed: Mapping[s
     A = A.reshape(-1, len(factors))
     W = np.array([[weight.size, weight.strength] for weight in map(weight_of, factors)])
     fixed_weights = np.array([[weight.size, weight.strength] for weight in fixed.values()]).reshape(-1, 2)
-    similar = W @ (null_space(fixed_weights) if len(fixed_weights) else np.eye(2))
-    unseen = null_space(A)
+    similar = W @ (scipy.linalg.null_space(fixed_weights) if len(fixed_weights) else np.eye(2))
+    unseen = scipy.linalg.null_space(A)
     dissimilar = unseen - similar @ np.linalg.lstsq(similar, unseen, rcond=None)[0]
     if not unseen.size or np.abs(dissimilar).max() < _SAME:
         return None

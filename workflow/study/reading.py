@@ -5,15 +5,18 @@ import unicodedata
 from collections.abc import Hashable, Mapping
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, Union, get_args, get_origin
 
 import yaml
-from pydantic import BaseModel, ValidationError
 
-from solver import Material, MaterialError
 from solver.units import plain
 from storage.files import regular
 from workflow.language.spelling import nearest
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel, ValidationError
+
+    from solver import Material
 
 _LARGEST = 1 << 20  # bytes; a study or a material is a few kB
 _DEEPEST = (
@@ -141,7 +144,7 @@ def read_yaml(path: Path) -> dict[str, Any]:
     return content
 
 
-def read_material(path: Path) -> tuple[str, Material]:
+def read_material(path: Path) -> "tuple[str, Material]":
     """Name and constants of a user's material file: numbers in SI, or with a unit, as ``c11: 115 GPa``.
 
     Raises
@@ -149,6 +152,8 @@ def read_material(path: Path) -> tuple[str, Material]:
     InputError
         One line that names file, constant, value and what is allowed.
     """
+    from solver import Material, MaterialError
+
     content = {"name": path.stem, **read_yaml(path)}
     try:
         material = Material.from_mapping(content)
@@ -161,7 +166,7 @@ def read_material(path: Path) -> tuple[str, Material]:
     return material.name, material
 
 
-def first_problem(error: ValidationError, model: type[BaseModel], content: Mapping[str, Any]) -> str:
+def first_problem(error: "ValidationError", model: "type[BaseModel]", content: Mapping[str, Any]) -> str:
     """The first finding of pydantic as ``key: value: what is allowed``."""
     findings = error.errors()
     # an unknown key is named before what is missing for it
@@ -194,7 +199,7 @@ def _written(loc: tuple[int | str, ...], content: Any) -> list[str]:
     return place
 
 
-def _keys_at(model: type[BaseModel], place: list[str]) -> list[str]:
+def _keys_at(model: "type[BaseModel]", place: list[str]) -> list[str]:
     """Names of the fields that a model allows at a place in the file, whichever branch of a union it is in."""
     nodes: list[Any] = [model]
     for part in place:
@@ -219,4 +224,4 @@ def _branches(node: Any) -> list[Any]:
 
 
 def _is_model(node: object) -> bool:
-    return isinstance(node, type) and issubclass(node, BaseModel)
+    return isinstance(node, type) and hasattr(node, "model_fields")

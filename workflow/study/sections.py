@@ -12,11 +12,11 @@ from pydantic import (
     model_serializer,
     model_validator,
 )
-from scipy.constants import Boltzmann
 
 from solver import find
 from solver.described import Contact
 from solver.names import CHOICES, COMPOSITES, OF_A_FILM, PROFILES
+from solver.units import BOLTZMANN
 from workflow.language.constants import DEVICE
 from workflow.language.given import number, size
 from workflow.study.categories import Combination
@@ -338,6 +338,9 @@ class Amplifier(Strict):
     feedback_resistance: Annotated[Number | str, _above("feedback_resistance")] | None = Field(
         None, description="beside the feedback capacitance [Ohm]; infinite by default"
     )
+    bias_current: Annotated[Number | str, _above("bias_current", zero=True)] | None = Field(
+        None, description="that its input draws [A]; it leaves bias_current times the resistance at the output"
+    )
     open_loop_gain: Annotated[Number | str, _above("open_loop_gain")] = Field(
         1e6, description="of a charge amplifier without its feedback"
     )
@@ -380,7 +383,7 @@ class Device(Strict):
         """Every number that is given, by its name in designs, in SI."""
         written = {**dict(self), **dict(self.amplifier or {})}
         numbers = {name: number(name, written[name]) for name in DEVICE if written.get(name) is not None}
-        energy, feedback = Boltzmann * numbers["temperature"], numbers.get("feedback_capacitance", 0.0)
+        energy, feedback = BOLTZMANN * numbers["temperature"], numbers.get("feedback_capacitance", 0.0)
         # what a resistance discharges: all of a circuit, or a charge amplifier's feedback alone
         return numbers | {"thermal_energy": 0.0 if feedback else energy, "feedback_heat": (energy * feedback) ** 0.5}
 

@@ -1,6 +1,8 @@
 """Help of every command: an example that the command itself takes."""
 
 import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -22,6 +24,24 @@ def test_what_needs_no_results_runs(
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     assert main.main(example(name, capsys)) == 0
+
+
+@pytest.mark.process
+def test_the_help_solves_nothing_and_a_case_fits_nothing(tmp_path: Path) -> None:
+    program = f"""
+import contextlib, sys
+from workflow.cli.main import main
+def loaded(*names): print(*[name for name in names if name in sys.modules], file=sys.stderr)
+with contextlib.suppress(SystemExit):
+    main(["--help"])
+loaded("numpy", "pydantic")
+main(["solve", "examples/cases.csv", "-o", {str(tmp_path / "out.nc")!r}])
+loaded("pydantic", "surrogate", "scipy.linalg", "scipy.optimize")
+import workflow.cli.query, surrogate.gp.gridgp
+loaded("pydantic", "sklearn", "scipy.linalg", "scipy.optimize", "workflow.study.model")
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert [line for line in done.stderr.split("\n") if not line.startswith(("wrote", "left out", "empty"))] == [""] * 4
 
 
 def example(name: str, capsys: pytest.CaptureFixture[str]) -> list[str]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cache, singledispatch
 
 import numpy as np
-from scipy.special import betainc
+import scipy  # scipy.special, slow to import, and not every job answers a question
 
 from approximation.arrays import Array
 from workflow.language import statistics
@@ -118,7 +118,7 @@ def _(statistic: statistics.Mean, sign: float) -> RiskMeasure:
 
 @cache
 def _harrell_davis(count: int, share: float) -> Array:
-    edges = betainc((count + 1) * share, (count + 1) * (1 - share), np.arange(count + 1) / count)
+    edges = scipy.special.betainc((count + 1) * share, (count + 1) * (1 - share), np.arange(count + 1) / count)
     return np.asarray(np.diff(edges))
 
 
