@@ -143,6 +143,8 @@ _QUANTITIES: dict[str, dict[str, Described]] = {
     "Films": names.EVERY_FILM_QUANTITY,
     "Contacts in air": names.GAP_QUANTITIES | names.POINT_GAP_QUANTITIES,
     "Electrodes": names.ELECTRODE_QUANTITIES,
+    "Heat of a touch": names.HEAT_QUANTITIES,
+    "Constants for heat": names.THERMAL,
     "Points": names.POINT_QUANTITIES,
     "Sliding points": names.POINT_SLIDING,
     "Fields": FIELDS,

@@ -22,8 +22,10 @@ from solver.names import (
     FILM_PEAKS,
     FILM_QUANTITIES,
     GAP_QUANTITIES,
+    HEAT_QUANTITIES,
     OF_A_FILM,
     OF_AN_ELECTRODE,
+    OF_HEAT,
     PEAKS,
     POINT_GAP_QUANTITIES,
     POINT_QUANTITIES,
@@ -91,16 +93,20 @@ class Kind:
         return {**self.quantities, **self.peaks}
 
 
+_HEAT_OF_LINES, _HEAT_OF_POINTS = (
+    {name: quantity for name, quantity in HEAT_QUANTITIES.items() if name != other}
+    for other in ("heat_charge", "heat_charge_per_length")
+)
 HALF_PLANE = Kind("half-plane", "line", "relative", QUANTITIES, PEAKS, ("body",))
 FILM = Kind(
     "film",
     "line",
     "by_base",
-    QUANTITIES | FILM_QUANTITIES | ELECTRODE_QUANTITIES,
+    QUANTITIES | FILM_QUANTITIES | ELECTRODE_QUANTITIES | _HEAT_OF_LINES,
     FILM_PEAKS,
     ("interface", "film", "base"),
     layered=True,
-    factors=(*OF_A_FILM, *OF_AN_ELECTRODE),
+    factors=(*OF_A_FILM, *OF_AN_ELECTRODE, *OF_HEAT),
     tabled=TABLED,
     method="; on films, integral equations with the closed form as their singular part",
 )
@@ -123,7 +129,7 @@ HALF_PLANE_IN_AIR = Kind(
 FILM_IN_AIR = replace(
     FILM,
     name="film with air beside the contact",
-    quantities=_OF_A_LINE | FILM_QUANTITIES | GAP_QUANTITIES,
+    quantities=_OF_A_LINE | FILM_QUANTITIES | GAP_QUANTITIES | _HEAT_OF_LINES,
     air=True,
     method=FILM.method + _IN_AIR,
 )
@@ -133,11 +139,15 @@ POINT_FILM = Kind(
     "film under a point",
     "point",
     "absolute",
-    POINT_QUANTITIES | POINT_SLIDING | {"nominal_field": FILM_QUANTITIES["nominal_field"]} | ELECTRODE_QUANTITIES,
+    POINT_QUANTITIES
+    | POINT_SLIDING
+    | {"nominal_field": FILM_QUANTITIES["nominal_field"]}
+    | ELECTRODE_QUANTITIES
+    | _HEAT_OF_POINTS,
     FILM_PEAKS,
     (),
     layered=True,
-    factors=(*OF_A_FILM, *OF_AN_ELECTRODE),
+    factors=(*OF_A_FILM, *OF_AN_ELECTRODE, *OF_HEAT),
     tabled=tuple(name for name in TABLED if name not in ("friction", "speed")),
     method="; on films under a point, Galerkin's equations in Legendre functions beside the closed form",
 )
@@ -156,7 +166,10 @@ HALF_SPACE_IN_AIR = replace(
 POINT_FILM_IN_AIR = replace(
     POINT_FILM,
     name="film under a point with air beside it",
-    quantities=_OF_A_POINT | POINT_GAP_QUANTITIES | {"nominal_field": FILM_QUANTITIES["nominal_field"]},
+    quantities=_OF_A_POINT
+    | POINT_GAP_QUANTITIES
+    | {"nominal_field": FILM_QUANTITIES["nominal_field"]}
+    | _HEAT_OF_POINTS,
     air=True,
     method=POINT_FILM.method + _IN_AIR,
 )

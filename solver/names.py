@@ -39,6 +39,12 @@ FACTORS: dict[str, Factor] = {
     "base_poisson": poisson("a film's base"),
     "punch_modulus": positive("Pa", "Young's modulus of the punch", optional=True),
     "punch_poisson": poisson("the punch"),
+    "touch_temperature": positive("K", "temperature of what touches the surface", optional=True),
+    "body_temperature": positive("K", "temperature of the body before the touch", 293.15),
+    "heat_share": positive("1", "charge of heat over that of the force at which heat_time is read", 1.0),
+    "hold": positive("s", "time after the touch at which its heat is read", optional=True),
+    "feedback_resistance": positive("Ohm", "resistance beside the feedback capacitance", optional=True),
+    "feedback_capacitance": positive("F", "capacitance between output and input of a charge amplifier", optional=True),
 }
 
 #: The factor that states each composite's composition; the laws are those of ``solver/material/laws.py``.
@@ -101,6 +107,9 @@ OF_A_FILM = (
     "thickness", "base", "base_modulus", "base_poisson", "interface_electric", "interface_magnetic",
     "base_volume_fraction", "grading_exponent",
 )  # fmt: skip
+
+#: Factors of the heat that a touch brings to a film, and of the charge amplifier in which charge of it decays.
+OF_HEAT = ("touch_temperature", "body_temperature", "heat_share", "hold", "feedback_resistance", "feedback_capacitance")
 
 #: The factor that gives a whole stack of layers (:class:`solver.Stack`), in place of a material and a film's factors.
 BODY = "body"
@@ -168,6 +177,25 @@ PEAKS: dict[str, Described] = {
     "peak_von_mises": Described("Pa", "largest von Mises stress below depth 0.1 h"),
     "peak_von_mises_depth": Described("m", "depth of the largest von Mises stress below depth 0.1 h"),
     "peak_principal_tension": Described("Pa", "largest principal stress below depth 0.1 h"),
+}
+
+#: Largest time [s] and temperature [K] of the quantities of heat: what is never reached is reported as these.
+NEVER_TIME, NEVER_TEMPERATURE = 1e6, 1e6
+
+#: Quantities of the heat that a touch brings, of a film whose ``touch_temperature`` and ``hold`` are given.
+HEAT_QUANTITIES: dict[str, Described] = {
+    "heat_charge": Described("C", "charge that heat has made after hold, as far as it has not decayed"),
+    "heat_charge_per_length": Described("C m-1", "the same of a contact along a line"),
+    "temperature_equal": Described(
+        "K",
+        "rise of what touches over the body whose heat makes as much charge as the force leaves, after hold",
+        f"at most {NEVER_TEMPERATURE:g} K",
+    ),
+    "heat_time": Described(
+        "s",
+        "time at which heat has made heat_share times the charge that the force leaves",
+        f"at most {NEVER_TIME:g} s",
+    ),
 }
 
 #: Every quantity of a half-plane.
@@ -269,6 +297,18 @@ LIMITS: dict[str, Described] = {
     "breakdown_field": Described("V m-1", "electric field at which it breaks down"),
 }
 
+#: Constants of a material for heat, beside its other constants; not every one is known of a material.
+THERMAL: dict[str, Described] = {
+    "pyroelectric": Described(
+        "C m-2 K-1",
+        "change of the polarisation along the poling axis on heating, at constant stress",
+        "negative where heating takes from a polarisation along +y, as that of PZT and of PVDF",
+    ),
+    "expansion": Described("K-1", "linear thermal expansion across the poling axis"),
+    "conductivity": Described("W m-1 K-1", "thermal conductivity"),
+    "heat_capacity": Described("J m-3 K-1", "heat capacity by volume"),
+}
+
 #: Quantities that each limit of the top material bounds; those of a film's base bound ``base_peak_...``.
 LIMITED: dict[str, tuple[str, ...]] = {
     "tensile_strength": ("trailing_tension", "peak_principal_tension", "film_peak_principal_tension"),
@@ -281,7 +321,7 @@ LIMITED: dict[str, tuple[str, ...]] = {
 #: Every quantity of any body.
 ALL_QUANTITIES = {
     **EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **GAP_QUANTITIES, **POINT_QUANTITIES, **POINT_GAP_QUANTITIES,
-    **ELECTRODE_QUANTITIES,
+    **ELECTRODE_QUANTITIES, **HEAT_QUANTITIES,
 }  # fmt: skip
 
 #: Those that are searched for over a body.

@@ -23,6 +23,7 @@ VACUUM_PERMEABILITY = 1.25663706127e-6  # N s2/C2
 BOLTZMANN = 1.380649e-23  # J/K, exact since 2019
 _ALONE = {  # no prefix
     "%": (1e-2, (0, 0, 0, 0, 0)),
+    "ppm": (1e-6, (0, 0, 0, 0, 0)),
     "1": (1.0, (0, 0, 0, 0, 0)),
     "eps0": (VACUUM_PERMITTIVITY, (-3, -1, 4, 2, 0)),
     "mu0": (VACUUM_PERMEABILITY, (1, 1, -2, -2, 0)),
@@ -36,6 +37,7 @@ _SYMBOLS: dict[str, tuple[float, tuple[int, int, int, int, int]]] = {  # exponen
     "N": (1.0, (1, 1, -2, 0, 0)),
     "Pa": (1.0, (-1, 1, -2, 0, 0)),
     "J": (1.0, (2, 1, -2, 0, 0)),
+    "W": (1.0, (2, 1, -3, 0, 0)),
     "C": (1.0, (0, 0, 1, 1, 0)),
     "V": (1.0, (2, 1, -3, -1, 0)),
     "F": (1.0, (-2, -1, 4, 2, 0)),

@@ -66,7 +66,7 @@ def test_the_formulas_of_quantities_are_the_solver_s(name: str) -> None:
 
 def test_the_table_of_constants_is_the_code_s() -> None:
     constants = rows("key")
-    assert list(constants) == [*UNITS, "conductor", "name", "source`, `note", "limits", "alternatives"]
+    assert list(constants) == [*UNITS, "conductor", "name", "source`, `note", "limits", "thermal", "alternatives"]
     bare = solver.Material.from_mapping(dict.fromkeys(("c11", "c33"), 3e9) | dict.fromkeys(("c13", "c44"), 1e9))
     for name, units in UNITS.items():
         default = float(getattr(bare, name))

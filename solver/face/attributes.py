@@ -10,7 +10,18 @@ from solver.described import Contact, Described
 from solver.face.filmfactors import present
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import BODY, CHOICES, CONTACTS, FACTORS, OF_A_GAP, OF_A_LINE, OF_A_PUNCH, OF_AN_ELECTRODE, PROFILES
+from solver.names import (
+    BODY,
+    CHOICES,
+    CONTACTS,
+    FACTORS,
+    OF_A_GAP,
+    OF_A_LINE,
+    OF_A_PUNCH,
+    OF_AN_ELECTRODE,
+    OF_HEAT,
+    PROFILES,
+)
 
 #: How every solution is made (CF: the method of production).
 SOURCES: dict[Contact, str] = {
@@ -102,6 +113,7 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
     unused |= set() if "line" in contacts else set(OF_A_LINE)
     unused |= set() if any(kind.air for kind in kinds_present) else {*OF_A_GAP}
     unused |= set() if "patch_size" in arrays else {*OF_AN_ELECTRODE}
+    unused |= {*OF_HEAT}  # which the contact does not know
     spared |= {"patch"} | unused
     defaults = {name: value for name, value in defaults.items() if name not in unused}
     if "interface_magnetic" not in {*arrays, *spared}:

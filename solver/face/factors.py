@@ -13,7 +13,17 @@ from approximation.arrays import columns_of
 from solver.arrays import is_finite, shown, unmasked
 from solver.described import Contact
 from solver.face.electrodes import check_electrodes
-from solver.face.filmfactors import absent, among, bare, check_elasticity, check_films, check_gaps, refuse, settled
+from solver.face.filmfactors import (
+    absent,
+    among,
+    bare,
+    check_elasticity,
+    check_films,
+    check_gaps,
+    check_heat,
+    refuse,
+    settled,
+)
 from solver.face.refusal import FactorError
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
@@ -29,6 +39,7 @@ from solver.names import (
     OF_A_GAP,
     OF_A_LINE,
     OF_AN_ELECTRODE,
+    OF_HEAT,
     PROFILES,
 )
 from solver.stack.layers import Stack
@@ -84,7 +95,7 @@ def _cells(column: pd.Series) -> NDArray[Any]:
 
 _SMALLEST = float(np.finfo(np.float64).tiny)
 _STEEPEST = 1.0  # slope of a cone or wedge beyond which a theory of small slopes says nothing
-_OF_LAYERS = {BODY, "surroundings", *OF_A_FILM, *OF_A_GAP, *OF_AN_ELECTRODE}
+_OF_LAYERS = {BODY, "surroundings", *OF_A_FILM, *OF_A_GAP, *OF_AN_ELECTRODE, *OF_HEAT}
 _MAY_BE_EMPTY = (*OF_A_FILM, "surroundings")
 _OUTPUT_DIMS = ("position", "x", "y")
 _CHARGES = {
@@ -133,6 +144,7 @@ def _with_layers(arrays: dict[str, xr.DataArray]) -> dict[str, xr.DataArray]:
     arrays = settled(arrays)
     check_gaps(arrays)
     check_electrodes(arrays)
+    check_heat(arrays)
     return arrays
 
 

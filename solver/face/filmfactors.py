@@ -10,7 +10,7 @@ from solver.arrays import shown
 from solver.body import KINDS, Kind, around
 from solver.face.refusal import FactorError
 from solver.material.constants import Material
-from solver.names import AIR, BODY, FACTORS, OF_A_FILM, OF_A_GAP, OF_AN_ELECTRODE, PROFILES
+from solver.names import AIR, BODY, FACTORS, OF_A_FILM, OF_A_GAP, OF_AN_ELECTRODE, OF_HEAT, PROFILES
 from solver.stack.layers import RIGID, Stack
 
 _POINTED = [name for name, outline in PROFILES.items() if outline.contact == "point"]
@@ -114,6 +114,28 @@ def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
             f"gap_radius: missing; must be {FACTORS['gap_radius'].allowed}: a cone or a power beside air says nowhere "
             "how wide the punch is, and the charge in its gap grows with that"
         )
+
+
+_NEEDS = {"touch_temperature": "hold", "hold": "touch_temperature", "feedback_resistance": "feedback_capacitance"}
+
+
+def check_heat(arrays: Mapping[str, xr.DataArray]) -> None:
+    """Raise FactorError unless every case that is touched is a film, with a time, and no other has factors of heat."""
+    names = [name for name in OF_HEAT if name in arrays]
+    if not names:
+        return
+    kinds = kinds_of(arrays)
+    for name in names:
+        refuse(arrays, name, kinds.isin([kind for kind in np.unique(kinds) if "film" not in kind]), "without a film")
+        if np.any(np.isnan(bare(arrays, name).values)):
+            raise FactorError(f"{name}: missing in a case; heat is asked of all cases or of none")
+    for name in names if "touch_temperature" in arrays else ["touch_temperature", *names]:
+        if name not in arrays or (needed := _NEEDS.get(name, name)) not in arrays:
+            missing = name if name not in arrays else needed
+            raise FactorError(
+                f"{missing}: missing; {names[0] if name not in arrays else name} needs it; must be "
+                f"{FACTORS[missing].allowed}"
+            )
 
 
 def bare(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:

@@ -26,7 +26,16 @@ class OnPointFilm(OnPoints):
 
     def quantities(self) -> dict[str, Array]:
         """Quantities of a half-space, and the nominal field."""
-        return self._of_parts(lambda pressed, places: with_nominal_field(self._quantities(pressed, places), pressed))
+
+        def solved(pressed: Pressed, places: Indices) -> dict[str, Array]:
+            body, reading, collected = pressed.body, pressed.reading, dict[str, Array]()
+            # first: a patch too far is refused before sliding is solved
+            if isinstance(body, Film) and reading is not None:
+                collected = electrode_quantities(pressed.charged, body, reading)
+            out = with_nominal_field(self._quantities(pressed, places), pressed)
+            return out if reading is None else reading.driven(out | collected)
+
+        return self._of_parts(solved)
 
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
         bodies, conducts, elastic = self._bodies, self.cases.conducts, punch_of(self.cases)
@@ -89,10 +98,8 @@ def _stack(pressed: Pressed) -> Stack:
 
 
 def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Array]:
-    """Quantities of a body, with the nominal field and the electrode's readings where it is a film."""
+    """Quantities of a body, with the nominal field where it is a film."""
     body = pressed.body
     if isinstance(body, Film) and "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (body.thickness * body.kind.film.above_ground)
-    if isinstance(body, Film) and pressed.reading is not None:
-        out = pressed.reading.driven(out | electrode_quantities(pressed.charged, body, pressed.reading))
     return out

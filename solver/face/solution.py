@@ -21,7 +21,7 @@ from solver.face.refusal import FactorError, SmallStrainWarning
 from solver.face.strain import Excess, excesses, sentence
 from solver.fields import ACROSS, ALONG, EVERY_FIELD, EVERY_INTERIOR
 from solver.material.constants import Material
-from solver.names import ALL_PEAKS, ALL_QUANTITIES
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, OF_HEAT
 
 #: Module and class by contact, by layers of the body, and by charge in the air around the contact. A module is imported
 #: with the first case of its kind: cases on a half-plane never load the films.
@@ -60,9 +60,11 @@ def solve(
         :class:`Material`) or the fraction of a composite (``composite``, default ``fibrous``; see
         ``solver.names.COMPOSITES``). The rest default to 0 (``datum``: 1 m; ``electric`` and ``magnetic``: conducting).
         A case with a ``thickness`` is a film on its ``base``, graded with a ``base_volume_fraction``, see
-        ``solver.names.OF_A_FILM``; NaN and empty names mean that a case has none. Instead of material, film and base a
-        ``body`` may be given: a :class:`Stack`, or a list. Beside a film's contact is air, where that can be, unless
-        ``surroundings`` is ``insulated``: voltages and capacitances are others by factors.
+        ``solver.names.OF_A_FILM``; NaN and empty names mean that a case has none. A film that something warm
+        touches (``touch_temperature``, ``hold``) has the quantities of ``solver.names.HEAT_QUANTITIES`` as well.
+        Instead of material, film and base a ``body`` may be given: a :class:`Stack`, or a list. Beside a film's contact
+        is air, where that can be, unless ``surroundings`` is ``insulated``: voltages and capacitances are others by
+        factors.
     positions
         Surface positions X = (x - c)/h, or r/a of a point contact, dimensionless. At an edge, +-1, contact pressure and
         shear traction are 0 where the punch is smooth; all other fields, which jump or are infinite there, are NaN.
@@ -84,7 +86,8 @@ def solve(
         ``solver.names``. Values that a dimension does not change are broadcast views, not copies. A quantity that
         some case does not have is left out: the potentials of a field that a punch does not conduct; peak pressure,
         edge intensities and edge stresses at a corner of the punch, where they are infinite; what only films or only
-        half-planes have, where both are asked for.
+        half-planes have, where both are asked for; those of heat where a constant is not known, which the attribute
+        ``heat`` names.
 
     Raises
     ------
@@ -116,7 +119,9 @@ def solve(
     >>> dict(solve([roller | {"load": 1e4}, roller | {"load": 4e4}]).sizes)
     {'case': 2}
     """
-    cases = Cases(checked(factors), materials, phases)
+    arrays = checked(factors)
+    pressed = {name: array for name, array in arrays.items() if name not in OF_HEAT}
+    cases = Cases(pressed, materials, phases)
     X = None if positions is None else _positions(positions)
     searched, found = _searched(peaks), list[Excess]()
 
@@ -133,6 +138,10 @@ def solve(
         return xr.Dataset(outputs, coordinates)
 
     out = cases.solved("exact solution of a punch on a magneto-electro-elastic half-plane", part)
+    if "touch_temperature" in arrays:
+        from solver.face.heat import with_heat  # few cases are touched
+
+        out = with_heat(out, arrays, materials, phases)
     if found:
         count = prod(cases.sizes.values())
         warnings.warn(SmallStrainWarning(sentence(found, count), found), stacklevel=2)

@@ -20,7 +20,7 @@ from solver.line.windows import FIRST, LAST
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.point.body import Film, HalfSpace
 from solver.point.contact import PointContact, Pressed
-from solver.point.friction import Rim
+from solver.point.friction import Rim, require_thin
 from solver.point.inside import Inside
 from solver.point.kernel import shear_kernel
 from solver.point.peaks import peaks_of
@@ -43,6 +43,8 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | Non
 
     Edge intensities are absent: those of fields that the air carries do not exist. With friction to the first order.
     """
+    if rim is not None and isinstance(pressed.body, Film):
+        require_thin(pressed.body.kind.film.stack())
     ratio = pressed.charged.radius / pressed.length
     # those of like radius share tables
     by_radius = sorted(_cases(pressed, permittivity, end), key=lambda pair: float(ratio[pair[0].place]))

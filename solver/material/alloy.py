@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from solver.arrays import Array, unmasked
 from solver.material.constants import ANY_SIZE, VACUUM_PERMITTIVITY, Material, MaterialError
-from solver.material.evidence import Limit
+from solver.material.evidence import Sourced
 from solver.names import FACTORS
 
 # of AlN, of wurtzite ScN, and the bowing: v(x) = a (1 - x) + b x + c x (1 - x); GPa and C/m2
@@ -78,7 +78,7 @@ def aluminium_scandium_nitride(scandium_fraction: ArrayLike) -> Material:
         name="AlScN",
         source="M.A. Caro et al., J. Phys.: Condens. Matter 27 (2015) 245901, fits as coded in a public module",
         any_size=ANY_SIZE,
-        limits={"coercive_field": Limit(200e6, _SWITCHING)},
+        limits={"coercive_field": Sourced(200e6, _SWITCHING)},
     )
     material.check()
     return material

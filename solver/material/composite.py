@@ -1,12 +1,18 @@
 """Effective constants of two-phase composites poled along y (theory section 7)."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.arrays import Array, column, unmasked
-from solver.material.constants import ANY_SIZE, Material, MaterialError
+from solver.material.constants import ANY_SIZE, UNITS, Material, MaterialError
+from solver.material.evidence import Sourced
+from solver.names import THERMAL
+
+_FIELD = 1e9  # V/m: brings couplings and permittivities of ceramics near their stiffnesses
 
 
 def fibrous(fibre: Material, matrix: Material, fraction: ArrayLike) -> Material:
@@ -27,7 +33,9 @@ def fibrous(fibre: Material, matrix: Material, fraction: ArrayLike) -> Material:
     Notes
     -----
     Closed form of theory section 7, with the differences of the phases' bulk moduli cancelled by hand, so that
-    equal phases and the fractions 0 and 1 are ordinary values.
+    equal phases and the fractions 0 and 1 are ordinary values. Constants for heat follow for one fraction alone: those
+    of films by the exact relation of V.M. Levin (1967), with the expansion of each phase alike in all directions, the
+    conductivity of phases side by side.
 
     Examples
     --------
@@ -66,7 +74,8 @@ def fibrous(fibre: Material, matrix: Material, fraction: ArrayLike) -> Material:
             rho=v * fibre.rho + (1 - v) * matrix.rho,
             name=f"fibrous {fibre.name} in {matrix.name}", source="Mori-Tanaka of the phases",
             any_size=ANY_SIZE,
-        )
+        ),
+        (fibre, matrix), v, beside=True,
     )  # fmt: skip
 
 
@@ -124,7 +133,8 @@ def laminate(first: Material, second: Material, fraction: ArrayLike) -> Material
             rho=v * first.rho + (1 - v) * second.rho,
             name=f"laminate of {first.name} and {second.name}", source="exact laminate of the phases",
             any_size=ANY_SIZE,
-        )
+        ),
+        (first, second), v, beside=False,
     )  # fmt: skip
 
 
@@ -162,6 +172,53 @@ def _mori_tanaka_shear(G_f: Array, G_m: Array, v: Array) -> Array:
     return np.asarray((host + column(v) * gap @ concentration) / scales)
 
 
-def _admissible(material: Material) -> Material:
+def _admissible(material: Material, phases: tuple[Material, Material], v: Array, *, beside: bool) -> Material:
+    """The composite, checked, with constants for heat where it is one material."""
     material.check()
-    return material
+    return material if v.shape else replace(material, thermal=_thermal(material, phases, float(v), beside))
+
+
+def _thermal(composite: Material, phases: tuple[Material, Material], v: float, beside: bool) -> dict[str, Sourced]:
+    """Constants for heat of a composite whose phases have them; ``beside``: heat flows through both side by side."""
+    first, second = ({name: known.value for name, known in phase.thermal.items()} for phase in phases)
+    values: dict[str, float] = {}
+    if (name := "heat_capacity") in first and name in second:
+        values[name] = v * first[name] + (1 - v) * second[name]
+    if (name := "conductivity") in first and name in second:
+        power = 1 if beside else -1
+        values[name] = (v * first[name] ** power + (1 - v) * second[name] ** power) ** power
+    loads = [_thermal_load(phase, known) for phase, known in zip(phases, (first, second), strict=True)]
+    one, two, whole = (_axial(body) for body in (*phases, composite))
+    if loads[0] is not None and loads[1] is not None and np.linalg.matrix_rank(one - two) == len(one):
+        # with the change of temperature these strains and fields are uniform in both phases, and so in the composite
+        uniform = np.linalg.solve(one - two, loads[1] - loads[0])
+        load = loads[0] + (one - whole) @ uniform
+        across, along = np.linalg.solve(whole[:2, :2], -load[:2])
+        values["expansion"] = across
+        values["pyroelectric"] = load[2] / _FIELD + composite.e31 * 2 * across + composite.e33 * along
+    source = f"of {phases[0].name} and {phases[1].name} by the relation of Levin (1967) and rules of mixtures"
+    return {name: Sourced(float(values[name]), source) for name in THERMAL if name in values}
+
+
+def _axial(material: Material) -> Array:
+    """Matrix from strains across and along the axis and both fields to stresses and inductions, scaled; (4, 4)."""
+    m = {name: float(getattr(material, name)) for name in UNITS}
+    matrix = np.array([
+        [m["c11"] + m["c12"], m["c13"], -m["e31"], -m["f31"]],
+        [2 * m["c13"], m["c33"], -m["e33"], -m["f33"]],
+        [2 * m["e31"], m["e33"], m["eps33"], m["g33"]],
+        [2 * m["f31"], m["f33"], m["g33"], m["mu33"]],
+    ])  # fmt: skip
+    scale = np.array([1.0, 1.0, _FIELD, _FIELD / 100])
+    return np.asarray(matrix * scale[:, None] * scale)
+
+
+def _thermal_load(material: Material, known: Mapping[str, float]) -> Array | None:
+    """Stresses and inductions per kelvin at no strain and no field, scaled; (4,). None if a constant is not known."""
+    polar = bool(material.e31 or material.e33 or material.e15)
+    if "expansion" not in known or (polar and "pyroelectric" not in known) or np.isnan(material.c12):
+        return None
+    free = np.array([known["expansion"], known["expansion"], 0.0, 0.0])
+    load = np.asarray(-_axial(material) @ free)
+    load[2] += _FIELD * known.get("pyroelectric", 0.0)
+    return load

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from solver.arrays import Array, BoolArray, is_finite, unmasked
 from solver.material.datasheet import ENTRIES, converted
-from solver.material.evidence import Alternative, Limit, read_alternatives, read_limits, with_unit
+from solver.material.evidence import SECTIONS, Alternative, Sourced, read_alternatives, read_sourced, with_unit
 from solver.material.usual import question, questions
 from solver.units import VACUUM_PERMEABILITY as VACUUM_PERMEABILITY
 from solver.units import VACUUM_PERMITTIVITY as VACUUM_PERMITTIVITY
@@ -72,6 +72,9 @@ class Material:
         What it is, where the constants come from, what is disputed about them.
     limits
         What it bears, by the names of ``solver.names.LIMITS``; a limit that is not known is not there.
+    thermal
+        Constants for heat, by the names of ``solver.names.THERMAL``; one that is not known is not there, also of a
+        composite whose phases lack it. All alternatives share them.
     alternatives
         Other published values of its constants, set by set: what :meth:`variants` are made of.
     any_size
@@ -111,7 +114,8 @@ class Material:
     name: str = "material"
     source: str = ""
     note: str = ""
-    limits: Mapping[str, Limit] = field(default_factory=dict)
+    limits: Mapping[str, Sourced] = field(default_factory=dict)
+    thermal: Mapping[str, Sourced] = field(default_factory=dict)
     alternatives: tuple[Alternative, ...] = ()
     any_size: frozenset[str] = frozenset()
 
@@ -129,11 +133,11 @@ class Material:
         """Material from plain values, checked for unknown, missing and non-numeric entries and for admissibility.
 
         Constants by name, in SI or with their unit, ``conductor``, texts ``name``, ``source`` and ``note``, ``limits``
-        (see :func:`read_limits`) and ``alternatives`` (see :func:`read_alternatives`), each of which must be admissible
-        too. Constants may also stand as data sheets print them: compliances ``s11`` ..., charge constants ``d31``,
-        ``d33``, ``d15`` or coupling factors ``k31``, ``k33``, ``k15``, free permittivities ``eps_T33`` or ``eps_r33``
-        (relative), ``E`` and ``nu`` of an isotropic solid, or the matrices ``c``, ``s``, ``e``, ``d``, ``eps`` in the
-        ``order`` IEEE or Abaqus.
+        and ``thermal`` (see :func:`read_sourced`) and ``alternatives`` (see :func:`read_alternatives`), each of which
+        must be admissible too. Constants may also stand as data sheets print them: compliances ``s11`` ..., charge
+        constants ``d31``, ``d33``, ``d15`` or coupling factors ``k31``, ``k33``, ``k15``, free permittivities
+        ``eps_T33`` or ``eps_r33`` (relative), ``E`` and ``nu`` of an isotropic solid, or the matrices ``c``, ``s``,
+        ``e``, ``d``, ``eps`` in the ``order`` IEEE or Abaqus.
 
         Raises
         ------
@@ -160,9 +164,9 @@ class Material:
         for key, value in mapping.items():
             if key not in known:
                 raise MaterialError(f"{label}: {key}: unknown entry; known are {', '.join((*known, *ENTRIES))}")
-            if key in ("limits", "alternatives"):
+            if key in (*SECTIONS, "alternatives"):
                 try:
-                    evidence[key] = read_limits(value) if key == "limits" else read_alternatives(value, UNITS)
+                    evidence[key] = read_sourced(key, value) if key in SECTIONS else read_alternatives(value, UNITS)
                 except ValueError as error:
                     raise MaterialError(f"{label}: {error}") from None
             elif key == "conductor":
@@ -289,6 +293,7 @@ class Material:
             **({"conductor": True} if self.conductor else {}),  # others are as they were before there were any
             **{name: getattr(self, name) for name in ("name", "source", "note")},
             "limits": {name: limit.plain(name) for name, limit in self.limits.items()},
+            **({"thermal": thermal} if (thermal := {k: v.plain(k) for k, v in self.thermal.items()}) else {}),
             "alternatives": [
                 {**with_unit(alternative.constants, UNITS), "source": alternative.source}
                 for alternative in self.alternatives

@@ -1,4 +1,4 @@
-"""Evidence on a material beyond its constants: other published values and limits, each with its source."""
+"""Evidence on a material beyond its constants: other published values, limits and constants for heat, with sources."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -7,23 +7,28 @@ from typing import Any
 import numpy as np
 
 from solver.arrays import is_finite, shown
+from solver.described import Described
 from solver.material.usual import question, questions
-from solver.names import LIMITS
+from solver.names import LIMITS, THERMAL
 from solver.units import in_si
 
 _MOST_ALTERNATIVES = 20
 
 
 @dataclass(frozen=True)
-class Limit:
-    """Limit of a material in the unit of ``solver.names.LIMITS``; the lowest if sources differ."""
+class Sourced:
+    """Limit or thermal constant of a material, in the unit of ``solver.names.LIMITS`` and ``THERMAL``.
+
+    Of limits the lowest if sources differ.
+    """
 
     value: float
     source: str
 
     def plain(self, name: str) -> dict[str, Any]:
-        """Value and source as :func:`read_limits` reads them back."""
-        return {"value": with_unit({name: self.value}, {name: LIMITS[name].units})[name], "source": self.source}
+        """Value and source as :func:`read_sourced` reads them back."""
+        units = {**LIMITS, **THERMAL}[name].units
+        return {"value": with_unit({name: self.value}, {name: units})[name], "source": self.source}
 
 
 @dataclass(frozen=True)
@@ -41,20 +46,27 @@ def with_unit(values: Mapping[str, float], units: Mapping[str, str]) -> dict[str
     return {name: f"{value!r} {units[name]}" if name in unusual else value for name, value in values.items()}
 
 
-def read_limits(entries: object) -> dict[str, Limit]:
-    """Limits from plain values, ``{name: {"value": 30e6, "source": "..."}}``."""
-    limits = {}
-    for name, entry in _mapping("limits", entries, LIMITS).items():
-        fields = _mapping(f"limits: {name}", entry, ("value", "source"))
-        units, value = LIMITS[name].units, fields.get("value", "nothing")
-        where, bare = f"limits: {name}: value", not isinstance(value, str)
+#: Sections of a material that hold values with sources.
+SECTIONS: dict[str, Mapping[str, Described]] = {"limits": LIMITS, "thermal": THERMAL}
+_ANY_SIGN = ("pyroelectric", "expansion")
+
+
+def read_sourced(section: str, entries: object) -> dict[str, Sourced]:
+    """Values of a section from plain ones, ``{name: {"value": 30e6, "source": "..."}}``."""
+    read = {}
+    known = SECTIONS[section]
+    for name, entry in _mapping(section, entries, known).items():
+        fields = _mapping(f"{section}: {name}", entry, ("value", "source"))
+        units, value = known[name].units, fields.get("value", "nothing")
+        where, bare = f"{section}: {name}: value", not isinstance(value, str)
         value = _in_si(where, value, units)
-        if not is_finite(value) or float(value) <= 0:
-            raise ValueError(f"{where}: {shown(value)} is not a finite number > 0 [{units}]")
+        if not is_finite(value) or (float(value) <= 0 and name not in _ANY_SIGN):
+            sign = "" if name in _ANY_SIGN else " > 0"
+            raise ValueError(f"{where}: {shown(value)} is not a finite number{sign} [{units}]")
         if bare and (complaint := question(name, float(value), units)):
-            raise ValueError(f"limits: {complaint}")
-        limits[name] = Limit(float(value), _source(f"limits: {name}", fields))
-    return limits
+            raise ValueError(f"{section}: {complaint}")
+        read[name] = Sourced(float(value), _source(f"{section}: {name}", fields))
+    return read
 
 
 def read_alternatives(entries: object, units: Mapping[str, str]) -> tuple[Alternative, ...]:

@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
@@ -10,6 +10,7 @@ from types import MappingProxyType
 
 from solver.arrays import shown
 from solver.material.constants import MaterialError
+from solver.material.evidence import Sourced, read_sourced
 
 #: The name of a punch that does not deform.
 RIGID_PUNCH = "rigid"
@@ -23,13 +24,17 @@ class PunchMaterial:
     poisson: float  # Poisson's ratio [1]
     conducts: bool  # Whether it holds one potential as it comes
     source: str  # Where the numbers come from, and how far they spread
+    thermal: Mapping[str, Sourced] = field(default_factory=dict)  # Constants for heat, as of other materials
 
 
 @cache
 def punches() -> Mapping[str, PunchMaterial]:
     """Every built-in material of punches by name; numbers and sources stand in ``solver/material/punches.toml``."""
     table = tomllib.loads(files("solver.material").joinpath("punches.toml").read_text(encoding="utf-8"))
-    return MappingProxyType({name: PunchMaterial(**entry) for name, entry in table.items()})
+    read = {
+        name: {**entry, "thermal": read_sourced("thermal", entry.get("thermal", {}))} for name, entry in table.items()
+    }
+    return MappingProxyType({name: PunchMaterial(**entry) for name, entry in read.items()})
 
 
 def find_punch(name: str) -> PunchMaterial:

@@ -43,8 +43,16 @@ _DENSITY = Usual(25.0, 3e4, "{0:g} g/cm3")
 _STRENGTH = Usual(1e3, 1e11, "{0:g} MPa")
 # soft relaxors switch at some 1e4 V/m, thin oxides break down at 1e9 V/m
 _FIELD = Usual(1e3, 1e10, "{0:g} kV/mm")
+# cellular polymers have 1e-7 C/m2/K, relaxor crystals near a transition some 1e-2
+_PYROELECTRIC = Usual(1e-9, 0.1, above="{0:g} uC/m2/K = {1:g} C m-2 K-1", unit=1e-6)
+# glass ceramics are below 1e-7 1/K, gels reach 1e-3
+_EXPANSION = Usual(1e-9, 5e-3, above="{0:g} ppm/K = {1:g} K-1", unit=1e-6)
+# foams and aerogels have 0.01 W/m/K, graphene 5e3
+_CONDUCTIVITY = Usual(1e-3, 1e4)
+# foams have 2e4 J/m3/K, nickel and steel 4e6
+_HEAT_CAPACITY = Usual(1e3, 1e7, "{0:g} MJ/m3/K")
 
-#: Usual sizes of every constant, and of every limit of ``solver.names.LIMITS``.
+#: Usual sizes of every constant, and of every entry of ``solver.names.LIMITS`` and ``THERMAL``.
 USUAL: dict[str, Usual] = {
     **dict.fromkeys(("c11", "c12", "c13", "c33", "c44", "young"), _STIFFNESS),
     **dict.fromkeys(("e31", "e33", "e15"), _PIEZOELECTRIC),
@@ -53,6 +61,10 @@ USUAL: dict[str, Usual] = {
     **dict.fromkeys(("mu11", "mu33"), _PERMEABILITY),
     **dict.fromkeys(("g11", "g33"), _MAGNETOELECTRIC),
     "rho": _DENSITY,
+    "pyroelectric": _PYROELECTRIC,
+    "expansion": _EXPANSION,
+    "conductivity": _CONDUCTIVITY,
+    "heat_capacity": _HEAT_CAPACITY,
     **{name: {"Pa": _STRENGTH, "V m-1": _FIELD}[limit.units] for name, limit in LIMITS.items()},
 }
 

@@ -16,6 +16,7 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
 from solver.cache import cached
+from solver.halfplane.pressing import ContactError
 from solver.halfplane.surface import HalfPlane
 from solver.point.hankel import bessel_orders
 from solver.point.profile import Shape
@@ -152,8 +153,20 @@ def edge_sums(pressed: Density) -> tuple[Array, Array]:
     return falling @ (np.sin(angle) * weights), falling @ (np.sin(3 * angle) * weights)
 
 
+_LONGEST = 2e4  # distance over the width of the strip: some seconds, and a gigabyte
 _FAR = 20.0  # distance over the longer of contact radius and thickness beyond which functions of b fall as powers
 _FALLING = 2, 3  # these powers, of cosines and of sines
+
+
+def require_thin(stack: Stack) -> None:
+    """Refuse layers so thick over the top one that the tension beside the edge would take minutes and gigabytes."""
+    top, most = stack.top.thickness, _LONGEST * strip(stack) / _FAR
+    if stack.thickness > most:
+        raise ContactError(
+            f"friction: the layers are {stack.thickness / top:.4g} times as thick as the top one, under which the "
+            f"tension beside a sliding point in air is resolved up to {most / top:.3g} times; take the thick layer as "
+            "base"
+        )
 
 
 def added_tension(stack: Stack, rim: Rim, ratio: float, b: Array, plain: Array, turned: Array) -> float:

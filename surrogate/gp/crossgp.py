@@ -51,10 +51,6 @@ class Crossed:
     error: Array  # shape (p,); Largest error on the last fresh entries over `scale`
     entries: int  # Entries that were asked for, fresh ones included
 
-    def at(self, indices: Indices) -> Array:
-        """Return values less offset over scale, (n, b, p), at indices (n, d)."""
-        return _at(self.cores, indices)
-
 
 @dataclass(frozen=True)
 class Cross:

@@ -47,11 +47,6 @@ def constants(draw: st.DrawFn) -> dict[str, float]:
     return c
 
 
-def materials() -> st.SearchStrategy[solver.Material]:
-    """Admissible materials."""
-    return constants().map(lambda c: solver.Material.from_mapping(c))
-
-
 @st.composite
 def phases(draw: st.DrawFn) -> solver.Material:
     """Admissible materials with c12, fit for composites."""

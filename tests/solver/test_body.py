@@ -11,7 +11,7 @@ from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.filmfactors import kinds_of
 from solver.face.solution import body_of
-from solver.names import ALL_PEAKS, ALL_QUANTITIES, CONTACTS, FACTORS, PROFILES
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, CONTACTS, FACTORS, HEAT_QUANTITIES, PROFILES
 from tests.solver.face.test_refused import REFUSED
 from tests.solver.test_contract import BODIES
 from tests.solver.test_contract import kind as named
@@ -44,10 +44,11 @@ def test_air_is_refused_by_the_rule_where_the_solver_refuses_it() -> None:
     refused = [
         case for message, case in REFUSED.items() if message.startswith(("surroundings: 'air'", "gap_radius: mi"))
     ]
-    assert len(refused) == 5
+    assert len(refused) == 6
     assert all(airless(case) for case in refused)
     assert all((airless(body) == "") == (not {*READ} & body.keys()) for body in CASES.values())
     assert airless({"profile": "cone", "slope": 0.1, "gap_radius": 1e-3}) == ""
+    assert "electrode" in airless(CASES["film"] | {"electrode": "top"})
 
 
 def test_every_kind_names_what_exists() -> None:
@@ -66,6 +67,7 @@ def test_a_body_answers_the_quantities_of_its_kind(name: str) -> None:
     options = {"magnetic": "conducting"} | ({"friction": 0.0} if "force" in CASES[name] else {})
     cases = Cases(checked(CASES[name] | options), {}, ("BaTiO3", "CoFe2O4"))
     assert cases.kind.name == name
-    assert body_of(cases).quantities().keys() == cases.kind.quantities.keys()
+    of_heat = HEAT_QUANTITIES.keys()  # which follow from a solved contact
+    assert body_of(cases).quantities().keys() == cases.kind.quantities.keys() - of_heat
     assert float(cases.force) == CASES[name]["force" if "force" in CASES[name] else "load"]
     assert cases.charges.shape == (2,)

@@ -104,26 +104,28 @@ def test_cases_together_are_the_cases_alone_in_any_order_and_leave_their_input(c
 @each_variant
 def test_at_an_edge_only_what_a_smooth_punch_presses_with_has_a_value(case: Case) -> None:
     """Limit 0 from both sides, against places from which it goes with the root of the distance; else NaN."""
-    at, near = solver.solve(case, [-1.0, X[1], 1.0]), solver.solve(case, [-1 + 1e-4, X[1], 1 - 1e-4])
+    solution, near = solver.solve(case, [-1.0, X[1], 1.0]), solver.solve(case, [-1 + 1e-4, X[1], 1 - 1e-4])
     for name in kind(case).fields:
-        if name not in at:
+        if name not in solution:
             continue
-        values, beside = at[name].values.ravel(), near[name].values.ravel()
-        assert values[1] == pytest.approx(beside[1], rel=1e-9, abs=1e-300)
+        values, nearby = solution[name].values.ravel(), near[name].values.ravel()
+        assert values[1] == pytest.approx(nearby[1], rel=1e-9, abs=1e-300)
         if name == "contact_pressure":
-            vanishing = np.where(np.abs(beside[[0, 2]]) < 0.05 * beside[1], 0.0, np.nan)
+            vanishing = np.where(np.abs(nearby[[0, 2]]) < 0.05 * nearby[1], 0.0, np.nan)
         expected = vanishing if name in ("contact_pressure", "shear_traction") else [np.nan, np.nan]
         np.testing.assert_array_equal(values[[0, 2]], expected, err_msg=name)
     grid = [1.0, X[2]], [0.0, Y[0]]
     inside, plain = solver.solve_interior(case, *grid), solver.solve_interior(case, grid[0], [Y[0]])
-    for name, values in inside.data_vars.items():
-        assert np.isnan(values.values.reshape(2, 2)).tolist() == [[True, False], [False, False]]
-        np.testing.assert_allclose(values.values.reshape(2, 2)[1], plain[name].values.ravel(), rtol=1e-9)
+    for field, array in inside.data_vars.items():
+        table = array.values.reshape(2, 2)
+        assert np.isnan(table).tolist() == [[True, False], [False, False]]
+        np.testing.assert_allclose(table[1], plain[field].values.ravel(), rtol=1e-9)
 
 
 def test_half_planes_in_a_table_are_bit_for_bit_the_half_plane_alone() -> None:
     table = xr.Dataset(
-        {"thickness": ("case", [np.nan, 2e-4]), "base": ("case", np.array(["", "steel"], dtype=object))}
+        {"thickness": ("case", [np.nan, 2e-4]), "base": ("case", np.array(["", "steel"], dtype=object))},
+        coords={"case": [10, 20]},
     ).assign(LINE | BARE)
     whole, alone = solver.solve(table, X), solver.solve(LINE, X)
     for name, values in alone.data_vars.items():

@@ -152,7 +152,9 @@ def test_one_point_has_the_numbers_of_a_block_in_every_way_of_asking(name: str) 
 def test_answers_share_nothing(name: str) -> None:
     model = fitted(name)
     first, second = (dict(zip(model.box, x.tolist(), strict=True)) for x in inside(model, 2))
-    for ask in (model.predict, model.interval, lambda point: model.predict(point, extrapolate=True)):
+    asks: list[Callable[..., xr.Dataset]] = [model.predict, model.interval]
+    asks += [lambda point: model.predict(point, extrapolate=True), lambda p: model.gradient(p, extrapolate=True)]
+    for ask in asks:
         before = ask(first)
         copied, after = before.copy(deep=True), ask(second)
         next(iter(before.data_vars.values())).attrs["units"] = "none"

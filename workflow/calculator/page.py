@@ -126,7 +126,7 @@ def _alloy() -> dict[str, Any]:
 def _marked(material: dict[str, Any]) -> dict[str, Any]:
     """A material whose limits say where they were not read at their sources."""
     limits = material["limits"].items()
-    return material | {
+    return {name: entry for name, entry in material.items() if name != "thermal"} | {
         "limits": {name: limit | {"source": limit["source"] + unverified(limit["source"])} for name, limit in limits}
     }
 

@@ -4,7 +4,7 @@ import csv
 import re
 from array import array
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from itertools import chain
 from pathlib import Path
@@ -59,7 +59,9 @@ druckkraft fuerza forza carga weight force_z normal_load applied_load test_force
 force_1 load_1 gewicht
 """
 _FORCES = frozenset([*_FORCE_NAMES.split()])
-_KNOWN = _TIMES | _FORCES
+_TEMPERATURES = frozenset(["temperature", "temp", "temperatur", "température", "temperatura", "touch_temperature"])
+_ZEROS = {"k": 0.0, **dict.fromkeys(["°c", "℃", "degc", "deg_c", "c", "celsius"], 273.15)}  # of the scales [K]
+_KNOWN = _TIMES | _FORCES | _TEMPERATURES
 _CHANNEL = re.compile(
     r"(ch|channel|chan|c|kanal|ai|dev\d+/ai)[ _]*[0-9a-h]|[0-9]|volts?|voltage|ampl(itude)?|spannung|signal|"
     r"value|y_value|untitled( \d+)?|y|y_axis|sensor|reading",
@@ -101,6 +103,8 @@ class _Columns:
     count: int = 0  # cells of the header; 0 where rows may be longer
     start: Decimal = Decimal(0)  # of the time, where rows are counted
     increment: Decimal | None = None  # of the time, where rows are counted [s]
+    warm: int | None = None  # place of the temperature
+    warm_unit: str | None = None
 
 
 def read_history(path: Path, *, line: bool, scale: str | None = None) -> ForceFile:
@@ -120,15 +124,17 @@ def _read(file: Sheet, rows: Iterator[tuple[int, list[str]]], line: bool, scale:
     columns, rows = _header(file, rows, scaled=scale is not None)
     factor, per_metre = _force_scale(path, columns, line, scale)
     texts: list[str] = []  # of the times, empty as long as these are plain numbers
-    seconds, values, lines = array("d"), array("d"), array("q")
+    seconds, values, warm, lines = array("d"), array("d"), array("d"), array("q")
     stray: tuple[int, str] | None = None
-    last = max(columns.time, columns.force)
+    last = max(columns.time, columns.force, columns.warm or 0)
+    degrees: float | None = None
     for place, row in rows:
         if (
             stray is None
             and len(row) == columns.count
             and len(values) < MOST_ROWS
             and (value := quick_number(row[columns.force])) is not None
+            and (columns.warm is None or (degrees := quick_number(row[columns.warm])) is not None)
             and row[0][:1] != "#"
             and "->" not in row[0]
         ):
@@ -139,6 +145,8 @@ def _read(file: Sheet, rows: Iterator[tuple[int, list[str]]], line: bool, scale:
                 texts = texts or [repr(time) for time in seconds]
                 texts.append(row[columns.time].strip())
             values.append(value)
+            if degrees is not None:
+                warm.append(degrees)
             lines.append(place)
             continue
         if row[0].lstrip().startswith("#"):
@@ -162,6 +170,8 @@ def _read(file: Sheet, rows: Iterator[tuple[int, list[str]]], line: bool, scale:
         if len(values) == MOST_ROWS:
             raise InputError(f"{path}: more than {MOST_ROWS} rows; a history has 2 to {MOST_ROWS}")
         values.append(_force(f"{path}: line {place}: {columns.heading}", cells[columns.force].strip(), file))
+        if columns.warm is not None:
+            warm.append(_force(f"{path}: line {place}: temperature", cells[columns.warm].strip(), file))
         texts = texts or [repr(time) for time in seconds]
         texts.append(cells[columns.time].strip())
         lines.append(place)
@@ -169,7 +179,8 @@ def _read(file: Sheet, rows: Iterator[tuple[int, list[str]]], line: bool, scale:
         raise InputError(f"{path}: line {stray[0]}: {stray[1]!r} is no row of numbers and times; {_NEEDS}")
     if len(values) < 2:
         raise InputError(f"{path}: {len(values)} rows; a history has 2 to {MOST_ROWS}")
-    times, origin = _times(file, texts, seconds, lines, columns)
+    temperatures = None if columns.warm is None else _kelvin(path, columns.warm_unit, np.frombuffer(warm), lines)
+    times, origin = _times(file, texts, seconds, lines, columns, temperatures)
     forces = np.frombuffer(values) * factor
     remarks = []
     if columns.time_unit is None and columns.increment is None and not origin and times[0] < _RECENT:
@@ -179,7 +190,22 @@ def _read(file: Sheet, rows: Iterator[tuple[int, list[str]]], line: bool, scale:
     if (unit := (columns.force_unit or "").casefold()) in ("kg", "g", "lb", "lbs", "gram", "grams"):
         remarks.append(f"{columns.heading}: {unit} is read as the weight of this mass, by 9.80665 m/s2")
     forces = _pressing(path, columns.heading, forces, lines, remarks)
-    return ForceFile(History(times, forces), columns.heading, per_metre, columns.force_unit is None, remarks)
+    return ForceFile(
+        History(times, forces, temperatures), columns.heading, per_metre, columns.force_unit is None, remarks
+    )
+
+
+def _kelvin(path: Path, unit: str | None, degrees: Array, lines: "array[int]") -> Array:
+    """Temperatures in kelvin; InputError for a scale that is none, and below absolute zero."""
+    zero = _ZEROS.get((unit or "").strip().casefold())
+    if zero is None:
+        has = f"unit {unit!r}" if unit else "has no unit"
+        raise InputError(f"{path}: temperature: {has}; must be 'temperature [K]' or 'temperature [degC]'")
+    kelvin = degrees + zero
+    if (bad := ~(kelvin > 0)).any():
+        row = int(bad.argmax())
+        raise InputError(f"{path}: line {lines[row]}: temperature: {kelvin[row]:g} K is not a finite number > 0 [K]")
+    return np.asarray(kelvin)
 
 
 def _pointed(cell: str, file: Sheet) -> str:
@@ -299,20 +325,20 @@ def _matched(file: Sheet, cells: list[str], *, channels: bool) -> _Columns | Non
     time, force = times[0], forces[0]
     name, unit = named[time]
     unit = unit or (name if name in _TIME_UNITS else "s" if name == "x_value" else None)  # LabVIEW's is in s
-    return _Columns(time, force, cells[force], unit, named[force][1], len(cells))
+    warm = [place for place, (name, _) in enumerate(named) if name in _TEMPERATURES and place not in (time, force)]
+    if len(warm) > 1:
+        said = " and ".join(repr(cells[place]) for place in warm[:3])
+        raise InputError(f"{file.path}: {said} may both be the temperature; leave one of them")
+    columns = _Columns(time, force, cells[force], unit, named[force][1], len(cells))
+    return replace(columns, warm=warm[0], warm_unit=named[warm[0]][1]) if warm else columns
 
 
 def _with_units(columns: _Columns, time_unit: str | None, force_unit: str | None) -> _Columns:
     """The columns with the units of a row of units, where they have none."""
-    return _Columns(
-        columns.time,
-        columns.force,
-        columns.heading,
-        columns.time_unit or time_unit or None,
-        columns.force_unit or force_unit or None,
-        columns.count,
-        columns.start,
-        columns.increment,
+    return replace(
+        columns,
+        time_unit=columns.time_unit or time_unit or None,
+        force_unit=columns.force_unit or force_unit or None,
     )
 
 
@@ -329,6 +355,9 @@ def _below(
             continue
         if not row[0].lstrip().startswith("#") and (is_number(time.replace(",", ".")) or _is_clock([time])):
             return columns, chain([(place, row)], rows)
+        if columns.warm is not None and columns.warm_unit is None and len(cells) > columns.warm:
+            scale = cells[columns.warm]
+            columns = replace(columns, warm_unit=scale if scale.casefold() in _ZEROS else None)
         if time.casefold() in _TIME_UNITS or _unit_of(force):
             columns = _with_units(
                 columns, time if time.casefold() in _TIME_UNITS else None, force if _unit_of(force) else None
@@ -410,7 +439,12 @@ def _force_scale(path: Path, columns: _Columns, line: bool, scale: str | None) -
 
 
 def _times(
-    file: Sheet, texts: list[str], plain: "array[float]", lines: "array[int]", columns: _Columns
+    file: Sheet,
+    texts: list[str],
+    plain: "array[float]",
+    lines: "array[int]",
+    columns: _Columns,
+    temperatures: Array | None = None,
 ) -> tuple[Array, str]:
     """Ascending times [s] of texts, or else of plain numbers; the first text where times are counted from it."""
     path = file.path
@@ -436,6 +470,10 @@ def _times(
         row = int(back.argmax()) + 1
         before, behind = texts[row - 1 : row + 1] or [f"{time:g}" for time in plain[row - 1 : row + 1]]
         again = "is there twice" if times[row] == times[row - 1] else f"is not after {before}"
+        if temperatures is not None and times[row] == times[row - 1] and temperatures[row] != temperatures[row - 1]:
+            again += (
+                f", at {temperatures[row - 1]:.6g} and {temperatures[row]:.6g} K: no temperature jumps without time"
+            )
         raise InputError(f"{path}: line {lines[row]}: time: {behind} {again}; time runs forwards")
     if late:
         offset = float(Decimal(with_point(texts[0], file.separator))) * scale

@@ -33,6 +33,7 @@ EXAMPLES = {
     '  --on "profile=sphere,radius=2.5 mm,punch=steel,material=PVDF,thickness=110 um,base=glass" \\\n'
     '  --device "input_capacitance=10 pF,feedback_capacitance=10 pF,feedback_resistance=1 TOhm"',
     "export": "export results/quickstart --as c --outputs voltage,depth -o sensor.c",
+    "benchmark": "benchmark examples/answers.csv",
     "calculator": "calculator -o contact.html",
 }
 
@@ -257,6 +258,7 @@ def _parser() -> Parser:
 
     _add_signal(commands)
     _add_export(commands)
+    _add_benchmark(commands)
     _add_calculator(commands)
     _add_interior(commands)
     _add_learn(commands)
@@ -320,8 +322,9 @@ def _add_signal(commands: Commands) -> None:
         "signal",
         help="compute charge, voltage and amplifier output of a history of forces",
         description="HISTORY is a text file with columns of time and force, in units that its header says; a line "
-        "contact may have a load [N/m]. Titles, remarks and other columns are skipped. The force is linear between "
-        "the rows. The circuit begins without voltage. docs/signal.md has the circuit and its signs.",
+        "contact may have a load [N/m]; a film may have the temperature [K or degC] of what touches it. Titles, "
+        "remarks and other columns are skipped. Force and temperature are linear between the rows. The circuit begins "
+        "without voltage. docs/signal.md has the circuit and its signs.",
     )
     command.add_argument("history", type=Path, metavar="HISTORY.csv")
     command.add_argument(
@@ -369,6 +372,18 @@ def _add_export(commands: Commands) -> None:
         "-o", "--output", type=Path, metavar="NAME.c|.fmu", help="default: the study's name, in this folder"
     )
     command.set_defaults(run=_export)
+
+
+def _add_benchmark(commands: Commands) -> None:
+    """Add ``benchmark`` to the commands of the program."""
+    command = commands.add_parser(
+        "benchmark",
+        help="compare numbers of another code with a table of solved problems",
+        description="Prints a verdict for every number of the table (docs/benchmark.md). The file has the columns "
+        "problem, quantity and value, in SI units. Without a file: prints the table.",
+    )
+    command.add_argument("answers", type=Path, nargs="?", metavar="ANSWERS.csv")
+    command.set_defaults(run=_benchmark)
 
 
 def _add_calculator(commands: Commands) -> None:
@@ -497,6 +512,12 @@ def _signal(options: argparse.Namespace) -> None:
     from workflow.cli.sensing import signal
 
     signal(options)
+
+
+def _benchmark(options: argparse.Namespace) -> None:
+    from workflow.cli.benchmark import benchmark
+
+    benchmark(options)
 
 
 def _export(options: argparse.Namespace) -> None:

@@ -12,7 +12,7 @@ from solver.halfplane.surface import HalfPlane
 from solver.material import datasheet
 from solver.material.constants import UNITS
 from solver.material.datasheet import strain_charge, stress_matrices
-from solver.names import COMPOSITES, FACTORS, LIMITS
+from solver.names import COMPOSITES, FACTORS, LIMITS, THERMAL
 from workflow.language.numbers import shown
 from workflow.study.reading import InputError, read_material
 
@@ -89,6 +89,9 @@ def _described(material: Material, half: HalfPlane) -> str:
     lines += ["limits"] if material.limits else []
     for name, limit in material.limits.items():
         lines.append(_filled(f"  {name:16s}  {shown(limit.value, LIMITS[name].units, _DIGITS):11s}", limit.source))
+    lines += ["for heat"] if material.thermal else []
+    for name, known in material.thermal.items():
+        lines.append(_filled(f"  {name:16s}  {shown(known.value, THERMAL[name].units, _DIGITS):11s}", known.source))
     lines.append("Stroh roots")
     lines += [f"  {p.real:+.6f} {p.imag:+.6f}i" for p in half.roots]
     if not np.isnan(material.rho):

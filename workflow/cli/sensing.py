@@ -9,11 +9,12 @@ import xarray as xr
 from pydantic import ValidationError
 
 from approximation.arrays import Array, Indices
-from solver import solve
+from solver import Material, solve
 from solver.body import Kind, kind_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.materials import material_of
+from solver.heat.charge import HeatError
 from storage.files import output, writing
 from workflow.cli.casetable import one_case, read_cases
 from workflow.cli.forcehistory import MOST_ROWS, ForceFile, read_history
@@ -21,6 +22,7 @@ from workflow.cli.words import named, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
 from workflow.device.signal import DROP, Figures, History, Signal, read
+from workflow.device.warmth import Warmth
 from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.numbers import shown
 from workflow.study.reading import InputError, first_problem, number, read_material
@@ -44,7 +46,8 @@ def signal(options: argparse.Namespace) -> None:
     numbers = _device(options.device, kind)
     length = numbers.get("electrode_length", 1.0)
     file = read_history(options.history, line=kind.contact == "line", scale=options.scale)
-    history = History(file.history.times, file.history.forces * (length if file.per_metre else 1.0))
+    forces = file.history.forces * (length if file.per_metre else 1.0)
+    history = History(file.history.times, forces, file.history.temperatures)
     if len(history.times) * options.parts > MOST_ROWS:
         raise InputError(f"--parts: {options.parts} of {len(history.times)} rows are more than {MOST_ROWS} times")
     most = float(history.forces.max())
@@ -62,12 +65,55 @@ def signal(options: argparse.Namespace) -> None:
     if contact.roughness > _ROUGH:
         say(f"the contact's curves are not smooth over these forces: they are met to {contact.roughness:.1g} only")
     history = history.divided(options.parts)
-    reading = read(history, contact, circuit)
-    written = _write(path, history, reading)
+    warm = None
+    if history.temperatures is not None:
+        warm = _warmth(options.history, case, kind, most / length, history, length, materials)
+    heat = None if warm is None else warm.charge(history)
+    reading = read(history, contact, circuit, heat)
+    written = _write(path, history, reading, heat)
     print("\n".join(_figures(history, reading, contact, circuit, temperature)))
+    if warm is not None and heat is not None:
+        print("\n".join(_heat_figures(history, heat, warm, contact, circuit, temperature)))
     count = len(history.times)
     thinned = "" if written == count else f" of {count}: in groups, the first and the extremes of force and voltage"
     say(f"wrote {path}: {written} times{thinned}")
+
+
+def _warmth(
+    path: Path,
+    case: dict[str, Any],
+    kind: Kind,
+    load: float,
+    history: History,
+    length: float,
+    materials: dict[str, Material],
+) -> Warmth:
+    """Warmth of the contact under the largest load."""
+    if not kind.layered:
+        raise InputError(f"{path}: temperature: heat is of films; the case has no thickness")
+    solved = solve({**case, kind.loads.force: load}, materials=materials)
+    try:
+        return Warmth.of_case(case, solved, history, length=length, materials=materials)
+    except HeatError as error:
+        raise InputError(f"{path}: temperature: {error}") from None
+
+
+def _heat_figures(
+    history: History, heat: Array, warm: Warmth, contact: ContactCurves, circuit: Circuit, temperature: float
+) -> list[str]:
+    """Return the printed lines about the heat of a signal."""
+    place = int(np.abs(heat).argmax())
+    figures = Figures.of_contact(contact, circuit, temperature)
+    touch = f"{shown(abs(float(heat[place]) / figures.charge), '1', 3)} times the charge of the largest force"
+    lines = [
+        f"heat: {shown(float(heat[place]), 'C', 3)} at {shown(float(history.times[place]), 's', 3)}, {touch}",
+    ]
+    after = float(history.times[-1] - history.times[0])
+    per_kelvin = abs(float(warm.sizes @ -np.expm1(-warm.rates * after)))
+    if per_kelvin:
+        equal = shown(figures.noise[0] / per_kelvin, "K", 3)
+        lines.append(f"noise floor as a temperature: {equal} that last {shown(after, 's', 3)}")
+    return lines
 
 
 def _positive(where: str, text: str) -> float:
@@ -117,12 +163,16 @@ def _check_unit(path: Path, file: ForceFile, most: float, solved: xr.Dataset) ->
         raise InputError(f"{path}: {file.column}: {lost_unit(most, 'N', peak)}")
 
 
-def _write(path: Path, history: History, reading: Signal) -> int:
+def _write(path: Path, history: History, reading: Signal, heat: Array | None = None) -> int:
     """Write a signal as a table, thinned to the extremes of groups of rows where it is long; number of its rows."""
     columns = [history.times, history.forces, reading.charge, reading.voltage, reading.output]
+    heads = "time [s],force [N],charge [C],voltage [V],output [V]"
+    if heat is not None and history.temperatures is not None:
+        columns += [history.temperatures, heat]
+        heads += ",temperature [K],heat charge [C]"
     rows = _drawn_rows(reading.voltage, history.forces)
     with writing(path) as file:
-        file.write(b"time [s],force [N],charge [C],voltage [V],output [V]\n")
+        file.write(f"{heads}\n".encode())
         for first in range(0, len(rows), _WRITTEN_TOGETHER):
             block = rows[first : first + _WRITTEN_TOGETHER]
             lines = (",".join(map(repr, row)) for row in np.stack([column[block] for column in columns], 1).tolist())

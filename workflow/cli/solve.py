@@ -29,9 +29,11 @@ from solver.names import (
     CHOICES,
     ELECTRODE_QUANTITIES,
     FACTORS,
+    HEAT_QUANTITIES,
     OF_A_FILM,
     OF_A_PUNCH,
     OF_AN_ELECTRODE,
+    OF_HEAT,
     POINT_SLIDING,
 )
 from solver.units import written
@@ -76,6 +78,8 @@ def solve_table(options: argparse.Namespace) -> None:
     missing = [name for name in quantities if name not in out and name not in _unasked(table)]
     if missing:
         print(f"left out, because no case has them: {', '.join(missing)}", file=sys.stderr)
+    if reason := out.attrs.get("heat"):
+        print(f"heat: {reason}", file=sys.stderr)
     partial = [name for name in quantities if name in out and bool(out[name].isnull().any())]
     if partial:
         others = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""
@@ -108,9 +112,10 @@ def _check_units(table: Table, out: xr.Dataset) -> None:
 
 
 def _unasked(table: Table) -> set[str]:
-    """Quantities that nobody misses: of electrodes and of sliding points, where no case has such a factor."""
+    """Quantities that nobody misses: of electrodes, of heat and of sliding points, where no case has such a factor."""
     electrodes = () if {*OF_AN_ELECTRODE} & {*table.columns} else (*ELECTRODE_QUANTITIES,)
-    return {*electrodes, *(() if "friction" in table.columns else POINT_SLIDING)}
+    heat = () if {*OF_HEAT} & {*table.columns} else (*HEAT_QUANTITIES,)
+    return {*electrodes, *heat, *(() if "friction" in table.columns else POINT_SLIDING)}
 
 
 def solve_inside(options: argparse.Namespace) -> None:

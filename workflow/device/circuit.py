@@ -1,9 +1,10 @@
 """The circuit that reads a contact: one balance of charge for amplifiers of voltage and of charge.
 
 The punch is one node with the cable and the amplifier's input, at the voltage V against ground. The contact gives it
-the charge Q(P) + C(P) V, the capacitances of the circuit C_e V. No charge enters the node but through resistances:
+the charge Q(P) + Q_heat + C(P) V, the capacitances of the circuit C_e V. No charge enters the node but through
+resistances and by the amplifier's bias current:
 
-    d/dt [Q(P) + (C(P) + C_e) V] = -(C(P)/tau + G_e) V,
+    d/dt [Q(P) + Q_heat + (C(P) + C_e) V] = -(C(P)/tau + G_e) V + I_bias,
 
 tau the time in which charge leaks through the film (resistivity times permittivity). A voltage amplifier has
 C_e = C_in + C_cable and G_e = 1/R_in, and its output is V. A charge amplifier of open-loop gain A has the output -A V,
@@ -57,6 +58,11 @@ class Circuit:
     def gain(self) -> float:
         """Output over the voltage of the punch."""
         return -self.numbers.get("open_loop_gain", 1e6) if self.reads_charge else 1.0
+
+    @property
+    def bias_current(self) -> float:
+        """Current that the amplifier's input feeds into the node [A]."""
+        return self.numbers.get("bias_current", 0.0)
 
     @cached_property
     def capacitance(self) -> float:

@@ -1,6 +1,7 @@
 """A press in time on a contact of a study: pressed, held and let go, as its amplifier reads it."""
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,14 @@ from solver import Material, Stack, solve
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.materials import material_of
+from solver.heat.charge import HeatError
+from solver.names import BODY, FACTORS, OF_HEAT
 from solver.stack.electrodes import Electrode
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film, response
 from workflow.device.signal import DROP, Figures, History, read
+from workflow.device.warmth import Warmth
+from workflow.language.constants import DEVICE
 from workflow.study import layered, uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -25,16 +30,20 @@ HELD = "held_"
 _PARTS = 40  # into which each part of the history is divided
 
 
-def history(pressing: Pressing) -> History:
-    """The forces: even up, held, even down, and a fifth of the hold without."""
+def history(pressing: Pressing, case: Mapping[str, Any] = MappingProxyType({})) -> History:
+    """The forces: even up, held, even down, and a fifth of the hold without; so is what touches, if it is warm."""
     times = np.cumsum([0.0, pressing.press, pressing.hold, pressing.press, pressing.hold / 5])
-    return History(times, np.array([0.0, pressing.force, pressing.force, 0.0, 0.0])).divided(_PARTS)
+    shape, temperatures = np.array([0.0, 1.0, 1.0, 0.0, 0.0]), None
+    if "touch_temperature" in case:
+        body = case.get("body_temperature", FACTORS["body_temperature"].default)
+        temperatures = body + (case["touch_temperature"] - body) * shape
+    return History(times, pressing.force * shape, temperatures).divided(_PARTS)
 
 
 def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Dataset:
     """The signal of a press on a case."""
     assert study.device is not None
-    numbers = study.device.constants
+    numbers = study.device.constants | {name: float(case[name]) for name in DEVICE if name in case}
     factors, body, material = _pressed(study, pressing, case)
     contact = ContactCurves.from_case(
         factors,
@@ -45,8 +54,10 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
         body=body,
     )
     circuit = Circuit.of(numbers, material)
-    times, figures = history(pressing), Figures.of_contact(contact, circuit, numbers["temperature"])
-    reading = read(times, contact, circuit)
+    times, figures = history(pressing, case), Figures.of_contact(contact, circuit, numbers["temperature"])
+    warm, lacking = _warmth(study, pressing, case, times, {**factors, **({BODY: body} if study.body else {})})
+    heat = np.zeros(len(times.times)) if warm is None else warm.charge(times)
+    reading = read(times, contact, circuit, heat)
     out = xr.Dataset(coords={"time": ("time", times.times, {"units": "s", "long_name": "time"})})
     for name, values, units, said in (
         ("force", times.forces, "N", "force on the punch"),
@@ -65,12 +76,38 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
         ("noise_force", figures.noise[2], "N", "noise as a force, root mean square"),
     ):
         out[name] = ((), value, {"units": units, "long_name": said})
-    return out
+    if warm is not None and times.temperatures is not None:
+        out["temperature"] = ("time", times.temperatures, {"units": "K", "long_name": "temperature of what touches"})
+        out["heat"] = ("time", heat, {"units": "C", "long_name": "charge that its heat has made"})
+        held = float(np.interp(pressing.press + pressing.hold, times.times, heat))
+        out["heat_at_end"] = ((), held, {"units": "C", "long_name": "charge of the heat at the end of the hold"})
+    return out.assign_attrs({"heat": lacking} if lacking else {})
+
+
+def _warmth(
+    study: Study, pressing: Pressing, case: Mapping[str, Any], times: History, factors: Mapping[str, Any]
+) -> tuple[Warmth | None, str]:
+    """Heat of a press on a case that something warm touches; without it the reason, empty where nothing is warm."""
+    if "touch_temperature" not in case:
+        return None, ""
+    solved = study.solved(solve, {**_cold(case), study.kind.loads.force: pressing.force / _length(study)})
+    try:
+        phases = (study.phases[0], study.phases[1])
+        return Warmth.of_case(
+            factors, solved, times, length=_length(study), materials=study.own_materials, phases=phases
+        ), ""
+    except HeatError as error:
+        return None, str(error).removeprefix("heat: ")
+
+
+def _cold(case: Mapping[str, Any]) -> dict[str, Any]:
+    """Factors on which the contact depends."""
+    return {name: value for name, value in case.items() if name not in OF_HEAT}
 
 
 def held(study: Study, pressing: Pressing) -> xr.Dataset:
     """Quantities of the contact while the force is held, at zero charge, each with ``HELD`` before its name."""
-    solved = study.solved(solve, {**study.fixed, study.kind.loads.force: pressing.force / _length(study)})
+    solved = study.solved(solve, {**_cold(study.fixed), study.kind.loads.force: pressing.force / _length(study)})
     return solved.drop_vars(list(solved.coords)).rename({name: f"{HELD}{name}" for name in solved.data_vars})
 
 
@@ -117,7 +154,7 @@ def _pressed(
 ) -> tuple[dict[str, Any], Stack | None, Material]:
     """Factors of a case without its force, the layers if there are any, and what charge leaks through."""
     force = study.kind.loads.force
-    factors = {name: value for name, value in case.items() if name != force}
+    factors = {name: value for name, value in _cold(case).items() if name != force}
     if study.body:
         body = layered.stack(study.body, factors, study.own_materials, study.phases)
         return factors, body, _beside(body, factors)

@@ -28,10 +28,11 @@ _COEFFICIENTS = np.array(
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """Forces on a punch, linear in time between the rows."""
+    """Forces on a punch, and perhaps temperatures of it, linear in time between the rows."""
 
     times: Array  # ascending [s]; (time,)
     forces: Array  # not negative [N]; (time,)
+    temperatures: Array | None = None  # of what touches [K]; (time,)
 
     def __post_init__(self) -> None:
         if np.ma.is_masked(self.times) or np.ma.is_masked(self.forces):
@@ -42,12 +43,17 @@ class History:
             raise ValueError("times and forces must be finite numbers")
         if not (np.diff(self.times) > 0).all() or (self.forces < 0).any():
             raise ValueError("times must ascend, and forces must be >= 0")
+        warm = self.temperatures
+        if warm is not None and (np.shape(warm) != np.shape(self.times) or not (np.isfinite(warm) & (warm > 0)).all()):
+            raise ValueError("temperatures must be as many finite numbers > 0 K as there are times")
 
     def divided(self, parts: int) -> "History":
         """Return the history with each interval in equal parts."""
         fractional_rows = np.linspace(0, len(self.times) - 1, (len(self.times) - 1) * parts + 1)
         rows = np.arange(len(self.times))
-        return History(np.interp(fractional_rows, rows, self.times), np.interp(fractional_rows, rows, self.forces))
+        times, forces = (np.interp(fractional_rows, rows, values) for values in (self.times, self.forces))
+        warm = self.temperatures
+        return History(times, forces, None if warm is None else np.interp(fractional_rows, rows, warm))
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,31 +65,37 @@ class Signal:
     output: Array  # of the amplifier [V]
 
 
-def read(history: History, contact: ContactCurves, circuit: Circuit) -> Signal:
+def read(history: History, contact: ContactCurves, circuit: Circuit, heat: Array | None = None) -> Signal:
     """Return the signal of a history, which begins without voltage, at its times.
+
+    ``heat`` is charge of the contact's heat at these times [C], (time,); it changes evenly between them, and so flows
+    the amplifier's bias current.
 
     The balance of charge (``workflow.device.circuit``) is an equation for the charge y = (C(P) + C_e) V that the
     voltage stores, stiff where the circuit is fast:
 
-        dy/dt = -y (C(P)/tau + G_e)/(C(P) + C_e) - Q'(P) dP/dt.
+        dy/dt = -y (C(P)/tau + G_e)/(C(P) + C_e) - Q'(P) dP/dt - dQ_heat/dt + I_bias.
 
     It is linear in y, so that an interval takes y to a y + b. Both come from one step of Radau's implicit method of
     order five, for many intervals together. An interval whose two halves give other numbers is divided.
     """
     balance = _Balance(contact, circuit)
-    tolerance = _TOLERANCE * balance.scale(history)
     steps = np.diff(history.times)
+    heat = np.zeros(len(history.times)) if heat is None else heat
+    beside = np.diff(heat) - circuit.bias_current * steps
+    tolerance = _TOLERANCE * (balance.scale(history) + float(np.abs(beside).max()))
     stored = np.zeros(len(history.times))
     for first in range(0, len(steps), _INTERVALS_AT_ONCE):
         rows = slice(first, first + _INTERVALS_AT_ONCE)
-        factors, changes = balance.advance(steps[rows], history.forces[:-1][rows], history.forces[1:][rows], tolerance)
+        forces = history.forces[:-1][rows], history.forces[1:][rows]
+        factors, changes = balance.advance(steps[rows], *forces, beside[rows], tolerance)
         value = stored[first]
         for row, (factor, change) in enumerate(zip(factors.tolist(), changes.tolist(), strict=True), first + 1):
             value = factor * value + change
             stored[row] = value
     capacitance = contact.capacitance(history.forces)
     voltage = stored / (capacitance + circuit.capacitance)
-    return Signal(contact.charge(history.forces) + capacitance * voltage, voltage, circuit.gain * voltage)
+    return Signal(contact.charge(history.forces) + heat + capacitance * voltage, voltage, circuit.gain * voltage)
 
 
 @dataclass(frozen=True)
@@ -112,7 +124,7 @@ class Figures:
 
 @dataclass(frozen=True)
 class _Balance:
-    """The balance of charge on intervals in which the force grows at a constant rate."""
+    """The balance of charge on intervals in which force, heat and bias current act at a constant rate."""
 
     contact: ContactCurves
     circuit: Circuit
@@ -125,15 +137,16 @@ class _Balance:
         leak = float(self._leak(largest)[0])
         return charge * min(1.0, rate / leak) if leak and rate else charge
 
-    def step(self, steps: Array, forces: Array, ends: Array) -> tuple[Array, Array]:
+    def step(self, steps: Array, forces: Array, ends: Array, beside: Array) -> tuple[Array, Array]:
         """Factor and summand by which one step changes the stored charge; (interval,) each.
 
         The summand is that of a step of Radau's method from near the balance of current and leak. What is stored
         beyond that balance decays by the exact exponential: the method's own decay is poor where a step is long.
+        ``beside`` is charge that the contact draws otherwise than by its force [C].
         """
         pressed = forces[:, None] + (ends - forces)[:, None] * _RADAU
         leaks = self._leak(pressed) * steps[:, None]
-        drawn = self.contact.charge_slope(pressed) * (ends - forces)[:, None]
+        drawn = self.contact.charge_slope(pressed) * (ends - forces)[:, None] + beside[:, None]
         system = np.eye(3) + _COEFFICIENTS * leaks[:, None, :]
         initial = -drawn[:, :1] / (leaks[:, :1] + 1 / (1 + leaks[:, :1]))
         reached = np.linalg.solve(system, (initial - drawn @ _COEFFICIENTS.T)[..., None])[:, -1, 0]
@@ -141,17 +154,20 @@ class _Balance:
         return decay, reached - decay * initial[:, 0]
 
     def advance(
-        self, steps: Array, forces: Array, ends: Array, tolerance: float, depth: int = 0
+        self, steps: Array, forces: Array, ends: Array, beside: Array, tolerance: float, depth: int = 0
     ) -> tuple[Array, Array]:
         """Factor and summand by which intervals change the stored charge, to a tolerance [C]; (interval,) each."""
-        whole = self.step(steps, forces, ends)
+        whole = self.step(steps, forces, ends, beside)
         middle = (forces + ends) / 2
-        factor, change = _in_turn(self.step(steps / 2, forces, middle), self.step(steps / 2, middle, ends))
+        factor, change = _in_turn(
+            self.step(steps / 2, forces, middle, beside / 2), self.step(steps / 2, middle, ends, beside / 2)
+        )
         wrong = np.abs(factor - whole[0]) * tolerance / _TOLERANCE + np.abs(change - whole[1]) > tolerance
         if depth < _DEEPEST and wrong.any():
             steps, forces, middle, ends = steps[wrong] / 2, forces[wrong], middle[wrong], ends[wrong]
+            beside = beside[wrong] / 2
             halves = [
-                self.advance(steps, begin, end, tolerance, depth + 1)
+                self.advance(steps, begin, end, beside, tolerance, depth + 1)
                 for begin, end in ((forces, middle), (middle, ends))
             ]
             factor[wrong], change[wrong] = _in_turn(*halves)

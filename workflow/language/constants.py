@@ -24,6 +24,7 @@ DEVICE: dict[str, Described] = {
     "feedback_capacitance": Described("F", "capacitance between output and input of a charge amplifier"),
     "feedback_resistance": Described("Ohm", "resistance beside the feedback capacitance"),
     "open_loop_gain": Described("1", "gain of a charge amplifier without its feedback"),
+    "bias_current": Described("A", "current that the amplifier's input draws"),
     "temperature": Described("K", "temperature of the circuit"),
     "thermal_energy": Described("J", "Boltzmann's constant times the temperature; 0 of a charge amplifier"),
     "feedback_heat": Described("C", "noise of a charge amplifier's feedback by its heat; 0 of other amplifiers"),
@@ -55,9 +56,12 @@ def _figures(
     if reads_charge:
         voltage = ("output voltage of the charge amplifier", f"{charge} / feedback_capacitance")
         decay = "feedback_resistance * feedback_capacitance"
+        leak = "feedback_resistance"
     else:
         voltage = ("open-circuit voltage into cable and amplifier", f"{charge} / {circuit}")
         decay = f"input_resistance * {circuit}"
+        leak = "input_resistance"
+    heat = f"heat_charge_per_length{length}" if per_metre else "heat_charge"
     force = [("force", "N", "load on the whole punch", f"{pressing}{length}")] if per_metre else []
     rows = (
         *force,
@@ -77,6 +81,13 @@ def _figures(
             "m",
             "distance between two patches that the noise hides, from the difference of their charges",
             f"sqrt(2) * charge_noise / (abs(patch_charge_gradient) * {pressing}{length})",
+        ),
+        ("bias_output", "V", "output that the bias current leaves", f"bias_current * {leak}"),
+        (
+            "noise_temperature",
+            "K",
+            "rise of what touches over the body whose heat makes as much charge as the noise, after hold",
+            f"{noise} * abs(touch_temperature - body_temperature) / abs({heat})",
         ),
         ("drive_field", "V m-1", "driving voltage over the thickness", "abs(drive_voltage) / thickness"),
         ("stroke", "m", "stroke of the driving voltage at fixed load", "stroke_per_volt * drive_voltage"),

@@ -124,10 +124,17 @@ def signal(press: Row, on: str) -> str:
         )
         if press["drop"] < _GONE:
             constant += f" ({number(100 * press['drop'], 2)} % in 10 s)"
+    heat = ""
+    if "heat_at_end" in press:
+        heat = (
+            f" Heat of what touches makes {shown(press['heat_at_end'], 'C', 3)} by the end of the hold, "
+            f"{number(abs(press['heat_at_end'] / press['contact_charge']), 3)} times the charge of the force."
+        )
     return (
         f"{shown(press['force'], 'N', 3)} on {on} gives {shown(press['output'], 'V', 3)} at the output. "
         f"{constant}. The noise is {shown(press['noise_charge'], 'C', 2)} or "
         f"{shown(press['noise_output'], 'V', 2)} at the output, which equals {shown(press['noise_force'], 'N', 2)}."
+        f"{heat}"
     )
 
 

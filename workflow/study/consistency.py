@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, OF_A_FILM
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, HEAT_QUANTITIES, OF_A_FILM
 from workflow.language.factors import FACTORS
 from workflow.study import signal_case
 from workflow.study.contents import Contents
@@ -104,7 +104,7 @@ def check_target(study: Contents, where: str, target: Target) -> None:
             raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
     for name in target.tolerance:
         _check_tolerance(study, f"{where}: tolerance: {name}", name, target)
-    for name in target.constants():
+    for name in (name for name in target.constants() if name not in study.factors):
         for narrowed in study.chosen(target):
             try:
                 narrowed.constant(name)
@@ -137,8 +137,10 @@ def _lack(study: Contents, name: str) -> str:
 
 
 def _instead(study: Contents, name: str) -> str:
-    """Name the quantities that cases have in place of one that bodies of their kind never have."""
+    """Name the quantities that cases have in place of one that bodies of their kind never have, or why heat is not."""
     kind = study.kind
+    if name in HEAT_QUANTITIES:
+        return "".join(f"; {line}" for line in study.defaults if line.startswith("heat: "))
     if name not in ALL_PEAKS or name in kind.peaks:
         return ""
     if not kind.peaks:

@@ -5,9 +5,11 @@ Each reads what the study's sections say alone: nothing is solved.
 
 from solver.body import airless, kind_of
 from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, OF_A_PUNCH, POINT_SLIDING, PROFILES
+from workflow.language.given import number
 from workflow.study.contents import Contents
 from workflow.study.solvable import check_fields, check_groups, hanging_on_datum
 
+_FEEDBACK = ("feedback_capacitance", "feedback_resistance")
 _INSULATED = CHOICES["surroundings"][0]
 _PUNCH = "steel"
 #: What a device is read by without and with air: a study that learns the former alone was written for the former.
@@ -19,6 +21,7 @@ def settle(study: Contents) -> None:
     rest(study)
     press(study)
     surround(study)
+    discharge(study)
 
 
 def rest(study: Contents) -> None:
@@ -57,6 +60,22 @@ def surround(study: Contents) -> None:
         _place(study, _INSULATED)
         line = f"surroundings: insulated, since {lacking}"
     study.tell_default(line)
+
+
+def discharge(study: Contents) -> None:
+    """Give a study of the heat of a touch the feedback of its device, in which charge of it decays."""
+    amplifier = study.device.amplifier if study.device else None
+    if amplifier is None or "touch_temperature" not in _named(study):
+        return
+    for name in _FEEDBACK:
+        written = getattr(amplifier, name)
+        if written is None:
+            continue
+        value = number(name, written)
+        if name in study.factors or study.fixed.get(name, value) != value:
+            part = "factors" if name in study.factors else "fixed"
+            raise ValueError(f"device: amplifier: {name}: {written} is beside one of the {part}; give one of them")
+        study.fixed[name] = value
 
 
 def _named(study: Contents) -> set[str]:

@@ -338,6 +338,9 @@ class Amplifier(Strict):
     feedback_resistance: Annotated[Number | str, _above("feedback_resistance")] | None = Field(
         None, description="beside the feedback capacitance [Ohm]; infinite by default"
     )
+    bias_current: Annotated[Number | str, _above("bias_current", zero=True)] | None = Field(
+        None, description="that its input draws [A]; it leaves bias_current times the resistance at the output"
+    )
     open_loop_gain: Annotated[Number | str, _above("open_loop_gain")] = Field(
         1e6, description="of a charge amplifier without its feedback"
     )

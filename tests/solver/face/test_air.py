@@ -74,8 +74,8 @@ def test_what_cases_have_beside_them_may_differ_along_two_dimensions() -> None:
     ]
     alone = solver.solve(FILM | {"electric": "insulating"})
     assert float(computed["depth"].sel(electric="insulating", magnetic="insulating")) == float(alone["depth"])
-    named = solver.solve(FILM | {"surroundings": xr.DataArray(["", "insulated"], dims="case")})
-    assert named["surroundings"].values.tolist() == ["air", "insulated"]
+    named = solver.solve(FILM | {"surroundings": xr.DataArray(["", "insulated", ""], dims="case")})
+    assert named["surroundings"].values.tolist() == ["air", "insulated", "air"]
 
 
 def test_the_table_of_films_with_air_is_the_solver_s() -> None:

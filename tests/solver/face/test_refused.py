@@ -58,6 +58,7 @@ REFUSED: dict[str, Case] = {
     "load: the profile sphere has none; give force": LINE | {"profile": "sphere"},
     "slope: the punch does not widen upwards": own(0.0, -1.0),
     "slope: an even power": own(0.0, 0.0, 1.0),
+    "slope: an even power of": own(0.1, 0.0),
     "slope: the punch does not widen upwards from its lowest point: it carries no load": own(0.0, 0.0),
     # films
     "thickness: 0 is not a finite number > 0 [m]": FILM | {"thickness": 0.0},
@@ -121,6 +122,9 @@ REFUSED: dict[str, Case] = {
     "speed: needs the density rho": LINE | {"material": solver.Material.isotropic(2e11, 0.3), "speed": 1.0},
     "speed: 10000 m/s is not below the limiting speed": LINE | AIR | {"speed": 1e4},
     "surroundings: 'air' is not allowed: the film is graded": GRADED | AIR,
+    "surroundings: 'air' is not allowed: the punch conducts no fiel": BALL | AIR | {
+        "electric": "insulating", "magnetic": "insulating"
+    },
     "surroundings: 'air' is not allowed: a disc's face touches all over": without(BALL, "radius") | AIR | {
         "profile": "disc", "width": 1e-3
     },

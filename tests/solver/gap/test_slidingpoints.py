@@ -32,6 +32,14 @@ def test_a_dielectric_under_its_own_elasticity_feels_nothing_of_it() -> None:
     assert shifted["peak_displacement"] > still["peak_displacement"]
 
 
+def test_layers_too_thick_for_the_tension_beside_the_edge_are_refused_before_they_are_solved() -> None:
+    """15,000 times as thick as the top layer they took more than 25 s and gigabytes."""
+    thin, thick = (solver.Layer(solver.find(name), h) for name, h in (("PZT-4", 1e-6), ("steel", 1.5e-2)))
+    case = SLID | {"body": solver.Stack((thin, thick), "rigid"), "profile": "sphere", "radius": 5e-3, "force": 0.01}
+    with pytest.raises(solver.FactorError, match=r"^friction: the layers are 1\.5e\+04 times as thick as the top one"):
+        solver.solve(case)
+
+
 def test_sliding_contacts_without_charge_are_similar() -> None:
     """A half-space in air has no length but the ball's, which tiny contacts do not see: lengths go with force^(1/3)."""
     small, tiny = (answer(HALF | SLID | {"force": force}) for force in (1e-13, 1e-19))

@@ -51,6 +51,7 @@ REFUSED: dict[str, Callable[[], object]] = {
     "material: 'coper' is unknown; did you mean 'copper'": lambda: Layer("coper", 1e-6),
     "thickness: '20 V': unit mismatch": lambda: Layer(BTO, "20 V"),
     "thickness: -2e-05 is not allowed": lambda: Layer(BTO, "-20 um"),
+    "interface_magnetic: 'bonded' is not allowed": lambda: Stack((Layer(BTO, 1.0, magnetic="bonded"),)),
     "has case axes": lambda: Layer(solver.fibrous(BTO, CFO, [0.1, 0.2]), 1.0),
     "mine: conductor: 'yes' is not true or false": lambda: solver.Material.from_mapping(METAL | {"conductor": "yes"}),
     "mine: e33 = 1 C m-2: must be 0 in a conductor": lambda: solver.Material.from_mapping(
@@ -63,7 +64,10 @@ REFUSED: dict[str, Callable[[], object]] = {
     "patch_size: of the electrode on top of a film that is graded is not given": lambda: Electrode(
         FALLING[True], 1
     ).rows(np.ones(1)),
+    "wider than the resolved range, 0.01 to 10": lambda: pressed(0.05, 1e9),
+    "narrower than the resolved range": lambda: pressed(0.05, 1e-3),
     "more than one length": lambda: pressed(5e4, 4300.0, -1e-5),
+    "tension": lambda: pressed(0.05, 100.0, 1e-4),
     "range": lambda: table(ON_STEEL, least=2.0, most=1.0),
     " range": lambda: table(ON_STEEL, least=0.1, most=1e3),
     "beyond the range": lambda: kernel(Stack((Layer(BTO, 1e-9), Layer(FIBROUS, 1.0))), 1.0),

@@ -119,3 +119,28 @@ def test_constants_near_the_end_of_the_range_of_numbers_warn_of_nothing(name: st
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         material.check()  # admissible by the inequalities, whatever their products come to
+
+
+#: Off-diagonal constants, and the two whose product bounds the square of each.
+BOUNDED = {"c13": ("c11", "c33"), "c12": ("c11", "c11"), "g11": ("eps11", "mu11"), "g33": ("eps33", "mu33")}
+
+
+@pytest.mark.parametrize("name", sorted(BOUNDED))
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_constant_is_accepted_just_within_its_bound_and_refused_just_beyond(name: str, sign: int) -> None:
+    c = {"c11": 2e11, "c13": 0.0, "c33": 1.5e11, "c44": 5e10}
+    c |= {"eps11": 5e-9, "eps33": 7e-9, "mu11": 1e-4, "mu33": 3e-4}
+    first, second = BOUNDED[name]
+    bound = sign * (c[first] * c[second]) ** 0.5
+    solver.Material.from_mapping(c | {name: bound * (1 - 1e-12)})
+    with pytest.raises(solver.MaterialError, match=f"{name} = "):
+        solver.Material.from_mapping(c | {name: bound * (1 + 1e-12)})
+
+
+def test_one_bad_case_of_many_is_named() -> None:
+    steel, rubber = solver.find("steel"), solver.Material.isotropic(1e6, 0.45, name="rubber")
+    broken = solver.Material(
+        c11=np.array(1e9), c13=np.array(2e9), c33=np.array(1e9), c44=np.array(1e9), name="broken"
+    )  # fmt: skip
+    with pytest.raises(solver.MaterialError, match="broken: c13"):
+        solver.solve({"material": [steel, broken, rubber], "radius": 0.1, "load": 1.0})

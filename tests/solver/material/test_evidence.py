@@ -7,6 +7,7 @@ import pytest
 
 import solver
 from solver.material.constants import UNITS
+from solver.material.punches import punches
 from solver.names import EVERY_FILM_QUANTITY, EVERY_QUANTITY, LIMITED, LIMITS
 
 PLAIN: dict[str, Any] = {"name": "mine", "c11": 126e9, "c12": 79.5e9, "c13": 84.1e9, "c33": 117e9, "c44": 23e9}
@@ -45,6 +46,72 @@ def test_entries_say_where_everything_comes_from(name: str) -> None:
                 assert low < high
 
 
+#: Sizes of thermal constants in SI of any solid of the library.
+WARM = {
+    "pyroelectric": (1e-6, 1e-3),
+    "expansion": (1e-6, 4e-4),
+    "conductivity": (0.1, 500),
+    "heat_capacity": (1e6, 5e6),
+}
+
+
+def test_constants_for_heat_have_sources_and_sizes_of_solids() -> None:
+    bodies = {name: material.thermal for name, material in solver.materials().items()}
+    bodies |= {f"punch {name}": punch.thermal for name, punch in punches().items()}
+    for name, thermal in bodies.items():
+        for kind, known in thermal.items():
+            low, high = WARM[kind]
+            assert low <= abs(known.value) <= high, (name, kind)
+            assert "read" in known.source or "recalled" in known.source, (name, kind)
+            assert known.value > 0 or kind == "pyroelectric", (name, kind)  # expansions of the library are positive
+    assert {name for name, thermal in bodies.items() if "pyroelectric" in thermal} == {
+        name for name, body in solver.materials().items() if body.e33 and body.thermal.get("pyroelectric")
+    }  # only what is polar
+    own = solver.find("PVDF")
+    assert solver.Material.from_mapping(own.plain()).thermal == own.thermal
+    assert own.variants()[0].thermal == own.thermal
+
+
+@pytest.mark.parametrize("law", [solver.fibrous, solver.laminate])
+def test_composites_mix_constants_for_heat_by_the_relation_of_levin(law: Any) -> None:
+    polar, spinel = solver.find("BaTiO3"), solver.find("CoFe2O4")
+    ends = [law(polar, spinel, fraction).thermal for fraction in (0.0, 1.0)]
+    for name, phase in (("expansion", spinel), ("conductivity", spinel), ("heat_capacity", spinel)):
+        assert ends[0][name].value == pytest.approx(phase.thermal[name].value, rel=1e-9)
+    for name, known in polar.thermal.items():
+        assert ends[1][name].value == pytest.approx(known.value, rel=1e-9)
+    assert not law(polar, solver.find("PMN-PT 67:33"), 0.5).thermal  # a phase of which nothing is known
+    assert not law(polar, spinel, [0.2, 0.5]).thermal
+
+
+def test_a_laminate_is_pyroelectric_as_its_layers_in_series() -> None:
+    v, polar, spinel = 0.4, solver.find("BaTiO3"), solver.find("glass")  # no magnetic coupling
+    free = solver.laminate(polar, spinel, v)
+    p = {name: known.value for name, known in free.thermal.items()}
+    # unknowns per kelvin: strain across, strain along and field of each layer; shared: strain across, stress, D
+    rows, right = np.zeros((5, 5)), np.zeros(5)
+    layers = [
+        {n: float(getattr(m, n)) for n in UNITS} | {n: k.value for n, k in m.thermal.items()} for m in (polar, spinel)
+    ]
+    for k, (c, share) in enumerate(zip(layers, (v, 1 - v), strict=True)):
+        alpha, upright, field = c["expansion"], 1 + k, 3 + k
+        rows[0, [0, upright, field]] += np.array([c["c11"] + c["c12"], c["c13"], -c["e31"] * 1e9]) * share
+        right[0] += share * (c["c11"] + c["c12"] + c["c13"]) * alpha
+        rows[1 + k, [0, upright, field]] = 2 * c["c13"], c["c33"], -c["e33"] * 1e9  # no stress along the axis
+        right[1 + k] = (2 * c["c13"] + c["c33"]) * alpha
+        rows[3, field] = share  # no voltage
+        sign = 1e9 * (1 - 2 * k)
+        rows[4, [0, upright, field]] += sign * np.array([2 * c["e31"], c["e33"], c["eps33"] * 1e9])
+        right[4] -= sign * (c.get("pyroelectric", 0.0) - (2 * c["e31"] + c["e33"]) * alpha)
+    across, along, _, induced, _ = np.linalg.solve(rows, right)
+    c = layers[0]
+    induction = (
+        c["pyroelectric"] + 2 * c["e31"] * (across - c["expansion"]) + c["e33"] * (along - c["expansion"])
+    ) + c["eps33"] * 1e9 * induced
+    assert p["expansion"] == pytest.approx(across, rel=1e-9)
+    assert p["pyroelectric"] == pytest.approx(induction, rel=1e-7)
+
+
 def test_bulk_soft_pzt_loses_its_poling_from_ten_megapascal_on() -> None:
     for name in ("PZT-5H", "PIC255", "NCE51"):
         assert solver.find(name).limits["depoling_stress"].value == 10e6
@@ -57,6 +124,19 @@ def test_bulk_soft_pzt_loses_its_poling_from_ten_megapascal_on() -> None:
         ({"limits": 3}, "limits: '3' is not a mapping of tensile_strength, "),
         ({"limits": {"strength": {}}}, "limits: 'strength': unknown entry; known are tensile_strength, "),
         ({"limits": {"yield_strength": 3e7}}, "limits: yield_strength: '30000000.0' is not a mapping of value, source"),
+        (
+            {"thermal": {"conductivity": {"value": 0, "source": "x"}}},
+            "thermal: conductivity: value: '0' is not a finite",
+        ),
+        (
+            {"thermal": {"heat_capacity": {"value": "-1 J/m3/K", "source": "x"}}},
+            "thermal: heat_capacity: value: '-1.0' is not a",
+        ),
+        (
+            {"thermal": {"pyroelectric": {"value": -27, "source": "x"}}},
+            "thermal: pyroelectric: -27 C m-2 K-1 is of a size that no material has",
+        ),
+        ({"thermal": {"expansion": {"value": "3 ppm"}}}, "thermal: expansion: value: '3 ppm': unit mismatch"),
         ({"limits": {"yield_strength": {"source": "x"}}}, "limits: yield_strength: value: 'nothing' is not a finite"),
         (
             {"limits": {"coercive_field": {"value": -1, "source": "x"}}},

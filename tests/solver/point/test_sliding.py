@@ -44,8 +44,10 @@ def test_pressure_next_to_the_edge_falls_as_a_root_of_the_distance(body: dict[st
     """To the first order the root's exponent adds a logarithm; sums over depths of 1e-5 had no digits within 1e-4."""
     distance = np.array([1e-6, 1e-4, 1e-2])
     for side in (-1, 1):
-        at = solver.solve(BALL | {"friction": 0.3} | body, side * (1 - distance))["contact_pressure"].values.ravel()
-        over_root = at / np.sqrt(distance)
+        pressure = solver.solve(BALL | {"friction": 0.3} | body, side * (1 - distance))[
+            "contact_pressure"
+        ].values.ravel()
+        over_root = pressure / np.sqrt(distance)
         assert abs(np.diff(over_root, 2)[0]) < 0.03 * over_root[1]
 
 

@@ -59,6 +59,7 @@ def replaced(name: str, value: Any) -> Callable[[xr.Dataset], xr.Dataset]:  # an
             attribute("engine", "torch"),
             "unknown engine 'torch'; known are grid, scatter, grouped, curves, bounded, ",
         ),
+        (attribute("kernel", "__import__('os')"), "unknown kernel"),
         (lambda d: d.drop_vars("amplitude"), "inconsistent"),
         (lambda d: d.assign(core_0=d["core_0"][..., :1].rename(rank_1="cut")), "core 1 has the shape"),
         (lambda d: d.isel(mode_0=slice(2)), "do not come out again"),

@@ -34,9 +34,7 @@ def of_groups() -> GaussianProcess:
 
 @cache
 def of_bounds() -> GaussianProcess:
-    x, y = bounds.INPUTS[0].levels(7), bounds.INPUTS[1].levels(4)
-    grid = xr.Dataset({name: (("x", "y"), own) for name, own in bounds.truth(x[:, None], y).items()}, {"x": x, "y": y})
-    return BoundedGP(GridGP(inputs=bounds.INPUTS), bounds.BOUNDS).fit(grid).calibrate(bounds.cases(1500, 1))
+    return BoundedGP(GridGP(inputs=bounds.INPUTS), bounds.BOUNDS).fit(bounds.grid()).calibrate(bounds.cases(1500, 1))
 
 
 @cache
@@ -67,18 +65,18 @@ def spread(model: GaussianProcess, count: int) -> Array:
 
 @gcc
 @pytest.mark.parametrize(
-    ("made", "outputs"),
+    ("model_of", "outputs"),
     [(of_groups, ["length", "cold", "depth"]), (of_bounds, ["share", "size", "below"]), (of_one_input, ["f", "1"])],
 )
 @pytest.mark.parametrize(("arithmetic", "error"), [(np.float64, 1e-5), (np.float32, 1e-3)])
 def test_c_says_what_python_says(
-    made: Callable[[], GaussianProcess],
+    model_of: Callable[[], GaussianProcess],
     outputs: Sequence[str],
     arithmetic: type[np.floating[Any]],
     error: float,
     tmp_path: Path,
 ) -> None:
-    model = made()
+    model = model_of()
     parts, source = exported(model, outputs if arithmetic == np.float64 else outputs[:2], tmp_path, arithmetic, error)
     compiled = Compiled(source, "-O2")
     assert compiled.selftest() == 0
@@ -103,9 +101,9 @@ def assert_agrees(
     values, ends, slopes = (compiled.asked(which, X, output)[1] for which in ("value", "interval", "gradient"))
     assert np.isnan(values[~answered]).all()
     exact, narrow = (model.predict_array(inside, extrapolate=True)[:, 0] for model in (part.exact, part.model))
-    found = values[answered, 0]
-    assert np.abs(found - exact).max() <= room
-    assert np.abs(found - narrow).max() <= digits * part.size
+    result = values[answered, 0]
+    assert np.abs(result - exact).max() <= room
+    assert np.abs(result - narrow).max() <= digits * part.size
     np.testing.assert_array_equal(ends[:, 0], values[:, 0])
     lower, upper = (end[:, 0] for end in part.exact.interval_array(inside, extrapolate=True))
     slack = 1e-6 * part.size + 1e-4 * (upper - lower) if digits > 1e-6 else 1e-5 * (upper - lower) + 1e-9 * part.size

@@ -110,6 +110,13 @@ def test_an_oscilloscope_s_steps_of_unix_time_are_not_lost(tmp_path: Path) -> No
         ("time [s],force [N]\n0,0\n", "1 rows; a history has 2 to"),
         ("time [s],force [N]\n0,0\n2,1\n1,0\n", "line 4: time: 1 is not after 2"),
         ("time [s],force [N]\n0,0\n1,1\n1,2\n", "line 4: time: 1 is there twice"),
+        (
+            "time [s],force [N],temperature [K]\n0,0,295\n1,1,295\n1,1,306\n",
+            "line 4: time: 1 is there twice, at 295 and 306 K: no temperature jumps without time",
+        ),
+        ("time [s],force [N],temp [degC]\n0,0,22\n1,1,-300\n", "line 3: temperature: -26.85 K is not a finite"),
+        ("time [s],force [N],temperature\n0,0,22\n1,1,33\n", "temperature: has no unit; must be 'temperature [K]'"),
+        ("time [s],force [N],temperature [K]\n0,0,295\n1,1,\n", "line 3: temperature: empty; must be a number"),
         ("time [s],force [N]\n0,1\n1,-1\n", "line 3: force [N]: -1 N is not a finite number >= 0; subtract"),
         ("time [s],force [N]\n0,0\n1,nan\n", "line 3: force [N]: 'nan' stands for a missing value; remove the row"),
         ("time [s],force [N]\n0,0\n1,\n", "line 3: force [N]: empty"),

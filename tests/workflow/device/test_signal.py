@@ -6,12 +6,15 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy
+from scipy.integrate import quad
 
 import solver
 from approximation.arrays import Array
+from solver.face.heat import responses
 from workflow.device.circuit import Circuit, permittivity
 from workflow.device.contact import ContactCurves
 from workflow.device.signal import History, read
+from workflow.device.warmth import Warmth
 from workflow.language import grammar
 from workflow.study.sections import Device
 
@@ -201,3 +204,50 @@ def test_histories_that_cannot_be_are_refused() -> None:
             History(times, forces)
     with pytest.raises(ValueError, match="must ascend"):
         History(times[::-1], times)
+
+
+def test_heat_and_bias_current_flow_into_the_node_as_charge_of_a_force_does(film: ContactCurves) -> None:
+    """A constant force, heat that grows evenly and a bias current, against the exponential of a constant circuit."""
+    numbers = {"input_capacitance": 1e-11, "feedback_capacitance": 1e-11, "feedback_resistance": 1e11}
+    history = History(np.linspace(0.0, 3.0, 31), np.full(31, FORCE))
+    current, bias = 2e-12, 5e-12
+    for numbers_of_case, net in ((numbers, -current), (numbers | {"bias_current": bias}, bias - current)):
+        circuit = Circuit.of(numbers_of_case)
+        signal = read(history, film, circuit, current * history.times)
+        capacitance = float(film.capacitance(np.array([FORCE]))[0]) + circuit.capacitance
+        rate = circuit.conductance / capacitance
+        stored = -net / rate * np.expm1(-rate * history.times)
+        np.testing.assert_allclose(signal.voltage * capacitance, stored, rtol=1e-8, atol=1e-20)
+    assert -circuit.gain * bias / circuit.conductance == pytest.approx(bias * 1e11, rel=1e-5)
+
+
+def test_the_heat_of_a_history_is_a_superposition_of_steps() -> None:
+    warm = Warmth(np.array([2.0, 0.1]), np.array([1e-12, -3e-13]), 0.0)
+    times = np.array([0.0, 0.5, 0.7, 3.0])
+    history = History(times, np.ones(4), np.array([300.0, 310.0, 310.0, 305.0]))
+
+    def step(t: float) -> float:
+        return float(-np.expm1(-t * warm.rates) @ warm.sizes)
+
+    for row, time in enumerate(times):
+        expected = 0.0
+        for begin, end, slope in ((0.0, 0.5, 20.0), (0.7, 3.0, -5 / 2.3)):
+            if time > begin:
+                expected += slope * quad(lambda u, time=time: step(time - u), begin, min(time, end))[0]
+        assert warm.charge(history)[row] == pytest.approx(expected, rel=1e-9, abs=1e-24)
+
+
+def test_a_film_s_warmth_is_fitted_to_its_steps() -> None:
+    case = {**AIR, "base": "steel"}
+    history = History(np.array([0.0, 0.1, 0.3, 10.0]), np.full(4, 0.05), np.array([295.0, 306.0, 306.0, 306.0]))
+    solved = solver.solve({**case, "force": 0.05})
+    warm = Warmth.of_case(case, solved, history, materials={})
+    assert warm.error < 1e-4
+    step = History(np.array([0.0, 1e-9, 4.0]), np.zeros(3), np.array([295.0, 296.0, 296.0]))
+    expected = responses(case, solved, np.array([4.0]))[0][0]
+    assert warm.charge(step)[-1] == pytest.approx(expected, rel=2e-4)
+
+
+def test_a_history_has_no_temperature_below_absolute_zero() -> None:
+    with pytest.raises(ValueError, match="finite numbers > 0 K"):
+        History(np.arange(2.0), np.ones(2), np.array([300.0, -1.0]))

@@ -1,0 +1,168 @@
+"""Quantities of the heat that a touch brings to films, from solved contacts."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver.arrays import Array
+from solver.face.filmfactors import absent, bare
+from solver.heat.charge import HeatedStack, HeatError, touch_step
+from solver.heat.conduction import Shape, Spot, Warming
+from solver.material.constants import Material
+from solver.material.laws import compose
+from solver.material.library import find
+from solver.material.punches import RIGID_PUNCH, punches
+from solver.names import BODY, CHOICES, COMPOSITES, FACTORS, HEAT_QUANTITIES, NEVER_TEMPERATURE, NEVER_TIME, OF_HEAT
+from solver.stack.layers import RIGID, Layer, Stack
+
+#: Factors that make the stack of a case, and those of its punch and its circuit.
+_OF_A_STACK = (
+    BODY, "material", "composite", *dict.fromkeys(COMPOSITES.values()), "thickness", "base", "base_modulus",
+    "interface_electric", "interface_magnetic", "electrode", "base_volume_fraction",
+)  # fmt: skip
+_OTHERS = ("punch", "electric", "collector", "patch", "patch_size", "patch_position", "load", "force", *OF_HEAT)
+_CONTACT = ("contact_radius", "contact_trailing", "contact_leading")
+_CHARGES = ("patch_charge_per_force", "electrode_charge_per_force", "charge_per_force")
+
+
+def with_heat(
+    out: xr.Dataset,
+    arrays: Mapping[str, xr.DataArray],
+    materials: Mapping[str, Material],
+    phases: Sequence[str | Material],
+) -> xr.Dataset:
+    """Solved contacts with the quantities of heat, or with the reason for which they have none."""
+    charge = next((name for name in _CHARGES if name in out), None)
+    names = [name for name in (*_OF_A_STACK, *_OTHERS) if name in arrays]
+    contact = [name for name in (*_CONTACT, *_CHARGES) if name in out]
+    for name in (name for name in OF_HEAT if name in arrays):
+        attrs = {"units": FACTORS[name].units, "long_name": FACTORS[name].long_name}
+        out = out.assign_coords({name: (arrays[name].dims, arrays[name].values, attrs)})
+    try:
+        if charge is None:
+            raise HeatError("heat: no electrode is read")
+        whole = xr.broadcast(
+            *(bare(arrays, name) for name in names), *(out[name].reset_coords(drop=True) for name in contact)
+        )
+        touches = _Touches(materials, phases)
+        columns = [array.values.ravel() for array in whole]
+        rows = (dict(zip((*names, *contact), row, strict=True)) for row in zip(*columns, strict=True))
+        solved = np.array([touches.quantities(row) for row in rows])
+    except HeatError as error:
+        return out.assign_attrs(heat=str(error).removeprefix("heat: "))
+    line = "contact_radius" not in out
+    kinds = [name for name in HEAT_QUANTITIES if name != ("heat_charge" if line else "heat_charge_per_length")]
+    values = {
+        name: (whole[0].dims, column.reshape(whole[0].shape), HEAT_QUANTITIES[name].attrs)
+        for name, column in zip(kinds, solved.T, strict=True)
+    }
+    return out.assign(values)
+
+
+@dataclass(frozen=True, eq=False)
+class _Touches:
+    """Touches of cases, which share stacks and warmings."""
+
+    materials: Mapping[str, Material]
+    phases: Sequence[str | Material]
+    stacks: dict[Any, tuple[Stack, HeatedStack]] = field(default_factory=dict)
+    warmings: dict[Any, Warming] = field(default_factory=dict)
+    times: dict[Any, float] = field(default_factory=dict)  # at which heat overtakes the force, whatever the hold
+
+    def quantities(self, case: Mapping[str, Any]) -> Array:
+        """Charge of the heat, kelvin that equal the force, and the time at which heat does; (3,)."""
+        key = (
+            *(str(case.get(name)) if name != BODY else id(case.get(name)) for name in _OF_A_STACK),
+            case.get("collector"),
+        )
+        if key not in self.stacks:
+            stack = self.stack(case)
+            collector = None if "collector" not in case else int(case["collector"])
+            self.stacks[key] = stack, HeatedStack.of(stack, collector)
+        stack, heated = self.stacks[key]
+        leak = case.get("feedback_resistance", np.inf) * case.get("feedback_capacitance", 1.0)
+        spot, time = _spot(case), float(case["hold"])
+        if (key, time, leak) not in self.warmings:
+            self.warmings[key, time, leak] = Warming(heated.conduction, heated.weights, time, leak)
+        per_kelvin = self.share(case, stack) * self.warmings[key, time, leak].over(spot)
+        rise = case["touch_temperature"] - case.get("body_temperature", FACTORS["body_temperature"].default)
+        pressed = next(case[name] for name in _CHARGES if name in case) * case.get("force", case.get("load"))
+        left = abs(pressed) * np.exp(-time / leak)
+        equal = min(left / abs(per_kelvin), NEVER_TEMPERATURE) if per_kelvin else NEVER_TEMPERATURE
+        share = abs(rise) * self.share(case, stack) / case.get("heat_share", 1.0)
+        reached = (key, spot, leak, share, pressed)
+        if reached not in self.times:
+            self.times[reached] = heated.overtaken(spot, abs(pressed) / share, leak) if share else NEVER_TIME
+        return np.array([rise * per_kelvin, equal, min(self.times[reached], NEVER_TIME)])
+
+    def stack(self, case: Mapping[str, Any]) -> Stack:
+        """The stack of one case, with the constants for heat of its materials."""
+        if BODY in case:
+            body: Stack = case[BODY]
+            return Stack(body.layers, body.base, electroded=case.get("electrode") == "top")
+        if not absent(case.get("base_volume_fraction")):
+            raise HeatError("heat: not known for a graded film")
+        if "material" in case:
+            material = self._found(case["material"])
+        else:
+            kind = str(case.get("composite", CHOICES["composite"][0]))
+            phases = [self._found(phase) for phase in self.phases]
+            material = compose(kind, phases, float(case[COMPOSITES[kind]]))
+        if absent(base := case.get("base")):
+            raise HeatError("heat: not known for a base by its modulus: conductivity")
+        interfaces = (
+            None if absent(case.get(f"interface_{name}")) else str(case[f"interface_{name}"])
+            for name in ("electric", "magnetic")
+        )
+        layer = Layer(material, float(case["thickness"]), *interfaces)
+        return Stack([layer], base if base == RIGID else self._found(base), electroded=case.get("electrode") == "top")
+
+    def _found(self, which: object) -> Material:
+        return which if isinstance(which, Material) else find(str(which), self.materials)
+
+    def share(self, case: Mapping[str, Any], stack: Stack) -> float:
+        """Rise of the surface over that of what touches: all of it where the punch is rigid or has no name."""
+        which = case.get("punch")
+        if absent(which) or which == RIGID_PUNCH:
+            return 1.0
+        known = punches().get(str(which)) if str(which) not in self.materials else None
+        thermal = self._found(which).thermal if known is None else known.thermal
+        return touch_step(stack.top.material, thermal, 1.0, f"the punch {which}")
+
+
+def responses(
+    case: Mapping[str, Any],
+    solved: xr.Dataset,
+    times: Array,
+    materials: Mapping[str, Material] = MappingProxyType({}),
+    phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
+) -> tuple[Array, float]:
+    """Charge after a step of what touches one solved film, (time,), and that of one change everywhere, per kelvin.
+
+    ``case`` holds single factors, as for :func:`solver.solve`; times are in s, charges in C/K, of lines in C m-1 K-1.
+    HeatError names a constant that is not known.
+    """
+    touches = _Touches(materials, phases)
+    contact = {name: float(solved[name].squeeze()) for name in _CONTACT if name in solved}
+    stack = touches.stack(case)
+    heated = HeatedStack.of(stack, None if "collector" not in case else int(case["collector"]))
+    spot, share = _spot({**case, **contact}), touches.share(case, stack)
+    charges = [heated.charges([spot], time)[0] for time in times]
+    return share * np.array(charges), heated.uniform * spot.area
+
+
+def _spot(case: Mapping[str, Any]) -> Spot:
+    """The contact as a warm spot above what collects its charge."""
+    point = "contact_radius" in case
+    half = float(case["contact_radius"] if point else (case["contact_trailing"] + case["contact_leading"]) / 2)
+    shape: Shape = "disc" if point else "strip"
+    if "collector" not in case:
+        return Spot(shape, half, shape, half)
+    if "patch_size" not in case:
+        return Spot(shape, half)
+    patch: Shape = "strip" if not point or case.get("patch", "disc") == "strip" else "disc"
+    return Spot(shape, half, patch, float(case["patch_size"]) / 2, float(case.get("patch_position", 0.0)))

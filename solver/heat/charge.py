@@ -1,0 +1,149 @@
+"""Charge that heat makes on the electrodes of a layered body.
+
+A film between electrodes on one potential, on a thick base that it follows in its plane, has per kelvin
+
+    p_film = p_sigma - 2 (e31 - e33 c13 / c33)(alpha - alpha_base),
+
+and p_sigma where it is free. Its sign is that of D_y along +y. Several layers between two electrodes are plates in
+series: each counts by its share h/eps of the sum. A material without piezoelectric constants has no polar axis: 0.
+What the layers' own warm spot strains, as a body does that is warm in one place only, is left out.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from approximation.arrays import Array
+from solver.heat.conduction import Conduction, Spot, Warming
+from solver.material.constants import Material, MaterialError
+from solver.material.evidence import Sourced
+from solver.stack.electrodes import Electrode, electrodes
+from solver.stack.layers import Stack
+
+_EARLIEST, _LATEST = 1e-6, 1e6  # s, between which heat overtakes a force, or never
+_PER_DECADE = 6
+_LEAST = 1e-8  # charge over another one that is lost in rounding
+
+
+class HeatError(MaterialError):
+    """A constant for heat that is not known."""
+
+
+def constant(name: str, thermal: dict[str, Sourced] | object, of: str) -> float:
+    """Value of a constant for heat of a body."""
+    if not isinstance(thermal, dict) or name not in thermal:
+        raise HeatError(f"heat: not known for {of}: {name}")
+    return float(thermal[name].value)
+
+
+def film_coefficient(film: Material, base: Material | None = None) -> float:
+    """Charge per area and kelvin of a film between electrodes on one potential [C m-2 K-1].
+
+    base : material that the film is bonded to, thick against it; None: the film is free.
+    """
+    if film.conductor or not (film.e31 or film.e33 or film.e15):
+        return 0.0
+    free = constant("pyroelectric", film.thermal, film.name)
+    if base is None:
+        return free
+    clamped = float(film.e31 - film.e33 * film.c13 / film.c33)
+    apart = constant("expansion", film.thermal, film.name) - constant("expansion", base.thermal, base.name)
+    return free - 2 * clamped * apart
+
+
+def conduction(stack: Stack) -> Conduction:
+    """Layers of a stack as they conduct heat."""
+    if isinstance(stack.base, str):
+        raise HeatError("heat: not known for the base 'rigid': conductivity; name the material of the base")
+    bodies = [*(layer.material for layer in stack.layers), stack.base]
+    values = {name: np.array([constant(name, m.thermal, m.name) for m in bodies]) for name in _CONDUCTS}
+    thickness = np.array([layer.thickness for layer in stack.layers])
+    return Conduction(thickness, values["conductivity"], values["heat_capacity"])
+
+
+_CONDUCTS = ("conductivity", "heat_capacity")
+
+
+def layer_weights(stack: Stack, collector: int | None = None) -> Array:
+    """Charge of an electrode per area and kelvin of each layer [C m-2 K-1]; (layer,).
+
+    collector : number of the electrode, from the top; None: a punch that conducts, on the surface.
+    """
+    weights = np.zeros(len(stack.layers))
+    if collector is None:
+        places = electrodes(stack)
+        if not places:
+            raise HeatError("heat: the punch's charge is of a film above a grounded interface; this body has none")
+        parts = [(-1.0, range(places[0][0] + 1))]
+    else:
+        electrode = Electrode(stack, collector)
+        between = electrode.between
+        above = bool(between) and collector > 1
+        parts = [(1.0, between[0])] if above else []
+        parts += [(-1.0, layers) for layers in between[len(parts) :]]
+    base = None if isinstance(stack.base, str) else stack.base
+    if base is None and any(layer.material.e33 for layer in stack.layers):
+        raise HeatError("heat: not known for the base 'rigid': expansion; name the material of the base")
+    for sign, layers in parts:
+        bodies = [(stack.layers[place].thickness, stack.layers[place].material) for place in layers]
+        shares = np.array([h / float(m.eps33 + m.e33**2 / m.c33) for h, m in bodies])
+        coefficients = np.array([film_coefficient(m, base) for _, m in bodies])
+        weights[list(layers)] += sign * coefficients * shares / shares.sum()
+    return weights
+
+
+def touch_step(surface: Material, toucher: dict[str, Sourced] | object, difference: float, of: str = "punch") -> float:
+    """Rise of the surface that something touches which is warmer by a difference [K]: both as half-spaces."""
+    effusivities = [
+        np.sqrt(constant("conductivity", thermal, name) * constant("heat_capacity", thermal, name))
+        for thermal, name in ((toucher, of), (surface.thermal, surface.name))
+    ]
+    return float(difference * effusivities[0] / sum(effusivities))
+
+
+@dataclass(frozen=True, eq=False)
+class HeatedStack:
+    """A stack and the electrode that collects its charge."""
+
+    conduction: Conduction
+    weights: Array  # charge per area and kelvin of each layer [C m-2 K-1]; (layer,)
+
+    @classmethod
+    def of(cls, stack: Stack, collector: int | None = None) -> "HeatedStack":
+        """The stack as it conducts heat and makes charge."""
+        return cls(conduction(stack), layer_weights(stack, collector))
+
+    @property
+    def uniform(self) -> float:
+        """Charge per area and kelvin of one change of temperature everywhere [C m-2 K-1]."""
+        return float(self.weights.sum())
+
+    def charges(self, spots: Sequence[Spot], time: float, leak: float = np.inf) -> Array:
+        """Charges per kelvin of the touched surface after a time [C/K], of strips per metre [C m-1 K-1]; (spot,).
+
+        A circuit whose time constant is ``leak`` [s] still shows these charges.
+        """
+        warming = Warming(self.conduction, self.weights, time, leak)
+        return np.array([warming.over(spot) for spot in spots])
+
+    def overtaken(self, spot: Spot, charge: float, leak: float = np.inf) -> float:
+        """Time at which the charge per kelvin reaches a size [s], infinite if later than 1e6 s.
+
+        The charge decays with the circuit's time constant ``leak`` [s] as well.
+        """
+
+        def excess(log: float) -> float:
+            made = abs(Warming(self.conduction, self.weights, 10**log, leak).over(spot))
+            return float(np.log(max(made, _LEAST * abs(charge)) / abs(charge)) + min(10**log / leak, 700.0))
+
+        # of one sign the charge of heat over that of the force only grows; of two it is looked for in steps
+        steps = 1 if (self.weights >= 0).all() or (self.weights <= 0).all() else 12 * _PER_DECADE
+        logs = np.linspace(np.log10(_EARLIEST), np.log10(_LATEST), 1 + steps)
+        before = logs[0]
+        for log in logs:
+            if excess(log) > 0:
+                return float(10 ** (brentq(excess, before, log, xtol=1e-7) if log > before else log))
+            before = log
+        return np.inf

@@ -1,0 +1,248 @@
+"""Heat: temperatures in layers, and the charge that they make, against closed forms and finite volumes."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import erfc
+
+import solver
+from solver import Layer, Stack
+from solver.heat.charge import HeatedStack, HeatError, conduction, film_coefficient, layer_weights, touch_step
+from solver.heat.conduction import Conduction, Spot, Warming
+from solver.material.evidence import Sourced
+from solver.material.punches import punches
+from solver.names import HEAT_QUANTITIES
+from verification.oracles.heat import Slab, film_mean, spot_heat
+
+PDMS, FILM, FR4 = (0.15, 970 * 1460.0), (0.2, 1880 * 1300.0), (0.3, 1850 * 1100.0)  # W/m/K, J/m3/K
+AT_ONCE = np.zeros(1)
+
+
+def layered(thickness: list[float], *bodies: tuple[float, float]) -> Conduction:
+    conductivity, capacity = np.array(bodies).T
+    return Conduction(np.array(thickness), conductivity, capacity)
+
+
+def copolymer() -> solver.Material:
+    """The film of the page of theory, with the pyroelectric coefficient that its numbers were computed with."""
+    film = solver.find("P(VDF-TrFE) 75:25 (alternative 1)")
+    return replace(film, thermal={**film.thermal, "pyroelectric": Sourced(-35e-6, "theory page")})
+
+
+@pytest.mark.parametrize(
+    ("cover", "means"), [(0.4e-3, (0.266287, 0.464619, 0.655366)), (1e-3, (0.019370, 0.147705, 0.364493))]
+)
+def test_a_film_below_a_cover_warms_as_the_page_of_theory_has_it(cover: float, means: tuple[float, ...]) -> None:
+    body = layered([cover, 50e-6], PDMS, FILM, FR4)
+    for time, mean in zip((1.0, 3.0, 10.0), means, strict=True):
+        assert body.means(AT_ONCE, time)[1, 0] == pytest.approx(mean, abs=1e-6)
+
+
+@pytest.mark.parametrize("base", [(0.2, 2.4e6), (5.0, 3.3e6), (0.02, 1e4)])
+def test_a_half_space_below_another_warms_by_the_series_of_images(base: tuple[float, float]) -> None:
+    """Depth L of one material on another: reflections of erfc; of equal materials only the first is left."""
+    upper, depths, time = (0.2, 2.4e6), (0.3e-3, 0.35e-3), 0.7
+    b, b_base = (np.sqrt(kappa * c) for kappa, c in (upper, base))
+    reflected, spread = (b - b_base) / (b + b_base), 2 * np.sqrt(upper[0] / upper[1] * time)
+    whole = 0.6e-3
+
+    def temperature(x: float) -> float:
+        terms = [
+            (-reflected) ** n
+            * (erfc((2 * n * whole + x) / spread) + reflected * erfc((2 * (n + 1) * whole - x) / spread))
+            for n in range(9)
+        ]
+        return float(np.sum(terms))
+
+    mean = quad(temperature, *depths, epsabs=1e-13)[0] / (depths[1] - depths[0])
+    body = layered([depths[0], depths[1] - depths[0], whole - depths[1]], upper, upper, upper, base)
+    assert body.means(AT_ONCE, time)[1, 0] == pytest.approx(mean, abs=1e-9)
+
+
+def test_bodies_that_touch_meet_at_the_mean_of_their_effusivities() -> None:
+    skin, cover = solver.find("PDMS"), solver.find("PDMS")
+    assert touch_step(cover, skin.thermal, 10.0) == pytest.approx(5.0)
+    # a thick layer on a half-space, both at 0 and its far face at 1, is early two half-spaces on either side of ... its
+    # interface: by the reflection, the transmitted share of what arrives is 2 b1 / (b1 + b2)
+    steel = solver.find("steel")
+    b_1, b_2 = (
+        np.sqrt(m.thermal["conductivity"].value * m.thermal["heat_capacity"].value)
+        for m in (steel, solver.find("PDMS"))
+    )
+    assert touch_step(cover, steel.thermal, 1.0) == pytest.approx(b_1 / (b_1 + b_2))
+    with pytest.raises(HeatError, match="heat: not known for PMN-PT 67:33: conductivity"):
+        touch_step(solver.find("PMN-PT 67:33"), steel.thermal, 1.0)
+
+
+@pytest.mark.parametrize("film", [0, 1, 2])
+def test_layers_warm_as_finite_volumes_do(film: int) -> None:
+    slabs = [Slab(0.2e-3, *PDMS), Slab(20e-6, 400.0, 3.45e6), Slab(80e-6, *FILM)]
+    base = Slab(np.inf, *FR4)
+    body = layered([slab.thickness for slab in slabs], PDMS, (400.0, 3.45e6), FILM, FR4)
+    means = body.means(AT_ONCE, 0.5)
+    assert means[film, 0] == pytest.approx(film_mean(slabs, base, film, 0.5, 100), abs=1e-6)
+
+
+@pytest.mark.parametrize(("radius", "collecting"), [(2e-3, 1e-3), (0.7e-3, 0.7e-3), (0.5e-3, 1.5e-3)])
+def test_a_disc_below_a_warm_disc_collects_what_axisymmetric_finite_volumes_give_it(
+    radius: float, collecting: float
+) -> None:
+    cover, film, base, time = Slab(0.5e-3, *PDMS), Slab(50e-6, *FILM), Slab(np.inf, *FR4), 2.0
+    warming = Warming(layered([0.5e-3, 50e-6], PDMS, FILM, FR4), np.array([0.0, 1.0]), time)
+    transformed = warming.over(Spot("disc", radius, "disc", collecting))
+    volumes = spot_heat([cover, film], base, 1, time, radius, collecting, cells=10, steps=6)
+    assert transformed == pytest.approx(volumes, rel=5e-3)  # meshes of 10 volumes err by 3e-3, of 20 by 1e-3
+
+
+@pytest.mark.parametrize("cover", [1e-3, 20e-6, 0.0])
+def test_patches_and_spots_without_end_are_those_of_a_uniform_step(cover: float) -> None:
+    body = layered([cover, 50e-6], PDMS, FILM, FR4) if cover else layered([50e-6], FILM, FR4)
+    warming = Warming(body, np.array([0.0, 1.0][-len(body.thickness) :]), 0.5)
+    wide, narrow = 30e-3, 1.5e-3
+    of_disc, of_strip = np.pi * narrow**2 * warming.uniform, 2 * narrow * warming.uniform
+    for spot, expected in (
+        (Spot("disc", narrow, "disc", wide), of_disc),
+        (Spot("disc", wide, "disc", narrow), of_disc),
+        (Spot("disc", narrow, "strip", wide), of_disc),
+        (Spot("strip", narrow, "strip", wide), of_strip),
+        (Spot("strip", wide, "strip", narrow), of_strip),
+        (Spot("disc", narrow), of_disc),
+        (Spot("strip", narrow), of_strip),
+    ):
+        assert warming.over(spot) == pytest.approx(expected, rel=1e-6), spot
+
+
+def test_strips_side_by_side_share_what_one_as_wide_as_both_collects() -> None:
+    warming = Warming(layered([0.2e-3, 50e-6], PDMS, FILM, FR4), np.array([0.0, 1.0]), 1.0)
+    for shape in ("disc", "strip"):
+        whole = warming.over(Spot(shape, 0.6e-3, "strip", 0.5e-3, 0.3e-3))
+        parts = [warming.over(Spot(shape, 0.6e-3, "strip", 0.25e-3, place)) for place in (0.05e-3, 0.55e-3)]
+        assert sum(parts) == pytest.approx(whole, rel=1e-7)
+
+
+def test_a_bare_film_is_resolved_below_its_own_spot() -> None:
+    """Twice as far in the wavenumber gives the same: the part of the rest that does not oscillate is there."""
+    body = layered([50e-6], (1.2, 3.3e6), (50.0, 3.69e6))
+    for spot in (Spot("disc", 40e-6, "disc", 40e-6), Spot("strip", 1e-3, "strip", 1e-3)):
+        short, long = (Warming(body, np.ones(1), 1.0) for _ in range(2))
+        object.__setattr__(long, "_largest", 3 * short._largest)
+        assert short.over(spot) == pytest.approx(long.over(spot), rel=1e-6)
+
+
+def test_a_circuit_that_forgets_shows_the_convolution() -> None:
+    body, leak, time = layered([0.4e-3, 50e-6], PDMS, FILM, FR4), 0.3, 2.0
+
+    def mean(at: float) -> float:
+        return float(body.means(AT_ONCE, at)[1, 0])
+
+    kept = mean(time) - quad(lambda u: mean(time - u) * np.exp(-u / leak) / leak, 0, time, epsabs=1e-9)[0]
+    assert body.means(AT_ONCE, time, leak)[1, 0] == pytest.approx(kept, abs=1e-7)
+
+
+def test_a_film_on_a_base_has_the_coefficient_of_the_full_law() -> None:
+    film, base = copolymer(), solver.find("FR4")
+    assert film_coefficient(film, base) == pytest.approx(-44.242447e-6, rel=1e-7)
+    assert film_coefficient(film) == -35e-6
+    for name in ("PZT-4", "BaTiO3", "AlN", "PVDF"):
+        m, steel = solver.find(name), solver.find("steel")
+        p, alpha = (m.thermal[key].value for key in ("pyroelectric", "expansion"))
+        c = np.array([[m.c11, m.c12, m.c13], [m.c12, m.c11, m.c13], [m.c13, m.c13, m.c33]], dtype=float)
+        e = np.array([m.e31, m.e31, m.e33], dtype=float)
+        along = 3 * alpha  # any: it drops out
+        free = np.array([alpha, alpha, along])
+        stretch = np.full(2, steel.thermal["expansion"].value)
+        upright = ((c @ free)[2] - c[2, :2] @ stretch) / c[2, 2]
+        induction = p + e @ (np.array([*stretch, upright]) - free)
+        assert film_coefficient(m, steel) == pytest.approx(induction, rel=1e-12)
+    assert film_coefficient(solver.find("glass"), base) == 0.0
+    with pytest.raises(HeatError, match="heat: not known for PIC255: pyroelectric"):
+        film_coefficient(solver.find("PIC255"))
+
+
+@pytest.mark.parametrize("name", ["PZT-4", "PVDF", "AlN"])
+def test_signs_are_those_of_the_charge_per_force(name: str) -> None:
+    """Heat on an electrode has the sign of -p e33 times that of the force, at every electrode of a stack."""
+    bare = Stack([Layer(name, 20e-6)], "steel")
+    pressed = {"profile": "disc", "width": 2e-3, "force": 1.0, "surroundings": "insulated", "magnetic": "insulating"}
+    punch = float(solver.solve({"body": bare, **pressed})["charge_per_force"])
+    film = Stack([Layer("glass", 20e-6, "grounded"), Layer(name, 20e-6)], "steel")
+    read = {**pressed, "electric": "insulating", "collector": 2, "patch_size": 1e-3}
+    patch = float(solver.solve({"body": film, **read})["patch_charge_per_force"])
+    material = solver.find(name)
+    sign = np.sign(material.e33) * -np.sign(film_coefficient(material, solver.find("steel")))
+    for charge, heat in ((punch, layer_weights(bare)[0]), (patch, layer_weights(film, 2)[1])):
+        assert np.sign(charge) * np.sign(heat) == sign
+    assert layer_weights(film, 1)[1] == -layer_weights(film, 2)[1]
+
+
+def test_layers_in_series_share_a_charge_and_opposite_poling_cancels() -> None:
+    film = copolymer()
+    flipped = replace(
+        film, e31=-film.e31, e33=-film.e33, e15=-film.e15, name="flipped",
+        thermal={**film.thermal, "pyroelectric": Sourced(35e-6, "turned over")},
+    )  # fmt: skip
+    twice = Stack([Layer(film, 25e-6), Layer(film, 25e-6)], "FR4")
+    one = Stack([Layer(film, 50e-6)], "FR4")
+    assert layer_weights(twice).sum() == pytest.approx(layer_weights(one)[0])
+    pair = Stack([Layer(film, 25e-6), Layer(flipped, 25e-6)], "FR4")
+    assert HeatedStack.of(pair).uniform == pytest.approx(0.0, abs=1e-18)
+    with pytest.raises(HeatError, match="base 'rigid'"):
+        conduction(Stack([Layer(film, 50e-6)]))
+
+
+def test_heat_overtakes_a_force_when_its_charge_is_as_large() -> None:
+    heated = HeatedStack.of(Stack([Layer("PDMS", 1e-3, "grounded"), Layer(copolymer(), 50e-6)], "FR4"), 2)
+    spot = Spot("disc", 2e-3, "disc", 1e-3)
+    time = heated.overtaken(spot, 1e-13)
+    assert abs(heated.charges([spot], time)[0]) == pytest.approx(1e-13, rel=1e-6)
+    assert np.isinf(heated.overtaken(spot, 1e-3))
+
+
+TOUCH: dict[str, Any] = {"touch_temperature": 306.15, "body_temperature": 295.15, "hold": [0.3, 10.0]}
+
+
+def test_a_touched_film_has_its_heat_beside_the_quantities_of_its_contact() -> None:
+    skin = {"profile": "sphere", "radius": "10 mm", "punch": "skin", "force": [5e-3, 50e-3], "magnetic": "insulating"}
+    body = Stack([Layer("PDMS", 1e-3, "grounded"), Layer(copolymer(), 50e-6)], "FR4")
+    read = {"body": body, **skin, "electric": "insulating", "collector": 2, "patch_size": "2 mm"}
+    bare, out = solver.solve(read), solver.solve(read | TOUCH)
+    for name in bare:
+        np.testing.assert_array_equal(out[name], bare[name])
+    heated = HeatedStack.of(body, 2)
+    rise = touch_step(solver.find("PDMS"), punches()["skin"].thermal, 11.0)
+    for force in (0, 1):
+        spot = Spot("disc", float(out["contact_radius"][force]), "disc", 1e-3)
+        for place, time in enumerate(TOUCH["hold"]):
+            charge = rise * heated.charges([spot], time)[0]
+            assert out["heat_charge"].transpose("force", "hold").values[force, place] == pytest.approx(charge)
+            touch = abs(out["patch_charge_per_force"] * out["force"]).values[force]
+            equal = out["temperature_equal"].transpose("force", "hold").values[force, place]
+            assert equal == pytest.approx(11.0 * touch / abs(charge), rel=1e-9)
+    for share in (1.0, 0.1):
+        light = read | TOUCH | {"force": 5e-3, "heat_share": share}
+        overtaken = solver.solve(light)["heat_time"].values.max()
+        lasting = solver.solve(light | {"hold": overtaken})
+        assert float(lasting["temperature_equal"].squeeze()) == pytest.approx(11.0 / share, rel=1e-5)
+
+
+def test_a_decaying_read_out_loses_the_touch_before_the_heat() -> None:
+    film = {"material": "PZT-4", "thickness": 50e-6, "base": "steel", "punch": "steel", "radius": 0.05, "load": 5e3}
+    slow, fast = (
+        solver.solve({**film, **TOUCH, "feedback_resistance": r, "feedback_capacitance": "10 pF"})
+        for r in ("10 TOhm", "10 GOhm")
+    )
+    assert "heat_charge" not in slow
+    assert abs(fast["heat_charge_per_length"][..., 1]).max() < abs(slow["heat_charge_per_length"][..., 1]).max()
+    assert (fast["temperature_equal"] < slow["temperature_equal"]).all()
+
+
+def test_a_film_without_a_constant_has_no_heat_and_says_why() -> None:
+    film = {"thickness": 50e-6, "base": "steel", "radius": 0.05, "load": 5e3, **TOUCH}
+    out = solver.solve({"material": "PIC255", **film})
+    assert not HEAT_QUANTITIES.keys() & set(out)
+    assert "charge_per_force" in out
+    assert out.attrs["heat"] == "not known for PIC255: pyroelectric"
+    assert "rigid" in solver.solve({"material": "PZT-4", **film, "base": "rigid"}).attrs["heat"]
