@@ -294,15 +294,17 @@ def card(study: Study, signal: Mapping[str, float], held: Mapping[str, Array]) -
     usual = "within linear theory" if not bands or nearest is None else RECOMMENDED
     stops.append(f"forces below {shown(signal['noise_force'], 'N', 2)} are lost in the noise")
     title = signal_study.title or f"{capital(punch_in_words(case))}, read by its amplifier"
+    charge, output = shown(abs(signal["contact_charge"]), "C", 3), shown(abs(signal["output"]), "V", 3)
+    bands_of_both = [asides.band(signal[name]) for name in ("charge_spread", "output_spread")]
+    if bands_of_both[0] and bands_of_both[0] == bands_of_both[1]:  # said once
+        read = f"{charge} and {output} at the output, both{bands_of_both[0]}"
+    else:
+        read = f"{charge}{bands_of_both[0]} and {output}{bands_of_both[1]} at the output"
     return Card(
         title=title,
         on=unbroken(f"the contact beside the designs ({built})"),
         build=unbroken(f"{built} ({listed(bands)})" if bands else built),
-        does=unbroken(
-            f"{shown(signal['force'], 'N', 3)} gives a charge of "
-            f"{_banded(signal, 'contact_charge', 'charge_spread', 'C')} and "
-            f"{_banded(signal, 'output', 'output_spread', 'V')} at the output{_fading(signal['time_constant'])}"
-        ),
+        does=unbroken(f"{shown(signal['force'], 'N', 3)} gives a charge of {read}{_fading(signal['time_constant'])}"),
         stops=unbroken(f"{capital('; '.join(stops))}."),
         doubt=doubted(signal_study),
         verdict=BEYOND if beyond else usual,
@@ -313,11 +315,6 @@ def card(study: Study, signal: Mapping[str, float], held: Mapping[str, Array]) -
             f"{title}, drawn to scale: {built}",
         ),
     )
-
-
-def _banded(signal: Mapping[str, float], name: str, spread: str, units: str) -> str:
-    """Size of a number with its spread by uncertain constants."""
-    return f"{shown(abs(signal[name]), units, 3)}{asides.band(signal[spread])}"
 
 
 def _fading(lasting: float) -> str:
