@@ -21,7 +21,7 @@ EXAMPLES = {
     "init": "init mine --like point_sensor",
     "list": "list quantities",
     "material": "material PZT-4",
-    "solve": "solve examples/cases.csv -o cases.csv",
+    "solve": 'solve --at "material=PZT-4,profile=sphere,radius=5 mm,force=1 N"',
     "interior": "interior examples/cases.csv -o inside.nc --x=-1,0,1 --y=-1,-0.5",
     "query": "query results/quickstart --at volume_fraction=0.6,friction=0.2,radius=10cm,load=10kN/m,charge=0",
     "design": 'design results/quickstart --maximise "abs(voltage_per_load)" --over radius,volume_fraction \\\n'
@@ -272,8 +272,9 @@ def _add_si(command: argparse.ArgumentParser) -> None:
 
 def _add_solve(commands: Commands) -> None:
     """Add ``solve`` to the commands of the program."""
-    command = commands.add_parser("solve", help="solve a table of cases exactly: quantities and surface fields")
-    _add_cases(command, nc="netCDF", csv="CSV")
+    command = commands.add_parser("solve", help="solve one case or a table exactly: quantities and surface fields")
+    _add_cases(command, printed=True, nc="netCDF", csv="CSV")
+    _add_si(command)
     command.add_argument("--positions", metavar="X1,X2,...", help="surface positions X = (x - c)/h, or r/a")
     command.add_argument(
         "--peaks", action="store_true", help="also find the largest stresses of the body (milliseconds a case)"
@@ -293,15 +294,16 @@ def _add_interior(commands: Commands) -> None:
     command.set_defaults(run=_interior)
 
 
-def _add_cases(command: argparse.ArgumentParser, **endings: str) -> None:
+def _add_cases(command: argparse.ArgumentParser, *, printed: bool = False, **endings: str) -> None:
     command.add_argument(
-        "cases", type=Path, metavar="CASES.csv", help="table of cases: one row a case, one column a factor"
+        "cases", type=Path, nargs="?", metavar="CASES.csv", help="table of cases: one row a case, one column a factor"
     )
+    command.add_argument("--at", metavar="NAME=VALUE,...", help="one case in place of a table")
     command.add_argument(
         "-o",
         "--output",
         type=written_as(**endings),
-        required=True,
+        required=not printed,
         metavar="|".join(f"OUT.{ending}" for ending in endings),
     )
     command.add_argument(

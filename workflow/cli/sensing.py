@@ -15,11 +15,10 @@ from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.materials import material_of
 from solver.heat.charge import HeatError
-from solver.names import FACTORS
 from storage.files import output, writing
-from workflow.cli.casetable import TEXT_FACTORS, read_cases
+from workflow.cli.casetable import one_case, read_cases
 from workflow.cli.forcehistory import MOST_ROWS, ForceFile, read_history
-from workflow.cli.words import named, quantity, say
+from workflow.cli.words import named, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
 from workflow.device.signal import DROP, Figures, History, Signal, read
@@ -129,18 +128,10 @@ def _positive(where: str, text: str) -> float:
 
 def _case(text: str) -> dict[str, Any]:
     """The factors of one case, from a table or from the option itself."""
-    if "=" in text:
-        return {name: _factor(name, value) for name, value in named("--on", text, valued=True).items()}
-    table = read_cases(Path(text))
-    if len(table.lines) != 1:
-        raise InputError(f"{text}: {len(table.lines)} cases; a signal is of one")
+    table = one_case("--on", text) if "=" in text else read_cases(Path(text))
+    if table.count != 1:
+        raise InputError(f"{text}: {table.count} cases; a signal is of one")
     return {name: column[0] for name, column in table.columns.items() if not table.empty(name)[0]}
-
-
-def _factor(name: str, text: str) -> float | str:
-    if name in TEXT_FACTORS or name not in FACTORS:  # what is unknown the solver names
-        return text
-    return quantity(f"--on: {name}", text, FACTORS[name].units, name)
 
 
 def _device(text: str, kind: Kind) -> dict[str, float]:

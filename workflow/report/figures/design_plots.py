@@ -9,10 +9,11 @@ from matplotlib.figure import Figure
 
 from approximation.arrays import Array
 from solver.fields import FIELDS, POINT_FIELDS
+from solver.units import prefixed
 from workflow.design.search.contact_fields import SURFACE
 from workflow.design.verdict.answer import Answer
 from workflow.language import titles
-from workflow.language.numbers import label, prefixed
+from workflow.language.numbers import label
 from workflow.report import ranked
 from workflow.report.figures.contours import below
 from workflow.report.figures.hover import attach_map

@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
+from solver.units import prefixed
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import number, prefixed
+from workflow.language.numbers import number
 from workflow.report.figures.style import BLUE, GREY, ORANGE, logarithmic, styled
 
 _COLOURS = {"agrees": BLUE, "disagrees": ORANGE, "cannot be told": GREY}

@@ -5,7 +5,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from workflow.language.numbers import label, prefixed
+from solver.units import prefixed
+from workflow.language.numbers import label
 from workflow.report.figures.style import BLUE, GREY, styled
 
 _SHOWN = ("force", "charge", "voltage", "output")

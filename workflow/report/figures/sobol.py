@@ -8,8 +8,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from solver.units import prefixed
 from workflow.language import titles
-from workflow.language.numbers import prefixed
 from workflow.report import ranked
 from workflow.report.figures.style import BLUE, by_ratio, factor_scale, logarithmic, styled
 from workflow.study.categories import parted

@@ -21,6 +21,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from solver.units import prefixed
 from storage.files import write_bytes, write_text
 from workflow.language import numbers, titles
 from workflow.language.factors import FACTORS
@@ -89,7 +90,7 @@ _PATH_PART = re.compile(r"([A-Za-z])([^A-Za-z]*)")
 
 def field_label(field: xr.DataArray, size: float, where: str = "") -> tuple[float, str]:
     """Divisor of a field for values of some size, and its label with the unit."""
-    scale, units = numbers.prefixed(size, str(field.attrs["units"]), digits=2)
+    scale, units = prefixed(size, str(field.attrs["units"]), digits=2)
     name = str(field.name)
     name = titles.title(name) if name in TITLES and "position" in field.dims else _FIELDS.get(name, titles.title(name))
     return scale, numbers.label(f"{name} {where}", units, 60)
@@ -118,7 +119,7 @@ def by_ratio(values: Array) -> bool:
 
 def factor_scale(name: str, values: Array) -> tuple[float, str]:
     """Divisor of a factor on its axis, and the unit."""
-    return numbers.prefixed(float(np.abs(values).max()), FACTORS[name].units)
+    return prefixed(float(np.abs(values).max()), FACTORS[name].units)
 
 
 def logarithmic(ax: Axes, which: str, values: Array) -> None:

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from solver.names import ALL_QUANTITIES
+from solver.units import prefixed
 from surrogate.intervals.distribution import NOMINAL
 from workflow.language import numbers, titles
 from workflow.report.figures.style import BLUE, GREY, ORANGE, panels, styled
@@ -33,7 +34,7 @@ def residuals(validation: xr.Dataset, quantities: Sequence[str]) -> Figure:
         exact, predicted = output["exact"].values, output["predicted"].values
         thinned = slice(None, None, max(1, exact.size // _POINTS))
         quantity, _ = parted(name)
-        size, units = numbers.prefixed(float(np.abs(exact).max()), ALL_QUANTITIES[quantity].units)
+        size, units = prefixed(float(np.abs(exact).max()), ALL_QUANTITIES[quantity].units)
         off = (predicted - exact)[thinned] / float(np.ptp(exact) or 1.0)
         power = 10.0 ** np.floor(np.log10(np.abs(off).max() or 1.0))
         ax.axhline(0, color=GREY, lw=0.8)
