@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, HEAT_QUANTITIES, OF_A_FILM
+from workflow.language.constants import CONSTANTS
 from workflow.language.factors import FACTORS
 from workflow.study import signal_case
 from workflow.study.contents import Contents
@@ -96,7 +97,8 @@ def check_target(study: Contents, where: str, target: Target) -> None:
             places = "over, at, worst_case or uncertain" if name in study.factors else "over or at"
             raise ValueError(f"{where}: {name!r} is missing; put it in {places}")
     for name in target.names():
-        if name in FACTORS and name not in study.factors and not isinstance(study.held(name), float | int):
+        varied = name in study.factors or name in CONSTANTS
+        if name in FACTORS and not varied and not isinstance(study.held(name), float | int):
             raise ValueError(f"{where}: {name!r} {_lack(study, name) or 'has no value in this study'}")
         if name in ALL_QUANTITIES and name not in study.outputs:
             searched = name in ALL_PEAKS.keys() - study.absent - study.searched
