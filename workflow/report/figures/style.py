@@ -88,12 +88,12 @@ _ID = re.compile(r'(\bid="|url\(#|href="#)([^")]+)')
 _PATH_PART = re.compile(r"([A-Za-z])([^A-Za-z]*)")
 
 
-def field_label(field: xr.DataArray, size: float, where: str = "") -> tuple[float, str]:
+def field_label(field: xr.DataArray, size: float, where: str = "", most: int = 60) -> tuple[float, str]:
     """Divisor of a field for values of some size, and its label with the unit."""
     scale, units = prefixed(size, str(field.attrs["units"]), digits=2)
     name = str(field.name)
     name = titles.title(name) if name in TITLES and "position" in field.dims else _FIELDS.get(name, titles.title(name))
-    return scale, numbers.label(f"{name} {where}", units, 60)
+    return scale, numbers.label(f"{name} {where}", units, most)
 
 
 def ticked(value: float, _place: int) -> str:
