@@ -21,7 +21,7 @@ from workflow.cli.forcehistory import MOST_ROWS, ForceFile, read_history
 from workflow.cli.words import named, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
-from workflow.device.signal import DROP, Figures, History, Signal, read
+from workflow.device.signal import DROP, GONE, Figures, History, Signal, read
 from workflow.device.warmth import Warmth
 from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.numbers import shown
@@ -202,10 +202,9 @@ def _figures(
     noise, at_output, as_force = figures.noise
     constant = "is held: nothing leaks"
     if np.isfinite(figures.time_constant):
-        constant = (
-            f"decays with the time constant {shown(figures.time_constant, 's', 3)}: "
-            f"{shown(figures.drop(DROP), '%', 3)} less after {DROP:g} s"
-        )
+        constant = f"decays with the time constant {shown(figures.time_constant, 's', 3)}"
+        if figures.drop(DROP) < GONE:
+            constant += f": {shown(figures.drop(DROP), '%', 3)} less after {DROP:g} s"
     return [
         f"{name}: {shown(float(values[place]), 'V', 3)} at {shown(float(history.times[place]), 's', 3)}"
         for name, values in (("peak voltage of the punch", reading.voltage), ("peak output", reading.output))

@@ -25,6 +25,8 @@ from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.sections import Pressing
 
+#: Dimension of the corners of the tolerances; the contact as it is given comes first.
+CORNERS = "case"
 #: What stands before the names of quantities of a contact at the force that is held.
 HELD = "held_"
 _PARTS = 40  # into which each part of the history is divided
@@ -106,9 +108,14 @@ def _cold(case: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def held(study: Study, pressing: Pressing) -> xr.Dataset:
-    """Quantities of the contact while the force is held, at zero charge, each with ``HELD`` before its name."""
-    solved = study.solved(solve, {**_cold(study.fixed), study.kind.loads.force: pressing.force / _length(study)})
-    return solved.drop_vars(list(solved.coords)).rename({name: f"{HELD}{name}" for name in solved.data_vars})
+    """Quantities of the contact while the force is held, at zero charge, (case,), with ``HELD`` before each name."""
+    rows = {
+        name: xr.DataArray([corner[name] for corner in pressing.corners], dims=CORNERS) for name in pressing.tolerance
+    }
+    case = {**_cold(study.fixed), **rows, study.kind.loads.force: pressing.force / _length(study)}
+    solved = study.solved(solve, case)
+    values = solved.drop_vars(list(solved.coords)).rename({name: f"{HELD}{name}" for name in solved.data_vars})
+    return values if CORNERS in values.dims else values.expand_dims(CORNERS)
 
 
 def spread(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Dataset:

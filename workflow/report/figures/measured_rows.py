@@ -51,7 +51,7 @@ def _row(ax: Axes, place: int, row: dict[str, Any]) -> None:
         spread = value["deviation"] / size
         ax.errorbar(value["value"] / size, place, xerr=spread, fmt="o", ms=5, color=colour, mfc=filled, capsize=2)
     ax.annotate(
-        row["verdict"], (1.01, place), xycoords=("axes fraction", "data"), va="center", color=colour, fontsize=8
+        row["verdict"], (1.01, place), xycoords=("axes fraction", "data"), va="center", color=colour, fontsize=9
     )
 
 

@@ -32,17 +32,17 @@ from workflow.report.svg import INK, PAPER
 #: Style of every figure of the report.
 STYLE: dict[Any, Any] = {
     "figure.constrained_layout.use": True,
-    "font.size": 9,
+    "font.size": 10,
     "axes.grid": True,
     "grid.alpha": 0.25,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "axes.titlesize": 9.5,
+    "axes.titlesize": 10,
     # no power of ten apart from its ticks: values are scaled by a prefix that stands in the label
     "axes.formatter.limits": (-15, 15),
     "axes.formatter.useoffset": False,
     "legend.frameon": False,
-    "legend.fontsize": 8,
+    "legend.fontsize": 9.5,
     "svg.hashsalt": "meecontact",
     "svg.fonttype": "none",  # words stay words, which can be searched for, in a tenth of the bytes of outlines
     "font.sans-serif": ["DejaVu Sans"],

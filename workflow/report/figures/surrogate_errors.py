@@ -39,9 +39,9 @@ def residuals(validation: xr.Dataset, quantities: Sequence[str]) -> Figure:
         power = 10.0 ** np.floor(np.log10(np.abs(off).max() or 1.0))
         ax.axhline(0, color=GREY, lw=0.8)
         ax.plot(exact[thinned] / size, off / power, ".", ms=2.5, color=BLUE)
-        ax.set_title(numbers.label(titled(name), units, 44), fontsize=8)
-        ax.set_ylabel(f"in {numbers.number(power, 1)} of range", fontsize=7)
-        ax.tick_params(labelsize=6.5)
+        ax.set_title(numbers.label(titled(name), units, 44), fontsize=9)
+        ax.set_ylabel(f"in {numbers.number(power, 1)} of range", fontsize=8.5)
+        ax.tick_params(labelsize=8)
     figure.supxlabel("exact value", fontsize=9)
     return figure
 
