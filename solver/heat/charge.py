@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy  # scipy.optimize, slow to import, and few jobs ask for heat
 
 from approximation.arrays import Array
 from solver.heat.conduction import Conduction, Spot, Warming
@@ -153,11 +153,15 @@ class HeatedStack:
                 ends = (middle, min(middle + step, high))
             if ends[0] == ends[1]:
                 return np.inf if ends[0] == high else float(10**low)
-            return float(10 ** brentq(excess, *ends, xtol=1e-6))
+            return float(10 ** scipy.optimize.brentq(excess, *ends, xtol=1e-6))
         logs = np.linspace(low, high, 1 + 12 * _PER_DECADE)
         for before, log in pairwise(logs):
             if excess(log) > 0:
-                return float(10 ** brentq(excess, before, log, xtol=1e-6)) if excess(before) <= 0 else float(10**low)
+                return (
+                    float(10 ** scipy.optimize.brentq(excess, before, log, xtol=1e-6))
+                    if excess(before) <= 0
+                    else float(10**low)
+                )
         return np.inf
 
     @property
