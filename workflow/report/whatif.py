@@ -136,7 +136,7 @@ def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str
     """
     corners = scenarios.corners(target, scenarios.SEARCHED)
     limits = []
-    constants = {constant: study.constant(constant) for constant in target.constants()}
+    constants = {name: study.constant(name) for name in target.constants() if name not in study.factors}
     for limit in target.limits:
         term = answer.term(str(limit))
         limits.append(
