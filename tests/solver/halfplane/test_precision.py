@@ -60,6 +60,6 @@ def test_lost_digits_are_warned_of_in_words() -> None:
 
 
 def test_ordinary_materials_are_not_warned_of() -> None:
-    with warnings.catch_warnings(action="error"):
+    with warnings.catch_warnings(action="error", category=solver.PrecisionWarning):
         solver.solve({"material": list(solver.materials()), **CASE})
         solver.solve({"volume_fraction": np.linspace(0, 1, 5), "composite": ["fibrous", "laminate"], **CASE})
