@@ -72,8 +72,10 @@ lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without dow
 
 docs: .venv/dev.stamp  ## run the quickstart, draw the figures and the calculator, and build the site into build/docs
 	$(BIN)/meecontact run quickstart
-	$(BIN)/python -m docs
-	$(BIN)/python -m mkdocs build --strict --quiet --site-dir build/docs
+	@echo "drawing the figures of gallery and tutorials, and the calculator (half a minute)"
+	@$(BIN)/python -m docs
+	@echo "building the site (20 s)"
+	@$(BIN)/python -m mkdocs build --strict --quiet --site-dir build/docs
 	@echo "documentation: build/docs/index.html"
 
 schema: .venv/run.stamp  ## write the JSON schema and the documented default of a study from the model

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from solver.face.refusal import CaseError, FactorError, SmallStrainWarning
     from solver.face.solution import solve, solve_curves, solve_interior
+    from solver.face.table import table
     from solver.halfplane.precision import PrecisionWarning
     from solver.halfplane.profile import Profile
     from solver.halfplane.speed import limiting_speed
@@ -36,6 +37,7 @@ __all__ = [
     "solve",
     "solve_curves",
     "solve_interior",
+    "table",
 ]
 
 # imported when asked for: a job that needs only `solver.names` is often shorter than the imports of the solution
@@ -59,6 +61,7 @@ _MODULES = {
     "solve": "face.solution",
     "solve_curves": "face.solution",
     "solve_interior": "face.solution",
+    "table": "face.table",
 }
 
 

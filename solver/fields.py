@@ -1,5 +1,8 @@
 """Names, units and meanings of fields on the surface and inside a body."""
 
+import re
+from typing import Literal
+
 from solver.described import Described, on_datum
 
 #: Attributes of the positions of surface fields, along lines and across points.
@@ -80,3 +83,18 @@ NEED_C12 = ("stress_zz", "von_mises", "principal_tension")
 
 #: The same of point contacts, whose surface turns with the direction.
 POINT_NEED_C12 = ("stress_xx", *NEED_C12)
+
+Field = Literal["electric", "magnetic"]
+
+#: Symbols of units in which a field is measured.
+_SYMBOLS: dict[Field, frozenset[str]] = {
+    "electric": frozenset({"C", "V", "F"}),
+    "magnetic": frozenset({"A", "T", "Wb", "H"}),
+}
+_SYMBOL = re.compile(r"[A-Za-z]+")
+
+
+def fields_of(units: str) -> frozenset[Field]:
+    """The fields that a unit measures; none of a length or a stress."""
+    symbols = set(_SYMBOL.findall(units))
+    return frozenset(field for field, field_symbols in _SYMBOLS.items() if symbols & field_symbols)

@@ -5,9 +5,10 @@ behind it, ``%``, and the decimal prefixes of the SI (BIPM, The International Sy
 Printed notation is read as well: ``C/m²``, ``kN·m⁻¹``, ``N/(V·m)``, ``1.5×10⁹``, ``GΩ``, with its minus and blanks.
 """
 
+import math
 import re
 from dataclasses import dataclass, field
-from decimal import Decimal
+from decimal import ROUND_HALF_UP, Context, Decimal
 from fractions import Fraction
 from functools import lru_cache
 from math import isfinite
@@ -219,3 +220,35 @@ def _symbol(text: str) -> Unit:
                 scale * _PREFIXES[text[: -len(symbol)]], tuple(map(Fraction, exponents)), ((known, Fraction(1)),)
             )
     raise ValueError(f"{text!r} is not a unit; known are {', '.join(_SYMBOLS)} with decimal prefixes, and %")
+
+
+_PRINTED_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+_RAISING = str.maketrans("-0123456789/", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ")
+_DIGITS = 15  # by which the size of a value chooses its prefix: all that a double has for certain
+
+
+def prefixed(size: float, units: str, digits: int = _DIGITS) -> tuple[float, str]:
+    """Return the divisor for values of some size, and the unit to write behind them.
+
+    A prefix fits where the first symbol of the unit has no exponent, as in ``V m N-1``; a pure number has no unit.
+    """
+    scalable = re.match(r"[A-Za-z]+(?: |$)", units) is not None and not units.startswith("kg")
+    power = 0
+    if scalable and size and math.isfinite(size):
+        decimal = Context(prec=digits, rounding=ROUND_HALF_UP).create_decimal_from_float(float(size)).adjusted()
+        power = min(max(3 * (decimal // 3), -15), 12)
+    return 10.0**power, (_PRINTED_PREFIXES[power] if scalable else "") + written(units)
+
+
+def written(units: str) -> str:
+    """A unit as people write it, nothing for a pure number."""
+    if units == "1":
+        return ""
+    over: list[str] = []
+    under: list[str] = []
+    for symbol, minus, power in re.findall(r"([^\W\d]+|%)(-?)([0-9/]*)", units):
+        (under if minus else over).append(symbol + (power.translate(_RAISING) if power != "1" else ""))
+    if not under:
+        return "·".join(over)
+    below = "·".join(under)
+    return f"{'·'.join(over) or '1'}/{below if len(under) == 1 else f'({below})'}"

@@ -60,6 +60,7 @@ def test_everything_public_is_shown_in_an_example(thing: Any) -> None:
 
 #: One line of what each script prints, a number in it.
 SAID = {
+    "benchmark_elements.py": "disc-layer,contact_stiffness,1.1468e+09",
     "design.py": "abs(voltage_per_load): exact 0.051077",
     "fields_inside.py": "largest on the grid: 178.8 MPa at x = -1.00 h, y = -0.05 h",
     "film_interface.py": "0.2 mm: shear 105.8 MPa at X = -0.90, tension 6.42 MPa at X = 2.28",

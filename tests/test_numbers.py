@@ -10,6 +10,7 @@ import xarray as xr
 
 import solver
 from solver.arrays import Array
+from solver.face.heat import responses
 from solver.halfplane.contact import Contact
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import Sliding
@@ -17,6 +18,7 @@ from solver.halfplane.surface import HalfPlane
 from solver.line import outputs
 from solver.line.contact import FilmContact
 from solver.line.table import table
+from solver.material.punches import punches
 from solver.stack.layers import Layer, Stack
 from solver.stack.reflection import sideways
 from tests.solver.face import test_films
@@ -102,6 +104,49 @@ def test_air_changes_a_film_sensor_as_stated(name: str) -> None:
         columns.append([f"{figure:.3g}" for figure in figures])
     pairs = (", ".join(pair) for pair in zip(*columns, strict=True))
     assert f"| {name} | {' | '.join(pairs)} |" in LIMITS
+
+
+def noise_in_kelvin(case: dict[str, Any], study: str, meeting: Meeting, length: float) -> tuple[float, float]:
+    """Changes of temperature everywhere that equal the noise and the force [K]."""
+    device = Device.model_validate(read_yaml(Path(ROOT / f"config/{study}.yaml"))["device"])
+    answer = solver.solve(case)
+    values = {str(quantity): np.abs(array.values) for quantity, array in answer.data_vars.items()}
+    numbers = {factor: value for factor, value in case.items() if not isinstance(value, str)}
+    values |= {factor: np.asarray(value) for factor, value in {**device.constants, **numbers}.items()}
+    per_newton = abs(float(answer["charge_per_force"]))
+    noise = float(grammar.parse("smallest_force", meeting).evaluate(values)) * per_newton
+    _, uniform = responses(case, answer, np.array([1.0]))
+    force = case.get("force", case.get("load", 0.0) * length) * per_newton
+    return noise / abs(uniform * length), force / abs(uniform * length)
+
+
+def test_smallest_forces_equal_the_stated_changes_of_temperature() -> None:
+    common: dict[str, Any] = {"punch": "steel", "surroundings": "air"}
+    line = common | {"interface_electric": "grounded", "interface_magnetic": "grounded", "friction": 0.3}
+    kelvin = [noise_in_kelvin(line | case, "film_sensor", "line in air", 0.01) for case in DESIGNS.values()]
+    charge, voltage, quiet = (f"{1e6 * noise:.2g}" for noise, _ in kelvin)
+    assert f"a change of {charge}, {voltage} and {quiet} uK everywhere" in LIMITS
+    forces = [force for _, force in kelvin]
+    assert f"its largest {min(forces):.3g} to {max(forces):.3g} K" in LIMITS
+    ball: dict[str, Any] = common | {
+        "material": "PZT-4",
+        "profile": "sphere",
+        "magnetic": "insulating",
+        "base": "silicon",
+    }
+    ball |= {"thickness": 50e-6, "radius": 0.017}
+    meeting: Meeting = "point in air, charge amplifier"
+    (large, equal), (small, _) = (
+        noise_in_kelvin(ball | {"force": f}, "point_sensor", meeting, 1.0) for f in (0.2, 0.02)
+    )
+    assert f"at 200 mN {1e3 * large:.3g} mK, at 20 mN {1e3 * small:.3g} mK" in LIMITS
+    # the mean rise of a disc of even flux on a half-space is 8 Q / (3 pi^2 kappa a)
+    radius = float(solver.solve(ball | {"force": 0.2})["contact_radius"])
+    kappa = solver.find("PZT-4").thermal["conductivity"].value
+    rise = 8 * (0.3 * 0.2 * 1e-3) / (3 * np.pi**2 * kappa * radius)
+    assert f"{rise:.3g} K if all of it enters the film's material, {100 * rise / equal:.3g} % of the charge" in LIMITS
+    steel = punches()["steel"].thermal["conductivity"].value
+    assert f"leads {100 * steel / (steel + kappa):.0f} % of it away" in LIMITS
 
 
 # Points of docs/limits.md

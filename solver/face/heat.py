@@ -35,7 +35,20 @@ def with_heat(
     materials: Mapping[str, Material],
     phases: Sequence[str | Material],
 ) -> xr.Dataset:
-    """Solved contacts with the quantities of heat, or with the reason for which they have none."""
+    """Solved contacts with the quantities of heat, or with the reason for which they have none, over all factors."""
+    out = _added(out, arrays, materials, phases)
+    sizes = {dim: size for array in arrays.values() for dim, size in array.sizes.items()}
+    whole = {name: array.variable.set_dims({**sizes, **array.sizes}) for name, array in out.data_vars.items()}
+    return out.assign({name: variable.transpose(*sizes, ...) for name, variable in whole.items()})
+
+
+def _added(
+    out: xr.Dataset,
+    arrays: Mapping[str, xr.DataArray],
+    materials: Mapping[str, Material],
+    phases: Sequence[str | Material],
+) -> xr.Dataset:
+    """Solved contacts, and the quantities of heat over the dimensions that these vary on."""
     charge = next((name for name in _CHARGES if name in out), None)
     names = [name for name in (*_OF_A_STACK, *_OTHERS) if name in arrays]
     contact = [name for name in (*_CONTACT, *_CHARGES) if name in out]

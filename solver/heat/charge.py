@@ -11,9 +11,10 @@ What the layers' own warm spot strains, as a body does that is warm in one place
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy  # scipy.optimize, slow to import, and few jobs ask for heat
 
 from approximation.arrays import Array
 from solver.heat.conduction import Conduction, Spot, Warming
@@ -138,12 +139,35 @@ class HeatedStack:
             made = abs(Warming(self.conduction, self.weights, 10**log, leak).over(spot))
             return float(np.log(max(made, _LEAST * abs(charge)) / abs(charge)) + min(10**log / leak, 700.0))
 
-        # of one sign the charge of heat over that of the force only grows; of two it is looked for in steps
-        steps = 1 if (self.weights >= 0).all() or (self.weights <= 0).all() else 12 * _PER_DECADE
-        logs = np.linspace(np.log10(_EARLIEST), np.log10(_LATEST), 1 + steps)
-        before = logs[0]
-        for log in logs:
+        low, high = np.log10(_EARLIEST), np.log10(_LATEST)
+        if (self.weights >= 0).all() or (self.weights <= 0).all():  # the charge over that of the force only grows
+            middle = float(np.clip(np.log10(self._arrival), low, high))
+            step = 0.5
+            if excess(middle) > 0:
+                while middle > low and excess(max(middle - step, low)) > 0:
+                    middle, step = max(middle - step, low), 2 * step
+                ends = (max(middle - step, low), middle)
+            else:
+                while middle < high and excess(min(middle + step, high)) <= 0:
+                    middle, step = min(middle + step, high), 2 * step
+                ends = (middle, min(middle + step, high))
+            if ends[0] == ends[1]:
+                return np.inf if ends[0] == high else float(10**low)
+            return float(10 ** scipy.optimize.brentq(excess, *ends, xtol=1e-6))
+        logs = np.linspace(low, high, 1 + 12 * _PER_DECADE)
+        for before, log in pairwise(logs):
             if excess(log) > 0:
-                return float(10 ** (brentq(excess, before, log, xtol=1e-7) if log > before else log))
-            before = log
+                return (
+                    float(10 ** scipy.optimize.brentq(excess, before, log, xtol=1e-6))
+                    if excess(before) <= 0
+                    else float(10**low)
+                )
         return np.inf
+
+    @property
+    def _arrival(self) -> float:
+        """Time in which heat spreads to the first layer that makes charge [s]."""
+        body, first = self.conduction, int(np.flatnonzero(self.weights)[0]) if self.weights.any() else 0
+        depths = np.append(body.thickness[:first], body.thickness[first] / 2)
+        speeds = np.sqrt(body.capacity / body.conductivity)[: first + 1]
+        return float((depths @ speeds) ** 2 / 8)

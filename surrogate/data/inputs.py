@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import scipy  # scipy.special, slow to import, and few inputs have such a scale
@@ -22,8 +22,8 @@ COLUMNS = {
 }  # fmt: skip
 
 
-def _logit(share: ArrayLike) -> Array:
-    return np.asarray(scipy.special.logit(share))
+def _logit(share: Any) -> Any:
+    return scipy.special.logit(share)
 
 
 @dataclass(frozen=True)

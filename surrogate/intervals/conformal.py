@@ -19,7 +19,7 @@ from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
-from scipy.special import ndtr
+import scipy  # scipy.special, slow to import, and not every job asks for intervals
 
 from approximation import products
 from approximation.arrays import Array, Flags, Indices
@@ -224,14 +224,14 @@ def _newton(A: Array, y: Array, level: float, width: float, b: Array) -> Array:
     def cost(b: Array) -> float:
         u = y - A @ b
         z = u / width
-        return float(np.sum(u * (level - ndtr(-z)) + width * _density(z)) + 0.5 * penalty @ b**2)
+        return float(np.sum(u * (level - scipy.special.ndtr(-z)) + width * _density(z)) + 0.5 * penalty @ b**2)
 
     value = cost(b)
     for _ in range(30):
         z = (y - A @ b) / width
         if _density(z).sum() < 1e-9:  # no case is near: two clusters, with the quantile between them
             break
-        slope = penalty * b - A.T @ (level - ndtr(-z))
+        slope = penalty * b - A.T @ (level - scipy.special.ndtr(-z))
         near = np.abs(z) < FAR
         root = A[near] * np.sqrt(_density(z[near]) / width)[:, None]
         curvature = root.T @ root + np.diag(penalty)

@@ -17,7 +17,6 @@ import numpy as np
 import scipy  # scipy.optimize, slow to import, when errors are learned
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.special import ndtr, ndtri
 
 from approximation.arrays import Array, Indices, blocks
 from surrogate.intervals.distribution import Distribution, central
@@ -76,7 +75,7 @@ class Copula:
             return np.moveaxis(share, 2, 0)
         root = np.linalg.cholesky(self.near(t, t) + _ROUNDING * np.eye(n))
         root /= np.sqrt((root**2).sum(axis=1, keepdims=True))
-        return np.asarray(ndtr(np.einsum("sj,njp->pns", root, ndtri(share), optimize=True)))
+        return np.asarray(scipy.special.ndtr(np.einsum("sj,njp->pns", root, scipy.special.ndtri(share), optimize=True)))
 
     def only(self, columns: Sequence[int]) -> Self:
         """Return that of some outputs."""
@@ -114,7 +113,7 @@ def _ranks(scores: Array) -> Indices:
 
 def _normal(ranks: Indices) -> Array:
     """Normal scores of ranks, (n, p)."""
-    return np.asarray(ndtri((ranks + 0.5) / len(ranks)))
+    return np.asarray(scipy.special.ndtri((ranks + 0.5) / len(ranks)))
 
 
 def _angles(t: Array) -> Array:

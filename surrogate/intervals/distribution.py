@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from scipy.special import ndtr, ndtri
+import scipy  # scipy.special, slow to import, and not every job asks for intervals
 
 from approximation.arrays import Array
 
@@ -66,19 +66,21 @@ class Normal(Distribution):
 
     def quantile(self, q: Array) -> Array:
         """Return quantiles at probabilities q of any shape: (..., 1)."""
-        return np.asarray(ndtri(q))[..., None]
+        return np.asarray(scipy.special.ndtri(q))[..., None]
 
     def inverse(self, q: Array) -> Array:
         """Return quantiles at probabilities of any shape."""
-        return np.asarray(ndtri(q))
+        return np.asarray(scipy.special.ndtri(q))
 
     def cdf(self, z: Array) -> Array:
         """Return the probability of no more than z, any shape."""
-        return np.asarray(ndtr(z))
+        return np.asarray(scipy.special.ndtr(z))
 
     def crps(self, z: Array) -> Array:
         """Return the score, any shape: T. Gneiting and A. E. Raftery, J. Am. Stat. Assoc. 102 (2007) 359, eq. 21."""
-        return np.asarray(z * (2 * ndtr(z) - 1) + np.sqrt(2 / np.pi) * np.exp(-0.5 * z * z) - 1 / np.sqrt(np.pi))
+        return np.asarray(
+            z * (2 * scipy.special.ndtr(z) - 1) + np.sqrt(2 / np.pi) * np.exp(-0.5 * z * z) - 1 / np.sqrt(np.pi)
+        )
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """A rounded surrogate as a unit for system simulators: FMI 3.0, Co-Simulation, with sources and a binary."""
 
 import platform
+import re
 import shutil
 import subprocess
 import sys
@@ -63,12 +64,28 @@ def unit(
         return written.getvalue(), bool(binary)
 
 
+def _text(text: str) -> str:
+    """A text that XML can hold."""
+    return re.sub(r"[\x00-\x1f\x7f\ud800-\udfff\ufffe\uffff]", "_", text)
+
+
+def _distinct(name: str, taken: set[str]) -> str:
+    """A name that no variable has yet; it is taken from now on."""
+    free = _text(name)
+    while free in taken:
+        free += "_"
+    taken.add(free)
+    return free
+
+
 def _variables(outputs: Sequence[Rounded]) -> dict[str, Any]:
     """What the description says of inputs and outputs."""
+    taken = {"time", "status"}
     model = outputs[0].model
     inputs = [
         {
-            "name": axis.name, "meaning": axis.long_name, "unit": axis.units or "1", "low": repr(float(axis.low)),
+            "name": _distinct(axis.name, taken), "meaning": _text(axis.long_name),
+            "unit": _text(axis.units or "1"), "low": repr(float(axis.low)),
             "high": repr(float(axis.high)), "start": repr(middle(axis)),
         }
         for axis in model.inputs_
@@ -84,7 +101,8 @@ def _variables(outputs: Sequence[Rounded]) -> dict[str, Any]:
         for place, (end, meaning) in enumerate(zip(_PARTS, meanings, strict=True)):
             described.append(
                 {
-                    "name": part.name + end, "meaning": meaning, "unit": attrs.get("units", "") or "1",
+                    "name": _distinct(part.name + end, taken), "meaning": _text(meaning),
+                    "unit": _text(attrs.get("units", "") or "1"),
                     "reference": first + 3 * k + place,
                 }
             )  # fmt: skip
@@ -94,7 +112,7 @@ def _variables(outputs: Sequence[Rounded]) -> dict[str, Any]:
         "units": sorted({one["unit"] for one in [*inputs, *described]}),
         "references": " ".join(map(str, range(1, first))),
         "status": first + 3 * len(outputs),
-        "description": f"surrogate of {', '.join(part.name for part in outputs)}"[:200],
+        "description": _text(f"surrogate of {', '.join(part.name for part in outputs)}")[:200],
     }
 
 

@@ -1,18 +1,28 @@
-"""Films of the calculator: what balls, cones and discs on a few stacks answer, as Chebyshev series for a browser.
+"""Films of the calculator: balls, cones and discs on a few stacks, as Chebyshev series for a browser.
 
-A series is in log(radius/thickness): `loads` of loads and edges by channel and cause, `pressures` by place and cause.
-Materials that do not couple magnetically need two channels of three. A table under other published constants of the
-film or its base makes the band of a figure: to fewer digits, and with the pressure at the centre alone.
+The surface beside cones and discs is insulated, as in ``solver.solve``. Their series are in log(radius/thickness):
+`loads` of loads and edges by channel and cause, `pressures` by place and cause. Materials that do not couple
+magnetically need two channels of three. Air surrounds a ball, as in ``solver.solve``: by dimension two numbers decide
+about it, so `air` has its quantities as series in two variables. A table under other published constants of the film
+or its base makes the band of a figure: to fewer digits, and with the pressure at the centre alone.
+
+The tables take four minutes, so ``films.json`` holds them. ``python -m workflow.calculator.films [FILM ...]`` writes it
+anew.
 """
 
+import json
+import sys
 from collections.abc import Iterable, Iterator
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from approximation.chebyshev import coefficients, mapped_points
 from solver.arrays import Array
+from solver.face.solution import solve
 from solver.halfplane.sliding import Punch
 from solver.line.powerlaw import constants_of
 from solver.line.windows import Coat, Kind, number_of
@@ -37,7 +47,14 @@ THICKNESSES = dict(zip(FILMS, ("50 um", "1 um", "1 um", "1 um", "110 um"), stric
 PUNCHES = (RIGID_PUNCH, "steel", "tungsten_carbide")
 #: Radius of the contact over the thickness of the film, from and to.
 RANGE = 0.01, 10.0
+#: Of a ball in air: load = force * radius / (thickness^3 c33), and radius / (thickness load^(1/4)), from and to.
+AIR_RANGE = (1e-6, 1e4), (2.0, 3e4)
+_STORED = Path(__file__).parent / "films.json"
 _TABLE_NODES = 48
+_AIR_NODES, _AIR_BAND_NODES = (20, 14), (14, 10)
+_AIR_EXACT, _AIR_BAND = 1e-5, 1e-4  # of the largest value, or of the value itself where its logarithm is stored
+_LOGARITHMS = ("contact_radius", "depth", "peak_pressure", "contact_stiffness", "capacitance")
+_SIGNED = ("charge_per_force", "stroke_per_volt")
 _EXACT, _BAND, _DRAWN = 1e-8, 1e-5, 1e-4  # of the largest coefficient of a series; smaller ones are left out
 _CHANNELS = [0, 1]  # displacement and voltage
 _CAUSES = [0, 1, 3]  # those and the profile, of a ball; that of a cone follows
@@ -62,20 +79,58 @@ def variants(film: dict[str, Any]) -> Iterator[tuple[Material, Material]]:
 
 def tables(names: Iterable[str] = FILMS) -> list[dict[str, Any]]:
     """Return the films under every punch, and their `variants` by constants, as rising series of coefficients."""
-    return [_with_variants(name, punch) for name in names for punch in PUNCHES]
+    kept = set(names)
+    return [table for table in _stored() if table["film"] in kept]
 
 
 @cache
-def _with_variants(name: str, punch: str) -> dict[str, Any]:
+def _stored() -> list[dict[str, Any]]:
+    stored: list[dict[str, Any]] = json.loads(_STORED.read_text(encoding="utf-8"))
+    return stored
+
+
+def solved(name: str, punch: str) -> dict[str, Any]:
+    """Return the tables of one film under one punch, computed anew."""
     (top, base), *others = variants(FILMS[name])
     low, high = np.log(RANGE)
     header = {"film": name, "punch": punch, "range": [low, high], "samples": SAMPLES[_SHOWN].tolist()}
-    varied_tables = [_table(*pair, punch, _BAND, SAMPLES.size - 1) for pair in others]
-    plain = [{key: number for key, number in top.plain().items() if isinstance(number, float)} for top, _ in others]
-    varied = [
-        {"top": constants, "samples": [1.0], **table} for constants, table in zip(plain, varied_tables, strict=True)
-    ]
-    return header | _table(top, base, punch, _EXACT, *_SHOWN) | {"variants": varied}
+    varied = []
+    for other, below in others:
+        constants = {key: number for key, number in other.plain().items() if isinstance(number, float)}
+        tabled = _table(other, below, punch, _BAND, SAMPLES.size - 1)
+        varied.append(
+            {"top": constants, "samples": [1.0], **tabled, "air": _air(other, below, punch, _AIR_BAND_NODES, _AIR_BAND)}
+        )
+    own = _table(top, base, punch, _EXACT, *_SHOWN)
+    return header | own | {"air": _air(top, base, punch, _AIR_NODES, _AIR_EXACT), "variants": varied}
+
+
+def _air(top: Material, base: Material, punch: str, shape: tuple[int, int], precision: float) -> dict[str, Any]:
+    """Ranges, and series by quantity of a ball in air on a film of unit thickness, a row a degree in the load."""
+    load_ends, size_ends = np.log(AIR_RANGE)
+    load, size = np.meshgrid(mapped_points(shape[0], *load_ends), mapped_points(shape[1], *size_ends), indexing="ij")
+    radius = np.exp(size + load / 4)
+    force = np.exp(load) * float(top.c33) / radius
+    case = {"material": top, "base": base, "punch": punch, "profile": "sphere", "thickness": 1.0}
+    rows = {"radius": xr.DataArray(radius.ravel(), dims="case"), "force": xr.DataArray(force.ravel(), dims="case")}
+    answer = solve(case | rows | {"magnetic": "insulating"})
+    values = {name: answer[name].values.reshape(shape) for name in (*_LOGARITHMS, *_SIGNED, "voltage")}
+    shown = {name: np.log(values[name]) for name in _LOGARITHMS} | {name: values[name] for name in _SIGNED}
+    charge = values["charge_per_force"] * force
+    shown["charge_ratio"] = values["voltage"] * values["capacitance"] / charge
+    return {
+        "range": [load_ends.tolist(), size_ends.tolist()],
+        "series": {name: _rows(numbers, precision, name in _LOGARITHMS) for name, numbers in shown.items()},
+    }
+
+
+def _rows(values: Array, precision: float, logarithms: bool) -> list[list[float]]:
+    """Coefficients of a function of two variables without its small ones."""
+    series = coefficients(np.asarray(coefficients(values).T)).T
+    least = precision * (1.0 if logarithms else float(np.abs(series).max()))
+    rows = [_short(row, least / max(float(np.abs(row).max()), least)) for row in series]
+    last = max(place for place, row in enumerate(rows) if row)
+    return rows[: last + 1]
 
 
 def _table(top: Material, base: Material, punch: str, precision: float, *shown: int) -> dict[str, Any]:
@@ -117,3 +172,16 @@ def _compliance(punch: str) -> float:
         return 0.0
     known = find_punch(punch)
     return float(Punch.isotropic(known.modulus, known.poisson).compliance)
+
+
+def write(names: Iterable[str] = FILMS) -> None:
+    """Compute the tables of some films and write all films anew."""
+    known = {(table["film"], table["punch"]): table for table in (_stored() if _STORED.exists() else [])}
+    known |= {(name, punch): solved(name, punch) for name in names for punch in PUNCHES}
+    every = [known[name, punch] for name in FILMS for punch in PUNCHES if (name, punch) in known]
+    lines = [json.dumps(table, separators=(",", ":"), allow_nan=False, ensure_ascii=False) for table in every]
+    _STORED.write_text("[\n" + ",\n".join(lines) + "\n]\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    write(sys.argv[1:] or FILMS)

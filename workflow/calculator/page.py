@@ -9,6 +9,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from solver import units
+from solver.face.strain import DEEP, WIDE
 from solver.halfplane.shape import digamma_series
 from solver.material.constants import UNITS, VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
 from solver.material.laws import compose
@@ -100,6 +101,7 @@ def library() -> dict[str, Any]:
         },
         "punches": {name: {"modulus": punch.modulus, "poisson": punch.poisson} for name, punch in punches().items()},
         "limits": {name: {"title": title(name), "units": limit.units} for name, limit in LIMITS.items()},
+        "small_strain": {"wide": WIDE, "deep": DEEP},
         "units": {name: described.units for name, described in (ALL_QUANTITIES | FACTORS).items()},
         "symbols": {symbol: _measured(symbol) for symbol in _SYMBOLS},
         "prefixes": {prefix: units.parse(f"{prefix}m").scale for prefix in _PREFIXES},

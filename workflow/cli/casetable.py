@@ -26,6 +26,7 @@ from workflow.cli.textfile import (
     sheet,
     with_point,
 )
+from workflow.cli.words import named, quantity
 from workflow.language.factors import FACTORS, own_kind
 from workflow.language.given import UnitlessError, check_bare
 from workflow.language.renamed import renamed
@@ -52,6 +53,11 @@ class Table:
     lines: NDArray[np.int64]  # line of the file that each case stands on; none of what was not read from a file
     bare: frozenset[str] = frozenset()  # columns with a number that has no unit
 
+    @property
+    def count(self) -> int:
+        """Number of cases."""
+        return len(next(iter(self.columns.values())))
+
     def at(self, row: int) -> str:
         """Return file and line of a case, for messages."""
         return f"{self.source}: line {self.lines[row]}" if self.lines.size else self.source
@@ -72,6 +78,20 @@ class Table:
         if (empty := self.empty(name)).any() and self.lines.size:
             raise InputError(f"{self.at(int(empty.argmax()))}: {name}: empty; must be a number")
         return column
+
+
+def one_case(option: str, text: str) -> Table:
+    """One case from an option ``NAME=VALUE,...``."""
+    columns: dict[str, NDArray[Any]] = {}
+    bare = set()
+    for name, value in named(option, text, valued=True).items():
+        if name in TEXT_FACTORS or name not in FACTORS:  # what is unknown the solver names
+            columns[name] = np.array([value], dtype=object)
+            continue
+        columns[name] = np.array([quantity(f"{option}: {name}", value, FACTORS[name].units, name)])
+        if is_number(value):
+            bare.add(name)
+    return Table(option, columns, np.empty(0, dtype=np.int64), frozenset(bare))
 
 
 def read_cases(path: Path, measured: Mapping[str, str] = MappingProxyType({})) -> Table:

@@ -21,7 +21,7 @@ EXAMPLES = {
     "init": "init mine --like point_sensor",
     "list": "list quantities",
     "material": "material PZT-4",
-    "solve": "solve examples/cases.csv -o cases.csv",
+    "solve": 'solve --at "material=PZT-4,profile=sphere,radius=5 mm,force=1 N"',
     "interior": "interior examples/cases.csv -o inside.nc --x=-1,0,1 --y=-1,-0.5",
     "query": "query results/quickstart --at volume_fraction=0.6,friction=0.2,radius=10cm,load=10kN/m,charge=0",
     "design": 'design results/quickstart --maximise "abs(voltage_per_load)" --over radius,volume_fraction \\\n'
@@ -33,6 +33,7 @@ EXAMPLES = {
     '  --on "profile=sphere,radius=2.5 mm,punch=steel,material=PVDF,thickness=110 um,base=glass" \\\n'
     '  --device "input_capacitance=10 pF,feedback_capacitance=10 pF,feedback_resistance=1 TOhm"',
     "export": "export results/quickstart --as c --outputs voltage,depth -o sensor.c",
+    "benchmark": "benchmark examples/answers.csv",
     "calculator": "calculator -o contact.html",
 }
 
@@ -257,6 +258,7 @@ def _parser() -> Parser:
 
     _add_signal(commands)
     _add_export(commands)
+    _add_benchmark(commands)
     _add_calculator(commands)
     _add_interior(commands)
     _add_learn(commands)
@@ -270,8 +272,9 @@ def _add_si(command: argparse.ArgumentParser) -> None:
 
 def _add_solve(commands: Commands) -> None:
     """Add ``solve`` to the commands of the program."""
-    command = commands.add_parser("solve", help="solve a table of cases exactly: quantities and surface fields")
-    _add_cases(command, nc="netCDF", csv="CSV")
+    command = commands.add_parser("solve", help="solve one case or a table exactly: quantities and surface fields")
+    _add_cases(command, printed=True, nc="netCDF", csv="CSV")
+    _add_si(command)
     command.add_argument("--positions", metavar="X1,X2,...", help="surface positions X = (x - c)/h, or r/a")
     command.add_argument(
         "--peaks", action="store_true", help="also find the largest stresses of the body (milliseconds a case)"
@@ -291,15 +294,16 @@ def _add_interior(commands: Commands) -> None:
     command.set_defaults(run=_interior)
 
 
-def _add_cases(command: argparse.ArgumentParser, **endings: str) -> None:
+def _add_cases(command: argparse.ArgumentParser, *, printed: bool = False, **endings: str) -> None:
     command.add_argument(
-        "cases", type=Path, metavar="CASES.csv", help="table of cases: one row a case, one column a factor"
+        "cases", type=Path, nargs="?", metavar="CASES.csv", help="table of cases: one row a case, one column a factor"
     )
+    command.add_argument("--at", metavar="NAME=VALUE,...", help="one case in place of a table")
     command.add_argument(
         "-o",
         "--output",
         type=written_as(**endings),
-        required=True,
+        required=not printed,
         metavar="|".join(f"OUT.{ending}" for ending in endings),
     )
     command.add_argument(
@@ -368,6 +372,18 @@ def _add_export(commands: Commands) -> None:
         "-o", "--output", type=Path, metavar="NAME.c|.fmu", help="default: the study's name, in this folder"
     )
     command.set_defaults(run=_export)
+
+
+def _add_benchmark(commands: Commands) -> None:
+    """Add ``benchmark`` to the commands of the program."""
+    command = commands.add_parser(
+        "benchmark",
+        help="compare numbers of another code with a table of solved problems",
+        description="Prints a verdict for every number of the table (docs/benchmark.md). The file has the columns "
+        "problem, quantity and value, in SI units. Without a file: prints the table.",
+    )
+    command.add_argument("answers", type=Path, nargs="?", metavar="ANSWERS.csv")
+    command.set_defaults(run=_benchmark)
 
 
 def _add_calculator(commands: Commands) -> None:
@@ -496,6 +512,12 @@ def _signal(options: argparse.Namespace) -> None:
     from workflow.cli.sensing import signal
 
     signal(options)
+
+
+def _benchmark(options: argparse.Namespace) -> None:
+    from workflow.cli.benchmark import benchmark
+
+    benchmark(options)
 
 
 def _export(options: argparse.Namespace) -> None:

@@ -13,13 +13,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 import surrogate
+from solver.units import prefixed
 from storage.files import output, writing
 from surrogate import GaussianProcess, OutOfBoxError
 from surrogate.data.points import outside
 from surrogate.intervals.distribution import NOMINAL
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.words import place, say, trained
-from workflow.language.numbers import prefixed
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, one_line
 

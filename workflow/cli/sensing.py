@@ -15,14 +15,13 @@ from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.materials import material_of
 from solver.heat.charge import HeatError
-from solver.names import FACTORS
 from storage.files import output, writing
-from workflow.cli.casetable import TEXT_FACTORS, read_cases
+from workflow.cli.casetable import one_case, read_cases
 from workflow.cli.forcehistory import MOST_ROWS, ForceFile, read_history
-from workflow.cli.words import named, quantity, say
+from workflow.cli.words import named, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
-from workflow.device.signal import DROP, Figures, History, Signal, read
+from workflow.device.signal import DROP, GONE, Figures, History, Signal, read
 from workflow.device.warmth import Warmth
 from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.numbers import shown
@@ -129,18 +128,10 @@ def _positive(where: str, text: str) -> float:
 
 def _case(text: str) -> dict[str, Any]:
     """The factors of one case, from a table or from the option itself."""
-    if "=" in text:
-        return {name: _factor(name, value) for name, value in named("--on", text, valued=True).items()}
-    table = read_cases(Path(text))
-    if len(table.lines) != 1:
-        raise InputError(f"{text}: {len(table.lines)} cases; a signal is of one")
+    table = one_case("--on", text) if "=" in text else read_cases(Path(text))
+    if table.count != 1:
+        raise InputError(f"{text}: {table.count} cases; a signal is of one")
     return {name: column[0] for name, column in table.columns.items() if not table.empty(name)[0]}
-
-
-def _factor(name: str, text: str) -> float | str:
-    if name in TEXT_FACTORS or name not in FACTORS:  # what is unknown the solver names
-        return text
-    return quantity(f"--on: {name}", text, FACTORS[name].units, name)
 
 
 def _device(text: str, kind: Kind) -> dict[str, float]:
@@ -211,10 +202,9 @@ def _figures(
     noise, at_output, as_force = figures.noise
     constant = "is held: nothing leaks"
     if np.isfinite(figures.time_constant):
-        constant = (
-            f"decays with the time constant {shown(figures.time_constant, 's', 3)}: "
-            f"{shown(figures.drop(DROP), '%', 3)} less after {DROP:g} s"
-        )
+        constant = f"decays with the time constant {shown(figures.time_constant, 's', 3)}"
+        if figures.drop(DROP) < GONE:
+            constant += f": {shown(figures.drop(DROP), '%', 3)} less after {DROP:g} s"
     return [
         f"{name}: {shown(float(values[place]), 'V', 3)} at {shown(float(history.times[place]), 's', 3)}"
         for name, values in (("peak voltage of the punch", reading.voltage), ("peak output", reading.output))

@@ -5,7 +5,7 @@ import csv
 import io
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain, product
 from pathlib import Path
@@ -16,6 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+import solver
 from approximation.arrays import Indices
 from solver import FactorError, Material, MaterialError, SmallStrainWarning, solve, solve_interior
 from solver.body import kind_of
@@ -35,15 +36,20 @@ from solver.names import (
     OF_HEAT,
     POINT_SLIDING,
 )
+from solver.units import written
 from storage.files import output, write_text
 from storage.netcdf import write_whole
-from workflow.cli.casetable import Table, read_cases
+from workflow.cli.casetable import Table, one_case, read_cases
 from workflow.cli.words import numbers, say
+from workflow.design.verdict import leftout
 from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.wordings import plain
-from workflow.study.reading import InputError, read_material
+from workflow.study.allowable import allowable
+from workflow.study.reading import InputError, one_line, read_material
 
 _NAMED = 8  # quantities that a message names
+_PHASES = ("BaTiO3", "CoFe2O4")  # of a composite, as the solver has them
+_PRINTED = 6  # digits of a printed value
 _DEFAULTS: dict[str, float | str | None] = {name: factor.default for name, factor in FACTORS.items()}
 _DEFAULTS |= {name: choices[0] for name, choices in CHOICES.items() if name not in ("composite", "corner")}
 # a case without: a half-plane, a rigid punch
@@ -75,11 +81,38 @@ def solve_table(options: argparse.Namespace) -> None:
     missing = [name for name in quantities if name not in out and name not in _unasked(table)]
     if missing:
         print(f"left out, because no case has them: {', '.join(missing)}", file=sys.stderr)
+    if reason := out.attrs.get("heat"):
+        print(f"heat: {reason}", file=sys.stderr)
     partial = [name for name in quantities if name in out and bool(out[name].isnull().any())]
     if partial:
         others = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""
         print(f"empty where a case has no such quantity: {', '.join(partial[:_NAMED])}{others}", file=sys.stderr)
-    _wrote(options, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
+    if options.output is None:
+        print("\n".join([*_lines(out.isel(case=0), si=options.si), "", *_left_out(table, options.materials)]))
+    else:
+        _wrote(options, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
+
+
+def _lines(case: xr.Dataset, *, si: bool) -> Iterator[str]:
+    """A line for each quantity of a case: name, value, unit."""
+    for name, (value, unit) in solver.table(case).iterrows():
+        plain = float(case[name].values.item()), written(ALL_QUANTITIES[str(name)].units)
+        value, unit = plain if si else (value, unit)
+        yield one_line(f"{name:34s} {value + 0.0:.{_PRINTED}g} {unit}".rstrip())  # no -0
+
+
+def _left_out(table: Table, materials: Sequence[Path]) -> Iterator[str]:
+    """A line for each effect that the model leaves out at the one case of a table."""
+    case = {name: cells.tolist()[0] for name, cells in table.columns.items()}
+    known = dict(read_material(path) for path in materials)
+
+    def solved(factors: Mapping[str, Any]) -> xr.Dataset:
+        return solve(factors, materials=known)
+
+    single = leftout.SolvedCase(case, solved, lambda name: allowable(name, case, known, _PHASES), {})
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SmallStrainWarning)  # which the case itself has shown
+        yield from [one_line(f"left out: {effect.left_out_words}") for effect in leftout.budget(single)]
 
 
 def _check_units(table: Table, out: xr.Dataset) -> None:
@@ -123,8 +156,14 @@ def _solved(
     checked: bool = False,
 ) -> tuple[Table, xr.Dataset]:
     """A table of cases, and the answer to it; checked: whether bare forces are judged by their pressures before."""
-    options.output = output(options.output, options.cases, *options.materials)
-    table = read_cases(options.cases)
+    if (options.cases is None) == (options.at is None):
+        raise InputError(f"{options.command}: give either a table CASES.csv or --at NAME=VALUE,...")
+    if options.output is not None:
+        options.output = output(options.output, *filter(None, [options.cases]), *options.materials)
+    table = one_case("--at", options.at) if options.cases is None else read_cases(options.cases)
+    if options.output is None and (table.count > 1 or options.positions is not None):
+        what = "fields" if options.positions is not None else f"{table.count} cases"
+        raise InputError(f"solve: {what} need -o OUT.nc or OUT.csv; one case is printed")
     materials = dict(read_material(path) for path in options.materials)
     if checked and {"force", "load"} & table.bare:
         _check_units(table, solved(table, lambda factors: solve(factors, materials=materials)))
@@ -140,7 +179,7 @@ def solved(table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int 
     """Return outputs over dimension ``case`` in the order of the rows, with progress on a terminal."""
     table = _surrounded(table)
     whole, found = _Whole(table), list[Excess]()
-    with tqdm(total=len(table.lines), unit=" cases", delay=2, disable=None, leave=False) as bar:
+    with tqdm(total=table.count, unit=" cases", delay=2, disable=None, leave=False) as bar:
         for names, rows in _blocks(table, min(_CASES, max(1, _VALUES // points))):
             try:
                 with warnings.catch_warnings(record=True) as caught:
@@ -156,7 +195,7 @@ def solved(table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int 
             whole.add(rows, part)
             bar.update(len(rows))
     if found:
-        say(f"meecontact: warning: {sentence(found, len(table.lines))}")
+        say(f"meecontact: warning: {sentence(found, table.count)}")
     return whole.dataset()
 
 
@@ -165,7 +204,7 @@ def _surrounded(table: Table) -> Table:
     around = settled({name: xr.DataArray(cells, dims="case") for name, cells in table.columns.items()})
     if "surroundings" not in around:
         return table
-    column = np.broadcast_to(around["surroundings"].values.astype(object), len(table.lines))
+    column = np.broadcast_to(around["surroundings"].values.astype(object), table.count)
     return replace(table, columns=table.columns | {"surroundings": column})
 
 
@@ -234,7 +273,7 @@ class _Whole:
     """The answer to a table, filled block by block."""
 
     def __init__(self, table: Table) -> None:
-        self._table, self._count = table, len(table.lines)
+        self._table, self._count = table, table.count
         self._filled: dict[str, xr.Variable] = {}
         self._coords: dict[str, None] = {}
         self._some: set[str] = set()

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from solver.names import ALL_QUANTITIES, CHOICES
+from solver.units import written
 from storage.files import write_text
 from workflow.cli import materials
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import written
 from workflow.language.spelling import nearest
 from workflow.study import location
 from workflow.study.reading import InputError, one_line

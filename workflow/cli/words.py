@@ -14,6 +14,15 @@ from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, number, one_line
 
 _SURROGATE = "surrogate.nc"
+#: What files beside a surrogate are.
+_NO_MODELS = {
+    ".csv": "a table",
+    ".html": "a page",
+    ".json": "JSON",
+    ".md": "a text",
+    ".svg": "a figure",
+    ".yaml": "a study or a material",
+}
 
 
 def printable_streams() -> None:
@@ -132,6 +141,10 @@ def surrogate_file(text: str) -> Path:
 
 def trained(path: Path) -> Path:
     """The file of a surrogate, as `surrogate_file` gives it."""
+    if path.suffix in _NO_MODELS and path.is_file():
+        beside = path.with_name(_SURROGATE)
+        hint = f"{beside} is" if beside.is_file() else "it is netCDF, as results/STUDY/surrogate.nc"
+        raise InputError(f"{path}: is {_NO_MODELS[path.suffix]}, no surrogate; {hint}")
     if path.exists():
         return regular(path)
     folder = path.parent if path.name == _SURROGATE else path

@@ -11,6 +11,8 @@ from workflow.device.contact import ContactCurves
 
 #: Time after which the drop of a constant force is reported [s].
 DROP = 10.0
+#: Decay by then beyond which the time constant alone is reported.
+GONE = 0.99
 _TOLERANCE = 1e-10  # error of an interval over the size of the stored charge
 _INTERVALS_AT_ONCE = 2**15  # intervals that are integrated together: some 30 MB of temporaries
 _DEEPEST = 40  # halvings of a step

@@ -12,7 +12,9 @@ _BEGUN = 5  # letters of a name that is not written to its end
 def suggested(name: str, known: Collection[str]) -> str | None:
     """Return the known name nearest to a name, compared with known names, titles and old names; None if none is."""
     called = {words.replace(" ", "_"): title for title, words in TITLES.items() if title in known}
-    called |= {old: new for old, new in RENAMED.items() if new in known}
+    # a line has a voltage per load, a point one per force
+    renamed = {old: (new, new.replace("_per_load", "_per_force")) for old, new in RENAMED.items()}
+    called |= {old: new for old, every in renamed.items() for new in reversed(every) if new in known}
     called |= {word: word for word in known}
     word = name.strip().replace(" ", "_")
     begun = [candidate for candidate in called if len(word) >= _BEGUN and candidate.startswith(word)]

@@ -5,10 +5,10 @@ from math import ceil, prod
 
 import numpy as np
 
+from solver.units import written
 from surrogate import GaussianProcess, Input
 from workflow.dataset import factorial
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import written
 from workflow.learning import curves, training
 from workflow.study import grouped
 from workflow.study import model as studies

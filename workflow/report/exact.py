@@ -82,7 +82,7 @@ def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, An
     """Terms of a design that depend on the datum, at three lengths in the deciding case; ``moves`` if seen."""
     narrowed = study.narrowed(answer.combination)
     hangs, rows = hanging(narrowed), []
-    constants = {name: narrowed.constant(name) for name in target.constants()}
+    constants = {name: narrowed.constant(name) for name in target.constants() if name not in narrowed.factors}
     for term in answer.terms:
         stated = term.statement
         if hangs.isdisjoint(stated.expression.names()):

@@ -9,16 +9,18 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
+from approximation.arrays import Array
 from solver import find
 from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, CHOICES, COMPOSITES, FORMULAS, MIXTURES, PROFILES
 from solver.stack.layers import RIGID
 from workflow.design.verdict import linearity
 from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.leftout import LeftOut
 from workflow.design.verdict.term import Term
 from workflow.design.wording import asides
-from workflow.design.wording.words import UNREACHABLE, Verdict, verdict
-from workflow.language import titles
+from workflow.design.wording.words import BEYOND, UNREACHABLE, WITHIN, Verdict, verdict, within
+from workflow.language import given, titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
 from workflow.language.titles import capital, listed
@@ -50,6 +52,7 @@ class Screen:
     breaks: str  # limit with the least room; empty without limits
     why: tuple[str, ...]  # further sentences
     verdict: Verdict
+    left_out: tuple[LeftOut, ...]  # effects that the model leaves out, the largest first
     drawing: Markup  # to scale
 
     @property
@@ -88,6 +91,7 @@ def answered(
         breaks=unbroken(asides.first_to_break(answer)),
         why=tuple(unbroken(reason) for reason in why if reason),
         verdict=judged,
+        left_out=answer.left_out,
         drawing=element(
             device.draw(of_case(study, case, contact), built), f"device-{name}", f"{title}, drawn to scale: {built}"
         ),
@@ -269,46 +273,55 @@ class Card:
     does: str
     stops: str
     doubt: str  # constants that the library marks as doubtful
-    good: bool  # no limit of materials and theory is exceeded
+    verdict: str
+    good: bool  # no limit of materials and theory is exceeded within the tolerances
+    left_out: tuple[LeftOut, ...]  # effects that the model leaves out, the largest first
     drawing: Markup  # to scale
 
 
-def card(study: Study, signal: Mapping[str, float], held: Mapping[str, float]) -> Card:
-    """Return the card of the contact that the study's section ``signal`` names."""
-    signal_study = signal_case.of(study)
+def card(
+    study: Study, signal: Mapping[str, float], held: Mapping[str, Array], left_out: tuple[LeftOut, ...] = ()
+) -> Card:
+    """Return the card of the contact that the study's section ``signal`` names; `held` is (case,), nominal first."""
+    assert study.signal is not None
+    signal_study, pressing = signal_case.of(study), study.signal
     case = {**signal_study.fixed, signal_study.kind.loads.force: signal["force"]}
+    bands = [f"{titles.title(name)} ± {given.told(name, str(size))}" for name, size in pressing.tolerance.items()]
     built = in_words(signal_study, case)
-    numbers = {name: np.array([value]) for name, value in held.items()}
-    sizes = [np.array([float(case[name])]) if name in case else None for name in ("radius", "thickness")]
-    beyond = [*linearity.beyond(signal_study, numbers), *linearity.beyond_small_strain(signal_study, numbers, *sizes)]
-    nearest = linearity.nearest(signal_study, numbers)
-    share = f"{nearest.words} is {number(100 * nearest.share, 2)} % of the {nearest.at_most}" if nearest else ""
+    sizes = [
+        np.array([float(corner.get(name, case[name])) for corner in pressing.corners]) if name in case else None
+        for name in ("radius", "thickness")
+    ]
+    beyond = [*linearity.beyond(signal_study, held), *linearity.beyond_small_strain(signal_study, held, *sizes)]
+    nearest = linearity.nearest(signal_study, held)
+    reached = "within the tolerances {} reaches {} % of the {}" if bands else "{} is {} % of the {}"
+    share = reached.format(nearest.words, number(100 * nearest.share, 2), nearest.at_most) if nearest else ""
     stops = [*(words for words, _ in beyond)] or [share] * bool(share)
+    usual = "within linear theory" if not bands or nearest is None else within(left_out, {"signal", "stress"})
     stops.append(f"forces below {shown(signal['noise_force'], 'N', 2)} are lost in the noise")
     title = signal_study.title or f"{capital(punch_in_words(case))}, read by its amplifier"
+    charge, output = shown(abs(signal["contact_charge"]), "C", 3), shown(abs(signal["output"]), "V", 3)
+    bands_of_both = [asides.band(signal[name]) for name in ("charge_spread", "output_spread")]
+    if bands_of_both[0] and bands_of_both[0] == bands_of_both[1]:  # said once
+        read = f"{charge} and {output} at the output, both{bands_of_both[0]}"
+    else:
+        read = f"{charge}{bands_of_both[0]} and {output}{bands_of_both[1]} at the output"
     return Card(
         title=title,
         on=unbroken(f"the contact beside the designs ({built})"),
-        build=unbroken(built),
-        does=unbroken(
-            f"{shown(signal['force'], 'N', 3)} gives a charge of "
-            f"{_banded(signal, 'contact_charge', 'charge_spread', 'C')} and "
-            f"{_banded(signal, 'output', 'output_spread', 'V')} at the output{_fading(signal['time_constant'])}"
-        ),
+        build=unbroken(f"{built} ({listed(bands)})" if bands else built),
+        does=unbroken(f"{shown(signal['force'], 'N', 3)} gives a charge of {read}{_fading(signal['time_constant'])}"),
         stops=unbroken(f"{capital('; '.join(stops))}."),
         doubt=doubted(signal_study),
-        good=not beyond,
+        verdict=BEYOND if beyond else usual,
+        good=not (beyond or usual.startswith(WITHIN)),
+        left_out=left_out,
         drawing=element(
-            device.draw(of_case(signal_study, case, held), built),
+            device.draw(of_case(signal_study, case, {name: float(values[0]) for name, values in held.items()}), built),
             "device-beside",
             f"{title}, drawn to scale: {built}",
         ),
     )
-
-
-def _banded(signal: Mapping[str, float], name: str, spread: str, units: str) -> str:
-    """Size of a number with its spread by uncertain constants."""
-    return f"{shown(abs(signal[name]), units, 3)}{asides.band(signal[spread])}"
 
 
 def _fading(lasting: float) -> str:

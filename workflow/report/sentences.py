@@ -7,6 +7,7 @@ from typing import Any
 
 from solver.names import ALL_QUANTITIES
 from workflow.design.wording.words import UNREACHABLE, Verdict, unread
+from workflow.device.signal import DROP, GONE
 from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, listed
@@ -17,7 +18,6 @@ from workflow.study.model import Study
 
 Row = Mapping[str, Any]
 _MOST_NAMED = 3  # categories that a sentence names
-_GONE = 0.99  # decay after which the time constant alone is reported
 
 
 def reached(verdicts: Mapping[str, Verdict]) -> str:
@@ -122,8 +122,8 @@ def signal(press: Row, on: str) -> str:
         constant = (
             f"Under a constant force the output decays with the time constant {shown(press['time_constant'], 's', 3)}"
         )
-        if press["drop"] < _GONE:
-            constant += f" ({number(100 * press['drop'], 2)} % in 10 s)"
+        if press["drop"] < GONE:
+            constant += f" ({number(100 * press['drop'], 2)} % in {DROP:g} s)"
     heat = ""
     if "heat_at_end" in press:
         heat = (

@@ -29,6 +29,8 @@ _IDS = re.compile(r'(\bid=")([^"]+)(")|(url\(#)([^)]+)(\))|(href="#)([^"]+)(")')
 _PART = re.compile(r'<svg class="part"[^>]*?(viewBox=.*?</svg>)', re.DOTALL)
 _SIZE = re.compile(r'<svg\b([^>]*?)\s(?:width|height)="[^"]*"')
 _WRAPPED = re.compile(r"<g>(<(?:use|path)\b[^>]*/>)</g>")
+_LETTERS, _LETTER = re.compile(r"""font(?:-size)?[=:]["' ]*(\d+(?:\.\d+)?)(?:px|["'])"""), 14.0
+_EXPONENT = 7.1  # letters up to this size are raised or lowered ones
 _STROKE = re.compile(r"stroke: (#[0-9a-f]{6})")
 
 
@@ -58,6 +60,11 @@ def element(text: str, name: str, alt: str, enlarged: float = 1.0) -> Markup:
     text = _STROKE.sub(r"stroke: color-mix(in srgb, \1 72%, var(--ink))", text)
     size = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', text)
     width = enlarged * float(size[1]) if size else 0.0
-    head = Markup('<svg role="img" aria-label="{}" class="figure" style="max-width: {:.0f}px"').format(alt, width)
+    # width over that of its smallest label, but for exponents: the page's least width on phones and in print follows
+    letters = [size for size in map(float, _LETTERS.findall(text)) if size > _EXPONENT]
+    lettered = width / enlarged / min(letters, default=_LETTER)
+    head = Markup(
+        '<svg role="img" aria-label="{}" class="figure" style="max-width: {:.0f}px; --letter: {:.1f}px"'
+    ).format(alt, width, lettered)
     text = _SIZE.sub(r"<svg\1", _SIZE.sub(r"<svg\1", text, count=1), count=1)
     return head + Markup(text.removeprefix("<svg"))

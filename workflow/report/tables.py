@@ -13,8 +13,10 @@ from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from surrogate.use.validation import ideal
 from workflow.dataset import factorial
+from workflow.design.verdict import netcdf
 from workflow.design.verdict.answer import Answer
-from workflow.device.pressed import HELD
+from workflow.design.verdict.leftout import LeftOut
+from workflow.device.pressed import CORNERS, HELD
 from workflow.language import titles
 from workflow.report import sentences
 from workflow.report.verification import findings
@@ -204,13 +206,14 @@ def readout(name: str, path: Path) -> dict[str, Any]:
 
 
 def signal(folder: Path) -> dict[str, Any]:
-    """Numbers of a press in time; ``held``: quantities of a contact of its own at the force that is held."""
+    """Numbers of a press in time; ``held``: quantities of a contact of its own at the force that is held, (case,)."""
     data = read_whole(folder / "signal.nc")
     numbers = {str(name): float(value) for name, value in data.data_vars.items() if not value.dims}
     held = data["force"].values >= float(data["force"].max()) * (1 - 1e-9)
-    of_contact = {name.removeprefix(HELD): numbers.pop(name) for name in [*numbers] if name.startswith(HELD)}
+    cornered = {str(name): values.values for name, values in data.data_vars.items() if CORNERS in values.dims}
     return numbers | {
-        "held": of_contact,
+        "held": {name.removeprefix(HELD): values for name, values in cornered.items()},
+        "left_out": tuple(netcdf.members(data, LeftOut)),
         "force": float(data["force"].max()),
         "output": float(data["output"].values[held][0]),
     }

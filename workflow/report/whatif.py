@@ -9,7 +9,7 @@ import xarray as xr
 from markupsafe import Markup
 
 from approximation.sobol import sobol_points
-from solver.fields import FIELDS
+from solver.fields import FIELDS, fields_of
 from solver.names import ALL_QUANTITIES, PROFILES
 from surrogate import GaussianProcess
 from surrogate.use.export import exported
@@ -136,7 +136,7 @@ def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str
     """
     corners = scenarios.corners(target, scenarios.SEARCHED)
     limits = []
-    constants = {constant: study.constant(constant) for constant in target.constants()}
+    constants = {name: study.constant(name) for name in target.constants() if name not in study.factors}
     for limit in target.limits:
         term = answer.term(str(limit))
         limits.append(
@@ -263,7 +263,7 @@ def charts(study: Study, model: GaussianProcess | None) -> dict[str, Any]:
     if stored:
         names = [str(output["name"]) for output in stored["outputs"]]
     fields_of_study = coupling.fields(study)
-    names = [name for name in names if coupling.fields_of(FIELDS[name].units) <= fields_of_study]
+    names = [name for name in names if fields_of(FIELDS[name].units) <= fields_of_study]
     return {
         "charts": [{"name": name, "title": title(name), "units": FIELDS[name].units} for name in names],
         "fields": None if stored is None else {key: stored[key] for key in _OF_MEANS if key in stored},

@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, OF_A_FILM
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, HEAT_QUANTITIES, OF_A_FILM
+from workflow.language.constants import CONSTANTS
 from workflow.language.factors import FACTORS
 from workflow.study import signal_case
 from workflow.study.contents import Contents
@@ -96,7 +97,8 @@ def check_target(study: Contents, where: str, target: Target) -> None:
             places = "over, at, worst_case or uncertain" if name in study.factors else "over or at"
             raise ValueError(f"{where}: {name!r} is missing; put it in {places}")
     for name in target.names():
-        if name in FACTORS and name not in study.factors and not isinstance(study.held(name), float | int):
+        varied = name in study.factors or name in CONSTANTS
+        if name in FACTORS and not varied and not isinstance(study.held(name), float | int):
             raise ValueError(f"{where}: {name!r} {_lack(study, name) or 'has no value in this study'}")
         if name in ALL_QUANTITIES and name not in study.outputs:
             searched = name in ALL_PEAKS.keys() - study.absent - study.searched
@@ -137,8 +139,10 @@ def _lack(study: Contents, name: str) -> str:
 
 
 def _instead(study: Contents, name: str) -> str:
-    """Name the quantities that cases have in place of one that bodies of their kind never have."""
+    """Name the quantities that cases have in place of one that bodies of their kind never have, or why heat is not."""
     kind = study.kind
+    if name in HEAT_QUANTITIES:
+        return "".join(f"; {line}" for line in study.defaults if line.startswith("heat: "))
     if name not in ALL_PEAKS or name in kind.peaks:
         return ""
     if not kind.peaks:

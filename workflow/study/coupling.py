@@ -1,38 +1,23 @@
 """Fields of a study's cases: those that a material couples to, or in which a punch has a charge."""
 
-import re
 from collections.abc import Collection, Mapping, Sequence
-from typing import Literal
 
 import numpy as np
 import xarray as xr
 
 from solver import Material, find
+from solver.fields import Field, fields_of
 from solver.material.laws import compose
 from solver.names import ALL_QUANTITIES, CHOICES, MIXTURES
 from solver.stack.layers import RIGID
 from workflow.study.categories import output
 from workflow.study.contents import Contents
 
-Field = Literal["electric", "magnetic"]
-
 #: Constants by which a material couples a field to its deformation, or to the other field.
 _COUPLING: dict[Field, tuple[str, ...]] = {
     "electric": ("e31", "e33", "e15", "g11", "g33"),
     "magnetic": ("f31", "f33", "f15", "g11", "g33"),
 }
-#: Symbols of units in which a field is measured.
-_SYMBOLS: dict[Field, frozenset[str]] = {
-    "electric": frozenset({"C", "V", "F"}),
-    "magnetic": frozenset({"A", "T", "Wb", "H"}),
-}
-_SYMBOL = re.compile(r"[A-Za-z]+")
-
-
-def fields_of(units: str) -> frozenset[Field]:
-    """The fields that a unit measures; none of a length or a stress."""
-    symbols = set(_SYMBOL.findall(units))
-    return frozenset(field for field, field_symbols in _SYMBOLS.items() if symbols & field_symbols)
 
 
 def fields(study: Contents) -> frozenset[Field]:

@@ -36,6 +36,7 @@ _REMOVED = {
     ("surrogate", "until"),
     ("surrogate", "kernel"),
 }
+_COLON = "a colon and a blank within a text; write the text in quotes"
 _NOT_OF_TYPE = ("list_type", "dict_type", "string_type")
 
 
@@ -138,6 +139,7 @@ def read_yaml(path: Path) -> dict[str, Any]:
         mark = getattr(error, "problem_mark", None)
         where = f" line {mark.line + 1}:" if mark else ""
         reason = getattr(error, "problem", None) or str(error).splitlines()[0]
+        reason = _COLON if reason == "mapping values are not allowed here" else reason
         raise InputError(f"{path}:{where} not valid YAML: {reason}") from None
     if not isinstance(content, dict) or not all(isinstance(key, str) for key in content):
         raise InputError(f"{path}: not a mapping of names to values")

@@ -163,6 +163,8 @@ def lacked(study: Contents) -> frozenset[str]:
             _solve_stored(study, representatives.ends(study))
     _tell_time(study, process_time() - began)
     _tell_pressure(study, solved)
+    if "heat" in solved.attrs:
+        study.tell_default(f"heat: {solved.attrs['heat']}")
     if REFUSAL in solved:
         _check_share(study)
     peaks = set(study.kind.peaks)

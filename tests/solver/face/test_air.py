@@ -106,7 +106,9 @@ TITANATE_FILM = BALL | {"material": "BaTiO3", "thickness": 1e-4, "base": "steel"
 FIBROUS = BALL | {"radius": 5e-3, "force": 10.0, "composite": "fibrous", "volume_fraction": 0.6, "material": None}
 
 
-@pytest.mark.parametrize("case", [TITANATE_FILM, FIBROUS], ids=["film", "half-space"])
+@pytest.mark.parametrize(
+    "case", [pytest.param(TITANATE_FILM, marks=pytest.mark.soak), FIBROUS], ids=["film", "half-space"]
+)
 def test_points_in_no_air_are_those_without(case: dict[str, Any]) -> None:
     """Quantities, fields on the surface and inside, sliding, and a half-space at rest too."""
     options = {name: value for name, value in case.items() if value is not None} | {"total_charge": 2e-10}

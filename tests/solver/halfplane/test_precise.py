@@ -22,7 +22,7 @@ def check(factors: dict[str, Any], exact_constants: dict[str, Any], positions: t
     assert_agrees(solver.solve(factors, positions), exact)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", list(solver.materials()))
 def test_built_in_materials(name: str) -> None:
     check({"material": name} | CHARGED, constants(solver.find(name)), POSITIONS)
@@ -43,7 +43,7 @@ def test_composites(composite: str, fraction: float) -> None:
 
 @pytest.mark.parametrize(
     ("name", "friction", "conducted"),
-    [(SIH_SONG, 1.3, (1, 2)), (SIH_SONG, 0.0, (1,)), ("PZT-5H", 0.4, ()), ("CoFe2O4", 1e-9, (2,))],
+    [(SIH_SONG, 1.3, (1, 2)), (SIH_SONG, 0.0, (1,)), ("PZT-5H", 0.4, ()), ("PZT-5H", 1e-9, (2,))],
 )
 def test_conduction(name: str, friction: float, conducted: tuple[int, ...]) -> None:
     """A quantity that an insulating punch lacks is NaN by the oracle and absent from the solution."""

@@ -36,7 +36,7 @@ def test_the_estimate_follows_the_error_of_strongly_anisotropic_materials(c33: f
     assert error <= max(30 * rounding(half), 1e-11)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("short", [1e-3, 1e-9, 1e-12, 1e-15])
 @pytest.mark.parametrize("name", ["steel", "PZT-5H"])
 def test_the_estimate_follows_the_error_next_to_the_limiting_speed(name: str, short: float) -> None:
@@ -60,6 +60,6 @@ def test_lost_digits_are_warned_of_in_words() -> None:
 
 
 def test_ordinary_materials_are_not_warned_of() -> None:
-    with warnings.catch_warnings(action="error", category=solver.PrecisionWarning):
-        solver.solve({"material": list(solver.materials()), **CASE})
+    with warnings.catch_warnings(action="error"):
+        solver.solve({"material": list(solver.materials()), **CASE, "load": 1e3})  # rubber stays in small strain
         solver.solve({"volume_fraction": np.linspace(0, 1, 5), "composite": ["fibrous", "laminate"], **CASE})

@@ -46,6 +46,7 @@ def test_limiting_speed_of_isotropic_solids_is_that_of_rayleigh_waves() -> None:
         assert float(transonic_speed(material)) == pytest.approx(shear, rel=1e-12)
 
 
+@pytest.mark.soak
 def test_at_the_limiting_speed_the_restricted_tensor_is_singular() -> None:
     def stiffness(speed: mpf) -> mpf:
         N = half_plane(constants(solver.find(SIH_SONG)), float(speed)).normal_compliance
@@ -57,6 +58,7 @@ def test_at_the_limiting_speed_the_restricted_tensor_is_singular() -> None:
     assert abs(below) < 1e-6 * at_rest
 
 
+@pytest.mark.soak
 def test_at_the_transonic_speed_a_root_becomes_real() -> None:
     name = "PZT-5H"
     speed = float(transonic_speed(solver.find(name)))

@@ -1,9 +1,12 @@
 """Surrogates exported as C agree with Python to the error asked for, and answer nothing where they know nothing."""
 
+import zipfile
 from collections.abc import Callable, Sequence
 from functools import cache
+from io import BytesIO
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -12,6 +15,7 @@ import xarray as xr
 from approximation.arrays import Array, Flags
 from surrogate import BoundedGP, GaussianProcess, GridGP, GroupedGP, Input, ScatterGP
 from surrogate.face.region import Region
+from surrogate.use import fmu
 from surrogate.use.ccode import code
 from surrogate.use.rounding import Rounded, rounded
 from tests.compiled import Compiled
@@ -126,3 +130,29 @@ def test_kinds_that_have_no_short_form_are_refused_by_name() -> None:
 def test_an_error_that_a_precision_does_not_reach_is_refused() -> None:
     with pytest.raises(ValueError, match=r"error 1e-09 is not reached for 'f' in single precision: at best [1-9]"):
         rounded(of_one_input(), ["f"], 1e-9, np.float32)
+
+
+def test_an_fmu_names_each_variable_once_whatever_the_names(monkeypatch: pytest.MonkeyPatch) -> None:
+    time = Input("time", 0.0, 1.0, "linear", "<s>", 'a "b"\x01&')
+    grid = xr.Dataset({"status": ("time", time.levels(3)), "time_": ("time", time.levels(3))}, {"time": time.levels(3)})
+    parts = rounded(GridGP(inputs=[time]).fit(grid), ["status", "time_"], 1e-5, np.float64)
+    monkeypatch.setattr("shutil.which", lambda name: None)
+    content, compiled = fmu.unit("model", parts, np.float64, [], "a test")
+    assert not compiled
+    with zipfile.ZipFile(BytesIO(content)) as archive:
+        assert not archive.testzip()
+        assert all(name.startswith(("sources/", "modelDescription")) for name in archive.namelist())
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    variables = [variable.attrib for variable in root.iterfind("ModelVariables/*")]
+    names = [variable["name"] for variable in variables]
+    ends = ("", "_lower", "_upper")
+    assert names == [
+        "time",
+        "time_",
+        *(f"status{end or '_'}" for end in ends),
+        *(f"time_{end or '_'}" for end in ends),
+        "status",
+    ]
+    assert [int(variable["valueReference"]) for variable in variables] == list(range(9))
+    assert (variables[1]["unit"], variables[1]["description"]) == ("<s>", 'a "b"_&')
+    assert fmu.unit("model", parts, np.float64, [], "a test")[0] == content

@@ -80,7 +80,7 @@ def given(case: dict[str, Any], material: Material) -> dict[str, Any]:
         "material": plain,
         "punch": punch,
         "conducts": [case.get("electric") != "insulating", True],
-        "charges": [case.get("charge", case.get("total_charge")), 0.0],
+        "charges": [case.get("charge", case.get("total_charge", 0.0)), 0.0],
         **{name: case[name] for name in ("load", "force", "friction", "datum") if name in case},
     }
 
@@ -138,11 +138,7 @@ def test_a_held_voltage_is_that_of_its_charge() -> None:
             assert answer["capacitance"] == pytest.approx(1e-8 / risen, rel=1e-8, abs=0)
 
 
-SHAPES: list[dict[str, Any]] = [
-    {"profile": "sphere", "radius": 1e-3},
-    {"profile": "cone", "slope": 0.02},
-    {"profile": "disc", "width": 3e-6},
-]
+SHAPES: list[dict[str, Any]] = [{"profile": "cone", "slope": 0.02}, {"profile": "disc", "width": 3e-6}]
 
 
 @pytest.mark.sampled(1)
@@ -161,16 +157,8 @@ def test_films_are_the_solver_s(name: str, shape: dict[str, Any]) -> None:
     answers = calculated(
         [{"kind": "point", "given": inputs | {"film": table, "thickness": 2e-6}} for table, _, inputs in questions]
     )
-    solved = solver.solve(
-        {
-            **case,
-            **films.FILMS[name],
-            "surroundings": "insulated",
-            "thickness": 2e-6,
-            "punch": list(films.PUNCHES),
-            "force": forces,
-        }
-    )
+    factors = {**case, **films.FILMS[name], "thickness": 2e-6}
+    solved = solver.solve({**factors, "punch": list(films.PUNCHES), "force": forces})
     names = [name for name in solved.data_vars if name in answers[0]]
     assert set(solved.data_vars) - set(names) == {name for name in MAGNETIC if name in solved} | {"nominal_field"}
     for (table, force, _), answer in zip(questions, answers, strict=True):
@@ -178,13 +166,39 @@ def test_films_are_the_solver_s(name: str, shape: dict[str, Any]) -> None:
         assert {name: off for name, off in compared(answer, exact) if not off < 2e-6} == {}
 
 
-@pytest.mark.parametrize("shape", SHAPES[:1], ids=str)
-def test_other_constants_of_a_film_are_the_solver_s(shape: dict[str, Any]) -> None:
-    """Tables hold 1e-5 of the largest coefficient, and the least band on the page is 5e-4: agreement to 2e-4."""
+#: Radius over thickness, and force * radius / thickness^3 over c33: narrow, usual and wide contacts.
+BALLS = ((3.0, 3e-5), (25.0, 1e-3), (400.0, 3e-2), (3000.0, 2.0), (30.0, 20.0))
+
+
+@pytest.mark.parametrize("name", films.FILMS)
+def test_balls_on_films_are_the_solver_s_in_air(name: str) -> None:
+    """Compare every figure of the page with the solver at its defaults; three digits are shown: 5e-4."""
+    top, thickness = films.top_of(films.FILMS[name]), 2e-6
+    table = films.tables([name])[len(name) % len(films.PUNCHES)]
+    radius = [ratio * thickness for ratio, _ in BALLS]
+    force = [float(top.c33) * load * thickness**3 / size for size, (_, load) in zip(radius, BALLS, strict=True)]
+    case = {**films.FILMS[name], "profile": "sphere", "punch": table["punch"], "thickness": thickness}
+    rows = {key: xr.DataArray(values, dims="case") for key, values in (("radius", radius), ("force", force))}
+    solved = solver.solve(case | rows)
+    assert solved["surroundings"] == "air"
+    questions = [
+        {**given({**case, "radius": size, "force": pressed}, top), "film": table, "thickness": thickness}
+        for size, pressed in zip(radius, force, strict=True)
+    ]
+    answers = calculated([{"kind": "point", "given": inputs, "at": [0.0]} for inputs in questions])
+    for number, answer in enumerate(answers):
+        exact = solved.isel(case=number)
+        shown = [key for key in exact.data_vars if key in answer]
+        assert len(shown) == 9
+        assert {key: off for key, off in compared(answer, exact[shown]) if not off < 5e-4} == {}
+        assert answer["at"][0] == pytest.approx(answer["peak_pressure"], rel=0.05)
+
+
+def test_other_constants_of_a_film_are_the_solver_s() -> None:
+    """Compare to four fifths of the least band that the page shows: 2e-3 of balls in air, 5e-4 of cones."""
     name = "PVDF on glass"
     (table,) = (candidate for candidate in films.tables([name]) if candidate["punch"] == "steel")
-    case: dict[str, Any] = {**shape, "force": 1e-3, "punch": "steel", "thickness": 2e-6,
-                            "surroundings": "insulated"}  # fmt: skip
+    case: dict[str, Any] = {"force": 1e-3, "punch": "steel", "thickness": 2e-6}
     pairs = list(films.variants(films.FILMS[name]))[1:]
     assert [f"{top.name} on {base.name}" for top, base in pairs] == [
         "PVDF (alternative 1) on glass",
@@ -192,18 +206,16 @@ def test_other_constants_of_a_film_are_the_solver_s(shape: dict[str, Any]) -> No
         "PVDF on glass (alternative 1)",
         "PVDF on glass (alternative 2)",
     ]
-    questions = [
-        {
-            "kind": "point",
-            "given": given(case, top) | {"charges": [0.0, 0.0], "film": table | candidate, "thickness": 2e-6},
-        }
-        for (top, _), candidate in zip(pairs, table["variants"], strict=True)
-    ]
-    for (top, base), answer in zip(pairs, calculated(questions), strict=True):
-        solved = solver.solve(case | {"material": top, "base": base})
-        names = [key for key in solved.data_vars if key in answer]
-        assert len(names) > 10
-        assert {key: off for key, off in compared(answer, solved[names]) if not off < 2e-4} == {}
+    for shape, room in (({"profile": "sphere", "radius": 1e-3}, 1.6e-3), (SHAPES[0], 4e-4)):
+        questions = [
+            {"kind": "point", "given": given(case | shape, top) | {"film": table | candidate, "thickness": 2e-6}}
+            for (top, _), candidate in zip(pairs, table["variants"], strict=True)
+        ]
+        for (top, base), answer in zip(pairs, calculated(questions), strict=True):
+            solved = solver.solve(case | shape | {"material": top, "base": base})
+            names = [key for key in solved.data_vars if key in answer]
+            assert len(names) > 8
+            assert {key: off for key, off in compared(answer, solved[names]) if not off < room} == {}
 
 
 def test_the_alloy_is_the_solver_s() -> None:

@@ -9,6 +9,7 @@ import pytest
 
 import solver
 from solver.names import ALL_QUANTITIES
+from solver.units import in_si
 from tests.workflow.report.browser import needs_browser, opened
 from workflow.calculator import page as calculator
 from workflow.calculator.films import FILMS, PUNCHES, tables, variants
@@ -27,7 +28,9 @@ addEventListener("load", async () => {
   const bands = (...names) => names.map((name) => document.querySelector(`[data-name=${name}] .band`).textContent);
   const told = ["contact_radius", "charge_per_force", "peak_pressure"];
   const words = text("band-words");
-  out.first = { radius: seen("contact_radius"), verdict: text("verdict"), bands: bands(...told), words };
+  out.first = { verdict: text("verdict"), bands: bands(...told), words };
+  const shown = [...document.querySelectorAll(".figure")].map((one) => one.dataset.name);
+  out.first.figures = Object.fromEntries(shown.map((name) => [name, seen(name)]));
   out.first.commands = text("commands");
   set({ material: "AlN", profile: "cylinder", radius: "2 cm", load: "50 kN/m", friction: "0.3", punch: "steel" });
   const names = ["width", "peak_pressure", "trailing_tension", "charge_per_force", "voltage"];
@@ -78,8 +81,18 @@ def axe() -> str:
     return f"<script>{checker}</script>"
 
 
-#: The calculator leaves out the air, and says so.
-BARE = {"surroundings": "insulated"}
+#: Units of the figures of a film on the page.
+FILM_UNITS = {
+    "contact_radius": "m", "depth": "m", "peak_pressure": "Pa", "charge_per_force": "C N-1", "short_charge": "C",
+    "voltage": "V", "capacitance": "F", "stroke_per_volt": "m V-1", "blocked_force_per_volt": "N V-1",
+    "contact_stiffness": "N m-1",
+}  # fmt: skip
+
+
+def read(text: str, units: str) -> float:
+    """Return a figure of the page in SI."""
+    number, _, unit = text.replace("\N{MINUS SIGN}", "-").partition(" ")
+    return float(in_si(f"{number} {unit}", units))
 
 
 @needs_browser
@@ -90,13 +103,11 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
     assert not seen["wide"]
     if width == 500:
         return
-    default = (
-        FILMS["PVDF on glass"] | BARE | {"profile": "sphere", "radius": 2.5e-3, "punch": "steel", "thickness": 110e-6}
-    )
-    assert "'surroundings'" in seen["first"]["commands"].replace('"', "'")  # the command gives what the page says
+    default = FILMS["PVDF on glass"] | {"profile": "sphere", "radius": 2.5e-3, "punch": "steel", "thickness": 110e-6}
+    assert "surroundings" not in seen["first"]["commands"]  # the page has the solver's default
     assert seen["first"]["verdict"] == "Within what is known of the material"
     assert seen["first"]["words"].startswith("The face between film and base is grounded. The band is how far 4 other")
-    assert seen["first"]["words"].endswith("voltages often tens of times smaller, and capacitances larger.")
+    assert seen["first"]["words"].endswith("Beside the contact is air.")
     pressed, *moved = (
         solver.solve({**default, "force": 0.01, "material": top, "base": base})
         for top, base in variants(FILMS["PVDF on glass"])
@@ -104,7 +115,11 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
     names = ("contact_radius", "charge_per_force", "peak_pressure")
     wide = [max(abs(float(other[name] / pressed[name] - 1)) for other in moved) for name in names]
     assert seen["first"]["bands"] == [f"± {100 * share:.{1 if share < 0.1 else 2}g} %" for share in wide]
-    assert seen["first"]["radius"] == f"{1e6 * float(pressed['contact_radius']):.3g} µm"
+    exact = {name: float(pressed[name]) for name in FILM_UNITS if name in pressed}
+    exact["short_charge"] = 0.01 * exact["charge_per_force"]
+    assert exact.keys() == FILM_UNITS.keys() == seen["first"]["figures"].keys()
+    for name, text in seen["first"]["figures"].items():  # three digits, 5e-3 of 1.00, of tables that are good to 5e-4
+        assert read(text, FILM_UNITS[name]) == pytest.approx(exact[name], rel=5.5e-3), name
     line = {"profile": "cylinder", "material": "AlN", "radius": 0.02, "load": 5e4, "friction": 0.3, "punch": "steel"}
     solved = solver.solve(line)
     assert seen["line"] == {
@@ -126,7 +141,7 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
     assert (invalid, hidden) == ("true", True)
     assert "kg does not measure it" in note
     assert seen["asked"] == "50 is 50 m; did you mean 50 µm?"
-    film = FILMS["AlScN (30 % Sc) on silicon"] | BARE | {"profile": "sphere", "radius": 1e-4, "thickness": 1e-6}
+    film = FILMS["AlScN (30 % Sc) on silicon"] | {"profile": "sphere", "radius": 1e-4, "thickness": 1e-6}
     assert seen["thickness"] == "1 um"
     coned = {"profile": "cone", "slope": 0.02, "thickness": 1e-6, "force": 1e-3, "punch": "steel"}
     coned_charge = float(solver.solve(FILMS["AlScN (30 % Sc) on silicon"] | coned)["charge_per_force"])

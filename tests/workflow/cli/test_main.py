@@ -11,7 +11,7 @@ import xarray as xr
 
 import solver
 import surrogate
-from solver import solve
+from solver import solve, units
 from solver.fields import INTERIOR
 from storage.netcdf import read_whole
 from tests.workflow.conftest import SMALL, Copy, Project
@@ -81,6 +81,9 @@ def test_results_that_are_not_there_are_named_with_those_that_are(
     said = complaint(capsys, "query", "results/tow", "--at", "load=1")
     assert "results/tow: there is none" in said
     assert "did you mean 'two'? allowed: one, two; `meecontact run STUDY` makes one" in said
+    (tmp_path / "results" / "one" / "report.html").touch()
+    page = complaint(capsys, "query", "results/one/report.html", "--at", "load=1")
+    assert "results/one/report.html: is a page, no surrogate; results/one/surrogate.nc is" in page
 
 
 def test_missing_files_and_folders_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -91,7 +94,7 @@ def test_missing_files_and_folders_are_named(tmp_path: Path, capsys: pytest.Capt
     assert f"{tmp_path / 'absent'} does not exist" in line
     assert f"surrogate: {tmp_path}: holds no surrogate.nc" in complaint(capsys, "query", tmp_path, "--at", "load=1")
     assert "'slove' is none; did you mean 'solve'?" in complaint(capsys, "slove")
-    assert "-o/--output" in complaint(capsys, "solve", cases)
+    assert "-o/--output" in complaint(capsys, "interior", cases, "--x=0", "--y=-1")
 
 
 def test_material_refuses_the_widely_copied_sign(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -247,3 +250,39 @@ def test_the_interior_of_a_table_of_cases(tmp_path: Path) -> None:
     for name in INTERIOR:
         scale = float(np.abs(expected[name]).max())
         np.testing.assert_allclose(data[name].isel(case=2), expected[name], rtol=1e-9, atol=1e-12 * scale)
+
+
+@pytest.mark.parametrize("flux", ["", ",total_flux=1 nWb"])
+def test_one_case_is_printed_in_engineering_units(flux: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.main(["solve", "--at", f"material=PZT-4,profile=sphere,radius=5 mm,force=1 N{flux}"]) == 0
+    quantities, left_out = capsys.readouterr().out.split("\n\n")
+    assert "left out: Adhesion is 0.12 % of the force; 50 mJ/m² holds the ball with 1.2 mN." in left_out.splitlines()
+    printed = dict(line.split(maxsplit=1) for line in quantities.splitlines())
+    case = {"material": "PZT-4", "profile": "sphere", "radius": 5e-3, "force": 1.0}
+    exact = solver.solve(case | ({"total_flux": 1e-9} if flux else {}))
+    magnetic = {
+        str(name) for name, array in exact.items() if {"Wb", "A", "T"} & set(array.units.replace("-1", "").split())
+    }
+    assert len(magnetic) == 7
+    assert printed.keys() == {str(name) for name in exact} - (set() if flux else magnetic)
+    for name, text in printed.items():  # six digits are printed
+        assert units.in_si(text, exact[name].units) == pytest.approx(float(exact[name]), rel=5.1e-6), name
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ([], "give either a table CASES.csv or --at"),
+        (["--at", "material=PZT-4,radius"], "'radius' is not of the form NAME=VALUE"),
+        (["--at", "material=PZT-4,radius=5 kg,load=1 N/m"], "--at: radius: '5 kg': unit mismatch"),
+        (["--at", "material=PZT-4,profile=sphere,radius=5 mm,force=1000"], "did you mean 1000 mN?"),
+        (["--at", "material=PZT-4,radius=5 mm,lod=1 N/m"], "did you mean 'load'?"),
+        (["--at", "material=PZT-4,radius=5 mm,load=1 N/m", "--positions", "0"], "fields need -o"),
+        (["examples/cases.csv"], "5 cases need -o"),
+    ],
+)
+def test_a_printed_case_is_refused_in_one_line(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.main(["solve", *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1

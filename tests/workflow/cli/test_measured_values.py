@@ -59,6 +59,7 @@ def test_one_measurement_in_all_its_forms(text: str, capsys: pytest.CaptureFixtu
         ("-519+-5mm", "unit mismatch: 'mm' does not measure what 'V' measures"),
         ("-519+-0%", "'0%' is not a positive number with a unit"),
         ("-519+--5", "'-5' is not a positive number with a unit"),
+        ("nan+-1%", "--measured: voltage"),
         ("519+-1%", "voltage would fit with the opposite sign"),
         ("-519uV+-1%", "voltage would fit with a factor of 1e+06"),
         ("519mV+-1%", "voltage would fit with the opposite sign and a factor of 1000"),

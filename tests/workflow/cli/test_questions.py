@@ -89,6 +89,7 @@ POINT = "load=1e4,volume_fraction=0.5"
          "design: 'peak_von_mises' needs dataset: peaks: true"),
         (["over=radius"], "design: maximise or minimise: missing"),
         (["maximise=depth", "over=radius", "uncertain=friction=0.2"], "--uncertain: friction: '0.2' is"),
+        (["maximise=depth", "over=radius", "worst_case=friction=0.2"], "--worst-case: friction: '0.2'"),
         (["maximise=peak_pressure", "over=radius", f"at={POINT}", "limit=trailing_tension <= 1 mm"],
          "design: 'trailing_tension <= 1 mm': unit mismatch"),
         (["maximise=peak_pressure", "over=radius", "at=load=5e4,volume_fraction=0.5,friction=0.4",

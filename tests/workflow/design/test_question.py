@@ -69,6 +69,7 @@ def test_risk_measures_of_draws_are_those_of_the_distributions() -> None:
     target = TARGETS["drawn"].model_copy(update={"worst_case": {}})
     drawn = scenarios.draws(target, 4096).values["load"]
     normal = stats.truncnorm(-3, 3, 1e4, 1e3)
+    assert Distribution(uniform=[1.0, 3.0]).quantile(np.array([0.25])) == pytest.approx([1.5])
     values = drawn.reshape(1, 1, -1)
     assert risk.MeanDeviation(-2.0).rows(values)[0, 0] == pytest.approx(normal.mean() - 2 * normal.std(), rel=1e-4)
     for share in (0.05, 0.5, 0.99):

@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from solver.units import prefixed
 from tests.workflow.report.browser import in_node, needs_node
-from workflow.language.numbers import label, number, prefixed, shown
+from workflow.language.numbers import label, number, shown
 from workflow.report.page import TEMPLATES
 
 

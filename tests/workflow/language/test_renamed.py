@@ -61,3 +61,6 @@ def test_a_name_that_is_half_written_or_old_leads_to_the_present_one() -> None:
     for name, present in (("voltage_sens", "voltage_per_load"), ("contact_capacitance", "capacitance"),
                           ("feedback_resistence", "feedback_resistance")):  # fmt: skip
         assert f"did you mean {present!r}?" in nearest(name, known)
+    assert "did you mean 'voltage_per_force'?" in nearest(
+        "voltage_sens", [*KINDS["point", True, True].every_quantity, *DEVICE]
+    )

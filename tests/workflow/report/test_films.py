@@ -48,7 +48,7 @@ def test_times_of_films_hold_their_tables_and_the_panel_knows_no_closed_form(
     # one composition for the thicknesses of the factorial, one for every scattered case, none that has tables already
     assert [quantity.size for quantity in calls] == [1, 8, 1]
     assert np.unique(np.concatenate([*calls, cases["volume_fraction"].values])).size == 10 + 4
-    drawings = page._problem(study), page._problem(shipped("parametric"))
+    drawings = page._problem(study), page._problem(shipped("paper"))
     assert ["half-plane</title>" in drawn for drawn in drawings] == [False, True]
     assert all("film on its base" in drawn for drawn in drawings)
     hangs = hanging(study)

@@ -88,6 +88,7 @@ SLIDE = """
 <script>
 addEventListener("load", () => {
   const root = document.getElementById("whatif"), sliders = [...root.querySelectorAll("input[type=range]")];
+  root.querySelector("details").open = true;
   const all = (where, key, value) =>
     Object.fromEntries([...root.querySelectorAll(where)].map((one) => [one.dataset[key], one.dataset[value]]));
   const read = () => ({

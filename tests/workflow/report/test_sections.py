@@ -28,8 +28,8 @@ def test_a_study_has_the_figures_of_its_sections_and_each_a_caption() -> None:
         "residuals",
         "intervals",
     ]
-    parametric = sections.figures(shipped("parametric"))
-    assert parametric[0].startswith("effect_")
+    paper = sections.figures(shipped("paper"))
+    assert paper[0].startswith("effect_")
     for drawn in sections.drawn():
         assert len({figure.reads for _, figure in drawn}) == 1
         for _, figure in drawn:

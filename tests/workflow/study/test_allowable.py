@@ -34,6 +34,14 @@ def film(**entries: str) -> str:
     return FILM.format(**(usual | entries))
 
 
+def test_a_strength_that_bounds_another_stress_is_reported() -> None:
+    assert not any(line.startswith("design.") for line in made(film()).defaults)
+    limited = made(film(limit="peak_pressure <= tensile_strength")).defaults
+    (said,) = (line for line in limited if line.startswith("design.mine: "))
+    assert said.startswith("design.mine: tensile_strength is a limit of trailing_tension or ")
+    assert said.endswith("and here bounds peak_pressure as written")
+
+
 def test_a_composite_bears_what_its_weaker_phase_does() -> None:
     factors = {"composite": "fibrous", "volume_fraction": 0.5}
     strength = allowable("tensile_strength", factors, {}, ["PZT-4", "PZT-5H"])

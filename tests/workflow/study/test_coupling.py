@@ -20,7 +20,7 @@ def test_a_field_needs_a_material_that_couples_to_it_or_a_charge() -> None:
     assert coupling.fields(made_of(composite="AlScN", scandium_fraction=0.3)) == {"electric"}
     assert coupling.fields(made_of(material="glass")) == set()
     assert coupling.fields(made_of(material="glass", charge=1e-6)) == {"electric"}
-    assert coupling.fields(shipped("parametric")) == {"electric", "magnetic"}
+    assert coupling.fields(shipped("paper")) == {"electric", "magnetic"}
 
 
 def test_quantities_of_a_field_that_is_none_are_not_told_unless_they_are_asked_for() -> None:

@@ -4,6 +4,7 @@ import pytest
 
 from solver.names import FILM_QUANTITIES, QUANTITIES
 from tests.studies import edited, made, refusal
+from workflow.run.provenance import ROOT
 from workflow.study import datum
 from workflow.study.model import Study
 
@@ -70,3 +71,20 @@ def test_only_depths_on_a_base_that_gives_hang_on_the_datum(study: Study) -> Non
 )  # fmt: skip
 def test_bad_films_are_refused_in_one_line(old: str, new: str, expected: str) -> None:
     assert refusal(edited(FILM, old, new)).startswith(expected)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("base: FR4", "base: rigid", "have no 'heat_time'; heat: not known for the base 'rigid': conductivity; name"),
+        (
+            "charge_noise: 1 fC",
+            "feedback_resistance: 1 TOhm\n    charge_noise: 1 fC",
+            "device: amplifier: feedback_resistance: 1 TOhm is beside one of the factors; give one of them",
+        ),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::solver.face.refusal.SmallStrainWarning")
+def test_a_study_of_heat_names_what_is_not_known_or_given_twice(old: str, new: str, words: str) -> None:
+    text = (ROOT / "config/taxel.yaml").read_text(encoding="utf-8")
+    assert words in refusal(text.replace(old, new))

@@ -17,7 +17,7 @@ from workflow.study.reading import InputError, read_material, read_yaml
 
 QUICKSTART = Path("config/quickstart.yaml")
 #: Studies of which the solver takes seconds for the corners.
-SECONDS = ("film_actuator", "film_sensor", "parametric", "point_sensor")
+SECONDS = ("film_actuator", "film_sensor", "paper", "point_sensor")
 
 
 @pytest.mark.parametrize(
@@ -121,6 +121,10 @@ def test_numbers_follow_yaml_1_2(tmp_path: Path) -> None:
         ("1: 2", "not a mapping of names"),
         ("a: " + "[" * 3000 + "]" * 3000, "nested too deeply"),
         ("a: !!bool maybe", "line 1: not valid YAML: tags, as !!int, are not allowed"),
+        (
+            "title: a ball: on a film",
+            "line 1: not valid YAML: a colon and a blank within a text; write the text in quotes",
+        ),
         ("a: " + "9" * 4000, "line 1: not valid YAML: a number of 4000 digits; at most 40, or write it as 1e3999"),
         ("a: 010", "line 1: not valid YAML: '010' is not a decimal number; in quotes it is a text"),
         ("a: 1:30", "'1:30' is not a decimal number"),

@@ -134,8 +134,13 @@ def test_effects_of_points_have_their_fields_over_the_distance_from_the_middle()
     assert "peak_pressure" not in of_profile  # infinite under a cone and at the rim of a disc
     drawn = field_panels.effect(of_force, ["electric", "magnetic"])
     shown = [ax.get_xlabel() for ax in drawn.axes if ax.get_visible()]
-    assert len(shown) == len(POINT_FIELDS) - 1  # nothing couples magnetically: what is zero everywhere is not drawn
+    # nothing couples magnetically: what is zero everywhere is not drawn; the last panel is over lengths
+    assert len(shown) == len(POINT_FIELDS)
     assert "r/a" in shown
+    edges = [float(np.abs(line.get_xdata()).max()) for line in drawn.axes[len(shown) - 1].lines]
+    assert shown[-1] == "x [µm]"
+    inside = float(np.abs(of_force["position"].values[np.abs(of_force["position"].values) < 1]).max())
+    np.testing.assert_allclose(edges, of_force["contact_radius"].values * 1e6 * inside, rtol=1e-12)
     message = refusal(EFFECTS + "  film: {thickness: 1e-4, base: steel}\n")
     assert "effects: film: is not drawn of a point; a film stands in the baseline" in message
 

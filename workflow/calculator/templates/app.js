@@ -101,7 +101,8 @@ function shownRows(found) {
     line ? ["width", "contact width", "m", "from edge to edge"] : ["contact_radius", "contact radius", "m", "of the circle of contact"],
     ["depth", "depth", "m", line ? `approach, against the surface ${said(found.datum, "m", 3)} away` : "approach of the punch"],
     ["peak_pressure", "largest pressure", "Pa", found.peak_pressure === undefined ? "infinite at a corner of the punch" : "under the punch"],
-    line ? ["trailing_tension", "tension", "Pa", "along the surface, just behind the contact"] : ["edge_tension", "tension", "Pa", film() ? "not told by the tables of films" : "radial, in the surface just beside the contact"],
+    ...(line ? [["trailing_tension", "tension", "Pa", "along the surface, just behind the contact"]]
+      : film() ? [] : [["edge_tension", "tension", "Pa", "radial, in the surface just beside the contact"]]),
   ];
   if (couples("charge_per_force")) {
     rows.push(["charge_per_force", "charge per force", "C N-1", "with the punch at zero volts"]);
@@ -162,8 +163,11 @@ function beyond(material, several) {
 
 // What the shape of the punch is good for.
 function geometry(found) {
+  const { wide, deep } = library.small_strain;
   const round = profile() === "sphere" || profile() === "cylinder", ratio = round ? found.half / quantity(field("radius").value, "m", library).value : 0;
-  if (ratio > 0.3) return `The contact is ${digits(ratio, 2)} of the radius: the parabola of the punch is good for a contact up to a third of it.`;
+  if (ratio > wide) return `Half the contact's width is ${digits(ratio, 2)} of the punch's radius: strains are small only up to ${wide}.`;
+  const sunk = film() ? found.depth / found.thickness : 0;
+  if (sunk > deep) return `The depth is ${digits(sunk, 2)} of the film's thickness: strains are small only up to ${deep}.`;
   const slope = applies("slope") ? quantity(field("slope").value, "1", library).value : 0;
   return slope > 0.3 ? `A slope of ${digits(slope, 2)} is steep: linear theory is for gentle ones, below 0.3 or so.` : "";
 }
@@ -177,7 +181,9 @@ function three(value, units) {
   const shown = engineering(value, units, 3), text = (value / shown.size).toPrecision(3);
   return text.includes("e") ? said(value, units, 3) : `${text.replace("-", "−")} ${shown.units}`.trim();
 }
-const percent = (share) => (share < 0.0005 ? "" : `± ${digits(100 * share, share < 0.1 ? 1 : 2)} %`);
+// Least band that is shown: tables of balls in air under other constants are good to 1.5e-3.
+const least = () => (film() && profile() === "sphere" ? 0.002 : 0.0005);
+const percent = (share) => (share < least() ? "" : `± ${digits(100 * share, share < 0.1 ? 1 : 2)} %`);
 
 function show(values) {
   const material = chosenMaterial(values);
@@ -191,16 +197,15 @@ function show(values) {
   tell("figures").replaceChildren(...rows.map(([key, words, units, meaning]) => {
     const value = own[key], card = element("div", "", { className: "figure" }), share = others.length && value ? spread(key) / Math.abs(value) : 0;
     card.append(element("dt", words), element("dd", three(value, units), { className: "value" }));
-    card.append(element("dd", share > 0.0005 ? percent(share) : "", { className: "band" }), element("dd", meaning, { className: "meaning" }));
+    card.append(element("dd", percent(share), { className: "band" }), element("dd", meaning, { className: "meaning" }));
     card.dataset.name = key;
     return card;
   }));
   tell("band-words").textContent = (film() ? "The face between film and base is grounded. " : "") + (others.length
-    ? `The band is how far ${others.length} other published ${others.length === 1 ? "set of constants moves" : "sets of constants move"} a figure${rows.some(([key]) => own[key] && spread(key) > 0.0005 * Math.abs(own[key])) ? "" : "; here it moves none"}.`
+    ? `The band is how far ${others.length} other published ${others.length === 1 ? "set of constants moves" : "sets of constants move"} a figure${rows.some(([key]) => own[key] && spread(key) > least() * Math.abs(own[key])) ? "" : "; here it moves none"}.`
     : "The library knows one published set of these constants: there is no band.")
-    + " Beside the contact the surface is insulated." + (!["sphere", "cylinder"].includes(profile()) ? ""
-      : film() ? " With air there, as meecontact solve has it beside films, charges per force are smaller, voltages often tens of times smaller, and capacitances larger."
-      : ' With air there ("surroundings: air" of meecontact solve) voltages are smaller and capacitances larger.');
+    + (film() && profile() === "sphere" ? " Beside the contact is air." : " Beside the contact the surface is insulated.")
+    + (!film() && ["sphere", "cylinder"].includes(profile()) ? ' With air there ("surroundings: air" of meecontact solve) voltages are smaller and capacitances larger.' : "");
   const { lines, known } = beyond(material, several), bad = lines.some((one) => one.bad), steep = geometry(own);
   const verdict = tell("verdict");
   verdict.className = bad || steep ? "bad" : lines.length ? "good" : "edge";
@@ -220,7 +225,7 @@ function show(values) {
 function refuse(message) {
   tell("answer").hidden = true;
   tell("refused").hidden = false;
-  tell("refused-words").textContent = message === "a film under a roller" || message.startsWith("a film under") ? `${capital(message)}: this page has tables of balls, cones and flat ends only, under ${[...new Set(tables.map((one) => one.punch))].join(", ")}. The command below solves it.` : `${capital(message)}.`;
+  tell("refused-words").textContent = message === "a film under a roller" || message.startsWith("a film under") ? `${capital(message)}: this page has tables of open balls, and of cones and flat ends, under ${[...new Set(tables.map((one) => one.punch))].join(", ")}. The command below solves it.` : `${capital(message)}.`;
 }
 
 // The same state on the command line and in Python.
@@ -233,7 +238,6 @@ function commands(values) {
   if (field("punch").value !== "rigid") case_.punch = field("punch").value;
   if (field("electric").value === "insulating") case_.electric = "insulating";
   if (field("magnetic").value === "insulating") case_.magnetic = "insulating";
-  if (film()) case_.surroundings = "insulated";
   const names = Object.keys(case_), shown = (value) => (typeof value === "number" ? String(Number(value.toPrecision(12))) : value);
   const quoted = (value) => (typeof value === "number" ? shown(value) : JSON.stringify(value));
   const own = field("material").value === OWN;

@@ -55,6 +55,7 @@ function solvePoint(given) {
   const { material, punch, force, conducts, film } = given, body = surface(material), { profile } = punch, { units } = body;
   const N = conducted(body.compliance.map((row, i) => row.map((one, j) => (one + (i + j ? 0 : elasticity(punch).compliance)) / (units[i] * units[j]))), conducts);
   const flat = profile === "disc", e = EXPONENTS[profile], on = film ? onFilm(film, N, profile, given.thickness, conducts) : onHalfSpace(N, profile);
+  if (film && profile === "sphere") return inAir(given, on);
   const coefficient = { sphere: 1 / (2 * punch.radius), cone: punch.slope, disc: punch.width / 2 }[profile];
   const size = coefficient / units[0], pressing = force * units[0];
 
@@ -96,6 +97,31 @@ function solvePoint(given) {
   const tension = film || material.c12 === undefined ? undefined
     : (-(material.c11 - material.c12) * dot(body.coupling, here.loads)) / (2 * Math.PI * radius ** 2);
   return { ...out, edge_tension: tension, charge: here.loads[1], capacitance: out.capacitance, half: radius, centre: 0, pressure: (X) => pressure(Math.sqrt((1 - X) * (1 + X))), kind: "point" };
+}
+
+/* A ball on a film with air beside the contact, open, by the film's table. `on` has the pressure without air at the same
+   radius: its course is drawn, with the largest pressure of the table. */
+function inAir({ material, punch, force, film, thickness, voltage }, on) {
+  if (voltage !== undefined) throw new Error("a film under a ball at a voltage");
+  const { range, series } = film.air, load = (force * punch.radius) / (thickness ** 3 * material.c33);
+  const places = [Math.log(load), Math.log(punch.radius / thickness) - Math.log(load) / 4];
+  const [x, y] = range.map(([low, high], k) => {
+    if (places[k] < low || places[k] > high) throw new Error(`this page's table of the film does not reach a ${(places[k] < low) === !k ? "narrower" : "wider"} contact`);
+    return (2 * places[k] - low - high) / (high - low);
+  });
+  const value = (name) => clenshaw(series[name].map((row) => clenshaw(row, y)), x);
+  const [radius, depth, peak, stiffness, capacitance] = ["contact_radius", "depth", "peak_pressure", "contact_stiffness", "capacitance"].map((name) => Math.exp(value(name)));
+  const out = {
+    contact_radius: radius * thickness, depth: depth * thickness, peak_pressure: peak, contact_stiffness: stiffness * thickness,
+    capacitance: capacitance * thickness, charge_per_force: value("charge_per_force"), stroke_per_volt: value("stroke_per_volt"),
+  };
+  const half = out.contact_radius, at = { radius: half, state: state(on.stiffness(half), "sphere", [0, 0], [1, 1], 0) };
+  const largest = Math.max(...film.samples.map((one) => on.pressure(one, at)));
+  return {
+    ...out,
+    voltage: (value("charge_ratio") * out.charge_per_force * force) / out.capacitance, blocked_force_per_volt: -out.stroke_per_volt * out.contact_stiffness,
+    charge: 0, half, centre: 0, pressure: (X) => (peak / largest) * on.pressure(Math.sqrt((1 - X) * (1 + X)), at), kind: "point",
+  };
 }
 
 const clenshaw = (series, t) => {

@@ -8,6 +8,7 @@ import numpy as np
 from approximation.arrays import Array
 from approximation.sobol import sobol_points
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, CHOICES, PROFILES
+from solver.units import written
 from workflow.dataset import factorial
 from workflow.design.question import costly
 from workflow.design.question.question import Question
@@ -21,7 +22,7 @@ from workflow.design.verdict.term import Scenario
 from workflow.design.verdict.term import Term as JudgedTerm
 from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import shown, written
+from workflow.language.numbers import shown
 from workflow.language.statements import Limit, Objective
 from workflow.study import uncertainty
 from workflow.study.model import Study

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from approximation.arrays import Array
+from solver.face.strain import DEEP, WIDE
 from solver.names import ALL_QUANTITIES, LIMITED
 from workflow.language import titles
 from workflow.language.constants import ALLOWABLES, of_the_base, plain
@@ -16,8 +17,6 @@ from workflow.study.model import Study
 
 _CERAMIC_FIELD = 3e5  # V/m: beyond it ferroelectric ceramics are not linear; for materials of which no field is known
 _FIELDS = ("coercive_field", "breakdown_field")
-_WIDE = 0.2  # contact half-width over the radius of a round punch up to which strains are small
-_DEEP = 0.1  # depth over the thickness of a film up to which strains are small
 _SMALL = "strains are small only up to there"
 
 
@@ -82,17 +81,17 @@ def beyond_small_strain(
     if radius is not None:
         half = (ends[0] + ends[1]) / 2
         share = float((half / radius).max())
-        if share > _WIDE:
+        if share > WIDE:
             words = (
                 f"a contact half-width of {shown(float(half.max()), 'm', 3)} is {number(share, 2)} of the punch radius"
             )
-            lines.append((f"{words} and exceeds {_WIDE:g} of it", _SMALL))
+            lines.append((f"{words} and exceeds {WIDE:g} of it", _SMALL))
     if thickness is not None and "depth" in corner and study.kind.datum == "absolute":
         share = float((corner["depth"] / thickness).max())
-        if share > _DEEP:
+        if share > DEEP:
             depth = shown(float(corner["depth"].max()), "m", 3)
             words = f"a depth of {depth} is {number(share, 2)} of the film's thickness"
-            lines.append((f"{words} and exceeds {_DEEP:g} of it", _SMALL))
+            lines.append((f"{words} and exceeds {DEEP:g} of it", _SMALL))
     return lines
 
 

@@ -37,7 +37,7 @@ def _figure(design: Question, corner: Mapping[str, Array], expression: Expressio
     for name in expression.names():
         if name in corner:
             known[name] = corner[name]
-        elif name in CONSTANTS:
+        elif name in CONSTANTS and name not in design.study.factors:
             try:
                 known[name] = np.full((1, 1), design.study.constant(name))
             except ValueError:

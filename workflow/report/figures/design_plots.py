@@ -9,10 +9,11 @@ from matplotlib.figure import Figure
 
 from approximation.arrays import Array
 from solver.fields import FIELDS, POINT_FIELDS
+from solver.units import prefixed
 from workflow.design.search.contact_fields import SURFACE
 from workflow.design.verdict.answer import Answer
 from workflow.language import titles
-from workflow.language.numbers import label, prefixed
+from workflow.language.numbers import label
 from workflow.report import ranked
 from workflow.report.figures.contours import below
 from workflow.report.figures.hover import attach_map
@@ -31,6 +32,8 @@ from workflow.report.figures.style import (
 )
 from workflow.report.svg import INK
 from workflow.study.target import Target
+
+_BESIDE = 0.01  # of a slice: nearer to its design lies nothing but the design itself
 
 
 def figures_of(answer: Answer, target: Target) -> dict[str, Figure]:
@@ -90,8 +93,11 @@ def _slices(answer: Answer) -> Figure:
         low, high = line["slice_low"].values / size, line["slice_high"].values / size
         ax.fill_between(x, low, high, color=BLUE, alpha=0.18, lw=0, label="all scenarios")
         ax.plot(x, line["slice_objective"].values / size, color=BLUE, lw=1.6, label="as it counts")
-        ax.fill_between(x, *ends, where=list(excess > 0), facecolor="none", edgecolor=GREY, hatch="////", lw=0,
-                        label="breaks a limit")  # fmt: skip
+        if np.all(excess[np.abs(x - answer.variable(name).value / width) > _BESIDE * np.ptp(x)] > 0):
+            ax.set_title("no room: any other value breaks a limit", fontsize=9)
+        else:
+            ax.fill_between(x, *ends, where=list(excess > 0), facecolor="none", edgecolor=GREY, hatch="////", lw=0,
+                            label="breaks a limit")  # fmt: skip
         best = answer.variable(name).value / width
         ax.plot([best], [answer.terms[0].exact / size], "*", ms=13, mfc=ORANGE, mec=INK, mew=0.6,
                 label=f"{_star(answer)}, exact")  # fmt: skip

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from approximation.arrays import Array
 from solver.fields import POINT_FIELDS
+from solver.units import prefixed
 from workflow.dataset.effects import HALF_PLANE
 from workflow.language import numbers, titles
 from workflow.report.figures.contours import below
@@ -29,7 +30,9 @@ SHOWN = (
 )
 #: Those that are 0 beside the contact.
 _INSIDE = (*SHOWN[:3], "electric_displacement", "magnetic_induction")
-_ACROSS = 3
+#: Symbols of the paper by field.
+_SYMBOLS = dict(zip(SHOWN, ("−σ_yy", "D_y", "B_y", "σ_xx", "D_x", "B_x"), strict=True))
+_ACROSS, _WIDE = 3, 32  # panels in a row, and letters of a label beside one
 _THREE = ("low", "middle", "high")
 
 
@@ -83,10 +86,24 @@ def _said(value: xr.DataArray, digits: int = 3) -> str:
 
 @styled
 def effect(data: xr.Dataset, felt: Collection[str]) -> Figure:
-    """Effect of one factor on those of the six surface fields of the paper's parametric study that are felt."""
+    """Effect of one factor on those of the six surface fields of the paper's Section 5 that are felt.
+
+    A last panel shows the pressure over lengths: positions over the half-width hide how wide the contacts are.
+    """
+    lengths = _lengths(data)
     data = coupling.kept(data, felt)
     varied = next(str(dim) for dim in data["contact_pressure"].dims if dim != "position")
-    return _field_panels(data, varied)
+    return _field_panels(data, varied, lengths=lengths)
+
+
+def _lengths(data: xr.Dataset) -> xr.DataArray | None:
+    """Surface positions from the middle of the punch in metres, where the contacts' ends are known."""
+    if "contact_radius" in data:
+        return data["contact_radius"] * data["position"]
+    if "contact_trailing" in data and "contact_leading" in data:
+        a, b = data["contact_trailing"], data["contact_leading"]
+        return (a - b) / 2 + (a + b) / 2 * data["position"]
+    return None
 
 
 @styled
@@ -107,7 +124,9 @@ def interior(data: xr.Dataset) -> Figure:
     return figure
 
 
-def _field_panels(data: xr.Dataset, varied: str, names_of_values: list[str] | None = None) -> Figure:
+def _field_panels(
+    data: xr.Dataset, varied: str, names_of_values: list[str] | None = None, lengths: xr.DataArray | None = None
+) -> Figure:
     numeric = np.issubdtype(data[varied].dtype, np.number)
     texts = names_of_values or [_said(value) for value in data[varied]]
     colours = (
@@ -120,14 +139,14 @@ def _field_panels(data: xr.Dataset, varied: str, names_of_values: list[str] | No
     colours[[style == "--" for style in styles]] = to_rgba(INK)
     line = "stress_xx" in data
     names = [name for name in (SHOWN if line else POINT_FIELDS) if name in data and data[name].any()]  # not what is 0
-    figure, axes = panels(len(names), _ACROSS, 10.5, 2.8)
+    figure, axes = panels(len(names) + (lengths is not None), _ACROSS, 10.5, 2.8)
     X = data["position"].values
-    for ax, name in zip(axes, names, strict=True):
+    for ax, name in zip(axes, names, strict=False):
         curves = data[name].transpose(varied, "position").values
         inside_only = name in _INSIDE
         shown = np.abs(X) < 1 if inside_only else np.abs(X) < np.inf
         regular = shown & (np.abs(np.abs(X) - 1) > NEAR_EDGE)
-        size, label = field_label(data[name], float(np.abs(curves[:, regular]).max()))
+        size, label = field_label(data[name], float(np.abs(curves[:, regular]).max()), _SYMBOLS.get(name, ""), _WIDE)
         curves = curves / size
         for curve, text, colour, style in zip(curves, texts, colours, styles, strict=True):
             for part in (X < -1, np.abs(X) < 1, X > 1):  # no line across an edge
@@ -148,11 +167,30 @@ def _field_panels(data: xr.Dataset, varied: str, names_of_values: list[str] | No
             ax.axvline(edge, color=GREY, lw=0.7, ls=":")
         if not inside_only:
             ax.set_xlim(-3, 3)
-    for ax in axes[(len(names) - 1) // _ACROSS * _ACROSS :]:
+    if lengths is not None:
+        _over_lengths(axes[-1], data["contact_pressure"], lengths, varied, [*zip(texts, colours, styles, strict=True)])
+    for ax in axes[: len(names)][(len(names) - 1) // _ACROSS * _ACROSS :]:
         ax.set_xlabel("X = (x - c)/h   (trailing edge at X = 1)" if line else "r/a")
     handles = axes[0].get_legend_handles_labels()
     figure.legend(*handles, loc="outside right upper", title=titles.title(varied))
     return figure
+
+
+def _over_lengths(
+    ax: Axes, pressure: xr.DataArray, lengths: xr.DataArray, varied: str, looks: Sequence[tuple[str, Array, str]]
+) -> None:
+    """The pressure below each punch over lengths from its middle."""
+    inside = np.abs(pressure["position"].values) < 1
+    x = lengths.broadcast_like(pressure).transpose(varied, "position").values[:, inside]
+    curves = pressure.transpose(varied, "position").values[:, inside]
+    scale, unit = prefixed(float(np.nanmax(np.abs(x))), "m", digits=2)
+    size, label = field_label(pressure, float(np.nanmax(np.abs(curves))), _SYMBOLS["contact_pressure"], _WIDE)
+    for places, curve, (text, colour, style) in zip(x / scale, curves / size, looks, strict=True):
+        ax.plot(places, curve, color=colour, ls=style, lw=1.4, gid=text)
+    ax.set_xlabel(f"x [{unit}]")
+    ax.set_ylabel(label)
+    regular = np.abs(pressure["position"].values[inside]) < 1 - NEAR_EDGE
+    _bounded(ax, curves[:, regular] / size)
 
 
 def _bounded(ax: Axes, curves: Array) -> None:

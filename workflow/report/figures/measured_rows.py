@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
+from solver.units import prefixed
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import number, prefixed
+from workflow.language.numbers import number
 from workflow.report.figures.style import BLUE, GREY, ORANGE, logarithmic, styled
 
 _COLOURS = {"agrees": BLUE, "disagrees": ORANGE, "cannot be told": GREY}
@@ -50,7 +51,7 @@ def _row(ax: Axes, place: int, row: dict[str, Any]) -> None:
         spread = value["deviation"] / size
         ax.errorbar(value["value"] / size, place, xerr=spread, fmt="o", ms=5, color=colour, mfc=filled, capsize=2)
     ax.annotate(
-        row["verdict"], (1.01, place), xycoords=("axes fraction", "data"), va="center", color=colour, fontsize=8
+        row["verdict"], (1.01, place), xycoords=("axes fraction", "data"), va="center", color=colour, fontsize=9
     )
 
 

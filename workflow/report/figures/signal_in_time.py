@@ -5,16 +5,17 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from workflow.language.numbers import label, prefixed
+from solver.units import prefixed
+from workflow.language.numbers import label
 from workflow.report.figures.style import BLUE, GREY, styled
 
-_SHOWN = ("force", "charge", "voltage", "output")
+_SHOWN = ("force", "output")
 
 
 @styled
 def figure(shown: xr.Dataset) -> Figure:
-    """Force, charge, voltage and output over time, one above the other."""
-    drawn, axes = plt.subplots(len(_SHOWN), figsize=(8.4, 6.0), sharex=True)
+    """Force, and output with its noise, over time: one above the other."""
+    drawn, axes = plt.subplots(len(_SHOWN), figsize=(8.4, 3.6), sharex=True)
     for ax, name in zip(axes, _SHOWN, strict=True):
         values = shown[name].values
         size, units = prefixed(float(np.abs(values).max()), str(shown[name].attrs["units"]), 2)

@@ -8,8 +8,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from solver.units import prefixed
 from workflow.language import titles
-from workflow.language.numbers import prefixed
 from workflow.report import ranked
 from workflow.report.figures.style import BLUE, by_ratio, factor_scale, logarithmic, styled
 from workflow.study.categories import parted
@@ -45,7 +45,7 @@ def main_effects(sensitivity: xr.Dataset, quantities: Sequence[str], of_interest
         for ax, name in zip(row, inputs, strict=True):
             _curve(ax, output_indices.sel(input=name).isel(position=slice(None, None, _EVERY)), name, size)
         lines = [titles.title(quantity), categories, f"[{units}]" if units else ""]
-        row[0].set_ylabel("\n".join(filter(None, lines)), fontsize=6.5 if categories else 7.5)
+        row[0].set_ylabel("\n".join(filter(None, lines)), fontsize=8 if categories else 9)
     for ax, name in zip(axes[-1], inputs, strict=True):
         units = factor_scale(name, sensitivity.sel(input=name)["value"].values)[1]
         ax.set_xlabel(titles.title(name) + (f" [{units}]" if units else ""))
@@ -61,6 +61,6 @@ def _curve(ax: Axes, curve: xr.Dataset, name: str, size: float) -> None:
     ax.fill_between(value, effect - reach, effect + reach, color=BLUE, alpha=0.25, lw=0)
     ax.plot(value, effect, color=BLUE, lw=1.4)
     ax.axhline(0, color="black", lw=0.5)
-    ax.tick_params(labelsize=7)
+    ax.tick_params(labelsize=8)
     if by_ratio(value):
         logarithmic(ax, "x", value)

@@ -21,6 +21,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from solver.units import prefixed
 from storage.files import write_bytes, write_text
 from workflow.language import numbers, titles
 from workflow.language.factors import FACTORS
@@ -31,17 +32,17 @@ from workflow.report.svg import INK, PAPER
 #: Style of every figure of the report.
 STYLE: dict[Any, Any] = {
     "figure.constrained_layout.use": True,
-    "font.size": 9,
+    "font.size": 10,
     "axes.grid": True,
     "grid.alpha": 0.25,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "axes.titlesize": 9.5,
+    "axes.titlesize": 10,
     # no power of ten apart from its ticks: values are scaled by a prefix that stands in the label
     "axes.formatter.limits": (-15, 15),
     "axes.formatter.useoffset": False,
     "legend.frameon": False,
-    "legend.fontsize": 8,
+    "legend.fontsize": 9.5,
     "svg.hashsalt": "meecontact",
     "svg.fonttype": "none",  # words stay words, which can be searched for, in a tenth of the bytes of outlines
     "font.sans-serif": ["DejaVu Sans"],
@@ -87,12 +88,12 @@ _ID = re.compile(r'(\bid="|url\(#|href="#)([^")]+)')
 _PATH_PART = re.compile(r"([A-Za-z])([^A-Za-z]*)")
 
 
-def field_label(field: xr.DataArray, size: float, where: str = "") -> tuple[float, str]:
+def field_label(field: xr.DataArray, size: float, where: str = "", most: int = 60) -> tuple[float, str]:
     """Divisor of a field for values of some size, and its label with the unit."""
-    scale, units = numbers.prefixed(size, str(field.attrs["units"]), digits=2)
+    scale, units = prefixed(size, str(field.attrs["units"]), digits=2)
     name = str(field.name)
     name = titles.title(name) if name in TITLES and "position" in field.dims else _FIELDS.get(name, titles.title(name))
-    return scale, numbers.label(f"{name} {where}", units, 60)
+    return scale, numbers.label(f"{name} {where}", units, most)
 
 
 def ticked(value: float, _place: int) -> str:
@@ -118,7 +119,7 @@ def by_ratio(values: Array) -> bool:
 
 def factor_scale(name: str, values: Array) -> tuple[float, str]:
     """Divisor of a factor on its axis, and the unit."""
-    return numbers.prefixed(float(np.abs(values).max()), FACTORS[name].units)
+    return prefixed(float(np.abs(values).max()), FACTORS[name].units)
 
 
 def logarithmic(ax: Axes, which: str, values: Array) -> None:

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from solver.names import ALL_QUANTITIES
+from solver.units import prefixed
 from surrogate.intervals.distribution import NOMINAL
 from workflow.language import numbers, titles
 from workflow.report.figures.style import BLUE, GREY, ORANGE, panels, styled
@@ -33,14 +34,14 @@ def residuals(validation: xr.Dataset, quantities: Sequence[str]) -> Figure:
         exact, predicted = output["exact"].values, output["predicted"].values
         thinned = slice(None, None, max(1, exact.size // _POINTS))
         quantity, _ = parted(name)
-        size, units = numbers.prefixed(float(np.abs(exact).max()), ALL_QUANTITIES[quantity].units)
+        size, units = prefixed(float(np.abs(exact).max()), ALL_QUANTITIES[quantity].units)
         off = (predicted - exact)[thinned] / float(np.ptp(exact) or 1.0)
         power = 10.0 ** np.floor(np.log10(np.abs(off).max() or 1.0))
         ax.axhline(0, color=GREY, lw=0.8)
         ax.plot(exact[thinned] / size, off / power, ".", ms=2.5, color=BLUE)
-        ax.set_title(numbers.label(titled(name), units, 44), fontsize=8)
-        ax.set_ylabel(f"in {numbers.number(power, 1)} of range", fontsize=7)
-        ax.tick_params(labelsize=6.5)
+        ax.set_title(numbers.label(titled(name), units, 44), fontsize=9)
+        ax.set_ylabel(f"in {numbers.number(power, 1)} of range", fontsize=8.5)
+        ax.tick_params(labelsize=8)
     figure.supxlabel("exact value", fontsize=9)
     return figure
 

@@ -3,6 +3,8 @@
 
 const LEAST = 1e-5; // share of a value that is told of its interval
 
+// A title within a sentence: its first letter small, unless it begins an abbreviation or a formula.
+const within = (title) => (/^[A-Z][a-z]+(?![A-Z])/.test(title) ? title[0].toLowerCase() + title.slice(1) : title);
 const spaced = (name) => name.replaceAll("_", " ");
 
 function startWhatIf(root) {
@@ -104,7 +106,7 @@ function startWhatIf(root) {
     Object.assign(verdict_.dataset, { verdict: missed ? "broken" : "kept" });
     verdict_.className = `tile ${missed ? "bad" : beyond ? "edge" : "good"}`;
     verdict_.hidden = !target.limits.length || (design === null && !judged);
-    write(verdict_, missed ? "a limit is broken" : beyond ? "beyond linear theory" : "limits are kept", design === null ? "on the surrogate" : `exact, at the design${beyond ? ", which keeps its limits" : ""}: ${target.title.toLowerCase()}`);
+    write(verdict_, missed ? "a limit is broken" : beyond ? "beyond linear theory" : "limits are kept", design === null ? "on the surrogate" : `exact, at the design${beyond ? ", which keeps its limits" : ""}: ${within(target.title)}`);
   }
 
   // Exact at the design, as workflow/design/verdict/assessment.py has it; elsewhere on the surrogate.

@@ -1,0 +1,90 @@
+"""The published table of solved problems: its cheap rows come out again, and its reader judges other numbers."""
+
+import csv
+from pathlib import Path
+
+import pytest
+
+from verification.benchmark import COLUMNS, MOST_DIGITS, PROBLEMS, Problem
+from workflow.cli import main
+from workflow.cli.benchmark import TABLE, verdict
+
+ROWS = list(csv.DictReader(TABLE.read_text(encoding="utf-8").splitlines()))
+#: Those that take a moment; the others take minutes of finite elements.
+CHEAP = [problem for problem in PROBLEMS if "spectral finite elements" not in problem.methods]
+
+
+def test_every_problem_has_rows_and_no_digit_that_one_method_lacks() -> None:
+    assert list(dict.fromkeys(row["problem"] for row in ROWS)) == [problem.name for problem in PROBLEMS]
+    assert len(PROBLEMS) == 12
+    for row in ROWS:
+        assert tuple(row) == COLUMNS
+        printed = len(row["value"].partition("e")[0].lstrip("-").replace(".", ""))
+        assert printed == min(int(row["digits"]), MOST_DIGITS)
+        assert printed >= 4
+
+
+@pytest.mark.parametrize("problem", CHEAP, ids=lambda problem: problem.name)
+def test_cheap_rows_come_out_again(problem: Problem) -> None:
+    expected = [row for row in ROWS if row["problem"] == problem.name]
+    found = list(problem.rows())
+    for row, again in zip(expected, found, strict=True):
+        assert int(again["digits"]) >= MOST_DIGITS
+        assert [again[key] for key in ("quantity", "units", "value")] == [
+            row[key] for key in ("quantity", "units", "value")
+        ]
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        (None, "missing"),
+        (-2228.757732, "agrees to the last digit"),
+        (-2228.757733, "agrees to the last digit"),
+        (-2228.757735, "off by 1.3e-09"),
+        (2228.757732, "off by 2.0e+00"),
+    ],
+)
+def test_verdicts(answer: float | None, said: str) -> None:
+    assert verdict("-2.228757732e+03", answer) == said
+
+
+def test_the_command_judges_each_row(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    answers = tmp_path / "answers.csv"
+    mine = [(row["problem"], row["quantity"], row["value"]) for row in ROWS[:3]]
+    mine[1] = (*mine[1][:2], "1.1")
+    answers.write_text("problem,quantity,value\n" + "".join(",".join(row) + "\n" for row in mine), encoding="utf-8")
+    assert main.main(["benchmark", str(answers)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == len(ROWS) + 1
+    assert [line.split(row["value"])[1].split()[0] for line, row in zip(lines, ROWS, strict=False)][:4] == [
+        "agrees", "off", "agrees", "missing",
+    ]  # fmt: skip
+    assert lines[-1] == f"2 of 3 numbers agree to the last digit; {len(ROWS) - 3} are missing"
+    assert main.main(["benchmark"]) == 0
+    assert len(capsys.readouterr().out.splitlines()) == len(ROWS)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("problem,value\n", None),
+        ("problem,value\ndisc-layer,1\n", "no column quantity; must have problem, quantity, value"),
+        ("problem,quantity,value\ndisk-layer,contact_stiffness,1\n", "line 2: disk-layer: not in the table; "),
+        ("problem,quantity,value\ndisc-layer,stiffness,1\n", "line 2: stiffness: not in the table; "),
+        ("problem,quantity,value\ndisc-layer,contact_stiffness,nan\n", "value: 'nan' is not a finite number"),
+        (
+            "problem,quantity,value\n" + 2 * "disc-layer,contact_stiffness,1\n",
+            "line 3: disc-layer, contact_stiffness: given",
+        ),
+    ],
+)
+def test_bad_answers_are_refused_in_one_line(
+    text: str, said: str | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answers = tmp_path / "answers.csv"
+    answers.write_text(text, encoding="utf-8")
+    assert main.main(["benchmark", str(answers)]) == (2 if said else 0)
+    error = capsys.readouterr().err
+    assert (said or "") in error
+    assert error.count("\n") == bool(said)
