@@ -24,6 +24,7 @@ class PunchMaterial:
     poisson: float  # Poisson's ratio [1]
     conducts: bool  # Whether it holds one potential as it comes
     source: str  # Where the numbers come from, and how far they spread
+    density: float  # [kg/m3]
     thermal: Mapping[str, Sourced] = field(default_factory=dict)  # Constants for heat, as of other materials
 
 

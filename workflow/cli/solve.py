@@ -5,7 +5,7 @@ import csv
 import io
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain, product
 from pathlib import Path
@@ -41,11 +41,14 @@ from storage.files import output, write_text
 from storage.netcdf import write_whole
 from workflow.cli.casetable import Table, one_case, read_cases
 from workflow.cli.words import numbers, say
+from workflow.design.verdict import leftout
 from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.wordings import plain
+from workflow.study.allowable import allowable
 from workflow.study.reading import InputError, one_line, read_material
 
 _NAMED = 8  # quantities that a message names
+_PHASES = ("BaTiO3", "CoFe2O4")  # of a composite, as the solver has them
 _PRINTED = 6  # digits of a printed value
 _DEFAULTS: dict[str, float | str | None] = {name: factor.default for name, factor in FACTORS.items()}
 _DEFAULTS |= {name: choices[0] for name, choices in CHOICES.items() if name not in ("composite", "corner")}
@@ -85,7 +88,7 @@ def solve_table(options: argparse.Namespace) -> None:
         others = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""
         print(f"empty where a case has no such quantity: {', '.join(partial[:_NAMED])}{others}", file=sys.stderr)
     if options.output is None:
-        print("\n".join(_lines(out.isel(case=0), si=options.si)))
+        print("\n".join([*_lines(out.isel(case=0), si=options.si), "", *_left_out(table, options.materials)]))
     else:
         _wrote(options, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
 
@@ -96,6 +99,20 @@ def _lines(case: xr.Dataset, *, si: bool) -> Iterator[str]:
         plain = float(case[name].values.item()), written(ALL_QUANTITIES[str(name)].units)
         value, unit = plain if si else (value, unit)
         yield one_line(f"{name:34s} {value + 0.0:.{_PRINTED}g} {unit}".rstrip())  # no -0
+
+
+def _left_out(table: Table, materials: Sequence[Path]) -> Iterator[str]:
+    """A line for each effect that the model leaves out at the one case of a table."""
+    case = {name: cells.tolist()[0] for name, cells in table.columns.items()}
+    known = dict(read_material(path) for path in materials)
+
+    def solved(factors: Mapping[str, Any]) -> xr.Dataset:
+        return solve(factors, materials=known)
+
+    single = leftout.SolvedCase(case, solved, lambda name: allowable(name, case, known, _PHASES), {})
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SmallStrainWarning)  # which the case itself has shown
+        yield from [one_line(f"left out: {effect.left_out_words}") for effect in leftout.budget(single)]
 
 
 def _check_units(table: Table, out: xr.Dataset) -> None:

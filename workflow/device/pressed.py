@@ -50,7 +50,7 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
     contact = ContactCurves.from_case(
         factors,
         pressing.force,
-        length=_length(study),
+        length=length(study),
         materials=study.own_materials,
         solved=lambda cases: study.solved(solve, cases),
         body=body,
@@ -92,11 +92,11 @@ def _warmth(
     """Heat of a press on a case that something warm touches; without it the reason, empty where nothing is warm."""
     if "touch_temperature" not in case:
         return None, ""
-    solved = study.solved(solve, {**_cold(case), study.kind.loads.force: pressing.force / _length(study)})
+    solved = study.solved(solve, {**_cold(case), study.kind.loads.force: pressing.force / length(study)})
     try:
         phases = (study.phases[0], study.phases[1])
         return Warmth.of_case(
-            factors, solved, times, length=_length(study), materials=study.own_materials, phases=phases
+            factors, solved, times, length=length(study), materials=study.own_materials, phases=phases
         ), ""
     except HeatError as error:
         return None, str(error).removeprefix("heat: ")
@@ -112,7 +112,7 @@ def held(study: Study, pressing: Pressing) -> xr.Dataset:
     rows = {
         name: xr.DataArray([corner[name] for corner in pressing.corners], dims=CORNERS) for name in pressing.tolerance
     }
-    case = {**_cold(study.fixed), **rows, study.kind.loads.force: pressing.force / _length(study)}
+    case = {**_cold(study.fixed), **rows, study.kind.loads.force: pressing.force / length(study)}
     solved = study.solved(solve, case)
     values = solved.drop_vars(list(solved.coords)).rename({name: f"{HELD}{name}" for name in solved.data_vars})
     return values if CORNERS in values.dims else values.expand_dims(CORNERS)
@@ -127,7 +127,7 @@ def spread(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
         charge, capacitance = response(
             factors,
             np.array([pressing.force]),
-            length=_length(moved),
+            length=length(moved),
             materials=moved.own_materials,
             solved=lambda cases: moved.solved(solve, cases),
             body=body,
@@ -151,7 +151,7 @@ def spread(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
     )
 
 
-def _length(study: Study) -> float:
+def length(study: Study) -> float:
     """Length of a line contact [m], whose load is per metre."""
     return (study.device.constants if study.device else {}).get("electrode_length", 1.0)
 
@@ -165,7 +165,7 @@ def _pressed(
     if study.body:
         body = layered.stack(study.body, factors, study.own_materials, study.phases)
         return factors, body, _beside(body, factors)
-    pressed = checked({**factors, force: pressing.force / _length(study)})
+    pressed = checked({**factors, force: pressing.force / length(study)})
     material = material_of(Cases(pressed, study.own_materials, (study.phases[0], study.phases[1])))
     return factors, film(factors, material) if "thickness" in factors else None, material
 

@@ -16,9 +16,10 @@ from solver.names import AIR, CHOICES, COMPOSITES, FORMULAS, MIXTURES, PROFILES
 from solver.stack.layers import RIGID
 from workflow.design.verdict import linearity
 from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.leftout import LeftOut
 from workflow.design.verdict.term import Term
 from workflow.design.wording import asides
-from workflow.design.wording.words import BEYOND, RECOMMENDED, UNREACHABLE, Verdict, verdict
+from workflow.design.wording.words import BEYOND, UNREACHABLE, WITHIN, Verdict, verdict, within
 from workflow.language import given, titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
@@ -51,6 +52,7 @@ class Screen:
     breaks: str  # limit with the least room; empty without limits
     why: tuple[str, ...]  # further sentences
     verdict: Verdict
+    left_out: tuple[LeftOut, ...]  # effects that the model leaves out, the largest first
     drawing: Markup  # to scale
 
     @property
@@ -89,6 +91,7 @@ def answered(
         breaks=unbroken(asides.first_to_break(answer)),
         why=tuple(unbroken(reason) for reason in why if reason),
         verdict=judged,
+        left_out=answer.left_out,
         drawing=element(
             device.draw(of_case(study, case, contact), built), f"device-{name}", f"{title}, drawn to scale: {built}"
         ),
@@ -272,10 +275,13 @@ class Card:
     doubt: str  # constants that the library marks as doubtful
     verdict: str
     good: bool  # no limit of materials and theory is exceeded within the tolerances
+    left_out: tuple[LeftOut, ...]  # effects that the model leaves out, the largest first
     drawing: Markup  # to scale
 
 
-def card(study: Study, signal: Mapping[str, float], held: Mapping[str, Array]) -> Card:
+def card(
+    study: Study, signal: Mapping[str, float], held: Mapping[str, Array], left_out: tuple[LeftOut, ...] = ()
+) -> Card:
     """Return the card of the contact that the study's section ``signal`` names; `held` is (case,), nominal first."""
     assert study.signal is not None
     signal_study, pressing = signal_case.of(study), study.signal
@@ -291,7 +297,7 @@ def card(study: Study, signal: Mapping[str, float], held: Mapping[str, Array]) -
     reached = "within the tolerances {} reaches {} % of the {}" if bands else "{} is {} % of the {}"
     share = reached.format(nearest.words, number(100 * nearest.share, 2), nearest.at_most) if nearest else ""
     stops = [*(words for words, _ in beyond)] or [share] * bool(share)
-    usual = "within linear theory" if not bands or nearest is None else RECOMMENDED
+    usual = "within linear theory" if not bands or nearest is None else within(left_out, {"signal", "stress"})
     stops.append(f"forces below {shown(signal['noise_force'], 'N', 2)} are lost in the noise")
     title = signal_study.title or f"{capital(punch_in_words(case))}, read by its amplifier"
     charge, output = shown(abs(signal["contact_charge"]), "C", 3), shown(abs(signal["output"]), "V", 3)
@@ -308,7 +314,8 @@ def card(study: Study, signal: Mapping[str, float], held: Mapping[str, Array]) -
         stops=unbroken(f"{capital('; '.join(stops))}."),
         doubt=doubted(signal_study),
         verdict=BEYOND if beyond else usual,
-        good=not beyond,
+        good=not (beyond or usual.startswith(WITHIN)),
+        left_out=left_out,
         drawing=element(
             device.draw(of_case(signal_study, case, {name: float(values[0]) for name, values in held.items()}), built),
             "device-beside",

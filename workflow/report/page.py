@@ -14,7 +14,7 @@ from storage.netcdf import read_whole
 from surrogate import load
 from workflow.dataset import draws
 from workflow.dataset.slabs import CARD
-from workflow.design.verdict import netcdf
+from workflow.design.verdict import leftout, netcdf
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, in_words, title
@@ -66,7 +66,7 @@ def page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.globals |= {"figures_of": ranked.names}
+    environment.globals |= {"figures_of": ranked.names, "most_left_out": leftout.MOST}
     environment.filters |= {
         "number": number,
         "seconds": _seconds,
@@ -142,13 +142,17 @@ def page(
         content["whatif_json"] = whatif.as_json(content["whatif"])
     if study.signal:
         content["signal"] = pressed = tables.signal(folder)
-        content["beside"] = firstscreen.card(study, pressed, pressed["held"]) if study.signal.case else None
+        content["beside"] = _beside(study, pressed) if study.signal.case else None
     if study.effects:
         drawn = ranked.draw(ranked.spans(content["effects_table"]))
         content["spans"] = element(drawn, "spans", "what each factor changes, the strongest first", 1.6)
     content["says"] = _says(study, folder, content)
     content |= {"parts": sections.standing(content), "page": content}
     return environment.get_template("report.html.j2").render(content)
+
+
+def _beside(study: Study, pressed: Mapping[str, Any]) -> firstscreen.Card:
+    return firstscreen.card(study, pressed, pressed["held"], pressed["left_out"])
 
 
 def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, str]:

@@ -13,7 +13,9 @@ from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from surrogate.use.validation import ideal
 from workflow.dataset import factorial
+from workflow.design.verdict import netcdf
 from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.leftout import LeftOut
 from workflow.device.pressed import CORNERS, HELD
 from workflow.language import titles
 from workflow.report import sentences
@@ -211,6 +213,7 @@ def signal(folder: Path) -> dict[str, Any]:
     cornered = {str(name): values.values for name, values in data.data_vars.items() if CORNERS in values.dims}
     return numbers | {
         "held": {name.removeprefix(HELD): values for name, values in cornered.items()},
+        "left_out": tuple(netcdf.members(data, LeftOut)),
         "force": float(data["force"].max()),
         "output": float(data["output"].values[held][0]),
     }

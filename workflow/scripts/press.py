@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from storage.netcdf import write_whole
-from workflow.design.verdict import netcdf
+from workflow.design.verdict import leftout, netcdf
 from workflow.device import pressed
 from workflow.run import joblog
 from workflow.study import planned, signal_case
@@ -17,6 +17,9 @@ if config.signal.case:
     shown = shown.merge(pressed.held(contact, config.signal)).merge(
         pressed.spread(contact, config.signal, contact.fixed)
     )
+    held = {**contact.fixed, contact.kind.loads.force: config.signal.force / pressed.length(contact)}
+    noise, band = float(shown["noise_force"]), float(shown["charge_spread"])
+    shown = shown.merge(netcdf.left_out(leftout.budget(leftout.of_study(contact, held, noise, band))))
 else:
     answer = netcdf.read(Path(snakemake.input[0]))
     case = {**config.fixed, **answer.combination, **answer.case}

@@ -13,6 +13,7 @@ import xarray as xr
 from storage.netcdf import read_whole, write_whole
 from workflow.design.verdict import netcdf
 from workflow.design.verdict.answer import Answer, Category, Choice, Constant, Figure, Overload, Range, Tolerated
+from workflow.design.verdict.leftout import LeftOut
 from workflow.design.verdict.term import Term
 from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
 from workflow.design.wording import table
@@ -48,6 +49,7 @@ ANSWER = Answer(
     overload=Overload(1.5, "trailing_tension <= 0.5 tensile_strength"),
     constants=(Constant("c11", "5 %"), Constant("e31", "10 %")),
     tolerated=Tolerated({"radius": 0.1}, {"radius": 0.05}, {"radius": 0.11}, 1.1, "PZT"),
+    left_out=(LeftOut("heat", "signal", 1.0, 0.5, "K", 2.0, 40.0, "heat is 2 times the signal", "Heat is it."),),
     categories=(Category("material", "PZT", Role.VARIABLE), Category("profile", "flat", Role.GIVEN)),
     choices=(Choice("PZT", 1.0, True), Choice("PVDF", 2.0, False)),
     pictures=xr.Dataset({"map_objective": (("map_x", "map_y"), np.eye(2))}),
@@ -55,7 +57,19 @@ ANSWER = Answer(
 
 
 @pytest.mark.parametrize(
-    "bare", [{}, {"figures": (), "overload": None, "constants": (), "tolerated": None, "categories": (), "choices": ()}]
+    "bare",
+    [
+        {},
+        {
+            "figures": (),
+            "overload": None,
+            "constants": (),
+            "tolerated": None,
+            "categories": (),
+            "choices": (),
+            "left_out": (),
+        },
+    ],
 )
 def test_a_file_holds_all_of_an_answer(tmp_path: Path, bare: dict[str, object]) -> None:
     terms = [replace(GOAL, effect=(), spread=0.0), replace(LIMIT, effect=(), spread=0.0)] if bare else [GOAL, LIMIT]

@@ -19,7 +19,7 @@ from workflow.design.question.question import Question
 from workflow.design.question.sources import Exact, Predicted
 from workflow.design.search import contact_fields, polish
 from workflow.design.search.candidate import Candidate
-from workflow.design.verdict import assessment
+from workflow.design.verdict import assessment, leftout
 from workflow.design.verdict.answer import Answer, Category, Choice, Tolerated
 from workflow.design.verdict.netcdf import SOURCE, SOURCE_OF_FILMS
 from workflow.design.verdict.term import ROUNDING
@@ -117,7 +117,7 @@ _SLICE = 121  # points of a slice
 def solve_target(study: Study, name: str, model: GaussianProcess) -> Answer:
     """Answer one design target of a study, by name, with the surrogate of its quantities.
 
-    InputError: the objective is constant, unbounded or undefined, or an exact value left the surrogate's interval.
+    InputError: the objective is unbounded or undefined, or an exact value left the surrogate's interval.
     """
     return answer(study, name, study.design[name], model)
 
@@ -158,7 +158,18 @@ def answer(
         categories=_categories(target, best),
         choices=_choices(best, candidates, 1.0 if several else target.objectives[0].sign),
         pictures=xr.merge(pictures, compat="no_conflicts", join="outer"),
+        left_out=_left_out(best.question.study, target, judged),
     )
+
+
+def _left_out(study: Study, target: Target, judged: Answer) -> tuple[leftout.LeftOut, ...]:
+    """Effects that the model leaves out at a design, at its smallest force."""
+    force = study.kind.loads.force
+    case: dict[str, Any] = {**study.fixed, **judged.case}
+    if force in target.ranges:
+        case[force] = target.ranges[force][0]
+    smallest = next((figure.figure_high for figure in judged.figures if figure.figure == "smallest_force"), np.nan)
+    return leftout.budget(leftout.of_study(study, case, smallest, judged.terms[0].spread))
 
 
 def _refusal(best: Candidate) -> str:

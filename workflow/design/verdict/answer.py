@@ -6,6 +6,7 @@ from functools import cached_property
 
 import xarray as xr
 
+from workflow.design.verdict.leftout import LeftOut
 from workflow.design.verdict.term import Scenario, Term
 from workflow.design.verdict.variable import Role, Variable
 from workflow.language.statements import Limit, Objective
@@ -101,6 +102,7 @@ class Answer:
     figures: tuple[Figure, ...] = ()
     overload: Overload | None = None
     constants: tuple[Constant, ...] = ()  # Those of which the terms have effects
+    left_out: tuple[LeftOut, ...] = ()  # Effects that the model leaves out, the largest first
     # What the tolerances cost; None where there is none, or where the design is not feasible
     tolerated: Tolerated | None = None
     # What was chosen, and the best of every choice

@@ -12,6 +12,7 @@ import xarray as xr
 from storage.described import described
 from storage.netcdf import read_whole
 from workflow.design.verdict.answer import Answer, Category, Choice, Constant, Figure, Overload, Range, Tolerated
+from workflow.design.verdict.leftout import LeftOut
 from workflow.design.verdict.term import Term
 from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
 from workflow.language import statements
@@ -59,6 +60,15 @@ _MEANINGS = {
     "worst": "factor in the scenario that decides the term, over its SI unit",
     "exact_low": "least exact quantity over the scenarios, over its SI unit",
     "exact_high": "largest exact quantity over the scenarios, over its SI unit",
+    "left_out": "effect that the model leaves out",
+    "left_out_moves": "what the effect moves: the signal, the stress, or both; empty for what only informs",
+    "left_out_size": "size of the effect at this design, over its unit in left_out_units",
+    "left_out_matters": "size at which the effect matters, over its unit in left_out_units",
+    "left_out_units": "unit of the effect's size",
+    "left_out_share": "relative change by the effect of what it moves",
+    "left_out_ratio": "that change over the printed band",
+    "left_out_brief": "the effect in few words",
+    "left_out_words": "the effect in one sentence",
     "feasible": "whether the design keeps every limit",
     "status": "what binds or is violated",
     "flags": "what else is to be known of the design",
@@ -104,6 +114,7 @@ _TOLERATED = {"tolerance_cost": "cost", "tolerance_gain": "gain", "nominal_value
 #: What of an answer has rows over a dimension of their own: the first field of each names it.
 _ROWS: dict[str, type[Any]] = {
     "ranges": Range, "figures": Figure, "constants": Constant, "categories": Category, "choices": Choice,
+    "left_out": LeftOut,
 }  # fmt: skip
 
 
@@ -200,7 +211,7 @@ def answer_of(data: xr.Dataset) -> Answer:
             names, errors, _rows(data, (*_VARIABLE, "edge")), strict=True
         )
     ]
-    fields: dict[str, Any] = {key: tuple(_members(data, row)) for key, row in _ROWS.items()}
+    fields: dict[str, Any] = {key: tuple(members(data, row)) for key, row in _ROWS.items()}
     fields |= {key: str(data[key].item()) for key in ("beyond", "flags", "target")}
     # a file says it within both others
     fields["exceeded"] = tuple(part for part in fields["flags"].split("; ") if f"{part} (" in fields["beyond"])
@@ -238,7 +249,14 @@ def _tolerated(data: xr.Dataset) -> Tolerated | None:
     return Tolerated(cost, gain, values, data["nominal_exact"].item(), str(data["nominal_choice"].item()))
 
 
-def _members(data: xr.Dataset, row: type[Any]) -> Iterator[Any]:
+def left_out(effects: Sequence[LeftOut]) -> xr.Dataset:
+    """Effects that the model leaves out as a data set of their own; `members` reads them back."""
+    (dimension, labels), *columns = _columns(effects)
+    attrs = {key: {"units": "1", "long_name": _MEANINGS[key]} for key, _ in columns}
+    return xr.Dataset({key: (dimension, values, attrs[key]) for key, values in columns}, {dimension: labels})
+
+
+def members(data: xr.Dataset, row: type[Any]) -> Iterator[Any]:
     """Rows of one type; none where the data set has no such dimension."""
     keys = [field.name for field in fields(row)]
     if keys[0] in data.dims:

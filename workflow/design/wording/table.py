@@ -46,6 +46,8 @@ def as_text(answer: Answer, *, si: bool = False) -> str:
         units = answer.terms[0].units if answer.terms else ""
         lines.append(f"  {choice.choice:44s} {_value(choice.choice_objective, units, si):25s} {flag}".rstrip())
     lines += [answer.status, f"polish: {answer.polish}"]
+    for effect in answer.left_out:
+        lines += _paragraph(f"left out: {effect.left_out_words}")
     for note in filter(None, (answer.flags, asides.spread(answer))):
         lines += _paragraph(f"note: {note}")
     return "\n".join(lines)
@@ -92,6 +94,10 @@ def as_json(answer: Answer) -> str:
             for term in answer.terms
         },
     }
+    out["left_out"] = [
+        {key: value if isinstance(value, str) else _finite(value) for key, value in vars(effect).items()}
+        for effect in answer.left_out
+    ]
     if "front" in answer.pictures.dims:
         out["front"] = _front(answer)
     return json.dumps(out, indent=2, allow_nan=False)

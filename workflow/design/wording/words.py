@@ -1,23 +1,30 @@
 """Verdict on a design in words: recommended, at the edge of the studied range, or not reachable."""
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 
-from workflow.design.verdict import multipliers
+from solver.names import ALL_QUANTITIES
+from workflow.design.verdict import leftout, multipliers
 from workflow.design.verdict.answer import ROOM, Answer
+from workflow.design.verdict.leftout import LeftOut
 from workflow.design.verdict.term import Term
 from workflow.design.verdict.variable import Variable
 from workflow.design.wording import asides
 from workflow.language import titles
+from workflow.language.constants import FIGURES
 from workflow.language.numbers import number
 from workflow.language.titles import capital, listed
 from workflow.language.wordings import unverified
 
+#: First words of the verdict on a design that an effect which the model leaves out moves by more than `leftout.MOST`
+#: times the printed band.
+WITHIN = "recommended within the model"
 RECOMMENDED, AT_EDGE, UNREACHABLE = "recommended", "at the edge of the studied range", "not reachable"
 #: First words of the verdict on a design beyond a limit of its materials or beyond small strain.
 BEYOND = "beyond linear theory"
 
+_DRIVEN = ("stroke", "blocked", "drive", "electrode_stroke", "contact", "depth")  # what no amplifier reads
 _UNREAD = 0.5  # share of its range that remains of a factor which a read-out cannot identify
 _NOTHING = 1e-3  # least gain by a wider range that is reported
 
@@ -26,7 +33,7 @@ _NOTHING = 1e-3  # least gain by a wider range that is reported
 class Verdict:
     """Verdict on one design, as sentences; a sentence that does not apply is empty."""
 
-    kind: str  # RECOMMENDED, AT_EDGE or UNREACHABLE; BEYOND is put before it
+    kind: str  # RECOMMENDED, AT_EDGE or UNREACHABLE; BEYOND is put before it, or WITHIN with an effect in its place
     stops: str  # limits and range ends that bind
     advice: str = ""  # change that would give a better or a feasible design
     idle: str = ""  # variables and range ends without effect on the goal
@@ -54,8 +61,24 @@ def verdict(answer: Answer) -> Verdict:
         device=asides.device(answer),
     )
     if answer.broken or not answer.beyond:
-        return sentences
+        recommended = sentences.kind == RECOMMENDED
+        return replace(sentences, kind=within(answer.left_out, _moved(answer))) if recommended else sentences
     return replace(sentences, kind=f"{BEYOND}; otherwise {sentences.kind}", beyond=f"{capital(answer.beyond)}.")
+
+
+def within(effects: Sequence[LeftOut], moved: Set[str]) -> str:
+    """Return the verdict on a design that nothing stops, with the largest effect that could."""
+    effect = leftout.largest(effects, moved)
+    return f"{WITHIN}; {effect.left_out_brief}" if effect else RECOMMENDED
+
+
+def _moved(answer: Answer) -> set[str]:
+    """What effects must move to count for a question: the stress, or the signal of a contact that is read."""
+    names = {name for term in answer.terms for name in term.statement.expression.names()}
+    stresses = {name for name in names & ALL_QUANTITIES.keys() if ALL_QUANTITIES[name].units == "Pa"}
+    read = {name for name in names if name in FIGURES or name in ALL_QUANTITIES} - stresses
+    driven = {name for name in read if name.startswith(_DRIVEN)}
+    return {*(("stress",) if stresses else ()), *(("signal",) if read - driven else ())}
 
 
 def _sources(answer: Answer) -> str:

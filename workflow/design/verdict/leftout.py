@@ -1,0 +1,330 @@
+"""The error budget of a case: effects that the model leaves out, by plain formulas of the solved case, largest first.
+
+Each formula has its source in its docstring; docs/design.md lists them with the sizes that are taken where a study
+names none.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver import FactorError, MaterialError, solve
+from solver.body import kind_of
+from solver.face.strain import DEEP, WIDE
+from solver.material.punches import RIGID_PUNCH, punches
+from solver.names import BODY, CHOICES, FACTORS, PROFILES
+from workflow.language import titles
+from workflow.language.numbers import number, shown
+from workflow.language.titles import capital
+from workflow.study.allowable import Allowable
+from workflow.study.model import Study
+from workflow.study.uncertainty import USUAL
+
+#: Times the printed band up to which an effect leaves a recommendation as it is.
+MOST = 3.0
+#: Sizes that are taken where the case names none.
+ROUGHNESS = 10e-9  # m rms: a lapped ball or a polished film
+TILT = 1e-4  # rad: 0.1 mm per metre, a good fixture
+LENGTH = 10e-3  # m of a line
+ADHESION = 0.05  # J/m2: clean metal or polymer in air, as in docs/limits.md
+BIAS = 1e-12  # A: of a usual FET input
+WARMER, HOLD = 1.0, 1.0  # K and s: what touches is warmer by so much, for so long
+DENSITY = 7800.0  # kg/m3 of steel: of a rigid punch, and of one without a name
+GRAVITY = 9.81  # m/s2
+
+_CHARGE_MOVES = 0.07  # of the charge per force, at most, by 10 nm: measured on rough surfaces by FFT
+_APART = 3.8  # p*/p0 at which both laws of roughness meet
+_READ = ("patch_charge_per_force", "electrode_charge_per_force", "charge_per_force")
+_CAPACITANCE = ("capacitance_at_force", "capacitance_at_load", "capacitance", "capacitance_per_length")
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """One effect that the model leaves out, at one case."""
+
+    left_out: str  # its name
+    left_out_moves: str  # "signal", "stress" or "signal, stress"; empty for what only informs
+    left_out_size: float  # the effect's size in this case, over its SI unit
+    left_out_matters: float  # size at which it matters, over the same unit
+    left_out_units: str
+    left_out_share: float  # relative change of what it moves; NaN where it is not known, or on the safe side
+    left_out_ratio: float  # share over the printed band
+    left_out_brief: str  # for a verdict
+    left_out_words: str  # one sentence
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedCase:
+    """A case, what solves others like it, and what reads it."""
+
+    factors: Mapping[str, Any]
+    solve: Callable[[Mapping[str, Any]], xr.Dataset]
+    allowable: Callable[[str], Allowable]  # ValueError where a limit is not known
+    device: Mapping[str, float]  # numbers of a study's section ``device``; empty without one
+    smallest_force: float = np.nan  # [N]
+    band: float = np.nan  # the printed relative band; NaN: the least spread of published constants
+
+    @cached_property
+    def solved(self) -> Mapping[str, float]:
+        """Quantities of the case."""
+        out = self.solve(self.factors)
+        return {str(name): float(out[name].squeeze()) for name in out.data_vars if out[name].size == 1}
+
+    @property
+    def profile(self) -> str:
+        """Name of the punch's profile."""
+        return str(self.factors.get("profile", CHOICES["profile"][0]))
+
+    @property
+    def point(self) -> bool:
+        """Return whether the contact is at a point."""
+        return PROFILES[self.profile].contact == "point"
+
+    @property
+    def length(self) -> float:
+        """Length of a line [m]; 1 of a point, whose forces are whole."""
+        return 1.0 if self.point else self.device.get("electrode_length", LENGTH)
+
+    @property
+    def force(self) -> float:
+        """Normal force on the whole punch [N]."""
+        return float(self.factors["force"]) if self.point else float(self.factors["load"]) * self.length
+
+    @property
+    def half(self) -> float:
+        """Radius of the contact, or half of its width [m]."""
+        if self.point:
+            return self.solved["contact_radius"]
+        return (self.solved["contact_trailing"] + self.solved["contact_leading"]) / 2
+
+    @property
+    def radius(self) -> float | None:
+        """Radius of a ball or cylinder [m]; None of other punches."""
+        return float(self.factors["radius"]) if self.profile in ("sphere", "cylinder") else None
+
+    @property
+    def charge(self) -> float:
+        """Size of the charge that is read [C]; NaN where none is."""
+        name = next((name for name in _READ if name in self.solved), None)
+        return abs(self.solved[name]) * self.force if name else np.nan
+
+    @property
+    def shown_band(self) -> float:
+        """The printed band, or the least that published constants differ by."""
+        return self.band if self.band > 0 else USUAL
+
+
+def of_study(study: Study, factors: Mapping[str, Any], smallest_force: float, band: float) -> SolvedCase:
+    """A case of a study, with its device, for the budget."""
+    device = study.device.constants if study.device else {}
+    return SolvedCase(factors, lambda case: study.solved(solve, case), study.allowable, device, smallest_force, band)
+
+
+def budget(case: SolvedCase) -> tuple[LeftOut, ...]:
+    """Effects that the model leaves out at a case, the largest against the printed band first."""
+    effects = [effect for part in _PARTS for effect in part(case)]
+    return tuple(sorted(effects, key=_rank))
+
+
+def _rank(effect: LeftOut) -> float:
+    """Exceeded limits first, then by the ratio to the band; last what has none."""
+    if np.isfinite(effect.left_out_ratio):
+        return -effect.left_out_ratio
+    return -np.inf if effect.left_out_size > effect.left_out_matters else 1.0
+
+
+def largest(effects: Sequence[LeftOut], moved: Set[str]) -> LeftOut | None:
+    """The largest effect that exceeds the printed band by more than `MOST` in what matters to a question."""
+    beyond = (effect for effect in effects if effect.left_out_ratio > MOST)
+    return next((effect for effect in beyond if not moved.isdisjoint(effect.left_out_moves.split(", "))), None)
+
+
+def _effect(
+    case: SolvedCase,
+    name: str,
+    moves: str,
+    size: float,
+    matters: float,
+    units: str,
+    share: float,
+    brief: str,
+    more: str,
+) -> LeftOut:
+    words = f"{capital(brief)}{more}."
+    return LeftOut(name, moves, size, matters, units, share, share / case.shown_band, brief, words)
+
+
+def _times(share: float) -> str:
+    return f"{number(share, 2)} times" if share >= 1 else f"{number(100 * share, 2)} % of"
+
+
+def _constants(case: SolvedCase) -> Iterator[LeftOut]:
+    band, source = case.shown_band, ", one standard deviation of published values"
+    if not case.band > 0:
+        source = ", the least that published values differ by"
+    brief = f"constants spread by ± {number(100 * band, 2)} %"
+    yield _effect(case, "constants", "signal, stress", band, band, "1", band, brief, source)
+
+
+def _strain(case: SolvedCase) -> Iterator[LeftOut]:
+    """The parabola is off by (a/R)^2 of the circle; a film is strained by depth/thickness."""
+    if case.radius:
+        ratio = case.half / case.radius
+        brief = f"the contact is {number(ratio, 2)} of the punch's radius"
+        more = f"; strains are small up to {WIDE:g} of it"
+        yield _effect(case, "small strain", "signal, stress", ratio, WIDE, "1", ratio**2, brief, more)
+    kind = kind_of([*case.factors], case.profile, str(case.factors.get("surroundings", CHOICES["surroundings"][0])))
+    if "thickness" in case.factors and "depth" in case.solved and kind.datum == "absolute":
+        ratio = abs(case.solved["depth"]) / float(case.factors["thickness"])
+        brief = f"the depth is {number(ratio, 2)} of the film's thickness"
+        more = f"; strains are small up to {DEEP:g} of it"
+        yield _effect(case, "strain of the film", "signal, stress", ratio, DEEP, "1", ratio, brief, more)
+
+
+def _heat(case: SolvedCase) -> Iterator[LeftOut]:
+    """The solver's own charge of heat: `solver.heat`, docs/heat.md."""
+    if not np.isfinite(case.charge):
+        return
+    start = float(case.factors.get("body_temperature") or FACTORS["body_temperature"].default or 0.0)
+    factors = {"touch_temperature": start + WARMER, "hold": HOLD, **case.factors}
+    rise, hold = abs(float(factors["touch_temperature"]) - start), float(factors["hold"])
+    layered = "thickness" in case.factors
+    try:
+        out = case.solve(factors)
+        lacking = str(out.attrs.get("heat", "not known for this body"))
+    except (FactorError, MaterialError) as error:
+        out, lacking = xr.Dataset(), f"not known: {error}" if layered else "known of films only"
+    if "temperature_equal" not in out:
+        yield _effect(case, "heat", "signal", np.nan, np.nan, "K", np.nan, f"heat is {lacking}", "")
+        return
+    equal = float(out["temperature_equal"].squeeze())
+    share = rise / equal
+    brief = f"heat is {_times(share)} the signal"
+    more = f" for {shown(rise, 'K', 3)} in {shown(hold, 's', 2)}; {shown(equal, 'K', 2)} equal the signal"
+    if np.isfinite(case.smallest_force):
+        more += f", {shown(equal * case.smallest_force / case.force, 'K', 2)} the smallest force"
+    yield _effect(case, "heat", "signal", rise, equal, "K", share, brief, more)
+
+
+def _roughness(case: SolvedCase) -> Iterator[LeftOut]:
+    """Crossed waves of amplitude 2 sigma and wavelength a that a contact flattens add p* = 2 pi E* sigma/a.
+
+    K.L. Johnson, Contact Mechanics, Cambridge 1985, 13.2: p* = pi E* (amplitude)/(wavelength). E* is the contact's own,
+    from Hertz's p0 = 2 E* a/(pi R) of a ball and p0 = E* a/(2 R) of a cylinder: so p*/p0 = c sigma R/a^2, c = pi^2 and
+    4 pi. Where p* exceeds 3.8 p0 the crests touch apart, each as a ball: p/p0 = (24/pi (p*/p0)^2)^(1/3). An active set
+    on a grid gives 1.45 for 1.45, 2.42 for 2.50, 3.70 for 3.99 and 5.8 for 6.5 under a ball.
+    """
+    if not case.radius:
+        return
+    constant = np.pi**2 if case.point else 4 * np.pi
+    double = case.half**2 / (constant * case.radius)
+    waves = ROUGHNESS / double  # p*/p0
+    factor = 1 + waves if waves < _APART else float((24 / np.pi * waves**2) ** (1 / 3))
+    brief = f"roughness of {shown(ROUGHNESS, 'm', 2)} raises the largest pressure up to {number(factor, 2)} times"
+    more = f"; {shown(double, 'm', 2)} rms double it; the charge moves by at most {number(100 * _CHARGE_MOVES, 2)} %"
+    yield _effect(case, "roughness", "stress", ROUGHNESS, double, "m", factor - 1, brief, more)
+
+
+def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
+    """An end of a line of length L lifts where theta L/2 equals the rise a^2/2R of the punch within the contact.
+
+    The load per length goes with the local depth, the pressure with its root (Hertz). With t = theta/theta_1 and
+    theta_1 = a^2/(R L), p/p0 = (1 + t)^(1/2) up to t = 1; beyond it (2 t^(1/2))^(1/2), and L t^(-1/2) is in contact.
+    """
+    if case.point or not case.radius:
+        return
+    lifting = case.half**2 / (case.radius * case.length)
+    tilt = TILT / lifting
+    left, factor = (min(tilt**-0.5, 1.0), float(np.sqrt(2 * tilt**0.5 if tilt > 1 else 1 + tilt)))
+    brief = f"a tilt of {shown(TILT, 'rad', 2)} raises the largest pressure {number(factor, 2)} times"
+    more = (
+        f"; an end of {shown(case.length, 'm', 3)} lifts at {shown(lifting, 'rad', 2)}, and "
+        f"{number(100 * left, 2)} % of the length stay in contact"
+    )
+    yield _effect(case, "tilt", "stress", TILT, 4 * lifting, "rad", factor - 1, brief, more)
+
+
+def _adhesion(case: SolvedCase) -> Iterator[LeftOut]:
+    """Pull-off force 1.5 pi w R of a ball: K.L. Johnson, K. Kendall, A.D. Roberts, Proc. R. Soc. A 324 (1971) 301."""
+    if not case.point or not case.radius:
+        return
+    pull = 1.5 * np.pi * ADHESION * case.radius
+    brief = f"adhesion is {_times(pull / case.force)} the force"
+    more = f"; {shown(ADHESION, 'J m-2', 2)} holds the ball with {shown(pull, 'N', 2)}"
+    yield _effect(case, "adhesion", "signal, stress", pull, case.force, "N", pull / case.force, brief, more)
+
+
+def _amplifier(case: SolvedCase) -> Iterator[LeftOut]:
+    """A bias current I leaves I R at the output; without a resistance it adds I t."""
+    if "input_capacitance" not in case.device or not np.isfinite(case.charge):
+        return
+    device, bias = case.device, case.device.get("bias_current", BIAS)
+    feedback = device.get("feedback_capacitance")
+    name = next((name for name in _CAPACITANCE if name in case.solved), None)
+    own = case.solved[name] * case.length if name else 0.0
+    whole = feedback or own + device["input_capacitance"] + device.get("cable_capacitance", 0.0)
+    resistance = device.get("feedback_resistance" if feedback else "input_resistance", np.inf)
+    signal = case.charge / whole
+    left = bias * (resistance if np.isfinite(resistance) else HOLD / whole)
+    within = f"through {shown(resistance, 'Ohm', 3)}" if np.isfinite(resistance) else f"in {shown(HOLD, 's', 2)}"
+    brief = f"the bias current is {_times(left / signal)} the signal"
+    more = f"; {shown(bias, 'A', 2)} {within} leaves {shown(left, 'V', 2)} beside {shown(signal, 'V', 2)}"
+    if np.isfinite(case.smallest_force) and bias:
+        drift = case.smallest_force / case.force * case.charge / bias
+        more += f" and makes the smallest force in {shown(drift, 's', 2)}"
+    yield _effect(case, "amplifier", "signal", left, signal, "V", left / signal, brief, more)
+
+
+def _mass(case: SolvedCase) -> Iterator[LeftOut]:
+    """Weight of a solid ball or cylinder, and its resonance sqrt(k/m)/2 pi on the contact's stiffness."""
+    if not case.radius:
+        return
+    which = str(case.factors.get("punch") or RIGID_PUNCH)
+    known = punches().get(which)
+    density, body = (known.density, which.replace("_", " ")) if known else (DENSITY, "steel")
+    volume = 4 / 3 * np.pi * case.radius**3 if case.point else np.pi * case.radius**2 * case.length
+    weight = density * volume * GRAVITY
+    brief = f"the punch's weight is {_times(weight / case.force)} the force"
+    more = f"; solid {body} weighs {shown(weight, 'N', 3)} beside {shown(case.force, 'N', 3)}"
+    if "contact_stiffness" in case.solved:
+        resonance = np.sqrt(case.solved["contact_stiffness"] / (density * volume)) / (2 * np.pi)
+        more += f" and rings at {shown(float(resonance), 'Hz', 2)}"
+    yield _effect(
+        case, "mass of the punch", "signal, stress", weight, case.force, "N", weight / case.force, brief, more
+    )
+
+
+def _friction(case: SolvedCase) -> Iterator[LeftOut]:
+    """Friction slides everywhere in one direction; a press without motion has less tension."""
+    unbounded = "thickness" not in case.factors and BODY not in case.factors  # a film's other table takes a second
+    if not float(case.factors.get("friction") or 0) or "trailing_tension" not in case.solved or not unbounded:
+        return
+    tension = case.solved["trailing_tension"]
+    rest = float(case.solve({**case.factors, "friction": 0.0})["trailing_tension"].squeeze())
+    brief = f"friction slides everywhere, with a tension of {shown(tension, 'Pa', 3)}"
+    more = f"; a press without motion has {shown(rest, 'Pa', 3)} where friction does not act"
+    yield _effect(case, "friction", "", tension, np.nan, "Pa", np.nan, brief, more)
+
+
+def _limits(case: SolvedCase) -> Iterator[LeftOut]:
+    """Shares of the depoling stress and of the coercive field: constants change from there on."""
+    for name, quantity in (("depoling_stress", "peak_pressure"), ("coercive_field", "nominal_field")):
+        try:
+            limit = case.allowable(name)
+        except ValueError:
+            continue
+        if quantity in case.solved:
+            size = abs(case.solved[quantity])
+            units = "Pa" if quantity == "peak_pressure" else "V m-1"
+            brief = f"{titles.title(quantity)} is {_times(size / limit.value)} the {titles.title(name)}"
+            more = f"; constants change from {shown(limit.value, units, 3)} of {limit.material} on"
+            yield _effect(case, titles.title(name), "", size, limit.value, units, np.nan, brief, more)
+
+
+_PARTS = (
+    _constants, _strain, _heat, _roughness, _tilt, _adhesion, _amplifier, _mass, _friction, _limits,
+)  # fmt: skip
