@@ -194,7 +194,7 @@ class _Reader:
     def unknown(self, cell: str, name: str, unit: str | None, rows: Iterator[tuple[int, list[str]]]) -> str:
         """Reason for which a column's heading cannot be read, with what was probably meant."""
         if not cell.strip() and not any(True for _ in islice(rows, 1)):
-            return "is empty: needs a header of factor names and at least one case"
+            raise InputError(f"{self.sheet.path}: is empty: needs a header of factor names and at least one case")
         if not cell.strip():
             return "has no heading; a row index is left out, as by to_csv(index=False)"
         marks = [mark for mark in ("|", ";", "\t", "  ") if mark in cell.strip()]
