@@ -1,5 +1,6 @@
 """A complete factorial data set, checked: sorted levels of every factor and one full array per output."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -10,9 +11,9 @@ from approximation.arrays import Array, Indices
 from approximation.chebyshev import gauss_points
 from surrogate.data.inputs import Input, Scale
 
-# How far a level may lie from its Chebyshev-Gauss position, as a share of the half-range.
 MOST_OF_A_FACTOR = 1000  # of a factor: its kernel's matrix is decomposed
-LEVEL_TOLERANCE = 1e-10
+LEVEL_TOLERANCE = 1e-10  # share of the half-range that a level may lie from its Chebyshev-Gauss position
+_ROUNDED = 1e-6  # share of a level: seven digits are off by half of it, single precision by less
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,7 @@ def complete_factorial(dataset: xr.Dataset, inputs: Sequence[Input] | None, outp
     if inputs is None:
         inputs = [_inferred(dataset, factor, values) for factor, values in zip(factors, levels, strict=True)]
     check_levels(inputs, levels)
+    levels = tuple(_exact(input_, values) for input_, values in zip(inputs, levels, strict=True))
     shape = tuple(map(len, levels))
     arrays = {name: _full(name, variable, factors, shape, order) for name, variable in variables.items()}
     return Factorial(
@@ -103,11 +105,48 @@ def _inferred(dataset: xr.Dataset, factor: str, levels: Array) -> Input:
             (np.exp(middle - reach), np.exp(middle + reach)) if scale == "log" else (middle - reach, middle + reach)
         )
         inferred = Input(factor, float(low), float(high), scale, **attrs)
-        if np.abs(inferred.to_unit(levels) - gauss_points(len(levels))).max() <= LEVEL_TOLERANCE:
+        if _distance(inferred, levels).max() <= LEVEL_TOLERANCE:
             return inferred
+        for digits in range(1, 18):  # a range of few digits, whose levels are rounded
+            both = (inferred.low, inferred.high)
+            largest = max(map(abs, both))  # of a linear range: a low end that is 0 has no digits
+            low, high = (_short(end, end if scale == "log" else largest, digits) for end in both)
+            if low < high and (scale == "linear" or low > 0):
+                shorter = Input(factor, low, high, scale, **attrs)
+                if _is_rounded(shorter, levels):
+                    return shorter
     raise ValueError(
         f"input {factor!r}: its {len(levels)} levels are no Chebyshev-Gauss levels of a linear or log range"
     )
+
+
+def _short(value: float, size: float, digits: int) -> float:
+    """The value rounded to a number of digits of a size."""
+    return round(value, digits - 1 - int(np.floor(np.log10(size))))
+
+
+def _distance(input_: Input, levels: Array) -> Array:
+    """Distances of levels from the Chebyshev-Gauss levels of an input, as shares of its half-range; (n,)."""
+    return np.abs(input_.to_unit(levels) - gauss_points(len(levels)))
+
+
+def _is_rounded(input_: Input, levels: Array) -> bool:
+    """Return whether levels are the Chebyshev-Gauss levels of an input but for rounding to seven digits."""
+    size = np.abs(levels) if input_.scale != "linear" else np.abs(levels).max()
+    return bool(np.all(np.abs(levels - input_.levels(len(levels))) <= _ROUNDED * size))
+
+
+def _exact(input_: Input, levels: Array) -> Array:
+    """The levels, or the Chebyshev-Gauss levels that they are rounded from, of which a warning tells."""
+    if _distance(input_, levels).max() <= LEVEL_TOLERANCE:
+        return levels
+    warnings.warn(
+        f"input {input_.name!r}: its levels are {len(levels)} Chebyshev-Gauss levels of {input_.range_text()} rounded "
+        "to seven digits; the exact ones are taken",
+        UserWarning,
+        stacklevel=2,
+    )
+    return input_.levels(len(levels))
 
 
 def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Sequence[Input] | None) -> bool:
@@ -138,9 +177,8 @@ def _check_levels(input_: Input, levels: Array) -> None:
         raise ValueError(f"input {input_.name!r} has {len(levels)} level; a factor needs at least 2")
     if input_.scale == "log" and levels[0] <= 0:
         raise ValueError(f"input {input_.name!r} has the level {levels[0]:g} on a log scale")
-    unit = input_.to_unit(levels)
-    off = np.abs(unit - gauss_points(len(levels)))
-    if off.max() > LEVEL_TOLERANCE:
+    off = _distance(input_, levels)
+    if off.max() > LEVEL_TOLERANCE and not _is_rounded(input_, levels):
         k = int(off.argmax())
         raise ValueError(
             f"input {input_.name!r}: level {levels[k]:.10g} is none of the {len(levels)} Chebyshev-Gauss levels of "
