@@ -96,6 +96,9 @@ OF_AN_ELECTRODE = (
 #: Factors that name materials.
 MATERIALS = ("material", "base", "punch")
 
+#: Factors that say what a body's material is: its name, or a composite and its share.
+OF_MATERIAL = ("material", "composite", *dict.fromkeys(COMPOSITES.values()))
+
 #: Factors of the punch's material: a name, or modulus and Poisson's ratio; without one the punch is rigid.
 OF_A_PUNCH = ("punch", "punch_modulus", "punch_poisson")
 

@@ -4,12 +4,13 @@ An entrance (:func:`solver.solve`, :func:`solver.solve_interior`) says which out
 about how the cases are told apart, aligned or labelled. Which body the cases lie on is decided by ``face/solution.py``.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, Self, TypeAlias
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
@@ -23,11 +24,15 @@ from solver.face.filmfactors import kinds_of, present
 from solver.face.refusal import CaseError
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import CHOICES, FACTORS, PROFILES
+from solver.names import CHOICES, FACTORS, OF_MATERIAL, PROFILES
 from solver.stack.layers import Stack
 from solver.threads import one_thread
 
+_BLOCK = 16384  # rows of a table that are solved at a time: some 1 kB of temporaries each
+_VALUES = 2**17  # of a field or a search at a time: some hundred temporaries of 8 bytes each inside the body
 _OF_A_KIND = ("profile", "corner")  # one of each at a time; what varies is solved part by part
+
+Rows: TypeAlias = slice | Indices
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +124,8 @@ class Cases:
             out |= {str(dim): array.coords[dim].variable for dim in labels}
             values = array.values
             if values.dtype == object:
-                values = np.array([_label(value) for value in values.flat]).reshape(values.shape)
+                codes, distinct = _factorized(values)
+                values = np.array([_label(value) for value in distinct])[codes].reshape(values.shape)
             factor = FACTORS.get(name)
             words = factor.long_name if factor else f"{name} of the case"
             attrs = {"units": factor.units if factor else "1", "long_name": words}
@@ -149,6 +155,63 @@ class Cases:
             outputs[name] = xr.Variable((*self.sizes, *extra), whole, of_output(described[name], self.arrays, kinds))
         return outputs
 
+    def by_blocks(
+        self, solved: Callable[[Self], Sequence[Mapping[str, Array]]], *shapes: tuple[int, ...], values: int = 1
+    ) -> list[Mapping[str, Array]]:
+        """Outputs of all cases, as far as all have them; a table of closed forms is solved block by block.
+
+        solved: returns outputs by name for each of the shapes of own axes; (..., own axes). values: numbers a case
+        that its largest temporaries hold.
+        """
+        if len(self.sizes) != 1 or self.kind.tabled:
+            return list(solved(self))
+        whole: list[dict[str, Array]] | None = None
+        for done, rows, block in self._blocks(min(_BLOCK, max(1, _VALUES // values))):
+            parts = solved(block)
+            if whole is None:
+                whole = [dict[str, Array]() for _ in shapes]
+                names = [list(outputs) for outputs in parts]
+            for outputs, known, shape, asked in zip(parts, whole, shapes, names, strict=True):
+                asked[:] = [name for name in asked if name in outputs]
+                for name in asked:
+                    self._fill(known, name, outputs[name], shape, done, rows)
+        return [{name: known[name] for name in asked} for known, asked in zip(whole or (), names, strict=True)]
+
+    def _fill(
+        self, whole: dict[str, Array], name: str, values: Array, shape: tuple[int, ...], done: Rows, rows: Rows
+    ) -> None:
+        """Put an output of some rows among those of the rows that are done; one that no row changes is kept once."""
+        (count,) = self.sizes.values()
+        if name not in whole:
+            if values.ndim <= len(shape):
+                whole[name] = values
+                return
+            whole[name] = np.empty((count, *shape))
+        elif whole[name].ndim <= len(shape):
+            if values.ndim <= len(shape) and np.array_equal(values, whole[name], equal_nan=True):
+                return
+            filled = np.empty((count, *shape))
+            filled[done] = whole[name]
+            whole[name] = filled
+        whole[name][rows] = values
+
+    def _blocks(self, most: int) -> Iterator[tuple[Rows, Rows, Self]]:
+        """Rows before a block, those of the block, and the block; rows of one material follow each other."""
+        ((dim, count),) = self.sizes.items()
+        columns = {name: array.values for name, array in self.arrays.items()}
+        keys = [columns[name] for name in (*OF_MATERIAL, "speed") if name in columns and columns[name].ndim]
+        numbers = [key if key.dtype.kind == "f" else _factorized(key)[0] for key in keys]
+        order = np.lexsort(numbers) if numbers else None
+        begin, end = 0, most
+        while begin < count:
+            if order is not None and count > most:
+                alike = min(_alike(number[order[begin:end]]) for number in numbers)
+                end = begin + alike if alike > most // 8 else end  # enough for a block of one material
+            done, rows = (slice(begin), slice(begin, end)) if order is None else (order[:begin], order[begin:end])
+            arrays = {name: _column(values, rows, dim) for name, values in columns.items()}
+            yield done, rows, replace(self, arrays=arrays)
+            begin, end = end, end + most
+
     def solved(self, title: str, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
         """The part of each kind of case, put together, with global attributes."""
         try:
@@ -165,7 +228,7 @@ class Cases:
             if kinds.size < 2 or len(dict.fromkeys(kinds.flat)) < 2:
                 continue
             dim, places = _split(labels)
-            solved = [self._selected(dim, place)._by_kind(part) for place in places]
+            solved = [self.selected(dim, place)._by_kind(part) for place in places]
             shared = [key for key in solved[0].data_vars if all(key in part for part in solved)]
             whole = xr.concat(
                 [part[shared] for part in solved],
@@ -174,9 +237,34 @@ class Cases:
             return whole.isel({dim: np.argsort(np.concatenate(places))})
         return part(self)
 
-    def _selected(self, dim: str, places: NDArray[np.intp]) -> Self:
+    def selected(self, dim: str, places: NDArray[np.intp]) -> Self:
+        """Cases at some places of a dimension."""
         arrays = self.arrays.items()
         return replace(self, arrays={k: a.isel({dim: places}) if dim in a.dims else a for k, a in arrays})
+
+
+def _factorized(labels: NDArray[Any]) -> tuple[NDArray[Any], Sequence[Any]]:
+    """Number of each label, in small integers, which are sorted fastest, and the distinct labels."""
+    try:
+        codes, distinct = pd.factorize(labels.ravel(), use_na_sentinel=False)
+    except TypeError:  # no label, and refused when the material is looked up
+        codes, distinct = np.arange(labels.size), list(labels.flat)
+    return codes.astype(np.int16) if len(distinct) < 2**15 else codes, distinct
+
+
+def _alike(values: NDArray[Any]) -> int:
+    """Number of values at the beginning that are those of the first."""
+    changes = np.append(values[1:] != values[:-1], True)
+    return int(np.argmax(changes)) + 1
+
+
+def _column(values: NDArray[Any], rows: Rows, dim: str) -> xr.DataArray:
+    """Rows of a column, without dimension where one value is that of all."""
+    if not values.ndim:
+        return xr.DataArray(values)
+    part = values[rows]
+    alike = part[0] == part[-1] and np.all(part == part[:1])
+    return xr.DataArray(part[:1].reshape(())) if alike else xr.DataArray(part, dims=dim)
 
 
 def _split(kinds: xr.DataArray) -> tuple[str, list[Indices]]:

@@ -7,7 +7,7 @@ import numpy as np
 from solver.arrays import Array, BoolArray
 from solver.face.body import Body
 from solver.face.cases import Cases
-from solver.face.materials import material_of
+from solver.face.materials import half_plane_of, material_of
 from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import CaseError, FactorError
 from solver.halfplane.contact import Contact
@@ -21,7 +21,6 @@ from solver.halfplane.pressing import ContactError
 from solver.halfplane.quantities import quantities
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.speed import limiting_speed
-from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
 from solver.names import PEAKS
 
@@ -40,7 +39,7 @@ class OnHalfPlane(Body):
     def __init__(self, cases: Cases) -> None:
         super().__init__(cases)
         self.contact = contact_of(cases)
-        warn_of_rounding(self.contact.halfplane)
+        warn_of_rounding(self.contact.halfplane.distinct)
 
     @property
     def _datum(self) -> Array:
@@ -97,13 +96,9 @@ class OnHalfPlane(Body):
 @np.errstate(all="ignore")
 def contact_of(cases: Cases) -> Contact:
     """The contact, its extent found."""
-    material, speed = material_of(cases), cases.number("speed")
-    if np.any(speed > 0):
-        _refuse_fast(material, cases.conducts, speed)
-        halfplane = HalfPlane(material, speed)
-    else:
-        halfplane = HalfPlane(material)
-    sliding = Sliding(halfplane, cases.number("friction"), cases.conducts, punch_of(cases))
+    if np.any(speed := cases.number("speed")):
+        _refuse_fast(material_of(cases), cases.conducts, speed)
+    sliding = Sliding(half_plane_of(cases), cases.number("friction"), cases.conducts, punch_of(cases))
     contact = Contact(sliding, cases.profile, cases.force, cases.charges)
     try:
         _ = contact.pressing

@@ -6,7 +6,7 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, column, distinct_rows
-from solver.face.materials import material_of
+from solver.face.materials import half_plane_of
 from solver.face.point import OnPoints
 from solver.face.punches import punch_of
 from solver.halfplane.precision import warn_of_rounding
@@ -31,7 +31,7 @@ class OnHalfSpace(OnPoints):
     """
 
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
-        warn_of_rounding(self._half)
+        warn_of_rounding(self._half.distinct)
         return [
             (places, self._of(places, shape, coefficient))
             for places, shape, coefficient in self._by_exponent(self._every)
@@ -52,7 +52,7 @@ class OnHalfSpace(OnPoints):
 
     @cached_property
     def _half(self) -> HalfPlane:
-        return HalfPlane(material_of(self.cases))
+        return half_plane_of(self.cases)
 
     @cached_property
     def _constants(self) -> list[Array]:

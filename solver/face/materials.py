@@ -10,10 +10,11 @@ from solver.arrays import BoolArray, shown
 from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.refusal import FactorError
+from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material, MaterialError, combined
 from solver.material.laws import compose
 from solver.material.library import find
-from solver.names import CHOICES, COMPOSITES
+from solver.names import CHOICES, COMPOSITES, OF_MATERIAL
 from solver.stack.layers import RIGID
 
 
@@ -30,6 +31,19 @@ def material_of(cases: Cases) -> Material:
         return next(iter(composites.values()))
     places = [kinds == kind for kind in composites]
     return combined(lambda *values: np.select(places, values), composites.values(), "composite")
+
+
+def half_plane_of(cases: Cases) -> HalfPlane:
+    """The half-plane of cases; neighbours in a table that have one material and speed share its tensors."""
+    names = [name for name in (*OF_MATERIAL, "speed") if name in cases.values and cases.values[name].size > 1]
+    if len(cases.sizes) == 1 and names:
+        ((dim, count),) = cases.sizes.items()
+        changes = np.full(count, True)
+        changes[1:] = np.any([cases.values[name][1:] != cases.values[name][:-1] for name in names], axis=0)
+        if not changes.all():
+            return half_plane_of(cases.selected(dim, np.flatnonzero(changes))).repeated(np.cumsum(changes) - 1)
+    speed = cases.number("speed")
+    return HalfPlane(material_of(cases), speed) if np.any(speed) else HalfPlane(material_of(cases))
 
 
 def phases_of(cases: Cases) -> tuple[Material, Material]:

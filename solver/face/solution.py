@@ -126,15 +126,21 @@ def solve(
     searched, found = _searched(peaks), list[Excess]()
 
     def part(cases: Cases) -> xr.Dataset:
-        body, coordinates = body_of(cases), cases.coordinates
-        values = body.quantities()
+        coordinates, inner = cases.coordinates, _without_edges_of(X)
+
+        def solved(block: Cases) -> tuple[dict[str, Array], dict[str, Array]]:
+            body = body_of(block)
+            values = body.quantities() | (body.peaks(searched) if searched else {})
+            return values, {} if X is None else body.surface(inner, regular=regular)
+
+        searching = _SEARCH if searched else 1
+        values, fields = cases.by_blocks(solved, (), inner.shape, values=max(inner.size, searching))
         found.extend(excesses(cases, values))
-        values |= body.peaks(searched) if searched else {}
-        outputs = cases.labelled(values, ALL_QUANTITIES, "factors (contact as wide as the datum, or overflow)")
+        outputs = cases.labelled(values, ALL_QUANTITIES, _OF)
         if X is not None:
             attrs = ALONG if cases.kind.contact == "line" else ACROSS
             coordinates |= {"position": xr.Variable("position", X, attrs)}
-            outputs |= _on_surface(cases, lambda places: body.surface(places, regular=regular), X)
+            outputs |= _on_surface(cases, fields, X)
         return xr.Dataset(outputs, coordinates)
 
     out = cases.solved("exact solution of a punch on a magneto-electro-elastic half-plane", part)
@@ -158,15 +164,21 @@ def body_of(cases: Cases) -> Body:
 
 
 _CARRIED = ("contact_pressure", "shear_traction")  # fields that tend to 0 at a smooth edge
-_INNER = np.array([0.5])
+_SEARCH = 256  # numbers a case of a search: 100 kB of temporaries
+_OF = "factors (contact as wide as the datum, or overflow)"
 
 
-def _on_surface(cases: Cases, fields: Callable[[Array], dict[str, Array]], X: Array) -> dict[str, xr.Variable]:
+def _without_edges_of(X: Array | None) -> Array:
+    """Positions that are no edges; one within the contact if there is no other."""
+    inner = np.empty(0) if X is None else X[np.abs(X) != 1]
+    return inner if inner.size else np.array([0.5])
+
+
+def _on_surface(cases: Cases, fields: Mapping[str, Array], X: Array) -> dict[str, xr.Variable]:
     """Surface fields at positions; at an edge they are 0 where they tend to it from both sides, else NaN."""
     edge = np.abs(X) == 1
-    places = _INNER if np.all(edge) else X[~edge]
-    axis = {"position": xr.Variable("position", places)}
-    result = cases.labelled(fields(places), EVERY_FIELD, "factors and positions (overflow)", axis)
+    axis = {"position": xr.Variable("position", _without_edges_of(X))}
+    result = cases.labelled(fields, EVERY_FIELD, "factors and positions (overflow)", axis)
     if not np.any(edge):
         return result
     leading, trailing = cases.smooth_edges
@@ -300,9 +312,6 @@ def _grid(x: Iterable[float], y: Iterable[float]) -> tuple[Array, Array]:
     if np.any(lines[1] > 0):
         raise FactorError(f"y: {lines[1].max():g} is above the surface; y/h must be <= 0")
     return lines[0], lines[1]
-
-
-_OF = "factors (contact as wide as the datum, or overflow)"
 
 
 def solve_curves(

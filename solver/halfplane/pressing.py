@@ -219,7 +219,9 @@ def _shifted(terms: Sequence[Array], centre: Array, size: int) -> Array:
 
 def _refuse_tension(pressing: Pressing) -> None:
     """Raise where sigma_yy would be positive."""
-    factor = np.polynomial.polynomial.polyval(_SAMPLES, np.moveaxis(pressing.shape.factor, -1, 0))
+    coefficients = pressing.shape.factor
+    samples = _SAMPLES if coefficients.shape[-1] > 1 else _SAMPLES[:1]
+    factor = np.polynomial.polynomial.polyval(samples, np.moveaxis(coefficients, -1, 0))
     if np.any(np.max(factor, -1) > _TENSION * np.max(np.abs(factor), -1)):
         raise ContactError("contact: it would need tension between punch and surface (too much tilt or moment)")
 

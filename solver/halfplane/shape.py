@@ -77,29 +77,34 @@ class Shape:
         rows = [np.polynomial.chebyshev.poly2cheb(row) for row in np.eye(count)]
         return np.asarray(self._power @ np.array([np.pad(row, (0, count - len(row))) for row in rows]))
 
-    @cached_property
-    def _laurent(self) -> tuple[Array, Array]:
-        """V Phi = sum head_k u^-k + sum tail_k u^k: head from k = 0, tail from k = 1; (..., terms)."""
+    def _laurent(self, numbers: range) -> Array:
+        """Coefficients of u^k, k of the numbers, in V Phi; (..., number)."""
         c, delta = self._chebyshev, self.angle.delta
         degree = c.shape[-1] - 1
-        phi = [2 * term for term in _phi_series(2 * delta, _TERMS + degree + 1)]  # of Phi in powers of u
+        phi = [2 * term for term in _phi_series(2 * delta, max(numbers) + degree + 1)]  # of Phi in powers of u
         two_sided = {j: (0.5 if j else 1.0) * c[..., abs(j)] for j in range(-degree, degree + 1)}
+        sums = [sum((two_sided[j] * phi[k - j] for j in two_sided if k > j), np.zeros_like(delta)) for k in numbers]
+        return stack(*sums)
 
-        def terms(numbers: range) -> Array:
-            sums = [sum((two_sided[j] * phi[k - j] for j in two_sided if k > j), np.zeros_like(delta)) for k in numbers]
-            return stack(*sums)
+    @cached_property
+    def _head(self) -> Array:
+        """Coefficients of u^-k in V Phi from k = 0; (..., term)."""
+        return self._laurent(range(0, -max(self._chebyshev.shape[-1] - 1, 1), -1))
 
-        return terms(range(0, -max(degree, 1), -1)), terms(range(1, _TERMS + 1))
+    @cached_property
+    def _tail(self) -> Array:
+        """Coefficients of u^k in V Phi from k = 1; (..., term)."""
+        return self._laurent(range(1, _TERMS + 1))
 
     @cached_property
     def total(self) -> Array:
         """Integral of S over -1 < X < 1; (...)."""
-        return np.asarray(self._sign * np.pi * (self._chebyshev[..., 0] + self.angle.delta * self._laurent[0][..., 0]))
+        return np.asarray(self._sign * np.pi * (self._chebyshev[..., 0] + self.angle.delta * self._head[..., 0]))
 
     @cached_property
     def first_moment(self) -> Array:
         """Integral of X S; (...)."""
-        head, tail = self._laurent
+        head, tail = self._head, self._tail
         first = self._chebyshev[..., 1] if self._chebyshev.shape[-1] > 1 else 0.0
         mirrored = head[..., 1] if head.shape[-1] > 1 else 0.0
         return np.asarray(self._sign * np.pi / 2 * (first + self.angle.delta * (tail[..., 0] + mirrored)))
@@ -158,7 +163,7 @@ class Shape:
 
     def _polynomial_part(self, X: Array) -> Array:
         """Pol(Phi V), a Chebyshev series."""
-        head = np.array(self._laurent[0])
+        head = np.array(self._head)
         head[..., 1:] *= 2
         return np.asarray(np.polynomial.chebyshev.chebval(X, np.moveaxis(head[..., None], -2, 0), tensor=False))
 
@@ -173,7 +178,7 @@ class Shape:
     def transforms(self, z: Points, root: Points, slope: Array) -> tuple[Points, Points]:
         """H[S] and sqrt(z^2 - 1) H[D] off the contact: ``H[f](z) = (1/pi) int f(s)/(s - z) ds``."""
         delta, rho = self.angle.delta[..., None], self.angle.delta_over_tan[..., None]
-        head, tail = self._laurent
+        head, tail = self._head, self._tail
         u = 1 / (z + root)
         logarithm = np.log((z - 1) / (z + 1))
         phi = np.where(delta == 0, logarithm, np.expm1(delta * logarithm) / np.where(delta == 0, 1.0, delta))

@@ -1,16 +1,21 @@
 """Surface response of the half-plane y < 0: the Stroh matrix, its roots, its Barnett-Lothe tensors (theory, 2)."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray, column, dot
-from solver.material.constants import Material, MaterialError
+from solver.material.constants import Material, MaterialError, combined
 
 _NEWTON_STEPS = 40  # quadratic convergence: ordinary materials need 6 to 8
 _TOLERANCE = 1e-13
 _STALLED = 1e-8  # steps that no longer shrink below this are rounding, which grows as a root nears the real axis
+# rows of the Stroh matrix by mirror symmetry; the fourth and last four are tractions
+_EVEN, _ODD = np.array([0, 5, 6, 7]), np.array([1, 2, 3, 4])
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +30,17 @@ class HalfPlane:
 
     material: Material
     speed: Array = field(default_factory=lambda: np.zeros(()))
+
+    @property
+    def distinct(self) -> "HalfPlane":
+        """The half-plane of the distinct materials and speeds of the cases."""
+        return self
+
+    def repeated(self, case_index: Indices) -> "HalfPlane":
+        """The half-plane of cases, each with one of these materials and speeds; the tensors are those of this one."""
+        material = combined(lambda values: values[case_index] if values.shape else values, [self.material], "material")
+        speed = self.speed[case_index] if self.speed.shape else self.speed
+        return _Repeated(replace(material, name=self.material.name), speed, of=self, case_index=case_index)
 
     @cached_property
     def inertia(self) -> Array:
@@ -62,22 +78,28 @@ class HalfPlane:
         """S L^-1 and L^-1, both (..., 4, 4), scaled as the Stroh matrix is.
 
         ``[[S, H], [-L, S^T]]`` is the matrix function that maps the roots p to i sign(Im p). Newton's iteration
-        X <- (mu X - (mu X)^-1) / 2 finds it without eigenvectors, so coalescing roots are no special case.
+        X <- (mu X - (mu X)^-1) / 2 finds it without eigenvectors, so coalescing roots are no special case. The mirror
+        symmetry leaves two blocks of 4 x 4: N takes (u_x, t_y, t_phi, t_psi) to (u_y, u_phi, u_psi, t_x), and back.
         """
-        X, change = self.stroh_matrix, np.inf
+        N = self.stroh_matrix
+        forth, back, change = N[..., _ODD[:, None], _EVEN], N[..., _EVEN[:, None], _ODD], np.inf
         for _ in range(_NEWTON_STEPS):
-            inverse = np.linalg.inv(X)
-            mu = np.sqrt(np.linalg.norm(inverse, axis=(-2, -1)) / np.linalg.norm(X, axis=(-2, -1)))
-            mu = np.where(abs(mu - 1) < 0.1, 1.0, mu)
-            previous, X = X, (column(mu) * X - inverse / column(mu)) / 2
-            last, change = change, float(np.max(abs(X - previous)) / np.max(abs(X)))
+            of_forth, of_back = np.linalg.inv(back), np.linalg.inv(forth)  # blocks of the inverse
+            mu = np.sqrt(_norm(of_forth, of_back) / _norm(forth, back))
+            mu = column(np.where(abs(mu - 1) < 0.1, 1.0, mu))
+            previous, size = (forth, back), max(np.max(abs(forth)), np.max(abs(back)))
+            forth, back = (mu * forth - of_forth / mu) / 2, (mu * back - of_back / mu) / 2
+            step = max(float(np.max(abs(new - old))) for new, old in zip((forth, back), previous, strict=True))
+            last, change = change, step / float(size)
             if change <= _TOLERANCE or (change <= _STALLED and change >= last / 2):
                 break
         else:
             raise MaterialError(
                 f"{self.material.name}: a Stroh root is (nearly) real ({self.roots.flat[-1]:.3g}): not elliptic"
             )
-        X = (X - np.linalg.inv(X)) / 2
+        X = np.zeros_like(N)
+        X[..., _ODD[:, None], _EVEN] = (forth - np.linalg.inv(back)) / 2
+        X[..., _EVEN[:, None], _ODD] = (back - np.linalg.inv(forth)) / 2
         S, L = X[..., :4, :4], -X[..., 4:, :4]
         L_inv = np.linalg.inv(L)
         return S @ L_inv, (L_inv + np.swapaxes(L_inv, -1, -2)) / 2
@@ -148,3 +170,25 @@ class HalfPlane:
         eps, g, mu = m.eps11 + m.e15**2 / m.c44, m.g11 + m.e15 * m.f15 / m.c44, m.mu11 + m.f15**2 / m.c44
         eps, g, mu = np.broadcast_arrays(eps, g, mu)
         return np.stack([np.stack([eps, g], -1), np.stack([g, mu], -1)], -2)
+
+
+@dataclass(frozen=True, eq=False)
+class _Repeated(HalfPlane):
+    """The half-plane of cases that share distinct materials and speeds."""
+
+    of: HalfPlane = field(kw_only=True)
+    case_index: Indices = field(kw_only=True)
+
+    @property
+    def distinct(self) -> HalfPlane:
+        return self.of
+
+    @cached_property
+    def _barnett_lothe(self) -> tuple[Array, Array]:
+        local, nonlocal_ = self.of._barnett_lothe
+        return local[self.case_index], nonlocal_[self.case_index]
+
+
+def _norm(*blocks: NDArray[Any]) -> Array:
+    """Frobenius norm of some blocks together; (...)."""
+    return np.asarray(np.sqrt(sum(np.einsum("...ij,...ij", block, block) for block in blocks)))

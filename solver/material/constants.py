@@ -401,4 +401,8 @@ def combined(change: Callable[..., Array], materials: Iterable[Material], name: 
 def _matrix(rows: list[list[Array]]) -> Array:
     """Stack entries that broadcast against each other into (..., n, m)."""
     shape = np.broadcast_shapes(*(entry.shape for row in rows for entry in row))
-    return np.stack([np.stack([np.broadcast_to(entry, shape) for entry in row], -1) for row in rows], -2)
+    matrix = np.empty((*shape, len(rows), len(rows[0])))
+    for i, row in enumerate(rows):
+        for j, entry in enumerate(row):
+            matrix[..., i, j] = entry
+    return matrix

@@ -1,5 +1,6 @@
 """A complete factorial data set, checked: sorted levels of every factor and one full array per output."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -10,9 +11,9 @@ from approximation.arrays import Array, Indices
 from approximation.chebyshev import gauss_points
 from surrogate.data.inputs import Input, Scale
 
-# How far a level may lie from its Chebyshev-Gauss position, as a share of the half-range.
 MOST_OF_A_FACTOR = 1000  # of a factor: its kernel's matrix is decomposed
-LEVEL_TOLERANCE = 1e-10
+LEVEL_TOLERANCE = 1e-10  # share of the half-range that a level may lie from its Chebyshev-Gauss position
+_ROUNDED = 1e-6  # share of a level: seven digits are off by half of it, single precision by less
 
 
 @dataclass(frozen=True)
@@ -29,9 +30,10 @@ class Factorial:
 def complete_factorial(dataset: xr.Dataset, inputs: Sequence[Input] | None, outputs: Sequence[str] | None) -> Factorial:
     """Check that a data set is a complete factorial and take it apart."""
     names = output_names(dataset, outputs, exclude=())
+    variables = {name: dataset.variables[name] for name in names}  # a look-up of `dataset[name]` visits all others
     factors = [input_.name for input_ in inputs] if inputs is not None else _factors(dataset, names)
-    for name in names:
-        unknown = [str(dim) for dim in dataset[name].dims if dim not in factors]
+    for name, variable in variables.items():
+        unknown = [str(dim) for dim in variable.dims if dim not in factors]
         if unknown:
             raise ValueError(
                 f"output {name!r} has dimension {unknown[0]!r}, which is no input; the inputs are {', '.join(factors)}"
@@ -45,9 +47,12 @@ def complete_factorial(dataset: xr.Dataset, inputs: Sequence[Input] | None, outp
     if inputs is None:
         inputs = [_inferred(dataset, factor, values) for factor, values in zip(factors, levels, strict=True)]
     check_levels(inputs, levels)
+    levels = tuple(_exact(input_, values) for input_, values in zip(inputs, levels, strict=True))
     shape = tuple(map(len, levels))
-    arrays = {name: _full(dataset[name], factors, shape, order) for name in names}
-    return Factorial(tuple(inputs), levels, arrays, {name: text_attrs(dataset[name]) for name in names})
+    arrays = {name: _full(name, variable, factors, shape, order) for name, variable in variables.items()}
+    return Factorial(
+        tuple(inputs), levels, arrays, {name: text_attrs(variable) for name, variable in variables.items()}
+    )
 
 
 def output_names(dataset: xr.Dataset, outputs: Sequence[str] | None, exclude: Sequence[str]) -> list[str]:
@@ -58,18 +63,18 @@ def output_names(dataset: xr.Dataset, outputs: Sequence[str] | None, exclude: Se
     for name in names:
         if name not in dataset.data_vars:
             raise ValueError(f"output {name!r} is not in the data set; it has {', '.join(map(str, dataset.data_vars))}")
-        if dataset[name].dtype.kind not in "iuf":
-            raise ValueError(f"output {name!r} must be numbers, got {dataset[name].dtype} values")
+        if (dtype := dataset.variables[name].dtype).kind not in "iuf":
+            raise ValueError(f"output {name!r} must be numbers, got {dtype} values")
     return names
 
 
-def text_attrs(array: xr.DataArray) -> dict[str, str]:
+def text_attrs(array: xr.DataArray | xr.Variable) -> dict[str, str]:
     """Return an array's `units` and `long_name`, where it has them."""
     return {key: str(array.attrs[key]) for key in ("units", "long_name") if key in array.attrs}
 
 
 def _factors(dataset: xr.Dataset, names: Sequence[str]) -> list[str]:
-    used = {dim for name in names for dim in dataset[name].dims}
+    used = {dim for name in names for dim in dataset.variables[name].dims}
     return [str(dim) for dim in dataset.dims if dim in used]
 
 
@@ -100,11 +105,48 @@ def _inferred(dataset: xr.Dataset, factor: str, levels: Array) -> Input:
             (np.exp(middle - reach), np.exp(middle + reach)) if scale == "log" else (middle - reach, middle + reach)
         )
         inferred = Input(factor, float(low), float(high), scale, **attrs)
-        if np.abs(inferred.to_unit(levels) - gauss_points(len(levels))).max() <= LEVEL_TOLERANCE:
+        if _distance(inferred, levels).max() <= LEVEL_TOLERANCE:
             return inferred
+        for digits in range(1, 18):  # a range of few digits, whose levels are rounded
+            both = (inferred.low, inferred.high)
+            largest = max(map(abs, both))  # of a linear range: a low end that is 0 has no digits
+            low, high = (_short(end, end if scale == "log" else largest, digits) for end in both)
+            if low < high and (scale == "linear" or low > 0):
+                shorter = Input(factor, low, high, scale, **attrs)
+                if _is_rounded(shorter, levels):
+                    return shorter
     raise ValueError(
         f"input {factor!r}: its {len(levels)} levels are no Chebyshev-Gauss levels of a linear or log range"
     )
+
+
+def _short(value: float, size: float, digits: int) -> float:
+    """The value rounded to a number of digits of a size."""
+    return round(value, digits - 1 - int(np.floor(np.log10(size))))
+
+
+def _distance(input_: Input, levels: Array) -> Array:
+    """Distances of levels from the Chebyshev-Gauss levels of an input, as shares of its half-range; (n,)."""
+    return np.abs(input_.to_unit(levels) - gauss_points(len(levels)))
+
+
+def _is_rounded(input_: Input, levels: Array) -> bool:
+    """Return whether levels are the Chebyshev-Gauss levels of an input but for rounding to seven digits."""
+    size = np.abs(levels) if input_.scale != "linear" else np.abs(levels).max()
+    return bool(np.all(np.abs(levels - input_.levels(len(levels))) <= _ROUNDED * size))
+
+
+def _exact(input_: Input, levels: Array) -> Array:
+    """The levels, or the Chebyshev-Gauss levels that they are rounded from, of which a warning tells."""
+    if _distance(input_, levels).max() <= LEVEL_TOLERANCE:
+        return levels
+    warnings.warn(
+        f"input {input_.name!r}: its levels are {len(levels)} Chebyshev-Gauss levels of {input_.range_text()} rounded "
+        "to seven digits; the exact ones are taken",
+        UserWarning,
+        stacklevel=2,
+    )
+    return input_.levels(len(levels))
 
 
 def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Sequence[Input] | None) -> bool:
@@ -135,9 +177,8 @@ def _check_levels(input_: Input, levels: Array) -> None:
         raise ValueError(f"input {input_.name!r} has {len(levels)} level; a factor needs at least 2")
     if input_.scale == "log" and levels[0] <= 0:
         raise ValueError(f"input {input_.name!r} has the level {levels[0]:g} on a log scale")
-    unit = input_.to_unit(levels)
-    off = np.abs(unit - gauss_points(len(levels)))
-    if off.max() > LEVEL_TOLERANCE:
+    off = _distance(input_, levels)
+    if off.max() > LEVEL_TOLERANCE and not _is_rounded(input_, levels):
         k = int(off.argmax())
         raise ValueError(
             f"input {input_.name!r}: level {levels[k]:.10g} is none of the {len(levels)} Chebyshev-Gauss levels of "
@@ -145,7 +186,9 @@ def _check_levels(input_: Input, levels: Array) -> None:
         )
 
 
-def _full(array: xr.DataArray, factors: Sequence[str], shape: tuple[int, ...], order: Mapping[str, Indices]) -> Array:
+def _full(
+    name: str, array: xr.Variable, factors: Sequence[str], shape: tuple[int, ...], order: Mapping[str, Indices]
+) -> Array:
     present = [factor for factor in factors if factor in array.dims]
     values = np.asarray(array.transpose(*present).values, dtype=np.float64)
     for axis, factor in enumerate(present):
@@ -157,7 +200,7 @@ def _full(array: xr.DataArray, factors: Sequence[str], shape: tuple[int, ...], o
     if not clean and not np.isfinite(values).all():
         bad = int(np.count_nonzero(~np.isfinite(values)))
         raise ValueError(
-            f"output {array.name!r} is not finite in {bad} of {values.size} cases; the factorial must be complete"
+            f"output {name!r} is not finite in {bad} of {values.size} cases; the factorial must be complete"
         )
     axes = [size if factor in array.dims else 1 for factor, size in zip(factors, shape, strict=True)]
     return np.broadcast_to(values.reshape(axes), shape)

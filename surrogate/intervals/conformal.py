@@ -43,8 +43,8 @@ TOTAL, TELLING = 8, 3.0
 DEPTH = 20.0
 # The smoothing ends at this share of the residuals' upper spread, where its bias no longer matters.
 BANDWIDTH = 0.1
-# Further away, in widths, a case has no weight in the curvature: its density is below the last digit of the nearest's.
-FAR = 8.5
+# Cases farther away, in widths, are left out of the curvature, which only steers the steps: the gradient has them all.
+FAR = 4.0
 # Keeps at zero what few values tell: in sparse parts of the box a share may lie below whatever is large enough.
 RIDGE = 1.0
 
@@ -70,14 +70,14 @@ def calibrate(
     guard, whole = unguarded(len(t), len(errors)), np.zeros((len(degrees), len(errors)))
     whole[:, known] = trend
     outer_guard = None if outer is None else unguarded(len(outer), len(errors), pooled=True)
+    logarithms[known] = _cross_fitted(A, logarithms[known], trend, groups)
     for p in known:
-        scores = _cross_fitted(A, logarithms[p], whole[:, p], groups)
+        scores = logarithms[p]
         allowed = float(np.quantile(scores[even], NOMINAL))
         fill(guard, int(p), scores, allowed, t, groups, even)
         if outer_guard is not None and outer is not None:
             beyond = scores - guard.only([int(p)]).at(t)[:, 0]
             fill(outer_guard, int(p), beyond, allowed, outer, groups, even)
-        logarithms[p] = scores
     logarithms -= guard.at(t).T
     if outer_guard is not None and outer is not None:
         logarithms -= outer_guard.at(outer).T
@@ -178,14 +178,16 @@ def _components(variances: Array, squares: Array) -> Array:
     return np.asarray(weights / size)
 
 
-def _cross_fitted(A: Array, ratio: Array, trend: Array, groups: Indices) -> Array:
-    """Residuals of the trend, every fold's from a fit to the others: (n,)."""
+def _cross_fitted(A: Array, logarithms: Array, trend: Array, groups: Indices) -> Array:
+    """Residuals of the trends (m, p), every fold's from a fit to the others: (p, n)."""
     _, number = np.unique(groups, return_inverse=True)
     fold = np.random.default_rng(0).permutation(number.max() + 1)[number] % FOLDS
-    scores = np.empty(len(ratio))
+    scores = np.empty_like(logarithms)
     for k in range(FOLDS):
         held, fitting = fold == k, fold != k
-        scores[held] = ratio[held] - A[held] @ quantile_regression(A[fitting], ratio[fitting], NOMINAL, trend)
+        others, left_out = A[fitting], A[held]
+        for score, values, start in zip(scores, logarithms, trend.T, strict=True):
+            score[held] = values[held] - left_out @ quantile_regression(others, values[fitting], NOMINAL, start)
     return scores
 
 
@@ -198,12 +200,8 @@ def quantile_regression(A: Array, y: Array, level: float, start: Array | None = 
     A: (n, k); y: (n,); start: (k,), optional; result: (k,).
     """
     A = np.ascontiguousarray(A)  # cases are picked out of it
-    if start is None:
-        b = np.zeros(A.shape[1])
-        b[0] = np.quantile(y, level)
-        width = float(np.std(y))
-    else:
-        b, width = start, BANDWIDTH * _spread(y - A @ start, level)
+    b = _least_squares(A, y, level) if start is None else start
+    width = BANDWIDTH * _spread(y - A @ b, level)
     while width > 0:
         b = _newton(A, y, level, width, b)
         spread = _spread(y - A @ b, level)
@@ -213,6 +211,13 @@ def quantile_regression(A: Array, y: Array, level: float, start: Array | None = 
     return b
 
 
+def _least_squares(A: Array, y: Array, level: float) -> Array:
+    """Coefficients of penalised least squares, raised until a share `level` of y lies below: a start near the fit."""
+    b = np.linalg.solve(A.T @ A + RIDGE * np.eye(A.shape[1]), A.T @ y)
+    b[0] += np.quantile(y - A @ b, level)
+    return np.asarray(b)
+
+
 def _spread(residual: Array, level: float) -> float:
     return float(np.quantile(residual, (1 + level) / 2) - np.quantile(residual, 0.5))
 
@@ -220,29 +225,30 @@ def _spread(residual: Array, level: float) -> float:
 def _newton(A: Array, y: Array, level: float, width: float, b: Array) -> Array:
     penalty = np.full(A.shape[1], RIDGE)
     penalty[0] = 0
+    residual = y - A @ b
 
-    def cost(b: Array) -> float:
-        u = y - A @ b
-        z = u / width
-        return float(np.sum(u * (level - scipy.special.ndtr(-z)) + width * _density(z)) + 0.5 * penalty @ b**2)
+    def cost(residual: Array, b: Array) -> float:
+        z = residual / width
+        return float(np.sum(residual * (level - scipy.special.ndtr(-z)) + width * _density(z)) + 0.5 * penalty @ b**2)
 
-    value = cost(b)
+    value = cost(residual, b)
     for _ in range(30):
-        z = (y - A @ b) / width
-        if _density(z).sum() < 1e-9:  # no case is near: two clusters, with the quantile between them
+        z = residual / width
+        density = _density(z)
+        if density.sum() < 1e-9:  # no case is near: two clusters, with the quantile between them
             break
         slope = penalty * b - A.T @ (level - scipy.special.ndtr(-z))
         near = np.abs(z) < FAR
-        root = A[near] * np.sqrt(_density(z[near]) / width)[:, None]
+        root = A[near] * np.sqrt(density[near] / width)[:, None]
         curvature = root.T @ root + np.diag(penalty)
         curvature[np.diag_indices_from(curvature)] += 1e-6 * np.trace(curvature) / len(b)
         step = np.linalg.solve(curvature, slope)
-        length = 1.0
-        reached = cost(b - step)
+        gain, length = A @ step, 1.0  # the residual grows by the gain where b falls by the step
+        reached = cost(residual + gain, b - step)
         while reached > value - 1e-4 * length * float(slope @ step) and length > 1e-8:
             length /= 2
-            reached = cost(b - length * step)
-        b = b - length * step
+            reached = cost(residual + length * gain, b - length * step)
+        b, residual = b - length * step, residual + length * gain
         before, value = value, reached
         if before - value < 1e-5 * abs(value):
             break

@@ -25,7 +25,7 @@ from surrogate.transforms.boundedgp import BoundedGP, linked
 Design = Literal["auto", "factorial", "scattered"]
 _SAME = 1e-9  # of the range of an output, by which cases that stand twice may differ
 _STEEPNESS = (1e-3, 20.0)  # of levels spread by their logarithms: half of that of the largest over the least
-_NEARLY = 0.95  # of the combinations of all levels, from which on the rest is called missing
+_NEARLY = 0.8  # of the combinations of all levels, from which on the rest is called missing
 
 
 class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # type: ignore[misc]  # untyped
@@ -147,6 +147,8 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
             )
         if places is None and self.design == "auto" and not scattered:
             places = _some_places(columns, levels)
+            if places is None:
+                _warn_of_scattered(names, columns, levels)
         self.shift_ = np.zeros(len(names))
         if places is None:
             self.model_ = self._scattered(names, columns, values, weights)
@@ -292,6 +294,24 @@ def _some_places(columns: Array, levels: Sequence[Array]) -> Indices | None:
         stacklevel=3,
     )
     return places
+
+
+def _warn_of_scattered(names: Sequence[str], columns: Array, levels: Sequence[Array]) -> None:
+    """Warn of cases that lie on a factorial and are learnt as scattered: some are missing, or not unique."""
+    rows, counts = np.unique(columns, axis=0, return_counts=True)
+    whole = float(np.prod([float(len(values)) for values in levels]))
+    reasons = []
+    if (several := counts > 1).any():
+        case = ", ".join(f"{name} = {value:g}" for name, value in zip(names, rows[several][0], strict=True))
+        reasons.append(f"{np.count_nonzero(several)} of them several times with other outputs, as {case}")
+    if len(rows) < whole:
+        reasons.append(f"{whole - len(rows):.0f} of the {whole:.0f} combinations missing")
+    if 2 * len(rows) >= whole:
+        warnings.warn(
+            f"cases of a factorial, {', '.join(reasons)}: learnt as scattered cases with noise, far less exactly",
+            UserWarning,
+            stacklevel=3,
+        )
 
 
 def _outputs(names: Sequence[str], values: Array) -> list[str]:

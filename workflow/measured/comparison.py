@@ -11,6 +11,8 @@ import xarray as xr
 
 import solver
 from solver import Material
+from solver.names import COMPOSITES
+from solver.units import prefixed
 from storage.described import described
 from workflow.language.numbers import number
 from workflow.study.reading import InputError
@@ -18,6 +20,7 @@ from workflow.study.sections import UNITS, Measurement, ModelQuantity, ModelValu
 
 Case = Mapping[str, float | str]
 _ROUNDING = 1e-12  # relative difference that is none
+_COMPOSITION = {"material", "composite", *COMPOSITES.values()}  # factors that state the material
 _MORE = 10.0  # how many times the force, and charges per force, by which a response is compared
 
 
@@ -32,9 +35,12 @@ class Spread:
 
 def modelled(entry: ModelValue) -> Spread:
     """The model's value and its spread over the material's published alternatives."""
-    material = solver.find(str(entry.case["material"]))
-    answer = _ANSWERS[entry.quantity]
-    nominal, *others = (answer(variant, entry.case) for variant in (material, *material.variants()))
+    material, answer = entry.material, _ANSWERS[entry.quantity]
+    case = {name: value for name, value in entry.case.items() if name not in _COMPOSITION}
+    try:
+        nominal, *others = (answer(variant, case) for variant in (material, *material.variants()))
+    except KeyError:  # of an insulating punch, or of a line where the rule is one of points
+        raise ValueError(f"model: {entry.quantity}: not a quantity of this case") from None
     moved = max((abs(other - nominal) for other in others), default=0.0)
     return Spread(nominal, moved if moved > _ROUNDING * abs(nominal) else 0.0, len(others))
 
@@ -46,6 +52,14 @@ def _solved(material: Material, case: Case, **changed: float) -> xr.Dataset:
 def _charge_per_force(material: Material, case: Case) -> float:
     """Charge under a punch at zero volts over its force (real contacts, section 3: r_1 of a half-space)."""
     return abs(float(_solved(material, case)["charge_per_force"]))
+
+
+def _pad_stroke_per_volt(material: Material, case: Case) -> float:
+    """Displacement at the middle of a driven pad, over its voltage: by reciprocity the pad's charge per force.
+
+    Positive where the front moves as that of a film on a rigid base does.
+    """
+    return -float(np.sign(material.e33)) * float(_solved(material, case)["patch_charge_per_force"])
 
 
 def _clamped_d33(material: Material, _: Case) -> float:
@@ -98,6 +112,7 @@ _ANSWERS: dict[ModelQuantity, Callable[[Material, Case], float]] = {
     "response_under_load": _response_under_load,
     "stiffness_under_charge": _stiffness_under_charge,
     "layer_factor": _layer_factor,
+    "pad_stroke_per_volt": _pad_stroke_per_volt,
 }
 
 
@@ -138,8 +153,8 @@ def _values(
     scale = UNITS[row.unit]
     return [
         {
-            "quantity": row.quantity,
-            "material": row.case["material"],
+            "quantity": quantity_name(row),
+            "material": _material_name(row),
             "value": value.value / scale,
             "deviation": value.deviation / scale,
             "sets": value.sets,
@@ -147,6 +162,24 @@ def _values(
         }
         for row, value, deviations in zip(models, values, off, strict=True)
     ]
+
+
+def quantity_name(entry: ModelValue) -> str:
+    """Quantity in words, with the diameter of its pad."""
+    words = entry.quantity.replace("_", " ")
+    if "patch_size" not in entry.case:
+        return words
+    size, units = prefixed(float(entry.case["patch_size"]), "m")
+    return f"{words} (pad of {number(float(entry.case['patch_size']) / size)} {units})"
+
+
+def _material_name(entry: ModelValue) -> str:
+    """Name of a material, or of an alloy with its composition."""
+    if "material" in entry.case:
+        return str(entry.case["material"])
+    composite = str(entry.case["composite"])
+    fraction = COMPOSITES[composite]
+    return f"{composite}, {fraction.replace('_', ' ')} {number(float(entry.case[fraction]))}"
 
 
 def dataset(rows: Sequence[Row]) -> xr.Dataset:
@@ -247,6 +280,6 @@ def _and(outside: str) -> str:
 def _ruled_out(row: Measurement, others: Sequence[float | None]) -> str:
     """Return the row's verdict on other rules."""
     pairs = zip(row.rivals, others, strict=True)
-    fits = {rule.quantity: abs(off) <= AGREES_WITHIN for rule, off in pairs if off is not None}
-    said = [f"{name.replace('_', ' ')} {'fits too' if fit else 'does not fit'}" for name, fit in fits.items()]
+    fits = {quantity_name(rule): abs(off) <= AGREES_WITHIN for rule, off in pairs if off is not None}
+    said = [f"{name} {'fits too' if fit else 'does not fit'}" for name, fit in fits.items()]
     return "".join(f"; {sentence}" for sentence in said)

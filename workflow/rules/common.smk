@@ -29,7 +29,11 @@ RESULTS = workflow.modifier.path_modifier.replace_prefix("results")  # where a m
 
 try:
     main = workflow.modifier.is_main_snakefile()  # a module has the configuration that its parent gives, and no other
-    STUDY = location.given(configuration.study(config, workflow.config_settings.config_args if main else ()))
+    entries = partition.settle(workflow.config_settings.config_args, planner=workflow.is_main_process)
+    read = {key: value for key, value in config.items() if key != partition.AT_ONCE or workflow.is_main_process}
+    STUDY = location.given(configuration.study(read, entries if main else ()))
+    if main and workflow.is_main_process:
+        workflow.config_settings.config_args = entries
     if main and workflow.is_main_process and "snakemake" in (Path(sys.argv[0]).stem, Path(sys.argv[0]).parent.name):
         configuration.check_profiles(sys.argv[1:])
 except studies.InputError as error:

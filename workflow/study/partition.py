@@ -1,6 +1,7 @@
 """Slabs of a study's data set: how many there are, and which files belong to none of them."""
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 from workflow.study.model import Study
@@ -10,6 +11,9 @@ MEMORY = 1500
 
 #: Slabs of a study whose first axis is open, at most and if it does not say: `levels.choose` gives it as many levels.
 MOST, USUAL = 8, 4
+
+#: Entry of ``--config`` by which the planner tells its nodes the number of jobs at once, and their variable for it.
+AT_ONCE, _PLANNER = "jobs_of_planner", "MEECONTACT_JOBS_OF_PLANNER"
 
 
 def count(study: Study) -> int:
@@ -25,9 +29,21 @@ def count(study: Study) -> int:
 
 
 def _at_once() -> int:
-    """Jobs that cores and memory let run at once."""
+    """Jobs that cores and memory of the machine that plans the run let run at once."""
+    if planner := os.environ.get(_PLANNER):
+        return int(planner)
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2**20
     return min(len(os.sched_getaffinity(0)), memory // MEMORY)
+
+
+def settle(entries: Iterable[str] | None, *, planner: bool) -> list[str]:
+    """Entries of ``--config`` for the nodes of a run, with the jobs at once of its planner; nodes take them over."""
+    if planner:
+        return [*(entries or ()), f"{AT_ONCE}={_at_once()}"]
+    given = [entry.partition("=")[2] for entry in entries or () if entry.startswith(f"{AT_ONCE}=")]
+    if given:
+        os.environ[_PLANNER] = given[-1].strip("'\"")  # for the scripts of this node, which are processes of their own
+    return list(entries or ())
 
 
 def with_slabs(study: Study) -> Study:

@@ -14,9 +14,10 @@ from pydantic import (
     model_validator,
 )
 
-from solver import find
+from solver import Material, find
 from solver.described import Contact
-from solver.names import CHOICES, COMPOSITES, OF_A_FILM, PROFILES
+from solver.material.laws import compose
+from solver.names import CHOICES, COMPOSITES, FORMULAS, OF_A_FILM, PROFILES
 from solver.units import BOLTZMANN
 from workflow.language.constants import DEVICE
 from workflow.language.given import number, size
@@ -53,7 +54,7 @@ CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements",
 #: What the model can be asked for; ``workflow.measured.comparison`` has a function of each.
 ModelQuantity = Literal[
     "charge_per_force", "clamped_d33", "free_d33", "indentation_exponent", "response_under_load",
-    "stiffness_under_charge", "layer_factor",
+    "stiffness_under_charge", "layer_factor", "pad_stroke_per_volt",
 ]  # fmt: skip
 #: Units of measured values, in SI.
 UNITS = {"pC/N": 1e-12, "pm/V": 1e-12, "1": 1.0}
@@ -456,15 +457,29 @@ class ModelValue(Strict):
 
     quantity: ModelQuantity = Field(description="what the model answers with")
     case: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
-        min_length=1, description="factors of the case, among them a material"
+        min_length=1, description="factors of the case, among them a material, or composite AlScN with its fraction"
     )
 
     @model_validator(mode="after")
     def _of_a_material(self) -> Self:
-        if not isinstance(material := self.case.get("material"), str):
-            raise ValueError("case: material: missing; every value of the model is one of a material")
-        find(material)
+        if self.quantity == "pad_stroke_per_volt" and (absent := {"collector", "patch_size"} - self.case.keys()):
+            raise ValueError(f"case: {min(absent)}: missing; a pad is a patch of an electrode")
+        _ = self.material
         return self
+
+    @property
+    def material(self) -> Material:
+        """Material of the case: from the library, or an alloy of a stated composition."""
+        if isinstance(name := self.case.get("material"), str):
+            return find(name)
+        if (composite := self.case.get("composite")) is None:
+            raise ValueError("case: material: missing; every value of the model is one of a material")
+        if composite not in FORMULAS:
+            raise ValueError(f"case: composite: {composite!r} is not one of {', '.join(FORMULAS)}")
+        fraction = self.case.get(COMPOSITES[str(composite)])
+        if not isinstance(fraction, float | int):
+            raise ValueError(f"case: {COMPOSITES[str(composite)]}: missing; {composite} has a composition")
+        return compose(str(composite), (), fraction)
 
 
 class Measurement(Strict):

@@ -1,6 +1,7 @@
 """The labelled face: names, dimensions, units, coordinates, attributes, and tables of cases."""
 
 import re
+import tracemalloc
 import warnings
 from typing import Any
 
@@ -8,8 +9,10 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose
 
 import solver
+from solver.face import cases
 from solver.fields import FIELDS, INTERIOR, INTERIOR_ON_REQUEST
 from solver.names import EVERY_QUANTITY
 from tests.solver.cases import assert_same
@@ -86,6 +89,46 @@ def test_every_row_of_a_table_is_a_case(table: Any) -> None:
     assert dict(rows.sizes) == {"case": 3}
     for place, row in enumerate(TABLE.to_dict("records")):
         assert float(rows["voltage"][place]) == pytest.approx(float(solver.solve(row)["voltage"]), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "varying",
+    [
+        {"material": ["PZT-4", "BaTiO3", "PZT-5H", "PZT-4"], "radius": [0.04, 0.05, 0.06, 0.07]},
+        {"volume_fraction": [0.2, 0.9, 0.2, 0.5], "composite": ["fibrous", "laminate"], "radius": [0.05]},
+        {
+            "material": ["PZT-4"],
+            "electric": ["conducting", "insulating"],
+            "speed": [0.0, 900.0, 900.0],
+            "radius": [0.05],
+        },
+        {"material": ["PZT-4", "BaTiO3"], "profile": ["sphere"], "radius": [4e-3, 5e-3, 6e-3, 7e-3]},
+    ],
+)
+def test_blocks_of_a_table_do_not_show(monkeypatch: pytest.MonkeyPatch, varying: dict[str, list[Any]]) -> None:
+    """Rows of one material are solved together, in blocks; each is as alone, to rounding."""
+    force, friction = ("force", {}) if "profile" in varying else ("load", {"friction": np.linspace(0.1, 0.4, 24)})
+    columns = {name: np.resize(np.array(values, dtype=object), 24) for name, values in varying.items()}
+    table = pd.DataFrame(columns | friction | {force: np.geomspace(1, 1e2, 24) * (1 if force == "force" else 1e2)})
+    monkeypatch.setattr(cases, "_BLOCK", 7)
+    rows = solver.solve(table, [-2.0, 0.3, 1.0])
+    for place in (0, 10, 23):
+        alone = solver.solve(dict(table.iloc[place]), [-2.0, 0.3, 1.0])
+        for name in rows.data_vars:
+            assert_allclose(rows[name][place], alone[name].squeeze(), rtol=1e-11, err_msg=str(name))
+
+
+def test_memory_of_a_table() -> None:
+    """Beyond input and output: the number of each row in the order of the materials, and the labels, 400 bytes."""
+    count = 200_000
+    rng = np.random.default_rng(0)
+    named = np.array(["PZT-4", "BaTiO3"], dtype=object)[rng.integers(0, 2, count)]
+    table = pd.DataFrame({"material": named, "radius": 0.05, "load": rng.uniform(1e3, 1e4, count)})
+    tracemalloc.start()
+    rows = solver.solve(table)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak - rows.nbytes < 400 * count
 
 
 def test_series_with_one_index_are_columns_of_a_table() -> None:

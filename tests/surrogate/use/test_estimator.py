@@ -1,6 +1,7 @@
 """The regressor is one of scikit-learn's, and takes a factorial for what it is."""
 
 import re
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -172,7 +173,10 @@ def test_double_rows_count_once_and_missing_ones_are_told() -> None:
     partial = factorial([LEVELS[0], LEVELS[2]])
     noisy = np.concatenate([partial, partial[:1]])
     y = np.append(partial[:, 0], partial[0, 0] + 0.1)  # no interpolation of it
-    assert isinstance(FactorialRegressor().fit(noisy, y).model_, ScatterGP)
+    with pytest.warns(UserWarning, match=r"1 of them several times with other outputs, as x0 = "):
+        assert isinstance(FactorialRegressor().fit(noisy, y).model_, ScatterGP)
+    with pytest.warns(UserWarning, match=r"factorial, 60 of the 210 combinations missing: learnt as scattered"):
+        FactorialRegressor().fit(X[60:][::-1], truth(X[60:][::-1]))
     expected = whole.predict(fresh())
     # the second: as many cases as combinations, but one of them twice; the last lacks eight
     for partial, missing in ((X[1:], 1), (X[[1, *range(1, 210)]], 1), (X[8:], 8)):
@@ -181,6 +185,16 @@ def test_double_rows_count_once_and_missing_ones_are_told() -> None:
         assert isinstance(model.model_, GridGP)
         # what fills in is as good as the factorial: its own error here is 1e-8 of the range
         np.testing.assert_allclose(model.predict(fresh()), expected, atol=1e-10 * np.ptp(expected))
+
+
+@pytest.mark.parametrize("rounded", [np.float32, lambda X: np.array([float(f"{x:.7g}") for x in X.flat])])
+def test_levels_in_single_precision_are_those_that_they_are_rounded_from(rounded: Callable[[Array], Array]) -> None:
+    X = factorial(LEVELS)
+    with pytest.warns(UserWarning, match="rounded to seven digits; the exact ones are taken"):
+        model = FactorialRegressor().fit(np.reshape(rounded(X), X.shape), truth(X))
+    np.testing.assert_allclose(
+        model.predict(fresh()), FactorialRegressor().fit(X, truth(X)).predict(fresh()), rtol=1e-9
+    )
 
 
 def test_a_scaler_before_it_changes_nothing() -> None:

@@ -92,7 +92,6 @@ POINT = "load=1e4,volume_fraction=0.5"
         (["maximise=depth", "over=radius", "worst_case=friction=0.2"], "--worst-case: friction: '0.2'"),
         (["maximise=peak_pressure", "over=radius", f"at={POINT}", "limit=trailing_tension <= 1 mm"],
          "design: 'trailing_tension <= 1 mm': unit mismatch"),
-        (["maximise=load", "over=radius", f"at={POINT}"], "'load' is constant"),
         (["maximise=peak_pressure", "over=radius", "at=load=5e4,volume_fraction=0.5,friction=0.4",
           "limit=trailing_tension <= 1 MPa"], "infeasible: trailing_tension <= 1 MPa binds; the least violated"),
     ],

@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -43,10 +44,15 @@ def test_the_readme_begins_with_rows_of_the_run(rows: list[Row]) -> None:
     assert f"4.0 ± 0.1 pm/V measured, {film['model'][0]['value']:.1f} by the model" in first
 
 
-def test_a_case_that_the_solver_refuses_names_its_row() -> None:
+@pytest.mark.parametrize(
+    ("changed", "expected"),
+    [({"radius": -1.0}, r"radius: -1 [^\n]*"), ({"electric": "insulating"}, r"model: charge_per_force: not a [^\n]*")],
+)
+def test_a_case_that_the_solver_refuses_names_its_row(changed: dict[str, Any], expected: str) -> None:
+    case = {"material": "PZT-4", "profile": "sphere", "radius": 1.0, "force": 1.0, **changed}
     row = Measurement.model_validate(
         {"of": "x", "value": 1.0, "unit": "pC/N", "source": "x", "decides": "x", "model": [
-            {"quantity": "charge_per_force", "case": {"material": "PZT-4", "profile": "sphere", "radius": -1.0}}]}
+            {"quantity": "charge_per_force", "case": case}]}
     )  # fmt: skip
-    with pytest.raises(InputError, match=re.compile(r"^measurements: mine: radius: -1 [^\n]*$")):
+    with pytest.raises(InputError, match=re.compile(f"^measurements: mine: {expected}$")):
         compared({"mine": row})

@@ -49,6 +49,26 @@ def test_d33_of_a_free_body(material: str, expected: float) -> None:
     assert 1e12 * value("free_d33", material=material) == pytest.approx(expected, abs=0.05)
 
 
+def test_alloys_by_their_composition() -> None:
+    """d33 by the inverse of the stiffness matrix, of constants written out by hand at a tenth of scandium."""
+    c11, c12, c13, c33 = 379.783, 142.449, 119.741, 334.994
+    stiffness = np.array([[c11, c12, c13], [c12, c11, c13], [c13, c13, c33]])
+    d33 = (np.array([-0.67155, -0.67155, 1.60122]) @ np.linalg.inv(stiffness))[2] * 1e3
+    assert 1e12 * value("free_d33", composite="AlScN", scandium_fraction=0.1) == pytest.approx(d33, abs=1e-3)
+
+
+def test_the_front_of_a_pad() -> None:
+    """e33/c33 of a wide pad on a rigid base; on silicon the sign changes at a pad of 0.14 mm."""
+    film: dict[str, Any] = {
+        "material": "AlN", "thickness": 1e-6, "electrode": "top", "collector": 2, "profile": "sphere", "radius": 1e-5,
+        "force": 1e-6, "electric": "insulating", "magnetic": "insulating",
+    }  # fmt: skip
+    rigid = value("pad_stroke_per_volt", **film, base="rigid", patch_size=1e-4)
+    assert rigid == pytest.approx(1.55 / 389e9, rel=1e-6)
+    narrow, wide = (value("pad_stroke_per_volt", **film, base="silicon", patch_size=size) for size in (1.3e-4, 1.5e-4))
+    assert narrow > 0 > wide
+
+
 def test_a_ball_s_exponents_on_half_spaces_and_films() -> None:
     assert value("indentation_exponent", material="PZT-4", **TIP) == pytest.approx(1.5, abs=1e-12)
     wide = {"profile": "sphere", "radius": 1.0, "force": 1e7, "thickness": 1e-3, **ELASTIC}

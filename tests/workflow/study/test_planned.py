@@ -118,6 +118,21 @@ def test_a_slab_is_of_the_count_that_it_was_planned_with(own_study: Study, monke
     assert partition.count(thawed(planned_study.frozen())) == 1  # on a node with more cores than the login node
 
 
+def test_a_node_without_the_planners_folder_has_its_number_of_slabs(
+    own_study: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The planner hands its number on by --config, since a node of fewer cores would take slab 0 for all cases."""
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1})
+    monkeypatch.setattr("os.sysconf", {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 2**22}.__getitem__)
+    entries = partition.settle(["study=own"], planner=True)
+    expected = partition.with_slabs(named("own"))
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})
+    monkeypatch.setattr("os.environ", {})
+    assert partition.count(named("own")) == 1
+    assert partition.settle(entries, planner=False) == entries
+    assert partition.with_slabs(named("own")).digest("dataset") == expected.digest("dataset")
+
+
 def rules() -> Iterator[tuple[str, str, str]]:
     """Name, script and text of every rule that has a script."""
     for file in sorted((ROOT / "workflow/rules").glob("*.smk")):

@@ -19,10 +19,9 @@ from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
 
-_POINTS = 512  # designs, which show a constant, unbounded or undefined term
+_POINTS = 512  # designs, which show an unbounded or undefined term
 _EVALUATED = 1 << 13  # evaluations of one term
 _ENDS = 8  # variables of which every combination of ends is evaluated
-_CONSTANT = 1e-9  # relative variation that counts as none
 _PIECES = 8  # most smooth pieces of one expression
 _ROUNDING = 1e-12  # share of the largest value that counts as none
 _FAR = 100.0  # ratio of a bound to the nearest value from which a forgotten unit is likelier than the number
@@ -54,7 +53,7 @@ def ask(
         values = designs.value(predicted, question.searched[term.key], term)
         for divisor in _divisors(term.expression):
             _check_pole(label, divisor, designs.value(predicted, corner, replace(term, expression=divisor)))
-        _check_values(label, question, term, term.measure.rows(values) if term.along else values)
+        _check_values(label, question, term.measure.rows(values) if term.along else values)
         if place == 0:
             spread = float(np.ptp(values))
         if term.bound == 0:
@@ -86,11 +85,9 @@ def _check_pole(label: str, divisor: Expression, values: Array) -> None:
         raise InputError(f"{label} is unbounded: {' and '.join(divisor.names())} in a divisor passes 0 in the ranges")
 
 
-def _check_values(label: str, question: Question, term: Term, values: Array) -> None:
+def _check_values(label: str, question: Question, values: Array) -> None:
     if not np.all(np.isfinite(values)):
         raise InputError(f"{label} is not defined everywhere within the ranges of {', '.join(question.inputs)}")
-    if not term.limited and np.ptp(values, 0).max() <= _CONSTANT * np.abs(values).max():
-        raise InputError(f"{label} is constant: it does not depend on {', '.join(question.inputs)}")
 
 
 def _pilot(d: int, scenarios: int) -> Array:

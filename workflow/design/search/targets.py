@@ -117,7 +117,7 @@ _SLICE = 121  # points of a slice
 def solve_target(study: Study, name: str, model: GaussianProcess) -> Answer:
     """Answer one design target of a study, by name, with the surrogate of its quantities.
 
-    InputError: the objective is constant, unbounded or undefined, or an exact value left the surrogate's interval.
+    InputError: the objective is unbounded or undefined, or an exact value left the surrogate's interval.
     """
     return answer(study, name, study.design[name], model)
 

@@ -45,7 +45,8 @@ def _row(ax: Axes, place: int, row: dict[str, Any]) -> None:
     ax.barh(place, 2 * error, left=1 - error, height=0.55, color=GREY, alpha=0.3)
     ax.plot([1, 1], [place - 0.28, place + 0.28], color=GREY, lw=1.5)
     for rival in row["rivals"]:
-        ax.plot(rival["value"] / size, place, "x", color=GREY, ms=5)
+        if rival["value"] > 0:
+            ax.plot(rival["value"] / size, place, "x", color=GREY, ms=5)
     filled = colour if row["verdict"] != "cannot be told" else "none"
     for value in row["model"]:
         spread = value["deviation"] / size
