@@ -176,7 +176,9 @@ def _left_out(table: Table, materials: Sequence[Path]) -> Iterator[str]:
     def solved(factors: Mapping[str, Any]) -> xr.Dataset:
         return solve(factors, materials=known)
 
-    single = leftout.SolvedCase(case, solved, lambda name: allowable(name, case, known, _PHASES), {})
+    around = str(case.get("surroundings") or CHOICES["surroundings"][0])
+    kind = kind_of([*case], str(case.get("profile") or CHOICES["profile"][0]), around)
+    single = leftout.SolvedCase(kind, case, solved, lambda name: allowable(name, case, known, _PHASES), {})
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SmallStrainWarning)  # which the case itself has shown
         yield from [one_line(f"left out: {effect.left_out_words}") for effect in leftout.budget(single)]

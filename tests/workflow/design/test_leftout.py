@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 from solver import solve
+from solver.body import kind_of
 from tests.workflow.design.test_answer import ANSWER
 from workflow.design.verdict import leftout
 from workflow.design.verdict.leftout import LeftOut, SolvedCase
@@ -43,7 +44,8 @@ def effects(
         warm = {"temperature_equal": 0.25} if "hold" in factors else {}
         return xr.Dataset({**solved, **warm, **rest})
 
-    whole = SolvedCase(case, answer, of_pzt, device, **numbers)
+    kind = kind_of([*case], case.get("profile", "cylinder"), "insulated")
+    whole = SolvedCase(kind, case, answer, of_pzt, device, **numbers)
     return {effect.left_out: effect for effect in leftout.budget(whole)}
 
 
@@ -59,6 +61,8 @@ ROLLER = {"radius": 0.05, "load": 1e4, "punch": "rigid", "friction": 0.2}
         ("heat", {}, POINT, 1.0, 0.25, 4.0),
         # Johnson (1985) 13.2: p* = 2 pi E* sigma/a with Hertz's E* = p0 pi R/2a = 47.124 GPa: 74.02 MPa of 60 MPa
         ("roughness", {}, POINT, 1e-8, 8.1057e-9, 1.23370),
+        # no wave of 2 nm is 10 nm high: 20 pm, p*/p0 = 4.9348, crests apart: (24/pi 24.352)^(1/3) - 1
+        ("roughness", {"radius": 1e-7}, POINT | {"contact_radius": 2e-9}, 2e-11, 4.0528e-12, 4.70866),
         # E* = 2 R p0/a = 5 p0/0.01, so p*/p0 = 4 pi 1e-8 0.05/4e-8
         ("roughness", ROLLER, LINE, 1e-8, 6.3662e-8, 0.157080),
         # rise 0.4 um, an end of 10 mm lifts at 80 urad: (2 (100/80)^(1/2))^(1/2) - 1
@@ -115,6 +119,7 @@ def test_what_is_not_known_is_named_and_never_zero() -> None:
     assert np.isnan(rigid.left_out_share)
     assert rigid.left_out_words.startswith("Heat is not known for the base 'rigid': conductivity")
     half_space = effects({"material": "PZT-4", "profile": "sphere", "radius": 0.02, "force": 0.2})
+    assert half_space["roughness"].left_out_words.endswith("the charge does not move.")
     assert half_space["heat"].left_out_words == "Heat is known of films only."
     assert next(iter(half_space)) == "depoling stress"  # 2.7 times the limit: what is exceeded stands first
     assert "amplifier" not in half_space

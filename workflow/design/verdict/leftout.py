@@ -13,10 +13,10 @@ import numpy as np
 import xarray as xr
 
 from solver import FactorError, MaterialError, solve
-from solver.body import kind_of
+from solver.body import Kind
 from solver.face.strain import DEEP, WIDE
 from solver.material.punches import RIGID_PUNCH, punches
-from solver.names import BODY, CHOICES, FACTORS, PROFILES
+from solver.names import CHOICES, FACTORS
 from workflow.language import titles
 from workflow.language.numbers import number, shown
 from workflow.language.titles import capital
@@ -36,7 +36,8 @@ WARMER, HOLD = 1.0, 1.0  # K and s: what touches is warmer by so much, for so lo
 DENSITY = 7800.0  # kg/m3 of steel: of a rigid punch, and of one without a name
 GRAVITY = 9.81  # m/s2
 
-_CHARGE_MOVES = 0.07  # of the charge per force, at most, by 10 nm: measured on rough surfaces by FFT
+_CHARGE_MOVES = 0.07  # of the charge per force of a film, at most, by 10 nm: rough balls on a grid; 0 on a half-space
+_STEEP = 0.01  # rms over the contact's radius: waves that long and higher have slopes that no polish leaves
 _APART = 3.8  # p*/p0 at which both laws of roughness meet
 _READ = ("patch_charge_per_force", "electrode_charge_per_force", "charge_per_force")
 _CAPACITANCE = ("capacitance_at_force", "capacitance_at_load", "capacitance", "capacitance_per_length")
@@ -61,6 +62,7 @@ class LeftOut:
 class SolvedCase:
     """A case, what solves others like it, and what reads it."""
 
+    kind: Kind
     factors: Mapping[str, Any]
     solve: Callable[[Mapping[str, Any]], xr.Dataset]
     allowable: Callable[[str], Allowable]  # ValueError where a limit is not known
@@ -82,7 +84,7 @@ class SolvedCase:
     @property
     def point(self) -> bool:
         """Return whether the contact is at a point."""
-        return PROFILES[self.profile].contact == "point"
+        return self.kind.contact == "point"
 
     @property
     def length(self) -> float:
@@ -121,7 +123,9 @@ class SolvedCase:
 def of_study(study: Study, factors: Mapping[str, Any], smallest_force: float, band: float) -> SolvedCase:
     """A case of a study, with its device, for the budget."""
     device = study.device.constants if study.device else {}
-    return SolvedCase(factors, lambda case: study.solved(solve, case), study.allowable, device, smallest_force, band)
+    return SolvedCase(
+        study.kind, factors, lambda case: study.solved(solve, case), study.allowable, device, smallest_force, band
+    )
 
 
 def budget(case: SolvedCase) -> tuple[LeftOut, ...]:
@@ -162,6 +166,10 @@ def _times(share: float) -> str:
     return f"{number(share, 2)} times" if share >= 1 else f"{number(100 * share, 2)} % of"
 
 
+def _raised(most: str, factor: float) -> str:
+    return f"{most}{number(factor, 2)} times" if factor > 1.1 else f"by {most}{number(100 * (factor - 1), 2)} %"
+
+
 def _constants(case: SolvedCase) -> Iterator[LeftOut]:
     band, source = case.shown_band, ", one standard deviation of published values"
     if not case.band > 0:
@@ -177,8 +185,7 @@ def _strain(case: SolvedCase) -> Iterator[LeftOut]:
         brief = f"the contact is {number(ratio, 2)} of the punch's radius"
         more = f"; strains are small up to {WIDE:g} of it"
         yield _effect(case, "small strain", "signal, stress", ratio, WIDE, "1", ratio**2, brief, more)
-    kind = kind_of([*case.factors], case.profile, str(case.factors.get("surroundings", CHOICES["surroundings"][0])))
-    if "thickness" in case.factors and "depth" in case.solved and kind.datum == "absolute":
+    if "thickness" in case.factors and "depth" in case.solved and case.kind.datum == "absolute":
         ratio = abs(case.solved["depth"]) / float(case.factors["thickness"])
         brief = f"the depth is {number(ratio, 2)} of the film's thickness"
         more = f"; strains are small up to {DEEP:g} of it"
@@ -192,12 +199,11 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
     start = float(case.factors.get("body_temperature") or FACTORS["body_temperature"].default or 0.0)
     factors = {"touch_temperature": start + WARMER, "hold": HOLD, **case.factors}
     rise, hold = abs(float(factors["touch_temperature"]) - start), float(factors["hold"])
-    layered = "thickness" in case.factors
     try:
         out = case.solve(factors)
         lacking = str(out.attrs.get("heat", "not known for this body"))
     except (FactorError, MaterialError) as error:
-        out, lacking = xr.Dataset(), f"not known: {error}" if layered else "known of films only"
+        out, lacking = xr.Dataset(), f"not known: {error}" if case.kind.layered else "known of films only"
     if "temperature_equal" not in out:
         yield _effect(case, "heat", "signal", np.nan, np.nan, "K", np.nan, f"heat is {lacking}", "")
         return
@@ -222,11 +228,13 @@ def _roughness(case: SolvedCase) -> Iterator[LeftOut]:
         return
     constant = np.pi**2 if case.point else 4 * np.pi
     double = case.half**2 / (constant * case.radius)
-    waves = ROUGHNESS / double  # p*/p0
+    rms = min(ROUGHNESS, _STEEP * case.half)
+    waves = rms / double  # p*/p0
     factor = 1 + waves if waves < _APART else float((24 / np.pi * waves**2) ** (1 / 3))
-    brief = f"roughness of {shown(ROUGHNESS, 'm', 2)} raises the largest pressure up to {number(factor, 2)} times"
-    more = f"; {shown(double, 'm', 2)} rms double it; the charge moves by at most {number(100 * _CHARGE_MOVES, 2)} %"
-    yield _effect(case, "roughness", "stress", ROUGHNESS, double, "m", factor - 1, brief, more)
+    brief = f"roughness of {shown(rms, 'm', 2)} raises the largest pressure {_raised('up to ', factor)}"
+    charge = f"moves by at most {number(100 * _CHARGE_MOVES, 2)} %" if case.kind.layered else "does not move"
+    more = f"; {shown(double, 'm', 2)} rms double it; the charge {charge}"
+    yield _effect(case, "roughness", "stress", rms, double, "m", factor - 1, brief, more)
 
 
 def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
@@ -240,7 +248,7 @@ def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
     lifting = case.half**2 / (case.radius * case.length)
     tilt = TILT / lifting
     left, factor = (min(tilt**-0.5, 1.0), float(np.sqrt(2 * tilt**0.5 if tilt > 1 else 1 + tilt)))
-    brief = f"a tilt of {shown(TILT, 'rad', 2)} raises the largest pressure {number(factor, 2)} times"
+    brief = f"a tilt of {shown(TILT, 'rad', 2)} raises the largest pressure {_raised('', factor)}"
     more = (
         f"; an end of {shown(case.length, 'm', 3)} lifts at {shown(lifting, 'rad', 2)}, and "
         f"{number(100 * left, 2)} % of the length stay in contact"
@@ -281,9 +289,9 @@ def _amplifier(case: SolvedCase) -> Iterator[LeftOut]:
 
 def _mass(case: SolvedCase) -> Iterator[LeftOut]:
     """Weight of a solid ball or cylinder, and its resonance sqrt(k/m)/2 pi on the contact's stiffness."""
-    if not case.radius:
-        return
     which = str(case.factors.get("punch") or RIGID_PUNCH)
+    if not case.radius or which == "skin":  # which a hand holds
+        return
     known = punches().get(which)
     density, body = (known.density, which.replace("_", " ")) if known else (DENSITY, "steel")
     volume = 4 / 3 * np.pi * case.radius**3 if case.point else np.pi * case.radius**2 * case.length
@@ -300,8 +308,8 @@ def _mass(case: SolvedCase) -> Iterator[LeftOut]:
 
 def _friction(case: SolvedCase) -> Iterator[LeftOut]:
     """Friction slides everywhere in one direction; a press without motion has less tension."""
-    unbounded = "thickness" not in case.factors and BODY not in case.factors  # a film's other table takes a second
-    if not float(case.factors.get("friction") or 0) or "trailing_tension" not in case.solved or not unbounded:
+    slides = float(case.factors.get("friction") or 0) > 0
+    if not slides or "trailing_tension" not in case.solved or case.kind.layered:  # whose other table takes a second
         return
     tension = case.solved["trailing_tension"]
     rest = float(case.solve({**case.factors, "friction": 0.0})["trailing_tension"].squeeze())
