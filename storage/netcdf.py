@@ -95,7 +95,7 @@ def read_whole(
     """Read a file of `write_whole` or `write_blocks`."""
     path = Path(path)
     if not path.is_file():
-        raise FileNotFoundError(f"{path}: no such file")
+        raise FileNotFoundError(f"{path}: {'is a folder' if path.is_dir() else 'no such file'}")
     check_seal(path, max_bytes)
     mark = _inspect(path, max_bytes)
     with _reported(path):

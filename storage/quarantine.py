@@ -29,7 +29,7 @@ def try_to_read(path: str | PathLike[str], max_bytes: int) -> None:
     """
     file = Path(path)
     if not file.is_file():
-        raise FileNotFoundError(f"{file}: no such file")
+        raise FileNotFoundError(f"{file}: {'is a folder' if file.is_dir() else 'no such file'}")
     check_seal(file, max_bytes)
     child = _forked if _has_one_thread() else _started
     try:

@@ -28,7 +28,7 @@ from solver.names import CHOICES, FACTORS, OF_MATERIAL, PROFILES
 from solver.stack.layers import Stack
 from solver.threads import one_thread
 
-_BLOCK = 16384  # rows of a table that are solved at a time: some 1 kB of temporaries each
+_BLOCK = 8192  # rows of a table that are solved at a time: some 1 kB of temporaries each
 _VALUES = 2**17  # of a field or a search at a time: some hundred temporaries of 8 bytes each inside the body
 _OF_A_KIND = ("profile", "corner")  # one of each at a time; what varies is solved part by part
 

@@ -283,13 +283,23 @@ def _number(name: str, array: xr.DataArray) -> xr.DataArray:
     above = values >= factor.low if factor.low_allowed else values > factor.low
     below = values <= factor.high if factor.high_allowed else values < factor.high
     lacking = np.isnan(values) & factor.optional
-    bad = values[~(np.isfinite(values) & above & below | lacking)]
-    if bad.size:
-        raise FactorError(f"{name}: {bad.flat[0]:g} is not {factor.allowed}")
+    wrong = ~(np.isfinite(values) & above & below | lacking)
+    if wrong.any():
+        raise FactorError(f"{name}: {values[wrong].flat[0]:g} is not {factor.allowed}{_of_row(array, wrong)}")
     bad = values[(np.abs(values) < _SMALLEST) & (values != 0)]
     if bad.size:  # its inverse is no number, and it has lost digits
         raise FactorError(f"{name}: {bad.flat[0]:g} is too small for a number of full precision, {_SMALLEST:.3g}")
     return array
+
+
+def _of_row(array: xr.DataArray, wrong: NDArray[np.bool_]) -> str:
+    """Words on the first wrong row of a table with labels, and what to do with rows of several kinds."""
+    if array.dims != (CASE,) or CASE not in array.coords:
+        return ""
+    row = int(wrong.argmax())
+    mixed = np.isnan(array.values[row]) and not np.isnan(array.values).all()
+    apart = "; rows without it are another kind of case: solve each kind in a call of its own" if mixed else ""
+    return f" (row {array[CASE].values[row]}){apart}"
 
 
 def _choice(name: str, array: xr.DataArray, allowed: tuple[str | None, ...]) -> None:

@@ -68,7 +68,8 @@ def base_of(cases: Cases) -> tuple[Material, BoolArray]:
         base = _chosen(filled, cases.materials)
     except MaterialError as error:
         _, _, reason = str(error).partition("material: ")
-        raise FactorError(f"base: {reason} and {RIGID}" if reason else f"base: {error}") from None
+        also = f", {RIGID}" if "known are" in reason else ""
+        raise FactorError(f"base: {reason}{also}" if reason else f"base: {error}") from None
     if "base_modulus" not in cases.values:
         return base, rigid
     return combined(lambda *values: np.where(named | rigid, *values), (base, _isotropic(cases)), "base"), rigid

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.arrays import Array, BoolArray, is_finite, unmasked
-from solver.material.datasheet import ENTRIES, converted
+from solver.material.datasheet import ENTRIES, converted, meant
 from solver.material.evidence import SECTIONS, Alternative, Sourced, read_alternatives, read_sourced, with_unit
 from solver.material.usual import question, questions
 from solver.units import VACUUM_PERMEABILITY as VACUUM_PERMEABILITY
@@ -156,14 +156,15 @@ class Material:
         """
         known = [entry.name for entry in fields(cls) if entry.name != "any_size"]
         label = str(mapping.get("name", "material"))
+        for key in mapping:
+            if key not in known and key not in ENTRIES:
+                raise MaterialError(f"{label}: {key}: unknown entry; {meant(str(key), (*known, *ENTRIES))}")
         try:
             mapping = converted(mapping)
         except ValueError as error:
             raise MaterialError(f"{label}: {error}") from None
         evidence: dict[str, Any] = {}
         for key, value in mapping.items():
-            if key not in known:
-                raise MaterialError(f"{label}: {key}: unknown entry; known are {', '.join((*known, *ENTRIES))}")
             if key in (*SECTIONS, "alternatives"):
                 try:
                     evidence[key] = read_sourced(key, value) if key in SECTIONS else read_alternatives(value, UNITS)
@@ -181,7 +182,10 @@ class Material:
                 raise MaterialError(f"{label}: {key}: {value!r} is not a finite number [{UNITS[key]}]")
         missing = [key for key in ("c11", "c13", "c33", "c44") if key not in mapping]
         if missing:
-            raise MaterialError(f"{label}: {missing[0]}: missing; needed are c11, c13, c33, c44 [Pa]")
+            raise MaterialError(
+                f"{label}: {missing[0]}: missing; needed are c11, c13, c33, c44 [Pa], or s11, s12, s13, s33, s44 of a "
+                "data sheet, or E and nu of an isotropic solid"
+            )
         entries: dict[str, Any] = {**mapping, **evidence}
         material = cls(**entries)
         for variant in (material, *material.variants()):

@@ -6,7 +6,9 @@ finite-element decks give 6 x 6 and 3 x 6 matrices. The solver needs c^E, e and 
     c = s^-1,   e = d c,   eps^S = eps^T - d e^T.
 """
 
-from collections.abc import Mapping
+import re
+from collections.abc import Collection, Mapping
+from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -46,6 +48,26 @@ _USUAL = {
 _ABAQUS = [0, 1, 2, 5, 4, 3]  # Abaqus counts shear 12, 13, 23; IEEE 23, 13, 12
 _BROKEN = 1e-3  # of the largest entry: sheets round to three digits
 _DIFFERENT = 0.1  # between a coupling factor and the constants that it follows from
+
+
+#: Names that data sheets print, without blanks, _ and ^, and those of the same constants here.
+_PRINTED = {
+    r"([sc])E?(11|12|13|33|44|66)E?": r"\1\2",
+    r"([sc])D?(11|12|13|33|44|66)D?": r"\1\2, which is at constant electric field",
+    r"(?:K|epsilon|eps)r?T?([13])\1?T?": r"eps_r\1\1",
+    r"YE?([13])\1?E?": r"s\1\1, which is 1/Y",
+    r"(?i:density)": "rho",
+    r"(?i:youngs?|youngs?modulus)": "E",
+    r"(?i:poissons?|poissons?ratio)": "nu",
+}
+
+
+def meant(name: str, known: Collection[str]) -> str:
+    """Return what an unknown name in a material's file probably means, or all names that may be there."""
+    bare = re.sub(r"[\s_^']", "", name)
+    printed = (match.expand(ours) for form, ours in _PRINTED.items() if (match := re.fullmatch(form, bare)))
+    near = next(printed, None) or next(iter(get_close_matches(name, known, 1, 0.7)), None)
+    return f"did you mean {near}?" if near else f"known are {', '.join(known)}"
 
 
 def converted(mapping: Mapping[str, object]) -> dict[str, object]:

@@ -30,9 +30,10 @@ class Factorial:
 def complete_factorial(dataset: xr.Dataset, inputs: Sequence[Input] | None, outputs: Sequence[str] | None) -> Factorial:
     """Check that a data set is a complete factorial and take it apart."""
     names = output_names(dataset, outputs, exclude=())
+    variables = {name: dataset.variables[name] for name in names}  # a look-up of `dataset[name]` visits all others
     factors = [input_.name for input_ in inputs] if inputs is not None else _factors(dataset, names)
-    for name in names:
-        unknown = [str(dim) for dim in dataset[name].dims if dim not in factors]
+    for name, variable in variables.items():
+        unknown = [str(dim) for dim in variable.dims if dim not in factors]
         if unknown:
             raise ValueError(
                 f"output {name!r} has dimension {unknown[0]!r}, which is no input; the inputs are {', '.join(factors)}"
@@ -48,8 +49,10 @@ def complete_factorial(dataset: xr.Dataset, inputs: Sequence[Input] | None, outp
     check_levels(inputs, levels)
     levels = tuple(_exact(input_, values) for input_, values in zip(inputs, levels, strict=True))
     shape = tuple(map(len, levels))
-    arrays = {name: _full(dataset[name], factors, shape, order) for name in names}
-    return Factorial(tuple(inputs), levels, arrays, {name: text_attrs(dataset[name]) for name in names})
+    arrays = {name: _full(name, variable, factors, shape, order) for name, variable in variables.items()}
+    return Factorial(
+        tuple(inputs), levels, arrays, {name: text_attrs(variable) for name, variable in variables.items()}
+    )
 
 
 def output_names(dataset: xr.Dataset, outputs: Sequence[str] | None, exclude: Sequence[str]) -> list[str]:
@@ -60,18 +63,18 @@ def output_names(dataset: xr.Dataset, outputs: Sequence[str] | None, exclude: Se
     for name in names:
         if name not in dataset.data_vars:
             raise ValueError(f"output {name!r} is not in the data set; it has {', '.join(map(str, dataset.data_vars))}")
-        if dataset[name].dtype.kind not in "iuf":
-            raise ValueError(f"output {name!r} must be numbers, got {dataset[name].dtype} values")
+        if (dtype := dataset.variables[name].dtype).kind not in "iuf":
+            raise ValueError(f"output {name!r} must be numbers, got {dtype} values")
     return names
 
 
-def text_attrs(array: xr.DataArray) -> dict[str, str]:
+def text_attrs(array: xr.DataArray | xr.Variable) -> dict[str, str]:
     """Return an array's `units` and `long_name`, where it has them."""
     return {key: str(array.attrs[key]) for key in ("units", "long_name") if key in array.attrs}
 
 
 def _factors(dataset: xr.Dataset, names: Sequence[str]) -> list[str]:
-    used = {dim for name in names for dim in dataset[name].dims}
+    used = {dim for name in names for dim in dataset.variables[name].dims}
     return [str(dim) for dim in dataset.dims if dim in used]
 
 
@@ -183,7 +186,9 @@ def _check_levels(input_: Input, levels: Array) -> None:
         )
 
 
-def _full(array: xr.DataArray, factors: Sequence[str], shape: tuple[int, ...], order: Mapping[str, Indices]) -> Array:
+def _full(
+    name: str, array: xr.Variable, factors: Sequence[str], shape: tuple[int, ...], order: Mapping[str, Indices]
+) -> Array:
     present = [factor for factor in factors if factor in array.dims]
     values = np.asarray(array.transpose(*present).values, dtype=np.float64)
     for axis, factor in enumerate(present):
@@ -195,7 +200,7 @@ def _full(array: xr.DataArray, factors: Sequence[str], shape: tuple[int, ...], o
     if not clean and not np.isfinite(values).all():
         bad = int(np.count_nonzero(~np.isfinite(values)))
         raise ValueError(
-            f"output {array.name!r} is not finite in {bad} of {values.size} cases; the factorial must be complete"
+            f"output {name!r} is not finite in {bad} of {values.size} cases; the factorial must be complete"
         )
     axes = [size if factor in array.dims else 1 for factor, size in zip(factors, shape, strict=True)]
     return np.broadcast_to(values.reshape(axes), shape)

@@ -136,6 +136,8 @@ def test_something_else_and_nothing_are_told_apart(tmp_path: Path) -> None:
         read_whole(tmp_path / "a.nc")
     with pytest.raises(FileNotFoundError, match="no such file"):
         read_whole(tmp_path / "b.nc")
+    with pytest.raises(FileNotFoundError, match="is a folder"):
+        read_whole(tmp_path)
     with pytest.raises(FileNotFoundError, match="does not exist"):
         write_whole(sample(), tmp_path / "folder" / "b.nc")
 

@@ -60,10 +60,13 @@ def _rows(path: Path) -> list[dict[str, str]]:
 def _answers(path: Path, known: Mapping[Key, Any]) -> dict[Key, float]:
     """The numbers of a file, each of the table."""
     answers: dict[Key, float] = {}
-    for line, row in enumerate(_rows(path), 2):
+    rows = _rows(path)
+    if not rows:
+        raise InputError(f"{path}: is empty: needs the columns {', '.join(_COLUMNS)} and a row or more")
+    for line, row in enumerate(rows, 2):
         for name in _COLUMNS:
             if name not in row:
-                raise InputError(f"{path}: no column {name}; must have {', '.join(_COLUMNS)}")
+                raise InputError(f"{path}: no column {name}; must have {', '.join(_COLUMNS)}, between commas")
         key = row["problem"], row["quantity"]
         if key not in known:
             choices = [quantity for problem, quantity in known if problem == key[0]]

@@ -1,13 +1,14 @@
 """Tables of cases that people write: CSV with a header of factor names, read in bounded memory and time."""
 
 import csv
+import sys
 from array import array
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain, islice
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TextIO
+from typing import Any, TextIO, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,14 +102,35 @@ def read_cases(path: Path, measured: Mapping[str, str] = MappingProxyType({})) -
     below the header; the table holds SI units. A row that begins with # is a remark. ``measured`` has further columns
     of numbers with their units.
     """
+    (table,) = _tables(path, measured, None)
+    return table
+
+
+def read_blocks(path: Path, rows: int) -> Iterator[Table]:
+    """Read a table of any length block by block, each of at most so many cases."""
+    return _tables(path, {}, rows)
+
+
+def _tables(path: Path, measured: Mapping[str, str], rows: int | None) -> Iterator[Table]:
+    """Tables of at most so many rows each, or one table."""
     try:
-        file = sheet(path, _LARGEST)
+        file = sheet(path, _LARGEST if rows is None else sys.maxsize)
         with file.open() as text:
-            return _Reader(file, measured).table(text)
+            yield from _Reader(file, measured).tables(text, rows)
     except OSError as error:
         raise InputError(f"{path}: {error.strerror or error}") from None
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: not a CSV table in {file.encoding}: {error}") from None
+
+
+_Numbers: TypeAlias = "dict[str, array[float]]"
+_Texts: TypeAlias = dict[str, list[str | None]]
+
+
+def _empty(header: list[str]) -> tuple[_Numbers, _Texts, "array[int]"]:
+    """Columns of numbers and of names, and lines, without rows."""
+    columns: _Numbers = {name: array("d") for name in header if name not in TEXT_FACTORS}
+    return columns, {name: [] for name in header if name in TEXT_FACTORS}, array("q")
 
 
 @dataclass(frozen=True)
@@ -123,10 +145,10 @@ class _Reader:
         """Names of the columns that a table may have, but for own names of layers."""
         return (*_COLUMNS, *self.measured)
 
-    def table(self, file: TextIO) -> Table:
-        """The table of a file."""
+    def tables(self, file: TextIO, most: int | None) -> Iterator[Table]:
+        """The table of a file, in blocks of at most so many cases if that is given."""
         path = self.sheet.path
-        rows = self.sheet.rows(file, _MOST_LINES)
+        rows = self.sheet.rows(file, _MOST_LINES if most is None else sys.maxsize)
         units_of_columns = self.header(next(rows, (0, [""]))[1], rows)
         header = list(units_of_columns)
         second = next(rows, None)
@@ -136,14 +158,15 @@ class _Reader:
         if second is None:
             raise InputError(f"{path}: needs a header of factor names and at least one case")
         scales = {name: 1.0 if unit is None else self.scale(name, unit) for name, unit in units_of_columns.items()}
-        columns: dict[str, array[float]] = {name: array("d") for name in header if name not in TEXT_FACTORS}
-        texts: dict[str, list[str | None]] = {name: [] for name in header if name in TEXT_FACTORS}
-        lines = array("q")
+        columns, texts, lines = _empty(header)
         names: dict[str, str | None] = {"": None}  # every name is stored once, however often it occurs
         bare: set[str] = set()
         for line, row in chain([second], rows):
             where = f"{path}: line {line}"
-            if len(lines) == _MOST_CASES:
+            if len(lines) == most:
+                yield self.made(header, columns, texts, lines, bare)
+                columns, texts, lines = _empty(header)
+            if most is None and len(lines) == _MOST_CASES:
                 raise InputError(f"{where}: more than {_MOST_CASES} cases; split the table")
             if len(row) > len(header) and not any(map(str.strip, row[len(header) :])):
                 row = row[: len(header)]
@@ -159,10 +182,16 @@ class _Reader:
                 else:
                     texts[name].append(names.setdefault(text, self.name(where, name, text)))
             lines.append(line)
+        yield self.made(header, columns, texts, lines, bare)
+
+    def made(
+        self, header: list[str], columns: _Numbers, texts: _Texts, lines: "array[int]", bare: Collection[str]
+    ) -> Table:
+        """The table of some rows."""
         arrays: dict[str, NDArray[Any]] = {name: np.frombuffer(values) for name, values in columns.items()}
         arrays |= {name: np.array(cells, dtype=object) for name, cells in texts.items()}
         return Table(
-            str(path),
+            str(self.sheet.path),
             {name: arrays[name] for name in header},
             np.frombuffer(lines, dtype=np.int64),
             frozenset(bare),
@@ -194,7 +223,7 @@ class _Reader:
     def unknown(self, cell: str, name: str, unit: str | None, rows: Iterator[tuple[int, list[str]]]) -> str:
         """Reason for which a column's heading cannot be read, with what was probably meant."""
         if not cell.strip() and not any(True for _ in islice(rows, 1)):
-            return "is empty: needs a header of factor names and at least one case"
+            raise InputError(f"{self.sheet.path}: is empty: needs a header of factor names and at least one case")
         if not cell.strip():
             return "has no heading; a row index is left out, as by to_csv(index=False)"
         marks = [mark for mark in ("|", ";", "\t", "  ") if mark in cell.strip()]

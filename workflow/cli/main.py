@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import re
 import sys
 import textwrap
 import warnings
@@ -98,7 +99,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             warnings.showwarning = _warned
             return int(options.run(options) or 0)
     except InputError as error:
-        return _refuse(error)
+        return _refuse(f"{error}{_aside(options, error)}")
     except BrokenPipeError:  # who reads has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nor is there anything left to flush
         return 0
@@ -141,12 +142,11 @@ def _unsolvable() -> type[Exception]:
 
 def _aside(options: argparse.Namespace, error: Exception) -> str:
     """Return a hint behind an error: the option for a material that the library lacks."""
-    from solver import MaterialError
-
-    unknown = (
-        isinstance(error, MaterialError) and "is unknown" in str(error) and getattr(options, "materials", None) == []
-    )
-    return " an own one: --materials FILE.yaml; all that are built in: meecontact list materials" if unknown else ""
+    text = str(error)
+    if getattr(options, "materials", None) != [] or not re.search("(material|base|punch): .* is unknown; ", text):
+        return ""
+    joint = "" if text.endswith("?") else ";"
+    return f"{joint} an own one: --materials FILE.yaml; all that are built in: meecontact list materials"
 
 
 def _warned(

@@ -25,6 +25,7 @@ from workflow.device.signal import DROP, GONE, Figures, History, Signal, read
 from workflow.device.warmth import Warmth
 from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.numbers import shown
+from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, first_problem, number, read_material
 from workflow.study.sections import Amplifier, Device
 
@@ -139,6 +140,9 @@ def _device(text: str, kind: Kind) -> dict[str, float]:
     values = {name: _plain(value) for name, value in named("--device", text, valued=True).items()}
     amplifier = {name: values.pop(name) for name in Amplifier.model_fields if name in values}
     content = {**values, "amplifier": amplifier}
+    allowed = [name for name in (*Device.model_fields, *Amplifier.model_fields) if name != "amplifier"]
+    if unknown := next((name for name in values if name not in allowed), None):
+        raise InputError(f"--device: {unknown}: unknown key; {nearest(unknown, allowed)}")
     try:
         device = Device.model_validate(content)
         device.check(kind.contact)

@@ -6,6 +6,7 @@ import io
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import chain, product
 from pathlib import Path
@@ -37,9 +38,9 @@ from solver.names import (
     POINT_SLIDING,
 )
 from solver.units import written
-from storage.files import output, write_text
+from storage.files import output, write_text, writing
 from storage.netcdf import write_whole
-from workflow.cli.casetable import Table, one_case, read_cases
+from workflow.cli.casetable import Table, one_case, read_blocks, read_cases
 from workflow.cli.words import numbers, say
 from workflow.design.verdict import leftout
 from workflow.language.given import DESTROYED, lost_unit
@@ -59,7 +60,10 @@ _APART = ("profile", "corner", "electric", "magnetic", "surroundings", "electrod
 _ON_DATUM = {name: output for name, output in (ALL_QUANTITIES | EVERY_INTERIOR).items() if output.on_datum}
 _EMPTY = "no number where a case has none"
 _CASES = 512  # solved at a time at most: searched contacts (tilted flats) take 100 kB of temporaries each
+_CLOSED = 2**14  # of those in closed form
 _VALUES = 2**17  # of a field at a time: some hundred temporaries of 8 bytes each inside the body
+_LONG = 2**22  # bytes of a table that is answered block by block, some hundred thousand cases
+_BLOCK = 2**16  # its cases at a time: some 200 MB with answers and texts
 _MOST_BYTES = 2**32  # of an answer, which is kept in memory until it is written
 _OF_OPTIONS = ("positions", "x", "y", "fields")  # what a message opens with that is about no row
 _REFUSALS = (FactorError, MaterialError, np.linalg.LinAlgError)
@@ -67,30 +71,93 @@ _REFUSALS = (FactorError, MaterialError, np.linalg.LinAlgError)
 
 def solve_table(options: argparse.Namespace) -> None:
     """Solve a table and write its answer, as the options say."""
+    if _is_long(options):
+        _solve_blocks(options)
+        return
     positions = None if options.positions is None else numbers("--positions", options.positions)
     points = len(positions or [0.0])
     table, out = _solved(
         options, lambda factors, materials: solve(factors, positions, materials=materials, peaks=options.peaks), points
     )
     _check_units(table, out)
+    _tell_missing(*_lacking(table, out), out.attrs.get("heat", ""))
+    if options.output is None:
+        print("\n".join([*_lines(out.isel(case=0), si=options.si), "", *_left_out(table, options.materials)]))
+    else:
+        _wrote(options, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
+
+
+def _is_long(options: argparse.Namespace) -> bool:
+    """Return whether a table is answered block by block: a long one whose answer is a table."""
+    if options.cases is None or options.output is None or options.output.suffix != ".csv":
+        return False
+    return options.positions is None and options.cases.is_file() and options.cases.stat().st_size > _LONG
+
+
+def _solve_blocks(options: argparse.Namespace) -> None:
+    """Solve a long table block by block into a file that appears whole."""
+    options.output = output(options.output, options.cases, *options.materials)
+    materials = dict(read_material(path) for path in options.materials)
+    columns: dict[str, str] = {}
+    while (count := _written(options, materials, columns)) is None:
+        pass  # a block has further columns: all rows again, with those of all blocks so far
+    say(f"wrote {options.output}: {count} cases, {sum(name in ALL_QUANTITIES for name in columns)} quantities")
+
+
+def _written(options: argparse.Namespace, materials: Mapping[str, Material], columns: dict[str, str]) -> int | None:
+    """Number of cases of a table that were written; None where a block has further columns, which are added."""
+    count, found = 0, list[Excess]()
+    missing: dict[str, None] | None = None
+    partial: dict[str, None] = {}
+    heat = ""
+    with suppress(_FurtherColumnsError), writing(options.output) as file:
+        for table in read_blocks(options.cases, _BLOCK):
+            out = solved(table, lambda factors: solve(factors, materials=materials, peaks=options.peaks), found=found)
+            _check_units(table, out)
+            units = _units(out)
+            if columns and units.keys() - columns.keys():
+                columns |= units
+                raise _FurtherColumnsError
+            if not count:
+                columns |= units
+                file.write(_heading(columns).encode())
+            file.write(_as_rows(out, list(columns)).encode())
+            lacking, partly = _lacking(table, out)
+            heat = heat or out.attrs.get("heat", "")
+            partial |= dict.fromkeys([*partly, *(name for name in columns if name not in out)])
+            missing = dict.fromkeys(name for name in lacking if missing is None or name in missing)
+            count += table.count
+        if found:
+            say(f"meecontact: warning: {sentence(found, count)}")
+        _tell_missing(list(missing or ()), [name for name in partial if name in ALL_QUANTITIES], heat)
+        return count
+    return None
+
+
+class _FurtherColumnsError(Exception):
+    """A block of a long table has columns that no block before had."""
+
+
+def _lacking(table: Table, out: xr.Dataset) -> tuple[list[str], list[str]]:
+    """Quantities that no case has, and those that some case lacks."""
     names = [str(name) for name in out.coords]
     around = out["surroundings"].values.flat if "surroundings" in names else [CHOICES["surroundings"][0]]
     pressed = out["profile"].values.flat if "profile" in names else [CHOICES["profile"][0]]
     kinds = [kind_of(names, *pair) for pair in product(dict.fromkeys(pressed), dict.fromkeys(around))]
     quantities = list(dict.fromkeys(name for kind in kinds for name in kind.quantities))
     missing = [name for name in quantities if name not in out and name not in _unasked(table)]
+    return missing, [name for name in quantities if name in out and bool(out[name].isnull().any())]
+
+
+def _tell_missing(missing: Sequence[str], partial: Sequence[str], heat: str) -> None:
+    """Print which quantities no case has, why there is no heat, and which quantities some cases lack."""
     if missing:
         print(f"left out, because no case has them: {', '.join(missing)}", file=sys.stderr)
-    if reason := out.attrs.get("heat"):
-        print(f"heat: {reason}", file=sys.stderr)
-    partial = [name for name in quantities if name in out and bool(out[name].isnull().any())]
+    if heat:
+        print(f"heat: {heat}", file=sys.stderr)
     if partial:
         others = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""
         print(f"empty where a case has no such quantity: {', '.join(partial[:_NAMED])}{others}", file=sys.stderr)
-    if options.output is None:
-        print("\n".join([*_lines(out.isel(case=0), si=options.si), "", *_left_out(table, options.materials)]))
-    else:
-        _wrote(options, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
 
 
 def _lines(case: xr.Dataset, *, si: bool) -> Iterator[str]:
@@ -177,12 +244,17 @@ def _wrote(options: argparse.Namespace, out: xr.Dataset, what: str) -> None:
     say(f"wrote {options.output}: {out.sizes['case']} case{'s' if out.sizes['case'] != 1 else ''}, {what}")
 
 
-def solved(table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int = 1) -> xr.Dataset:
-    """Return outputs over dimension ``case`` in the order of the rows, with progress on a terminal."""
+def solved(
+    table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int = 1, found: list[Excess] | None = None
+) -> xr.Dataset:
+    """Return outputs over dimension ``case`` in the order of the rows, with progress on a terminal.
+
+    Contacts beyond small strain are warned of, or else join those that were found.
+    """
     table = _surrounded(table)
-    whole, found = _Whole(table), list[Excess]()
+    whole, excesses = _Whole(table), list[Excess]()
     with tqdm(total=table.count, unit=" cases", delay=2, disable=None, leave=False) as bar:
-        for names, rows in _blocks(table, min(_CASES, max(1, _VALUES // points))):
+        for names, rows in _blocks(table, min(_cases(table), max(1, _VALUES // points))):
             try:
                 with warnings.catch_warnings(record=True) as caught:
                     warnings.simplefilter("always", SmallStrainWarning)
@@ -191,14 +263,21 @@ def solved(table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int 
                 raise _explained(table, names, rows, solve, error) from None
             for warning in caught:
                 if isinstance(warning.message, SmallStrainWarning):
-                    found += warning.message.excesses
+                    excesses += warning.message.excesses
                 else:
                     say(f"meecontact: warning: {warning.message}")
             whole.add(rows, part)
             bar.update(len(rows))
-    if found:
-        say(f"meecontact: warning: {sentence(found, table.count)}")
+    if found is not None:
+        found += excesses
+    elif excesses:
+        say(f"meecontact: warning: {sentence(excesses, table.count)}")
     return whole.dataset()
+
+
+def _cases(table: Table) -> int:
+    """Cases of a table that are solved at a time: cylinders on half-planes, which the solver parts itself, are many."""
+    return _CASES if {"profile", "thickness", "surroundings"} & table.columns.keys() else _CLOSED
 
 
 def _surrounded(table: Table) -> Table:
@@ -333,13 +412,30 @@ def as_csv(answer: xr.Dataset, path: Path) -> None:
     """Write the answer to a table as a table: one row a case, columns of factors and quantities with their units."""
     if extra_dims := [str(dim) for dim in answer.dims if dim != "case"]:
         raise InputError(f"{path}: fields over {', '.join(extra_dims)} go to netCDF; name a file that ends in .nc")
+    columns = _units(answer)
+    write_text(path, _heading(columns) + _as_rows(answer, list(columns)))
+
+
+def _units(answer: xr.Dataset) -> dict[str, str]:
+    """Units of the columns of an answer as a table, by name."""
     columns = {str(name): column for name, column in chain(answer.coords.items(), answer.data_vars.items())}
-    units = {
+    return {
         name: column.attrs.get("units", "1") if column.dtype.kind == "f" else "1" for name, column in columns.items()
     }
-    text = io.StringIO()
+
+
+def _heading(units: Mapping[str, str]) -> str:
+    """The first row of a table."""
+    return ",".join(name if unit == "1" else f"{name} [{unit}]" for name, unit in units.items()) + "\n"
+
+
+def _as_rows(answer: xr.Dataset, names: Sequence[str]) -> str:
+    """The rows of an answer as text; empty in columns that it lacks."""
+    count, text = answer.sizes["case"], io.StringIO()
+    cells = [
+        np.broadcast_to(answer[name].values, count).tolist() if name in answer.variables else [""] * count
+        for name in names
+    ]
     rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(name if units[name] == "1" else f"{name} [{units[name]}]" for name in columns)
-    cells = [np.broadcast_to(column.values, answer.sizes["case"]).tolist() for column in columns.values()]
     rows.writerows([["" if cell != cell else plain(cell) for cell in row] for row in zip(*cells, strict=True)])
-    write_text(path, text.getvalue())
+    return text.getvalue()

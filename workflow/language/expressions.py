@@ -64,15 +64,16 @@ class Expression(ABC):
 class Number(Expression):
     """A literal."""
 
-    value: float
+    value: float  # In SI
+    measured_in: units.Unit | None = None  # Its unit, where it was written with one
 
     def partials(self, values: Mapping[str, Array]) -> tuple[Array, Partials]:
         """The value, with no derivative."""
         return np.float64(self.value) * np.ones(()), {}
 
     def unit(self) -> units.Unit | None:
-        """None: it takes the unit of what it is added to."""
-        return None
+        """Unit that stands behind it; None of a bare number: it takes the unit of what it is added to."""
+        return self.measured_in
 
     def children(self) -> tuple[Expression, ...]:
         """None."""

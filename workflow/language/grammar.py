@@ -3,17 +3,19 @@
     sum     := product (("+" | "-") product)*
     product := signed (("*" | "/") signed)*
     signed  := ("-" | "+") signed | atom ["^" integer]          ("**" is "^")
-    atom    := number | name | function "(" sum ("," sum)* ")" | "(" sum ")"
+    atom    := number [unit] | name | function "(" sum ("," sum)* ")" | "(" sum ")"
+    unit    := symbol ((" " | "·" | "/") symbol)*    a symbol with its exponent; no blank beside "/"
 
 Names are the quantities and numeric factors of the interface, what materials bear, and the numbers and figures of a
-device; functions are abs, sqrt, log, exp, min and max. A name that has a formula of others is read as that: of a
-figure the one of its meeting of punch and body.
+device; functions are abs, sqrt, log, exp, min and max. A number with a unit is taken to SI. A name that has a formula
+of others is read as that: of a figure the one of its meeting of punch and body.
 """
 
 import re
 from functools import lru_cache
 from math import isfinite
 
+from solver import units
 from solver.names import ALL_QUANTITIES
 from workflow.language.constants import CONSTANTS, FIGURES_BY, Meeting
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
@@ -25,6 +27,11 @@ DEEPEST = 40  # levels of brackets; keeps hostile texts from exhausting the stac
 LONGEST = 1000  # characters
 _KNOWN = {meeting: {**ALL_QUANTITIES, **figures, **CONSTANTS} for meeting, figures in FIGURES_BY.items()}
 _TOKEN = re.compile(r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|(?P<name>[A-Za-z_]\w*)|(?P<sign>\*\*|\S))")
+_RAISED = re.compile(r"\s*(?:\^|\*\*)\s*")
+_SYMBOL = re.compile(
+    r"(?P<joint>\s*·\s*|/|\s*)(?P<symbol>%|eps0|mu0|[^\W\d_]+)"
+    r"(?:\s*(?:\^|\*\*)\s*-?\d+|-?\d+(?:/\d+)?|[⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)?(?![\w(.])"
+)
 
 
 @lru_cache(1024)
@@ -47,8 +54,23 @@ class _Parser:
 
     def __init__(self, text: str, meeting: Meeting) -> None:
         self._meeting, self._known = meeting, _KNOWN[meeting]
-        self._tokens = [(str(match.lastgroup), match[str(match.lastgroup)]) for match in _TOKEN.finditer(text)]
-        self._at = 0
+        self._tokens: list[tuple[str, str]] = []
+        self._at = position = 0
+        while match := _TOKEN.match(text, position):
+            group, position = str(match.lastgroup), match.end()
+            self._tokens.append((group, match[group]))
+            if group == "number" and (end := self._unit_end(text, position)) > position:
+                self._tokens.append(("unit", _RAISED.sub("^", text[position:end].strip())))
+                position = end
+
+    def _unit_end(self, text: str, position: int) -> int:
+        """Position behind the symbols of a unit: what has another meaning behind a number is none."""
+        first = True
+        while match := _SYMBOL.match(text, position):
+            if match["symbol"] in self._known or match["symbol"] in FACTORS or (first and match["joint"].strip()):
+                break
+            position, first = match.end(), False
+        return position
 
     def whole(self) -> Expression:
         tree = self._sum(0)
@@ -101,19 +123,29 @@ class _Parser:
         group, token = self._tokens[self._at]
         self._at += 1
         if group == "number":
-            if not isfinite(float(token)):
-                raise ValueError(f"{token} is not a finite number")
-            return Number(float(token))
+            return self._number(token)
         if group == "name" and self._take("("):
             return self._call(token, depth)
         if group == "name":
             if token not in self._known and token not in FACTORS:
+                if _measures(token):
+                    raise ValueError(f"{token!r} is a unit, and stands behind a number without brackets: 0.5 V m N-1")
                 raise ValueError(f"{token!r} is not a quantity; {nearest(token, [*self._known, *FACTORS])}")
             formula = self._known[token].formula if token in self._known else ""
             return _Parser(formula, self._meeting).whole() if formula else Name(token)
         if token == "(":
             return self._closed(self._sum(depth + 1))
         raise ValueError(f"{token!r} is not expected there")
+
+    def _number(self, digits: str) -> Number:
+        text, unit = digits, None
+        if self._at < len(self._tokens) and self._tokens[self._at][0] == "unit":
+            text, unit = f"{digits} {self._peek()}", units.parse(self._peek())
+            self._at += 1
+        value = float(digits) if unit is None else units.scaled(digits, unit.scale)
+        if not isfinite(value):
+            raise ValueError(f"{text} is not a finite number")
+        return Number(value, unit)
 
     def _call(self, function: str, depth: int) -> Expression:
         if function not in FUNCTIONS:
@@ -130,3 +162,12 @@ class _Parser:
         if not self._take(")"):
             raise ValueError("a bracket is not closed")
         return tree
+
+
+def _measures(token: str) -> bool:
+    """Return whether a name is the symbol of a unit."""
+    try:
+        units.parse(token)
+    except ValueError:
+        return False
+    return True

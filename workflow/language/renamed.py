@@ -29,10 +29,18 @@ def renamed(content: Any, known: Collection[str]) -> Any:
 
 def renamed_study(content: dict[str, Any]) -> dict[str, Any]:
     """Return the mapping of a study's file with present names of quantities in all sections that have any."""
-    profile = _profile(content)
-    contact = PROFILES[profile].contact if profile in PROFILES else "line"
-    known = {name for kind in KINDS.values() if kind.contact == contact for name in kind.every_quantity}
+    contacts = _contacts(content)
+    known = {name for kind in KINDS.values() if kind.contact in contacts for name in kind.every_quantity}
     return {key: renamed(part, known) if key in _SECTIONS else part for key, part in content.items()}
+
+
+def _contacts(content: dict[str, Any]) -> set[str]:
+    """Kinds of contact of a study that is not checked yet: both, if its profile is unknown or a force varies."""
+    profile, factors = _profile(content), content.get("factors")
+    contact = PROFILES[profile].contact if profile in PROFILES else None
+    if contact == "point" or (contact and not (isinstance(factors, dict) and "force" in factors)):
+        return {contact}
+    return {kind.contact for kind in KINDS.values()}
 
 
 def _profile(content: dict[str, Any]) -> str:

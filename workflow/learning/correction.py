@@ -6,7 +6,7 @@ from typing import Any, Self
 
 import numpy as np
 import xarray as xr
-from scipy.stats import binom
+from scipy.special import bdtr
 
 from approximation.arrays import Array, Flags
 from solver import MaterialError, find
@@ -245,7 +245,7 @@ def _left_out(posterior: Learnt, rows: Measurements, nominal: Array) -> dict[str
         k = rows.of(q)
         k = k[usual[k]]
         ratios.append(np.sqrt(np.mean(after[k] ** 2) / np.mean(before[k] ** 2)) if len(k) else 1.0)
-    chance = float(binom.cdf(inside.sum(), len(inside), NOMINAL))
+    chance = float(bdtr(inside.sum(), len(inside), NOMINAL))
     share = float(np.mean(inside)) if len(inside) else 0.0
     return {"share_within_95": share, "rms_after": float(np.median(ratios)), "disagree": chance < _RARE}
 
@@ -346,6 +346,9 @@ def _check_errors(model: GaussianProcess, output: int, errors: Array, largest: f
         raise InputError(f"{name}: an error of {vague[0]:g} {units}; must be at most {_VAGUE * largest:.2g} {units}")
 
 
+Variables = dict[str, xr.Variable]
+
+
 class ConstantEffects:
     """Changes of all outputs of a surrogate when constants move, as surrogates over the same box."""
 
@@ -369,6 +372,7 @@ class ConstantEffects:
         say(f"effects of {solved} constants: exact on {self.cases} cases each")
         self._start = self._exact(np.zeros(len(constants)))
         self._at, self._slopes = np.zeros(len(constants)), self._differences(np.zeros(len(constants)), self._start)
+        self._latest: tuple[Array, GridGP] | None = None
         self.error = self._judged()
 
     @property
@@ -379,6 +383,8 @@ class ConstantEffects:
     def at(self, z: Array) -> GridGP:
         """The change of every output at scaled constants, then its derivative by each unknown, for every output."""
         z = z[: len(self._constants)]
+        if self._latest is not None and np.array_equal(z, self._latest[0]):
+            return self._latest[1]
         exact = self._exact(z) if np.any(z) else self._start
         if np.abs(z - self._at).max() > _STALE[bool(self._study.tabled)]:
             self._say("the constants have moved: their effects anew")
@@ -389,18 +395,19 @@ class ConstantEffects:
             for constant, slope in zip(self._constants, self._slopes, strict=True):
                 parts[f"{name}: {constant.name}"] = slope[name]
             parts |= {f"{name}: {silent}": xr.zeros_like(exact[name]) for silent in self._silent}
-        return self._fitted(parts)
+        self._latest = z.copy(), self._fitted(parts)
+        return self._latest[1]
 
-    def _fitted(self, parts: dict[str, xr.DataArray]) -> GridGP:
-        return GridGP(self._model.inputs_, list(parts), compression=1e-5).fit(xr.Dataset(parts))
+    def _fitted(self, parts: Variables) -> GridGP:
+        return GridGP(self._model.inputs_, list(parts), compression=1e-5).fit(xr.Dataset(parts, dict(self._levels)))
 
-    def _exact(self, z: Array) -> xr.Dataset:
+    def _exact(self, z: Array) -> Variables:
         study = moved(self._study, self._constants, z)
-        return factorial.training_data(self._study, factorial.exact(study, dict(self._levels)))
+        return _variables(factorial.training_data(self._study, factorial.exact(study, dict(self._levels))))
 
-    def _differences(self, z: Array, exact: xr.Dataset) -> list[xr.Dataset]:
+    def _differences(self, z: Array, exact: Variables) -> list[Variables]:
         """Derivatives of all outputs by every scaled constant, zero where it has no part."""
-        differences: dict[str, xr.Dataset] = {}
+        differences: dict[str, Variables] = {}
         solved = [constant for constant in self._constants if not self._parts(constant)]
         for number, constant in enumerate(solved, 1):
             self._say(f"{number} of {len(solved)}: {constant.name}")
@@ -411,15 +418,18 @@ class ConstantEffects:
             categories_ = {
                 name: [held[name]] if name in held else names for name, names in self._study.categories.items()
             }
-            shifted = categories.apart(_expanded(cases, held), categories_, self._study.outputs)
-            differences[constant.name] = xr.Dataset({
+            shifted = _variables(categories.apart(_expanded(cases, held), categories_, self._study.outputs))
+            differences[constant.name] = {
                 name: (shifted[name] - exact[name]) / _PRIOR_STEP if name in shifted else xr.zeros_like(exact[name])
                 for name in self._model.outputs_
-            })  # fmt: skip
+            }
         for family in self._constants:
             for part in self._parts(family):
-                share = differences[part.name] * (family.std / part.std)
-                differences[family.name] = differences[family.name] + share if family.name in differences else share
+                ratio, before = family.std / part.std, differences.get(family.name)
+                share = {name: array * ratio for name, array in differences[part.name].items()}
+                differences[family.name] = (
+                    share if before is None else {name: before[name] + share[name] for name in share}
+                )
         return [differences[constant.name] for constant in self._constants]
 
     def _parts(self, constant: Constant) -> list[Constant]:
@@ -453,6 +463,11 @@ def _levels(study: Study, model: GaussianProcess) -> dict[str, Array]:
         raise InputError(f"{study.path}: effects of constants need too many cases: {error}") from None
     counts = {name: min(n if name in study.tabled else n + 1, _MOST_LEVELS) for name, n in pilot.items()}
     return {name: model.box[name].levels(counts[name]) for name in dict.fromkeys([*study.tabled, *counts])}
+
+
+def _variables(data: xr.Dataset) -> Variables:
+    """The outputs as arrays with named dimensions alone: hundreds of them are subtracted, all on the same levels."""
+    return {str(name): array.variable for name, array in data.data_vars.items()}
 
 
 def _expanded(solved: xr.Dataset, held: dict[str, str]) -> xr.Dataset:

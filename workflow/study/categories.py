@@ -44,6 +44,8 @@ def titled(output: str) -> str:
 
 def apart(data: xr.Dataset, categories: Mapping[str, Sequence[str]], quantities: Iterable[str]) -> xr.Dataset:
     """Quantities without the categories' dimensions: each of every combination as a variable of its own."""
+    if not categories:
+        return data[list(quantities)]
     parts: dict[str, xr.DataArray] = {}
     for combination in combinations(categories):
         for name in quantities:

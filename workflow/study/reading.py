@@ -186,6 +186,8 @@ def first_problem(error: "ValidationError", model: "type[BaseModel]", content: M
         return f"{'.'.join([*place, str(finding['loc'][-1])])}: missing"
     if finding["type"] == "value_error":
         return f"{where}: {message}" if where else message
+    if finding["type"] == "model_type":
+        return f"{where}: {finding['input']!r}: must be a mapping of {', '.join(_keys_at(model, place))}"
     return f"{where}: {finding['input']!r}: {message[0].lower()}{message[1:]}"
 
 

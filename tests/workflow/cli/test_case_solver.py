@@ -4,11 +4,13 @@ import re
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 from solver import solve
 from storage.netcdf import read_whole, write_whole
+from workflow.cli import main
 from workflow.cli import solve as case_solver
 from workflow.cli.casetable import read_cases
 from workflow.language.wordings import plain
@@ -26,7 +28,7 @@ def test_blocks_give_the_bytes_of_one_pass(tmp_path: Path, monkeypatch: pytest.M
     sizes: list[int] = []
 
     def written(most: int) -> bytes:
-        monkeypatch.setattr(case_solver, "_CASES", most)
+        monkeypatch.setattr(case_solver, "_CLOSED", most)
         sizes.clear()
 
         def counted(factors: xr.Dataset) -> xr.Dataset:
@@ -69,6 +71,28 @@ def test_a_row_at_fault_is_named_by_its_line(tmp_path: Path, changed: dict[str, 
     path.write_text(header + "\n" + good * 9 + bad + good * 9 + bad, encoding="utf-8")
     with pytest.raises(InputError, match=rf"^{path}: line 12: .*{re.escape(says)}"):
         case_solver.solved(read_cases(path), solve)
+
+
+def test_a_long_table_is_answered_in_blocks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A later block has columns and faults of its own; the file is that of one table, or none."""
+    path = tmp_path / "cases.csv"
+    header, *rows = "material,radius,load,profile,width", "PZT-4,0.05,1e4 N/m,,", "steel,,2e4 N/m,flat,1e-3"
+    path.write_text("\n".join([header, *[rows[0]] * 7, *[rows[1]] * 5, *[rows[0]] * 2]) + "\n", encoding="utf-8")
+    assert main.main(["solve", str(path), "-o", str(tmp_path / "whole.csv")]) == 0
+    said = capsys.readouterr().err.replace("whole", "blocks")
+    monkeypatch.setattr(case_solver, "_LONG", 0)
+    monkeypatch.setattr(case_solver, "_BLOCK", 4)
+    assert main.main(["solve", str(path), "-o", str(tmp_path / "blocks.csv")]) == 0
+    assert capsys.readouterr().err == said
+    whole, blocks = (pd.read_csv(tmp_path / f"{name}.csv") for name in ("whole", "blocks"))
+    pd.testing.assert_frame_equal(blocks[whole.columns], whole, rtol=1e-12)
+    path.write_text(path.read_text(encoding="utf-8") + "PZT-4,-1,1e4 N/m,,\n", encoding="utf-8")
+    (tmp_path / "blocks.csv").unlink()
+    assert main.main(["solve", str(path), "-o", str(tmp_path / "blocks.csv")]) == 2
+    assert "line 16: radius: -1 is not a finite number > 0" in capsys.readouterr().err
+    assert {file.name for file in tmp_path.iterdir()} == {"cases.csv", "whole.csv"}
 
 
 def test_an_answer_too_large_for_the_memory_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -146,6 +146,7 @@ def test_words_for_missing_values_are_refused(column: str, other: str, tmp_path:
         (b'radius,load\n"0,05",1e5\n', "has a decimal comma in a table with commas"),
         (b"radius;load\n1.000,5;1e5\n", "groups its digits"),
         ("radius [mm]\n5 ± 0.1\n".encode(), "has an error behind it"),
+        (b"", "cases.csv: is empty: needs a header"),
         (b"thickness\n100\n", "100 is 100 m; did you mean 100 um?"),
         (b"radius\n50\n", "50 is 50 m; did you mean 50 mm?"),
         (b"base_modulus\n200\n", "200 is 200 Pa; did you mean 200 GPa?"),

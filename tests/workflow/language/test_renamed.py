@@ -37,6 +37,10 @@ def test_a_point_has_a_capacitance_and_reads_old_names(capsys: pytest.CaptureFix
     assert study["surrogate"]["outputs"] == ["capacitance", "capacitance", "charge_per_force"]
     assert study["readout"]["r"]["measured"] == {"charge_per_force": "1 %"}
     assert len(capsys.readouterr().err.splitlines()) == 2
+    for fixed in ({"fixed": {"profile": "ball"}}, {"fixd": {"profile": "sphere"}, "factors": {"force": {}}}):
+        wanted = {"surrogate": {"outputs": ["capacitance"]}, **fixed}
+        assert renamed_study(wanted) == wanted  # not a line's capacitance, for a slip that is refused afterwards
+    assert not capsys.readouterr().err
     assert renamed_study({"fixed": {"profile": 3}, "categories": [], "design": None})["design"] is None
 
 

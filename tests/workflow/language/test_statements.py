@@ -13,7 +13,7 @@ from solver import units
 from solver.names import ALL_QUANTITIES, FACTORS
 from workflow.device.circuit import Circuit
 from workflow.language import grammar, statements, statistics
-from workflow.language.constants import FIGURES
+from workflow.language.constants import CONSTANTS, FIGURES
 from workflow.language.expressions import units_of
 
 NAMES = ["voltage", "magnetic_potential", "load", "radius", "contact_trailing", "peak_pressure"]
@@ -81,6 +81,31 @@ def test_precedence(text: str, value: float) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "value", "unit"),
+    [
+        ("min(abs(voltage_per_load) / (0.05 V m N-1), 2 * friction)", 0.8, "1"),
+        ("voltage/0.5 kV/mm", 4e-6, "m"),  # a number and its unit are one atom
+        ("voltage/4 mV/depth", 125.0, "m-1"),  # `depth` is a quantity, no unit
+        ("depth + 3um+1", 5.000003, "m"),
+        ("depth^2 + 2 µm²", 16.000000000002, "m2"),
+        ("depth^2 + 2 um ** 2", 16.000000000002, "m2"),
+        ("depth + 5 % * depth", 4.2, "m"),
+    ],
+)
+def test_numbers_in_expressions_have_units(text: str, value: float, unit: str) -> None:
+    values = {"voltage": 2.0, "voltage_per_load": -0.05, "friction": 0.4, "depth": 4.0}
+    tree = grammar.parse(text)
+    assert float(tree.evaluate({k: np.array(v) for k, v in values.items()})) == pytest.approx(value, rel=1e-14)
+    assert str(tree.unit()) == unit
+
+
+def test_no_name_is_a_unit() -> None:
+    for name in {**FACTORS, **ALL_QUANTITIES, **CONSTANTS, **FIGURES}:
+        with pytest.raises(ValueError, match="not a unit"):
+            units.parse(name)
+
+
+@pytest.mark.parametrize(
     ("text", "reason"),
     [
         ("", "something is missing at its end"),
@@ -96,6 +121,10 @@ def test_precedence(text: str, value: float) -> None:
         ("(" * 60 + "depth" + ")" * 60, "nested more than 40 deep"),
         ("depth +" * 200 + "depth", "longer than 1000"),
         ("abs(voltage_sensitivty)", "did you mean 'voltage_per_load'"),
+        ("depth + 3 mV", "'m' and 'V' cannot be added \\(unit mismatch\\)"),
+        ("depth + 2 Volt", "'Volt' is not a unit; known are"),
+        ("depth * 2 N/(V m)", "'V' is a unit, and stands behind a number without brackets"),
+        ("depth + 1e308 Tm", "depth \\+ 1e308 Tm': 1e308 Tm is not a finite number"),
     ],
 )
 def test_refuses_everything_else(text: str, reason: str) -> None:

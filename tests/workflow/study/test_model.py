@@ -44,6 +44,7 @@ def test_quickstart_is_the_factorial_of_the_documentation() -> None:
         ("high: 0.6", "high: .nan", "factors.friction.high: nan: input should be a finite number"),
         ("low: 0.0, high: 0.6", "low: 0.7, high: 0.6", "factors.friction: low = 0.7 must be below high = 0.6"),
         ("high: 0.95", "high: 1.05", "volume_fraction: 1.05 is not a finite number >= 0 and <= 1 [1]"),
+        ("{low: 0.0, high: 0.6, levels: 5}", "0.2", "factors.friction: 0.2: must be a mapping of low, high, levels"),
         ("friction: {low", "fricton: {low", "factors.fricton: 'fricton' is not a factor; did you mean 'friction'?"),
         ("[BaTiO3, CoFe2O4]", "[BaTi3, CoFe2O4]", "material: 'BaTi3' is unknown; did you mean 'BaTiO3'?"),
         ("magnetic_charge: 0.0", "magnetic_charge: none", "fixed: magnetic_charge: 'none' is not a finite number"),
