@@ -178,7 +178,9 @@ def _left_out(table: Table, materials: Sequence[Path]) -> Iterator[str]:
 
     around = str(case.get("surroundings") or CHOICES["surroundings"][0])
     kind = kind_of([*case], str(case.get("profile") or CHOICES["profile"][0]), around)
-    single = leftout.SolvedCase(kind, case, solved, lambda name: allowable(name, case, known, _PHASES), {})
+    single = leftout.SolvedCase(
+        kind, case, solved, lambda name: allowable(name, case, known, _PHASES), {}, materials=known
+    )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SmallStrainWarning)  # which the case itself has shown
         yield from [one_line(f"left out: {effect.left_out_words}") for effect in leftout.budget(single)]

@@ -33,7 +33,9 @@ def effects(
     case: Mapping[str, Any],
     solved: Mapping[str, float] | None = None,
     device: Mapping[str, float] = MappingProxyType({}),
-    **numbers: float,
+    *,
+    smallest_force: float = np.nan,
+    band: float = np.nan,
 ) -> dict[str, LeftOut]:
     """The budget by name, of quantities that are given or solved."""
 
@@ -41,11 +43,10 @@ def effects(
         if solved is None:
             return solve(factors)
         rest = {"trailing_tension": 0.0} if factors.get("friction") == 0.0 else {}
-        warm = {"temperature_equal": 0.25} if "hold" in factors else {}
-        return xr.Dataset({**solved, **warm, **rest})
+        return xr.Dataset({**solved, **rest})
 
     kind = kind_of([*case], case.get("profile", "cylinder"), "insulated")
-    whole = SolvedCase(kind, case, answer, of_pzt, device, **numbers)
+    whole = SolvedCase(kind, case, answer, of_pzt, device, smallest_force, band=band)
     return {effect.left_out: effect for effect in leftout.budget(whole)}
 
 
@@ -58,7 +59,6 @@ ROLLER = {"radius": 0.05, "load": 1e4, "punch": "rigid", "friction": 0.2}
     ("name", "case", "solved", "size", "matters", "share"),
     [
         ("small strain", {}, POINT, 4e-5 / 0.02, 0.2, 4e-6),  # the circle's next term, (a/R)^2
-        ("heat", {}, POINT, 1.0, 0.25, 4.0),
         # Johnson (1985) 13.2: p* = 2 pi E* sigma/a with Hertz's E* = p0 pi R/2a = 47.124 GPa: 74.02 MPa of 60 MPa
         ("roughness", {}, POINT, 1e-8, 8.1057e-9, 1.23370),
         # no wave of 2 nm is 10 nm high: 20 pm, p*/p0 = 4.9348, crests apart: (24/pi 24.352)^(1/3) - 1
@@ -110,7 +110,10 @@ def test_the_quickstart_ball_has_the_figures_of_its_page() -> None:
     heat = found["heat"]
     exact = solve(BALL | {"touch_temperature": 294.15, "hold": 1.0})
     assert heat.left_out_matters == pytest.approx(float(exact["temperature_equal"]))
+    assert heat.left_out_share == pytest.approx(1 / heat.left_out_matters)
     assert "2 mK the smallest force" in heat.left_out_words
+    # 539 uC/m2/K (docs/heat.md) over pi (36.175 um)^2, of 40.0 pC times 5 uN/0.2 N
+    assert heat.left_out_words.endswith("; of the whole body 450 µK equal the smallest force.")
     assert next(iter(found)) == "mass of the punch"
 
 

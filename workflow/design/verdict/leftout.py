@@ -5,21 +5,23 @@ names none.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from solver import FactorError, MaterialError, solve
+from solver import FactorError, Material, MaterialError, Stack, solve
 from solver.body import Kind
+from solver.face.heat import responses
 from solver.face.strain import DEEP, WIDE
 from solver.material.punches import RIGID_PUNCH, punches
-from solver.names import CHOICES, FACTORS
+from solver.names import BODY, CHOICES, FACTORS
 from workflow.language import titles
 from workflow.language.numbers import number, shown
 from workflow.language.titles import capital
+from workflow.study import layered
 from workflow.study.allowable import Allowable
 from workflow.study.model import Study
 from workflow.study.uncertainty import USUAL
@@ -68,6 +70,9 @@ class SolvedCase:
     allowable: Callable[[str], Allowable]  # ValueError where a limit is not known
     device: Mapping[str, float]  # numbers of a study's section ``device``; empty without one
     smallest_force: float = np.nan  # [N]
+    materials: Mapping[str, Material] = field(default_factory=dict)  # beside the library's
+    phases: tuple[str, str] = ("BaTiO3", "CoFe2O4")
+    body: Stack | None = None  # of a study's body
     band: float = np.nan  # the printed relative band; NaN: the least spread of published constants
 
     @cached_property
@@ -123,8 +128,18 @@ class SolvedCase:
 def of_study(study: Study, factors: Mapping[str, Any], smallest_force: float, band: float) -> SolvedCase:
     """A case of a study, with its device, for the budget."""
     device = study.device.constants if study.device else {}
+    phases = (study.phases[0], study.phases[1])
     return SolvedCase(
-        study.kind, factors, lambda case: study.solved(solve, case), study.allowable, device, smallest_force, band
+        kind=study.kind,
+        factors=factors,
+        solve=lambda case: study.solved(solve, case),
+        allowable=study.allowable,
+        device=device,
+        smallest_force=smallest_force,
+        materials=study.own_materials,
+        phases=phases,
+        body=layered.stack(study.body, dict(factors), study.own_materials, phases) if study.body else None,
+        band=band,
     )
 
 
@@ -215,9 +230,19 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
     share = rise / equal
     brief = f"heat is {_times(share)} the signal"
     more = f" for {shown(rise, 'K', 3)} in {shown(hold, 's', 2)}; {shown(equal, 'K', 2)} equal the signal"
+    kelvin, whose = case.charge / _uniform(case, out), "the signal"
     if np.isfinite(case.smallest_force):
-        more += f", {shown(equal * case.smallest_force / case.force, 'K', 2)} the smallest force"
+        part, whose = case.smallest_force / case.force, "the smallest force"
+        more += f", {shown(equal * part, 'K', 2)} {whose}"
+        kelvin *= part
+    more += f"; of the whole body {shown(kelvin, 'K', 2)} equal {whose}"
     yield _effect(case, "heat", "signal", rise, equal, "K", share, brief, more)
+
+
+def _uniform(case: SolvedCase, solved: xr.Dataset) -> float:
+    """Charge of a change of temperature everywhere [C/K]."""
+    factors = {**case.factors, **({BODY: case.body} if case.body else {})}
+    return abs(case.length * responses(factors, solved, np.empty(0), case.materials, case.phases)[1])
 
 
 def _roughness(case: SolvedCase) -> Iterator[LeftOut]:
