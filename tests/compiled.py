@@ -20,18 +20,18 @@ class Compiled:
     def __init__(self, source: Path, *flags: str) -> None:
         name, library = source.stem, source.with_suffix(".".join(["", *(flag.strip("-") for flag in flags), "so"]))
         macro = f"-D{name.upper()}_SELFTEST"
-        subprocess.run(
-            [programs.path("gcc"), *STRICT, *flags, macro, "-shared", "-fPIC", str(source), "-lm", "-o", str(library)],
-            check=True,
-        )
+        gcc, code = programs.path("gcc"), str(library.with_suffix(".o"))
+        subprocess.run([gcc, *STRICT, *flags, macro, "-fPIC", "-c", str(source), "-o", code], check=True)
+        # linked without -ffast-math, whose start-up code flushes denormals to zero in the whole test process
+        subprocess.run([gcc, "-shared", code, "-lm", "-o", str(library)], check=True)
         header = source.with_suffix(".h").read_text(encoding="ascii")
         real = ctypes.c_float if f"typedef float {name}_real" in header else ctypes.c_double
         self._dtype = np.dtype(real)
         self.constants = {key: int(value) for key, value in re.findall(rf"#define {name.upper()}_(\w+) (\d+)", header)}
         self._inputs, self._outputs = self.constants["INPUTS"], self.constants["OUTPUTS"]
-        code, pointer = ctypes.CDLL(str(library)), ctypes.POINTER(real)
-        self._code = {part: getattr(code, f"{name}_{part}") for part in ("inside", "value", "interval", "gradient")}
-        self.selftest = getattr(code, f"{name}_selftest")
+        loaded, pointer = ctypes.CDLL(str(library)), ctypes.POINTER(real)
+        self._code = {part: getattr(loaded, f"{name}_{part}") for part in ("inside", "value", "interval", "gradient")}
+        self.selftest = getattr(loaded, f"{name}_selftest")
         self._pointer = pointer
 
     def asked(self, part: str, X: Array, output: int = 0) -> tuple[Indices, Array]:

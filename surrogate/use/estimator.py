@@ -148,7 +148,7 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         if places is None and self.design == "auto" and not scattered:
             places = _some_places(columns, levels)
             if places is None:
-                _warn_of_scattered(names, columns, levels)
+                _warn_of_doubles(names, columns)
         self.shift_ = np.zeros(len(names))
         if places is None:
             self.model_ = self._scattered(names, columns, values, weights)
@@ -296,19 +296,14 @@ def _some_places(columns: Array, levels: Sequence[Array]) -> Indices | None:
     return places
 
 
-def _warn_of_scattered(names: Sequence[str], columns: Array, levels: Sequence[Array]) -> None:
-    """Warn of cases that lie on a factorial and are learnt as scattered: some are missing, or not unique."""
+def _warn_of_doubles(names: Sequence[str], columns: Array) -> None:
+    """Warn of cases of a factorial that have several outputs, for which all are learnt as scattered."""
     rows, counts = np.unique(columns, axis=0, return_counts=True)
-    whole = float(np.prod([float(len(values)) for values in levels]))
-    reasons = []
     if (several := counts > 1).any():
         case = ", ".join(f"{name} = {value:g}" for name, value in zip(names, rows[several][0], strict=True))
-        reasons.append(f"{np.count_nonzero(several)} of them several times with other outputs, as {case}")
-    if len(rows) < whole:
-        reasons.append(f"{whole - len(rows):.0f} of the {whole:.0f} combinations missing")
-    if 2 * len(rows) >= whole:
         warnings.warn(
-            f"cases of a factorial, {', '.join(reasons)}: learnt as scattered cases with noise, far less exactly",
+            f"cases of a factorial, {np.count_nonzero(several)} of them several times with other outputs, as {case}: "
+            "learnt as scattered cases with noise, far less exactly",
             UserWarning,
             stacklevel=3,
         )

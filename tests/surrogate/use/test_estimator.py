@@ -175,8 +175,6 @@ def test_double_rows_count_once_and_missing_ones_are_told() -> None:
     y = np.append(partial[:, 0], partial[0, 0] + 0.1)  # no interpolation of it
     with pytest.warns(UserWarning, match=r"1 of them several times with other outputs, as x0 = "):
         assert isinstance(FactorialRegressor().fit(noisy, y).model_, ScatterGP)
-    with pytest.warns(UserWarning, match=r"factorial, 60 of the 210 combinations missing: learnt as scattered"):
-        FactorialRegressor().fit(X[60:][::-1], truth(X[60:][::-1]))
     expected = whole.predict(fresh())
     # the second: as many cases as combinations, but one of them twice; the last lacks eight
     for partial, missing in ((X[1:], 1), (X[[1, *range(1, 210)]], 1), (X[8:], 8)):

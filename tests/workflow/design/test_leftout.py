@@ -114,6 +114,19 @@ def test_the_quickstart_ball_has_the_figures_of_its_page() -> None:
     assert next(iter(found)) == "mass of the punch"
 
 
+def test_signals_are_judged_at_the_smallest_force_and_stresses_at_the_largest() -> None:
+    cases = {force: {"profile": "sphere", "radius": 0.02, "force": force, "punch": "steel"} for force in (0.02, 0.2)}
+    kind = kind_of([*cases[0.2]], "sphere", "insulated")
+    radii = {0.02: 2e-5, 0.2: 4e-5}
+    least, most = (
+        SolvedCase(kind, case, lambda case: xr.Dataset(POINT | {"contact_radius": radii[case["force"]]}), of_pzt, {})
+        for case in cases.values()
+    )
+    found = {effect.left_out: effect for effect in leftout.budget(least, most)}
+    assert found["adhesion"].left_out_matters == 0.02
+    assert found["roughness"].left_out_matters == pytest.approx(8.1057e-9, rel=1e-4)
+
+
 def test_what_is_not_known_is_named_and_never_zero() -> None:
     rigid = effects(BALL | {"base": "rigid"})["heat"]
     assert np.isnan(rigid.left_out_share)

@@ -163,13 +163,13 @@ def answer(
 
 
 def _left_out(study: Study, target: Target, judged: Answer) -> tuple[leftout.LeftOut, ...]:
-    """Effects that the model leaves out at a design, at its smallest force."""
+    """Effects that the model leaves out at a design: of signals at its smallest force, of stresses at its largest."""
     force = study.kind.loads.force
     case: dict[str, Any] = {**study.fixed, **judged.case}
-    if force in target.ranges:
-        case[force] = target.ranges[force][0]
+    cases = [case | {force: end} for end in dict.fromkeys(target.ranges.get(force, (case[force],)))]
     smallest = next((figure.figure_high for figure in judged.figures if figure.figure == "smallest_force"), np.nan)
-    return leftout.budget(leftout.of_study(study, case, smallest, judged.terms[0].spread))
+    band = judged.terms[0].spread
+    return leftout.budget(*(leftout.of_study(study, case, smallest, band) for case in cases))
 
 
 def _refusal(best: Candidate) -> str:

@@ -128,9 +128,13 @@ def of_study(study: Study, factors: Mapping[str, Any], smallest_force: float, ba
     )
 
 
-def budget(case: SolvedCase) -> tuple[LeftOut, ...]:
-    """Effects that the model leaves out at a case, the largest against the printed band first."""
-    effects = [effect for part in _PARTS for effect in part(case)]
+def budget(case: SolvedCase, pressed: SolvedCase | None = None) -> tuple[LeftOut, ...]:
+    """Effects that the model leaves out at a case, the largest against the printed band first.
+
+    pressed : the same case at the largest force, where stresses and strains are judged; None: the case itself.
+    """
+    effects = [effect for part in _BY_SIGNAL for effect in part(case)]
+    effects += [effect for part in _BY_STRESS for effect in part(pressed or case)]
     return tuple(sorted(effects, key=_rank))
 
 
@@ -333,6 +337,5 @@ def _limits(case: SolvedCase) -> Iterator[LeftOut]:
             yield _effect(case, titles.title(name), "", size, limit.value, units, np.nan, brief, more)
 
 
-_PARTS = (
-    _constants, _strain, _heat, _roughness, _tilt, _adhesion, _amplifier, _mass, _friction, _limits,
-)  # fmt: skip
+_BY_SIGNAL = (_constants, _heat, _adhesion, _amplifier, _mass)
+_BY_STRESS = (_strain, _roughness, _tilt, _friction, _limits)
