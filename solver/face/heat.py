@@ -38,8 +38,9 @@ def with_heat(
     """Solved contacts with the quantities of heat, or with the reason for which they have none, over all factors."""
     out = _added(out, arrays, materials, phases)
     sizes = {dim: size for array in arrays.values() for dim, size in array.sizes.items()}
-    whole = {name: array.variable.set_dims({**sizes, **array.sizes}) for name, array in out.data_vars.items()}
-    return out.assign({name: variable.transpose(*sizes, ...) for name, variable in whole.items()})
+    all_factors = xr.DataArray(np.broadcast_to(0.0, tuple(sizes.values())), dims=tuple(sizes))
+    whole = {name: array.broadcast_like(all_factors) for name, array in out.data_vars.items()}
+    return out.assign({name: array.transpose(*sizes, ...) for name, array in whole.items()})
 
 
 def _added(

@@ -2,6 +2,7 @@
 
 import codecs
 import io
+import math
 import sys
 import unicodedata
 from argparse import ArgumentTypeError
@@ -89,6 +90,8 @@ def quantity(where: str, text: str, units: str, factor: str = "") -> float:
             value = number(text)
         except ValueError:
             return in_si(text, units)
+        if not math.isfinite(value):
+            raise ValueError(f"{text.strip()!r} is not a finite number")
         if factor:
             from workflow.language.given import check_bare  # NumPy: not for the help
 
@@ -107,6 +110,8 @@ def named(option: str, words: str | Sequence[str] | None, *, valued: bool = Fals
             name = " ".join(name.split())
             if valued and not text.strip():
                 raise InputError(f"{option}: {part.strip()!r} is not of the form NAME=VALUE")
+            if valued and "=" in text:
+                raise InputError(f"{option}: {part.strip()!r} has two equal signs; commas stand between NAME=VALUE")
             if not name:
                 raise InputError(f"{option}: a name is missing in {word!r}")
             if name in texts:

@@ -277,6 +277,8 @@ def test_one_case_is_printed_in_engineering_units(flux: str, capsys: pytest.Capt
         (["--at", "material=PZT-4,radius=5 kg,load=1 N/m"], "--at: radius: '5 kg': unit mismatch"),
         (["--at", "material=PZT-4,profile=sphere,radius=5 mm,force=1000"], "did you mean 1000 mN?"),
         (["--at", "material=my.yaml,radius=5 mm,load=1 N/m"], "; an own one: --materials FILE.yaml"),
+        (["--at", "material=PZT-4,radius=nan,load=1 N/m"], "radius: 'nan' is not a finite number"),
+        (["--at", "material=PZT-4 radius=5 mm,load=1 N/m"], "two equal signs; commas stand between NAME=VALUE"),
         (["--at", "material=PZT-4,radius=5 mm,lod=1 N/m"], "did you mean 'load'?"),
         (["--at", "material=PZT-4,radius=5 mm,load=1 N/m", "--positions", "0"], "fields need -o"),
         (["examples/cases.csv"], "5 cases need -o"),
