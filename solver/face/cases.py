@@ -171,11 +171,11 @@ class Cases:
             if whole is None:
                 whole = [dict[str, Array]() for _ in shapes]
                 names = [list(outputs) for outputs in parts]
-            for outputs, known, shape, asked in zip(parts, whole, shapes, names, strict=True):
-                asked[:] = [name for name in asked if name in outputs]
-                for name in asked:
+            for outputs, known, shape, wanted in zip(parts, whole, shapes, names, strict=True):
+                wanted[:] = [name for name in wanted if name in outputs]
+                for name in wanted:
                     self._fill(known, name, outputs[name], shape, done, rows)
-        return [{name: known[name] for name in asked} for known, asked in zip(whole or (), names, strict=True)]
+        return [{name: known[name] for name in wanted} for known, wanted in zip(whole or (), names, strict=True)]
 
     def _fill(
         self, whole: dict[str, Array], name: str, values: Array, shape: tuple[int, ...], done: Rows, rows: Rows

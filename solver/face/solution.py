@@ -123,7 +123,7 @@ def solve(
     pressed = {name: array for name, array in arrays.items() if name not in OF_HEAT}
     cases = Cases(pressed, materials, phases)
     X = None if positions is None else _positions(positions)
-    searched, found = _searched(peaks), list[Excess]()
+    searched, strains = _searched(peaks), list[Excess]()
 
     def part(cases: Cases) -> xr.Dataset:
         coordinates, inner = cases.coordinates, _without_edges_of(X)
@@ -135,7 +135,7 @@ def solve(
 
         searching = _SEARCH if searched else 1
         values, fields = cases.by_blocks(solved, (), inner.shape, values=max(inner.size, searching))
-        found.extend(excesses(cases, values))
+        strains.extend(excesses(cases, values))
         outputs = cases.labelled(values, ALL_QUANTITIES, _OF)
         if X is not None:
             attrs = ALONG if cases.kind.contact == "line" else ACROSS
@@ -148,9 +148,9 @@ def solve(
         from solver.face.heat import with_heat  # few cases are touched
 
         out = with_heat(out, arrays, materials, phases)
-    if found:
+    if strains:
         count = prod(cases.sizes.values())
-        warnings.warn(SmallStrainWarning(sentence(found, count), found), stacklevel=2)
+        warnings.warn(SmallStrainWarning(sentence(strains, count), strains), stacklevel=2)
     first = [name for name in ALL_QUANTITIES if name in out]
     return out[[*first, *(name for name in out.data_vars if name not in first)]]
 

@@ -37,18 +37,18 @@ class Excess:
 
 def excesses(cases: Cases, values: Mapping[str, Array]) -> list[Excess]:
     """Sizes beyond small strain among the solved cases of one kind."""
-    found: list[Excess | None] = []
+    strains: list[Excess | None] = []
     names = cases.kind.ends
     if "radius" in cases.outline.takes and all(name in values for name in names):
         twice = values[names[0]] + values[names[1]]
         words = "a half-width of {} is {} of the punch radius {}"
-        found.append(_excess(words, WIDE, twice / 2, cases.values["radius"]))
+        strains.append(_excess(words, WIDE, twice / 2, cases.values["radius"]))
     if cases.kind.layered and cases.kind.datum != "relative" and "depth" in values:
         thickness = _thickness(cases)
         if np.max(values["depth"]) > DEEP * np.min(thickness):
             depth = np.where(_on_stiff(cases), values["depth"], 0.0)
-            found.append(_excess("a depth of {} is {} of the thickness {}", DEEP, depth, thickness))
-    return [excess for excess in found if excess]
+            strains.append(_excess("a depth of {} is {} of the thickness {}", DEEP, depth, thickness))
+    return [excess for excess in strains if excess]
 
 
 def _excess(words: str, limit: float, size: Array, reference: Array) -> Excess | None:
@@ -84,10 +84,10 @@ def _on_stiff(cases: Cases) -> BoolArray:
     return np.asarray(rigid | (base.c44 > _STIFF * material_of(cases).c44))
 
 
-def sentence(found: Iterable[Excess], cases: int) -> str:
+def sentence(strains: Iterable[Excess], cases: int) -> str:
     """Every kind of excess with its worst case and number of cases, in one line; empty if there is none."""
     joined: dict[str, Excess] = {}
-    for excess in found:
+    for excess in strains:
         worse = max(joined.get(excess.words, excess), excess, key=lambda each: each.share)
         count = excess.count + (joined[excess.words].count if excess.words in joined else 0)
         joined[excess.words] = replace(worse, count=count)

@@ -32,10 +32,10 @@ class HeatError(MaterialError):
     """A constant for heat that is not known."""
 
 
-def constant(name: str, thermal: dict[str, Sourced] | object, of: str) -> float:
+def constant(name: str, thermal: dict[str, Sourced] | object, owner: str) -> float:
     """Value of a constant for heat of a body."""
     if not isinstance(thermal, dict) or name not in thermal:
-        raise HeatError(f"heat: not known for {of}: {name}")
+        raise HeatError(f"heat: not known for {owner}: {name}")
     return float(thermal[name].value)
 
 
@@ -95,11 +95,13 @@ def layer_weights(stack: Stack, collector: int | None = None) -> Array:
     return weights
 
 
-def touch_step(surface: Material, toucher: dict[str, Sourced] | object, difference: float, of: str = "punch") -> float:
+def touch_step(
+    surface: Material, toucher: dict[str, Sourced] | object, difference: float, owner: str = "punch"
+) -> float:
     """Rise of the surface that something touches which is warmer by a difference [K]: both as half-spaces."""
     effusivities = [
         np.sqrt(constant("conductivity", thermal, name) * constant("heat_capacity", thermal, name))
-        for thermal, name in ((toucher, of), (surface.thermal, surface.name))
+        for thermal, name in ((toucher, owner), (surface.thermal, surface.name))
     ]
     return float(difference * effusivities[0] / sum(effusivities))
 
@@ -136,8 +138,8 @@ class HeatedStack:
         """
 
         def excess(log: float) -> float:
-            made = abs(Warming(self.conduction, self.weights, 10**log, leak).over(spot))
-            return float(np.log(max(made, _LEAST * abs(charge)) / abs(charge)) + min(10**log / leak, 700.0))
+            heat_charge = abs(Warming(self.conduction, self.weights, 10**log, leak).over(spot))
+            return float(np.log(max(heat_charge, _LEAST * abs(charge)) / abs(charge)) + min(10**log / leak, 700.0))
 
         low, high = np.log10(_EARLIEST), np.log10(_LATEST)
         if (self.weights >= 0).all() or (self.weights <= 0).all():  # the charge over that of the force only grows

@@ -75,7 +75,7 @@ def fibrous(fibre: Material, matrix: Material, fraction: ArrayLike) -> Material:
             name=f"fibrous {fibre.name} in {matrix.name}", source="Mori-Tanaka of the phases",
             any_size=ANY_SIZE,
         ),
-        (fibre, matrix), v, beside=True,
+        (fibre, matrix), v, parallel=True,
     )  # fmt: skip
 
 
@@ -134,7 +134,7 @@ def laminate(first: Material, second: Material, fraction: ArrayLike) -> Material
             name=f"laminate of {first.name} and {second.name}", source="exact laminate of the phases",
             any_size=ANY_SIZE,
         ),
-        (first, second), v, beside=False,
+        (first, second), v, parallel=False,
     )  # fmt: skip
 
 
@@ -172,20 +172,20 @@ def _mori_tanaka_shear(G_f: Array, G_m: Array, v: Array) -> Array:
     return np.asarray((host + column(v) * gap @ concentration) / scales)
 
 
-def _admissible(material: Material, phases: tuple[Material, Material], v: Array, *, beside: bool) -> Material:
+def _admissible(material: Material, phases: tuple[Material, Material], v: Array, *, parallel: bool) -> Material:
     """The composite, checked, with constants for heat where it is one material."""
     material.check()
-    return material if v.shape else replace(material, thermal=_thermal(material, phases, float(v), beside))
+    return material if v.shape else replace(material, thermal=_thermal(material, phases, float(v), parallel))
 
 
-def _thermal(composite: Material, phases: tuple[Material, Material], v: float, beside: bool) -> dict[str, Sourced]:
+def _thermal(composite: Material, phases: tuple[Material, Material], v: float, parallel: bool) -> dict[str, Sourced]:
     """Constants for heat of a composite whose phases have them; ``beside``: heat flows through both side by side."""
     first, second = ({name: known.value for name, known in phase.thermal.items()} for phase in phases)
     values: dict[str, float] = {}
     if (name := "heat_capacity") in first and name in second:
         values[name] = v * first[name] + (1 - v) * second[name]
     if (name := "conductivity") in first and name in second:
-        power = 1 if beside else -1
+        power = 1 if parallel else -1
         values[name] = (v * first[name] ** power + (1 - v) * second[name] ** power) ** power
     loads = [_thermal_load(phase, known) for phase, known in zip(phases, (first, second), strict=True)]
     one, two, whole = (_axial(body) for body in (*phases, composite))

@@ -74,11 +74,11 @@ def code(
         "Compile with -ffp-contract=off where the processor has fused multiplications: the same bits on all.",
         "",
     ]
-    comment += ["inputs:", *(f"  {one['macro']}: {one['text']}" for one in context["inputs"])]
+    comment += ["inputs:", *(f"  {entry['macro']}: {entry['text']}" for entry in context["inputs"])]
     comment += ["outputs, with the largest error of the rounding over the range:"]
     comment += [
-        f"  {one['macro']}: {one['text']}; {part.error:.1e}"
-        for one, part in zip(context["outputs"], outputs, strict=True)
+        f"  {entry['macro']}: {entry['text']}; {part.error:.1e}"
+        for entry, part in zip(context["outputs"], outputs, strict=True)
     ]
     lines = [
         wrapped
@@ -92,13 +92,13 @@ def code(
 
 def macros(names: Sequence[str]) -> list[str]:
     """Return names as upper-case macros, different ones for different names."""
-    made: list[str] = []
+    distinct_names: list[str] = []
     for name in names:
         plain = re.sub(r"\W+", "_", name.upper(), flags=re.ASCII).strip("_") or "X"
-        while plain in made:
+        while plain in distinct_names:
             plain += "_"
-        made.append(plain)
-    return made
+        distinct_names.append(plain)
+    return distinct_names
 
 
 class _Context:
@@ -143,9 +143,9 @@ class _Context:
             "trend_degree": degrees.tolist(),
             "order": first.order_,
             "levels": [factor.levels for factor in first.factors_],
-            "kernels": [{part: self._floats(values) for part, values in one.items()} for one in cosine],
-            "kernel_terms": [len(one["kernel"]) for one in cosine],
-            "unknown_terms": [len(one["unknown"]) for one in cosine],
+            "kernels": [{part: self._floats(values) for part, values in entry.items()} for entry in cosine],
+            "kernel_terms": [len(entry["kernel"]) for entry in cosine],
+            "unknown_terms": [len(entry["unknown"]) for entry in cosine],
             "units": units,
             "slopes": slopes,
             "reads_x": any("x[" in text for row in slopes for text in row),
@@ -268,7 +268,9 @@ class _Context:
             "offset": self.number(grid.offset_[0]),
             "rounding": self.number(part.room),
             "amplitude": self.numbers(grid.amplitude_[:, 0]),
-            "aliased": self.numbers([a * one["first"] for a, one in zip(grid.amplitude_[:, 0], kernels, strict=True)]),
+            "aliased": self.numbers(
+                [a * entry["first"] for a, entry in zip(grid.amplitude_[:, 0], kernels, strict=True)]
+            ),
             "part": self.numbers(weights * grid.variance_[0]),
             "spread": self.number(size),
             "floor": self.number(floor),

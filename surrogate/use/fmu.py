@@ -109,7 +109,7 @@ def _variables(outputs: Sequence[Rounded]) -> dict[str, Any]:
     return {
         "inputs": inputs,
         "outputs": described,
-        "units": sorted({one["unit"] for one in [*inputs, *described]}),
+        "units": sorted({entry["unit"] for entry in [*inputs, *described]}),
         "references": " ".join(map(str, range(1, first))),
         "status": first + 3 * len(outputs),
         "description": _text(f"surrogate of {', '.join(part.name for part in outputs)}")[:200],

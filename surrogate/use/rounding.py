@@ -214,9 +214,9 @@ def _terms(grid: GridGP, correction: Correction, negligible: float) -> list[Arra
     """A correction as cores of as many rows as it has terms, (terms, modes, terms) but for the ends."""
     c = correction.coefficients[..., 0]
     order = np.argsort(np.abs(c), axis=None)
-    kept = order[np.cumsum(np.abs(c).ravel()[order]) > negligible]
-    factors, terms = np.unravel_index(kept, c.shape)
-    cores, count = [], len(kept)
+    largest = order[np.cumsum(np.abs(c).ravel()[order]) > negligible]
+    factors, terms = np.unravel_index(largest, c.shape)
+    cores, count = [], len(largest)
     for position, k in enumerate(grid.order_):
         degree, n = correction.indices[terms, k], correction.levels[k]
         core = np.zeros((count, 1 + n + int(correction.indices[:, k].max()), count))
@@ -239,7 +239,7 @@ def _added(cores: Sequence[Array], others: Sequence[Array]) -> list[Array]:
     """The cores of the sum of two trains of one output."""
     if not others:
         return list(cores)
-    both = []
+    summed = []
     last = len(cores) - 1
     for k, (a, b) in enumerate(zip(cores, others, strict=True)):
         rows, columns = (max, sum)[k > 0], (max, sum)[k < last]
@@ -248,16 +248,18 @@ def _added(cores: Sequence[Array], others: Sequence[Array]) -> list[Array]:
         )
         core[: a.shape[0], : a.shape[1], : a.shape[2]] += a
         core[-b.shape[0] :, : b.shape[1], -b.shape[2] :] += b
-        both.append(core)
-    return both
+        summed.append(core)
+    return summed
 
 
 def _cut(series: TensorTrain, error: float) -> TensorTrain:
     """The train with ranks and modes cut to a root-mean-square error over Chebyshev points."""
     norms = [np.where(np.arange(size) > 0, np.sqrt(0.5), 1.0) for size in series.modes]
     cut = series.scaled(norms).only([0], error)
-    kept = []
+    narrowed = []
     for core, gram in zip(cut.cores, cut.grams(), strict=True):
         beyond = np.sqrt(np.cumsum(np.diag(gram[0])[::-1])[::-1])
-        kept.append(core[:, : max(1, int(np.count_nonzero(beyond > error / np.sqrt(len(cut.cores)))))])
-    return TensorTrain(tuple(kept)).scaled([1 / norm[: core.shape[1]] for norm, core in zip(norms, kept, strict=True)])
+        narrowed.append(core[:, : max(1, int(np.count_nonzero(beyond > error / np.sqrt(len(cut.cores)))))])
+    return TensorTrain(tuple(narrowed)).scaled(
+        [1 / norm[: core.shape[1]] for norm, core in zip(norms, narrowed, strict=True)]
+    )

@@ -79,8 +79,8 @@ def variants(film: dict[str, Any]) -> Iterator[tuple[Material, Material]]:
 
 def tables(names: Iterable[str] = FILMS) -> list[dict[str, Any]]:
     """Return the films under every punch, and their `variants` by constants, as rising series of coefficients."""
-    kept = set(names)
-    return [table for table in _stored() if table["film"] in kept]
+    chosen = set(names)
+    return [table for table in _stored() if table["film"] in chosen]
 
 
 @cache
@@ -101,8 +101,8 @@ def solved(name: str, punch: str) -> dict[str, Any]:
         varied.append(
             {"top": constants, "samples": [1.0], **tabled, "air": _air(other, below, punch, _AIR_BAND_NODES, _AIR_BAND)}
         )
-    own = _table(top, base, punch, _EXACT, *_SHOWN)
-    return header | own | {"air": _air(top, base, punch, _AIR_NODES, _AIR_EXACT), "variants": varied}
+    nominal = _table(top, base, punch, _EXACT, *_SHOWN)
+    return header | nominal | {"air": _air(top, base, punch, _AIR_NODES, _AIR_EXACT), "variants": varied}
 
 
 def _air(top: Material, base: Material, punch: str, shape: tuple[int, int], precision: float) -> dict[str, Any]:

@@ -106,13 +106,15 @@ def _solve_blocks(options: argparse.Namespace) -> None:
 
 def _written(options: argparse.Namespace, materials: Mapping[str, Material], columns: dict[str, str]) -> int | None:
     """Number of cases of a table that were written; None where a block has further columns, which are added."""
-    count, found = 0, list[Excess]()
+    count, strains = 0, list[Excess]()
     missing: dict[str, None] | None = None
     partial: dict[str, None] = {}
     heat = ""
     with suppress(_FurtherColumnsError), writing(options.output) as file:
         for table in read_blocks(options.cases, _BLOCK):
-            out = solved(table, lambda factors: solve(factors, materials=materials, peaks=options.peaks), found=found)
+            out = solved(
+                table, lambda factors: solve(factors, materials=materials, peaks=options.peaks), strains=strains
+            )
             _check_units(table, out)
             units = _units(out)
             if columns and units.keys() - columns.keys():
@@ -127,8 +129,8 @@ def _written(options: argparse.Namespace, materials: Mapping[str, Material], col
             partial |= dict.fromkeys([*partly, *(name for name in columns if name not in out)])
             missing = dict.fromkeys(name for name in lacking if missing is None or name in missing)
             count += table.count
-        if found:
-            say(f"meecontact: warning: {sentence(found, count)}")
+        if strains:
+            say(f"meecontact: warning: {sentence(strains, count)}")
         _tell_missing(list(missing or ()), [name for name in partial if name in ALL_QUANTITIES], heat)
         return count
     return None
@@ -247,7 +249,7 @@ def _wrote(options: argparse.Namespace, out: xr.Dataset, what: str) -> None:
 
 
 def solved(
-    table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int = 1, found: list[Excess] | None = None
+    table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int = 1, strains: list[Excess] | None = None
 ) -> xr.Dataset:
     """Return outputs over dimension ``case`` in the order of the rows, with progress on a terminal.
 
@@ -270,8 +272,8 @@ def solved(
                     say(f"meecontact: warning: {warning.message}")
             whole.add(rows, part)
             bar.update(len(rows))
-    if found is not None:
-        found += excesses
+    if strains is not None:
+        strains += excesses
     elif excesses:
         say(f"meecontact: warning: {sentence(excesses, table.count)}")
     return whole.dataset()

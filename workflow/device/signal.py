@@ -84,13 +84,13 @@ def read(history: History, contact: ContactCurves, circuit: Circuit, heat: Array
     balance = _Balance(contact, circuit)
     steps = np.diff(history.times)
     heat = np.zeros(len(history.times)) if heat is None else heat
-    beside = np.diff(heat) - circuit.bias_current * steps
-    tolerance = _TOLERANCE * (balance.scale(history) + float(np.abs(beside).max()))
+    other_charge = np.diff(heat) - circuit.bias_current * steps
+    tolerance = _TOLERANCE * (balance.scale(history) + float(np.abs(other_charge).max()))
     stored = np.zeros(len(history.times))
     for first in range(0, len(steps), _INTERVALS_AT_ONCE):
         rows = slice(first, first + _INTERVALS_AT_ONCE)
         forces = history.forces[:-1][rows], history.forces[1:][rows]
-        factors, changes = balance.advance(steps[rows], *forces, beside[rows], tolerance)
+        factors, changes = balance.advance(steps[rows], *forces, other_charge[rows], tolerance)
         value = stored[first]
         for row, (factor, change) in enumerate(zip(factors.tolist(), changes.tolist(), strict=True), first + 1):
             value = factor * value + change
@@ -139,7 +139,7 @@ class _Balance:
         leak = float(self._leak(largest)[0])
         return charge * min(1.0, rate / leak) if leak and rate else charge
 
-    def step(self, steps: Array, forces: Array, ends: Array, beside: Array) -> tuple[Array, Array]:
+    def step(self, steps: Array, forces: Array, ends: Array, other_charge: Array) -> tuple[Array, Array]:
         """Factor and summand by which one step changes the stored charge; (interval,) each.
 
         The summand is that of a step of Radau's method from near the balance of current and leak. What is stored
@@ -148,7 +148,7 @@ class _Balance:
         """
         pressed = forces[:, None] + (ends - forces)[:, None] * _RADAU
         leaks = self._leak(pressed) * steps[:, None]
-        drawn = self.contact.charge_slope(pressed) * (ends - forces)[:, None] + beside[:, None]
+        drawn = self.contact.charge_slope(pressed) * (ends - forces)[:, None] + other_charge[:, None]
         system = np.eye(3) + _COEFFICIENTS * leaks[:, None, :]
         initial = -drawn[:, :1] / (leaks[:, :1] + 1 / (1 + leaks[:, :1]))
         reached = np.linalg.solve(system, (initial - drawn @ _COEFFICIENTS.T)[..., None])[:, -1, 0]
@@ -156,20 +156,20 @@ class _Balance:
         return decay, reached - decay * initial[:, 0]
 
     def advance(
-        self, steps: Array, forces: Array, ends: Array, beside: Array, tolerance: float, depth: int = 0
+        self, steps: Array, forces: Array, ends: Array, other_charge: Array, tolerance: float, depth: int = 0
     ) -> tuple[Array, Array]:
         """Factor and summand by which intervals change the stored charge, to a tolerance [C]; (interval,) each."""
-        whole = self.step(steps, forces, ends, beside)
+        whole = self.step(steps, forces, ends, other_charge)
         middle = (forces + ends) / 2
         factor, change = _in_turn(
-            self.step(steps / 2, forces, middle, beside / 2), self.step(steps / 2, middle, ends, beside / 2)
+            self.step(steps / 2, forces, middle, other_charge / 2), self.step(steps / 2, middle, ends, other_charge / 2)
         )
         wrong = np.abs(factor - whole[0]) * tolerance / _TOLERANCE + np.abs(change - whole[1]) > tolerance
         if depth < _DEEPEST and wrong.any():
             steps, forces, middle, ends = steps[wrong] / 2, forces[wrong], middle[wrong], ends[wrong]
-            beside = beside[wrong] / 2
+            other_charge = other_charge[wrong] / 2
             halves = [
-                self.advance(steps, begin, end, beside, tolerance, depth + 1)
+                self.advance(steps, begin, end, other_charge, tolerance, depth + 1)
                 for begin, end in ((forces, middle), (middle, ends))
             ]
             factor[wrong], change[wrong] = _in_turn(*halves)

@@ -40,9 +40,9 @@ def settle(entries: Iterable[str] | None, *, planner: bool) -> list[str]:
     """Entries of ``--config`` for the nodes of a run, with the jobs at once of its planner; nodes take them over."""
     if planner:
         return [*(entries or ()), f"{AT_ONCE}={_at_once()}"]
-    given = [entry.partition("=")[2] for entry in entries or () if entry.startswith(f"{AT_ONCE}=")]
-    if given:
-        os.environ[_PLANNER] = given[-1].strip("'\"")  # for the scripts of this node, which are processes of their own
+    counts = [entry.partition("=")[2] for entry in entries or () if entry.startswith(f"{AT_ONCE}=")]
+    if counts:
+        os.environ[_PLANNER] = counts[-1].strip("'\"")  # for the scripts of this node, which are processes of their own
     return list(entries or ())
 
 

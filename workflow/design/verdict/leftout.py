@@ -175,9 +175,9 @@ def _effect(
     units: str,
     share: float,
     brief: str,
-    more: str,
+    detail: str,
 ) -> LeftOut:
-    words = f"{capital(brief)}{more}."
+    words = f"{capital(brief)}{detail}."
     return LeftOut(name, moves, size, matters, units, share, share / case.shown_band, brief, words)
 
 
@@ -202,13 +202,13 @@ def _strain(case: SolvedCase) -> Iterator[LeftOut]:
     if case.radius:
         ratio = case.half / case.radius
         brief = f"the contact is {number(ratio, 2)} of the punch's radius"
-        more = f"; strains are small up to {WIDE:g} of it"
-        yield _effect(case, "small strain", "signal, stress", ratio, WIDE, "1", ratio**2, brief, more)
+        detail = f"; strains are small up to {WIDE:g} of it"
+        yield _effect(case, "small strain", "signal, stress", ratio, WIDE, "1", ratio**2, brief, detail)
     if "thickness" in case.factors and "depth" in case.solved and case.kind.datum == "absolute":
         ratio = abs(case.solved["depth"]) / float(case.factors["thickness"])
         brief = f"the depth is {number(ratio, 2)} of the film's thickness"
-        more = f"; strains are small up to {DEEP:g} of it"
-        yield _effect(case, "strain of the film", "signal, stress", ratio, DEEP, "1", ratio, brief, more)
+        detail = f"; strains are small up to {DEEP:g} of it"
+        yield _effect(case, "strain of the film", "signal, stress", ratio, DEEP, "1", ratio, brief, detail)
 
 
 def _heat(case: SolvedCase) -> Iterator[LeftOut]:
@@ -229,14 +229,14 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
     equal = float(out["temperature_equal"].squeeze())
     share = rise / equal
     brief = f"heat is {_times(share)} the signal"
-    more = f" for {shown(rise, 'K', 3)} in {shown(hold, 's', 2)}; {shown(equal, 'K', 2)} equal the signal"
+    detail = f" for {shown(rise, 'K', 3)} in {shown(hold, 's', 2)}; {shown(equal, 'K', 2)} equal the signal"
     kelvin, whose = case.charge / _uniform(case, out), "the signal"
     if np.isfinite(case.smallest_force):
         part, whose = case.smallest_force / case.force, "the smallest force"
-        more += f", {shown(equal * part, 'K', 2)} {whose}"
+        detail += f", {shown(equal * part, 'K', 2)} {whose}"
         kelvin *= part
-    more += f"; of the whole body {shown(kelvin, 'K', 2)} equal {whose}"
-    yield _effect(case, "heat", "signal", rise, equal, "K", share, brief, more)
+    detail += f"; of the whole body {shown(kelvin, 'K', 2)} equal {whose}"
+    yield _effect(case, "heat", "signal", rise, equal, "K", share, brief, detail)
 
 
 def _uniform(case: SolvedCase, solved: xr.Dataset) -> float:
@@ -262,8 +262,8 @@ def _roughness(case: SolvedCase) -> Iterator[LeftOut]:
     factor = 1 + waves if waves < _APART else float((24 / np.pi * waves**2) ** (1 / 3))
     brief = f"roughness of {shown(rms, 'm', 2)} raises the largest pressure {_raised('up to ', factor)}"
     charge = f"moves by at most {number(100 * _CHARGE_MOVES, 2)} %" if case.kind.layered else "does not move"
-    more = f"; {shown(double, 'm', 2)} rms double it; the charge {charge}"
-    yield _effect(case, "roughness", "stress", rms, double, "m", factor - 1, brief, more)
+    detail = f"; {shown(double, 'm', 2)} rms double it; the charge {charge}"
+    yield _effect(case, "roughness", "stress", rms, double, "m", factor - 1, brief, detail)
 
 
 def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
@@ -278,11 +278,11 @@ def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
     tilt = TILT / lifting
     left, factor = (min(tilt**-0.5, 1.0), float(np.sqrt(2 * tilt**0.5 if tilt > 1 else 1 + tilt)))
     brief = f"a tilt of {shown(TILT, 'rad', 2)} raises the largest pressure {_raised('', factor)}"
-    more = (
+    detail = (
         f"; an end of {shown(case.length, 'm', 3)} lifts at {shown(lifting, 'rad', 2)}, and "
         f"{number(100 * left, 2)} % of the length stay in contact"
     )
-    yield _effect(case, "tilt", "stress", TILT, 4 * lifting, "rad", factor - 1, brief, more)
+    yield _effect(case, "tilt", "stress", TILT, 4 * lifting, "rad", factor - 1, brief, detail)
 
 
 def _adhesion(case: SolvedCase) -> Iterator[LeftOut]:
@@ -291,8 +291,8 @@ def _adhesion(case: SolvedCase) -> Iterator[LeftOut]:
         return
     pull = 1.5 * np.pi * ADHESION * case.radius
     brief = f"adhesion is {_times(pull / case.force)} the force"
-    more = f"; {shown(ADHESION, 'J m-2', 2)} holds the ball with {shown(pull, 'N', 2)}"
-    yield _effect(case, "adhesion", "signal, stress", pull, case.force, "N", pull / case.force, brief, more)
+    detail = f"; {shown(ADHESION, 'J m-2', 2)} holds the ball with {shown(pull, 'N', 2)}"
+    yield _effect(case, "adhesion", "signal, stress", pull, case.force, "N", pull / case.force, brief, detail)
 
 
 def _amplifier(case: SolvedCase) -> Iterator[LeftOut]:
@@ -302,18 +302,18 @@ def _amplifier(case: SolvedCase) -> Iterator[LeftOut]:
     device, bias = case.device, case.device.get("bias_current", BIAS)
     feedback = device.get("feedback_capacitance")
     name = next((name for name in _CAPACITANCE if name in case.solved), None)
-    own = case.solved[name] * case.length if name else 0.0
-    whole = feedback or own + device["input_capacitance"] + device.get("cable_capacitance", 0.0)
+    contact_capacitance = case.solved[name] * case.length if name else 0.0
+    whole = feedback or contact_capacitance + device["input_capacitance"] + device.get("cable_capacitance", 0.0)
     resistance = device.get("feedback_resistance" if feedback else "input_resistance", np.inf)
     signal = case.charge / whole
     left = bias * (resistance if np.isfinite(resistance) else HOLD / whole)
     within = f"through {shown(resistance, 'Ohm', 3)}" if np.isfinite(resistance) else f"in {shown(HOLD, 's', 2)}"
     brief = f"the bias current is {_times(left / signal)} the signal"
-    more = f"; {shown(bias, 'A', 2)} {within} leaves {shown(left, 'V', 2)} beside {shown(signal, 'V', 2)}"
+    detail = f"; {shown(bias, 'A', 2)} {within} leaves {shown(left, 'V', 2)} beside {shown(signal, 'V', 2)}"
     if np.isfinite(case.smallest_force) and bias:
         drift = case.smallest_force / case.force * case.charge / bias
-        more += f" and makes the smallest force in {shown(drift, 's', 2)}"
-    yield _effect(case, "amplifier", "signal", left, signal, "V", left / signal, brief, more)
+        detail += f" and makes the smallest force in {shown(drift, 's', 2)}"
+    yield _effect(case, "amplifier", "signal", left, signal, "V", left / signal, brief, detail)
 
 
 def _mass(case: SolvedCase) -> Iterator[LeftOut]:
@@ -326,12 +326,12 @@ def _mass(case: SolvedCase) -> Iterator[LeftOut]:
     volume = 4 / 3 * np.pi * case.radius**3 if case.point else np.pi * case.radius**2 * case.length
     weight = density * volume * GRAVITY
     brief = f"the punch's weight is {_times(weight / case.force)} the force"
-    more = f"; solid {body} weighs {shown(weight, 'N', 3)} beside {shown(case.force, 'N', 3)}"
+    detail = f"; solid {body} weighs {shown(weight, 'N', 3)} beside {shown(case.force, 'N', 3)}"
     if "contact_stiffness" in case.solved:
         resonance = np.sqrt(case.solved["contact_stiffness"] / (density * volume)) / (2 * np.pi)
-        more += f" and rings at {shown(float(resonance), 'Hz', 2)}"
+        detail += f" and rings at {shown(float(resonance), 'Hz', 2)}"
     yield _effect(
-        case, "mass of the punch", "signal, stress", weight, case.force, "N", weight / case.force, brief, more
+        case, "mass of the punch", "signal, stress", weight, case.force, "N", weight / case.force, brief, detail
     )
 
 
@@ -341,10 +341,10 @@ def _friction(case: SolvedCase) -> Iterator[LeftOut]:
     if not slides or "trailing_tension" not in case.solved or case.kind.layered:  # whose other table takes a second
         return
     tension = case.solved["trailing_tension"]
-    rest = float(case.solve({**case.factors, "friction": 0.0})["trailing_tension"].squeeze())
+    tension_at_rest = float(case.solve({**case.factors, "friction": 0.0})["trailing_tension"].squeeze())
     brief = f"friction slides everywhere, with a tension of {shown(tension, 'Pa', 3)}"
-    more = f"; a press without motion has {shown(rest, 'Pa', 3)} where friction does not act"
-    yield _effect(case, "friction", "", tension, np.nan, "Pa", np.nan, brief, more)
+    detail = f"; a press without motion has {shown(tension_at_rest, 'Pa', 3)} where friction does not act"
+    yield _effect(case, "friction", "", tension, np.nan, "Pa", np.nan, brief, detail)
 
 
 def _limits(case: SolvedCase) -> Iterator[LeftOut]:
@@ -358,8 +358,8 @@ def _limits(case: SolvedCase) -> Iterator[LeftOut]:
             size = abs(case.solved[quantity])
             units = "Pa" if quantity == "peak_pressure" else "V m-1"
             brief = f"{titles.title(quantity)} is {_times(size / limit.value)} the {titles.title(name)}"
-            more = f"; constants change from {shown(limit.value, units, 3)} of {limit.material} on"
-            yield _effect(case, titles.title(name), "", size, limit.value, units, np.nan, brief, more)
+            detail = f"; constants change from {shown(limit.value, units, 3)} of {limit.material} on"
+            yield _effect(case, titles.title(name), "", size, limit.value, units, np.nan, brief, detail)
 
 
 _BY_SIGNAL = (_constants, _heat, _adhesion, _amplifier, _mass)
