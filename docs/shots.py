@@ -8,7 +8,7 @@ from PIL import Image, ImageChops
 
 from docs.pages import ROOT
 
-_WIDTH, _HEIGHT, _MARGIN = 1200, 900, 8  # pixels
+_WIDTH, _HEIGHT, _MARGIN = 1200, 1100, 8  # pixels
 _ALONE = """<style>
   body { padding: 24px 12px !important }
 </style><script>setTimeout(() => document.body.replaceChildren(document.querySelector("#answers")), 3000);</script>"""

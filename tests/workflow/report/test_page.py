@@ -200,7 +200,7 @@ def test_who_decides_reads_the_first_screen_only(looked: Callable[[int], dict[st
     targets = ("sensor", "impossible") if width == 1280 else ("sensor",)
     assert all(seen["first"][f"{target} {name}"]["low"] < 800 for target in targets for name in names)
     text = str(seen["text"]).replace("\N{NO-BREAK SPACE}", " ")
-    assert "left out: A tilt of 100 µrad raises the largest pressure " in text
+    assert "Left out of the model: a tilt of 100 µrad raises the largest pressure " in text
     for word in ("A small study", "640", "91.7 MPa", "1 MPa: 9070 % beyond the limit", "91.8 MPa", "broken"):
         assert word in text, word
     assert seen["shut"] == [False] * 3  # evidence is a line of verdict until it is opened
