@@ -146,7 +146,7 @@ def test_smallest_forces_equal_the_stated_changes_of_temperature() -> None:
     rise = 8 * (0.3 * 0.2 * 1e-3) / (3 * np.pi**2 * kappa * radius)
     assert f"{rise:.3g} K if all of it enters the film's material, {100 * rise / equal:.3g} % of the charge" in LIMITS
     steel = punches()["steel"].thermal["conductivity"].value
-    assert f"leads {100 * steel / (steel + kappa):.0f} % of it away" in LIMITS
+    assert f"the ball itself conducts {100 * steel / (steel + kappa):.0f} % of the heat away" in LIMITS
 
 
 # Points of docs/limits.md

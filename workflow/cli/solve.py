@@ -42,10 +42,8 @@ from storage.files import output, write_text, writing
 from storage.netcdf import write_whole
 from workflow.cli.casetable import Table, one_case, read_blocks, read_cases
 from workflow.cli.words import numbers, say
-from workflow.design.verdict import leftout
 from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.wordings import plain
-from workflow.study.allowable import allowable
 from workflow.study.reading import InputError, one_line, read_material
 
 _NAMED = 8  # quantities that a message names
@@ -173,6 +171,10 @@ def _lines(case: xr.Dataset, *, si: bool) -> Iterator[str]:
 def _left_out(table: Table, materials: Sequence[Path]) -> Iterator[str]:
     """A line for each effect that the model leaves out at the one case of a table."""
     case = {name: cells.tolist()[0] for name, cells in table.columns.items()}
+    # a table needs neither studies nor designs
+    from workflow.design.verdict import leftout
+    from workflow.study.allowable import allowable
+
     known = dict(read_material(path) for path in materials)
 
     def solved(factors: Mapping[str, Any]) -> xr.Dataset:
