@@ -308,11 +308,11 @@ def _amplifier(case: SolvedCase) -> Iterator[LeftOut]:
     signal = case.charge / whole
     left = bias * (resistance if np.isfinite(resistance) else HOLD / whole)
     within = f"through {shown(resistance, 'Ohm', 3)}" if np.isfinite(resistance) else f"in {shown(HOLD, 's', 2)}"
-    brief = f"the bias current is {_times(left / signal)} the signal"
-    detail = f"; {shown(bias, 'A', 2)} {within} leaves {shown(left, 'V', 2)} beside {shown(signal, 'V', 2)}"
+    brief = f"the bias current adds {_times(left / signal)} the signal"
+    detail = f"; {shown(bias, 'A', 2)} {within} adds {shown(left, 'V', 2)} to {shown(signal, 'V', 2)}"
     if np.isfinite(case.smallest_force) and bias:
         drift = case.smallest_force / case.force * case.charge / bias
-        detail += f" and makes the smallest force in {shown(drift, 's', 2)}"
+        detail += f" and equals the smallest force after {shown(drift, 's', 2)}"
     yield _effect(case, "amplifier", "signal", left, signal, "V", left / signal, brief, detail)
 
 
