@@ -7,7 +7,7 @@ import pytest
 
 import solver
 from solver.arrays import Array
-from solver.gap.airline import AirContact
+from solver.gap.airline import AirContacts
 from solver.gap.newton import solved
 from solver.gap.operators import AirTable
 from solver.stack.layers import Layer, Stack
@@ -29,10 +29,11 @@ def test_columns_and_rows_of_any_size() -> None:
     np.testing.assert_allclose(many, (x / columns)[:, None] * [1.0, 2.0], rtol=1e-12)
 
 
-def figures(contact: AirContact) -> Array:
+def figures(contact: AirContacts) -> Array:
     """Voltage, stroke per volt, capacitances: what took harm."""
-    t = contact.state.tangents
-    return np.array([contact.state.response[1], t[0, 1] / t[1, 1], t[1, 1], contact.state.at_fixed_contact[1, 0]])
+    t = contact.solved.tangents[0]
+    voltage, fixed = contact.solved.states.response.values[0, 1], contact.solved.at_fixed_contact[0, 1, 0]
+    return np.array([voltage, t[0, 1] / t[1, 1], t[1, 1], fixed])
 
 
 @pytest.mark.parametrize(
@@ -48,7 +49,7 @@ def test_panels_sixteen_times_as_far_change_nothing(stack: Stack, load: float, o
     """
     contact = airy(stack, load, conducts=(True, False))
     far = replace(contact, table=AirTable(contact.table.table, 16 * np.cosh(contact.table.operators.grid.ends[-1])))
-    assert far.nodes > contact.nodes
+    assert far.table.operators.density_nodes > contact.table.operators.density_nodes
     np.testing.assert_allclose(figures(contact), figures(far), rtol=off)
 
 

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from solver.arrays import Array
-from solver.gap.airline import AirContact
+from solver.gap.airline import AirContacts
 from solver.gap.charges import FAR
 from solver.gap.fields import Solved, surface_fields
-from solver.gap.operators import EDGE
 from solver.line.interior import fields_of
 from solver.material.constants import VACUUM_PERMITTIVITY
 from solver.stack.layers import Layer, Stack
@@ -36,14 +35,14 @@ INSIDE = ("stress_xx", "stress_yy", "stress_xy", "electric_displacement_y", "ele
 
 
 @cache
-def made(name: str) -> AirContact:
+def made(name: str) -> AirContacts:
     stack, options = CASES[name]
     return airy(stack, **options)  # type: ignore[arg-type]
 
 
-def inside(contact: AirContact, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-    fields: Array = fields_of(Solved(contact.state, EDGES, FAR).tractions, x, y, names, contact.contact.datum)[0]
-    return fields
+def inside(contact: AirContacts, x: Array, y: Array, names: tuple[str, ...]) -> Array:
+    tractions = Solved(contact.solutions()[0], EDGES, FAR).tractions
+    return fields_of(tractions, x, y, names, contact.contact.datum)[0]
 
 
 @pytest.mark.sampled(2)
@@ -51,8 +50,8 @@ def inside(contact: AirContact, x: Array, y: Array, names: tuple[str, ...]) -> A
 def test_kernels_and_waves_meet_at_the_surface_and_the_gap_has_its_law(name: str) -> None:
     """Inside fields come from spectra of all charges, those on the surface from tables of kernels; V by the table."""
     contact = made(name)
-    state, scale = contact.state, contact.contact.scale
-    surface = surface_fields(state, X)
+    states, solution, scale = contact.solved.states, contact.solutions()[0], contact.contact.scale
+    surface = surface_fields(solution, X)
     interior = inside(contact, X, np.zeros(1), (*(other for _, other, _ in BOTH), "electric_potential"))[:, 0]
     for (field, _, sign), other in zip(BOTH, interior[:-1], strict=True):
         values = surface[field][0]
@@ -63,30 +62,32 @@ def test_kernels_and_waves_meet_at_the_surface_and_the_gap_has_its_law(name: str
             atol=1e-9 * np.max(np.abs(values)) + 1e-6 * (field == "shear_traction"),
             err_msg=field,
         )
-    V, within = state.response[1] * scale[2], np.abs(X) < 1
+    V, within = states.response.values[0, 1] * scale[2], np.abs(X) < 1
     np.testing.assert_allclose(interior[-1, within], V, rtol=3e-9)
-    operators = state.problem.table.operators
+    operators = solution.operators
     nodes = [30, 60]
     exterior = operators.grid.distance[nodes]
     phi = inside(contact, exterior, np.zeros(1), ("electric_potential",))[0, 0]
-    gap = state.gap[nodes] * state.half * scale[1]
-    D = surface_fields(state, exterior)["electric_displacement_y"][0]
+    gap = states.gap[0, nodes] * solution.half * scale[1]
+    D = surface_fields(solution, exterior)["electric_displacement_y"][0]
     close = 1e-8 * np.abs(V / (V - phi))  # next to the edge the difference of potentials has fewer digits
     assert np.all(np.abs(D * gap / (-VACUUM_PERMITTIVITY * (V - phi)) - 1) < 1e-6 + close)
 
 
 def test_edge_stresses_are_limits_of_the_fields_and_even_without_friction() -> None:
     """Guards a fixed error: charges on one side stretched the other edge with the wrong sign, 14 % here."""
-    state = made("steel").state
-    edge = state.outputs[EDGE] / state.problem.contact.scale[1]
-    near = surface_fields(state, np.array([1 + 1e-7, -1 - 1e-7]))["stress_xx"][0]
+    contact = made("steel")
+    states = contact.solved.states
+    others = contact.table.others.at(states.unknowns[:, 0]).times(states.columns[..., None])
+    edge = others[0, 0, :2, 0] / contact.contact.scale[1]
+    near = surface_fields(contact.solutions()[0], np.array([1 + 1e-7, -1 - 1e-7]))["stress_xx"][0]
     np.testing.assert_allclose(edge[0], edge[1], rtol=1e-9)
     np.testing.assert_allclose(edge, near, rtol=1e-4)
 
 
 def test_fields_do_not_see_where_the_intervals_end() -> None:
     """Charges beyond the intervals count as a charge at infinity."""
-    state = made("rigid").state
+    state = made("rigid").solutions()[0]
     few, many = (Solved(state, EDGES, count).tractions for count in (10, FAR))
     x, y = np.array([-2.0, 0.4]), np.array([-0.2, -0.9])
     coarse, fine = (fields_of(tractions, x, y, INSIDE[:5], np.ones(1)) for tractions in (few, many))
