@@ -45,7 +45,7 @@ def measure() -> dict[str, float]:
 
 def in_air() -> dict[str, float]:
     """Cost of one more case of a film in air, its table made."""
-    result = {}
+    result = dict[str, float]()
     for name, (case, factor, ends, unknowns) in AIR.items():
         loads = np.linspace(*ends, LOADS)
         some, many = (_solving(case | {factor: xr.DataArray(part, dims="case")}) for part in (loads[:1], loads))
@@ -78,7 +78,7 @@ def tables() -> dict[str, float]:
 def commands() -> dict[str, float]:
     """Cost of commands as whole processes."""
     numpy_alone = least(_process("import numpy")).processor
-    result = {}
+    result = dict[str, float]()
     for name, words in COMMANDS.items():
         cost = least(_process("from workflow.cli.main import main; main()", *words)).processor
         result |= _beside(name, cost, "import numpy", numpy_alone)

@@ -354,7 +354,7 @@ class GapStates(ABC):
 
 
 _NEWTON_STEPS = 60
-_NEWTON_CLOSE = 1e-11
+_NEWTON_CLOSE, _NEXT_CLOSE = 1e-11, 1e-12  # a step, and the next one if steps shrink as they did
 _STALLED = 1e-7  # steps below it that no longer shrink are rounding
 _LONGEST = 0.3  # of the extent's unknowns in a step
 _REOPENED = 3  # times at most that a closed gap is opened
@@ -491,7 +491,7 @@ def iterated(states: _State, starts: Sequence[Factored | None]) -> Settled[_Stat
         unknowns[running] -= change
         close = (size < _NEWTON_CLOSE) | ((size < _STALLED) & (size > before / 2))
         # steps of one chord shrink by one factor
-        close |= np.isfinite(before) & (size**2 < _NEWTON_CLOSE * before)
+        close |= np.isfinite(before) & (size**2 < _NEXT_CLOSE * before)
         converged[running] = close
         last[running] = size
         running = running[~close & np.isfinite(size)]

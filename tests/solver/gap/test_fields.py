@@ -42,7 +42,8 @@ def made(name: str) -> AirContacts:
 
 def inside(contact: AirContacts, x: Array, y: Array, names: tuple[str, ...]) -> Array:
     tractions = Solved(contact.solutions()[0], EDGES, FAR).tractions
-    return fields_of(tractions, x, y, names, contact.contact.datum)[0]
+    fields: Array = fields_of(tractions, x, y, names, contact.contact.datum)[0]
+    return fields
 
 
 @pytest.mark.sampled(2)
