@@ -11,7 +11,7 @@ factorised equations serve as long as they shrink the steps.
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Generic, Self, TypeVar
 
@@ -21,7 +21,7 @@ from scipy.linalg.lapack import dgetrf, dgetrs
 
 from approximation.arrays import Indices
 from approximation.piecewise import Interval
-from solver.arrays import Array, BoolArray
+from solver.arrays import Array, BoolArray, selected
 from solver.gap.refusal import GapError, require_open
 
 
@@ -61,6 +61,7 @@ class Factored:
         return self.solve(right)
 
 
+_TERMS, _NEXT = 4, 1e-3  # of Taylor series, and the reach in log size
 _CLOSING, _CHARGES = 2, 2  # first row of the charges, behind load and smooth edge, and their largest number
 
 
@@ -83,35 +84,64 @@ class Outputs:
         """Outputs at some sizes."""
         if self.interval is None:
             return Reading(self.values, np.stack([np.ones((log_size.size, 1)), np.zeros((log_size.size, 1))]))
-        return Reading(self.values, self.interval.polynomials(log_size, clipped=self.clipped) @ self._series)
+        return Reading(self.values, self.interval.polynomials(log_size, clipped=self.clipped) @ self._series[:2])
+
+    def about(self, log_size: Array) -> "Expansion | None":
+        """Series about some sizes, which are read faster than the table; None if they would be large."""
+        if self.interval is None or 8 * _TERMS * log_size.size * self.values[0].size > _LARGEST:
+            return None
+        weights = self.interval.polynomials(log_size, clipped=self.clipped) @ self._series
+        return Expansion(log_size, np.tensordot(np.moveaxis(weights, 1, 0), self.values, 1))
 
     @cached_property
     def _series(self) -> Array:
         assert self.interval is not None
-        return self.interval.taylor(2)
+        return self.interval.taylor(_TERMS)
 
 
 @dataclass(frozen=True, eq=False)
 class Reading:
     """Outputs at the sizes of some cases."""
 
-    values: Array  # (point, row, column)
+    values: Array  # Of all cases (point, row, column), or of each (case, point, row, column)
     weights: Array  # To the values and to their derivatives in log size; (2, case, point)
 
     @property
     def matrices(self) -> Array:
         """Outputs of every column; (case, row, column)."""
-        return np.tensordot(self.weights[0], self.values, 1)
+        if self.values.ndim == 3:
+            return np.tensordot(self.weights[0], self.values, 1)
+        return np.asarray(np.einsum("cp,cprn->crn", self.weights[0], self.values))
 
     def times(self, columns: Array, rows: int | None = None) -> Array:
         """Outputs, or the first of them, and their derivatives in log size; (2, case, row, k).
 
         columns: (case, column, k), sizes of the columns.
         """
-        values = self.values[:, :rows]
-        flat = np.moveaxis(columns, 1, 0).reshape(columns.shape[1], -1)
-        products = (values.reshape(-1, len(flat)) @ flat).reshape(*values.shape[:2], len(columns), -1)
-        return np.asarray(np.einsum("tcp,prck->tcrk", self.weights, products))
+        values, (cases, count, k) = self.values[..., :rows, :], columns.shape
+        if values.ndim == 3:
+            flat = values.reshape(-1, count) @ np.moveaxis(columns, 1, 0).reshape(count, -1)
+            products = np.moveaxis(flat.reshape(*values.shape[:2], cases, k), 2, 0)
+        else:
+            products = (values.reshape(cases, -1, count) @ columns).reshape(*values.shape[:3], k)
+        return np.asarray(np.einsum("tcp,cprk->tcrk", self.weights, products))
+
+
+@dataclass(frozen=True, eq=False)
+class Expansion:
+    """Taylor series of outputs in log size about a size of each case."""
+
+    log_size: Array  # (case,)
+    terms: Array  # (case, term, row, column)
+
+    def holds(self, log_size: Array) -> bool:
+        """Return True if sizes lie so near that the next term is below rounding."""
+        return bool(np.all(np.abs(log_size - self.log_size) < _NEXT))
+
+    def at(self, log_size: Array) -> Reading:
+        """Outputs at some sizes."""
+        k, change = np.arange(self.terms.shape[1]), (log_size - self.log_size)[:, None]
+        return Reading(self.terms, np.stack([change**k, k * change ** np.maximum(k - 1, 0)]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,6 +195,7 @@ class GapStates(ABC):
     frame: Frame
     unknowns: Array  # Log size, numbers of the contact, densities over their size by field; (case, unknown)
     held: tuple[bool, ...]  # Whether the potential of each charge is zero, and its charge follows
+    expansion: Expansion | None = field(default=None, kw_only=True)  # Outputs about the sizes, if they are known
 
     @abstractmethod
     def part(self, cases: Indices) -> Self:
@@ -195,6 +226,12 @@ class GapStates(ABC):
         """The same contacts at other unknowns."""
         return replace(self, unknowns=unknowns)
 
+    def _part(self, cases: Indices, *names: str) -> Self:
+        """Some of the cases, of the unknowns and of arrays by name."""
+        part = selected(self, cases, "unknowns", *names)
+        known = self.expansion and selected(self.expansion, cases, "log_size", "terms")
+        return replace(part, expansion=known)
+
     @property
     def first(self) -> int:
         """Number of unknowns before the densities."""
@@ -207,7 +244,17 @@ class GapStates(ABC):
 
     @cached_property
     def _reading(self) -> Reading:
-        return self.frame.outputs.at(self.unknowns[:, 0])
+        log_size = self.unknowns[:, 0]
+        if self.expansion and self.expansion.holds(log_size):
+            return self.expansion.at(log_size)
+        return self.frame.outputs.at(log_size)
+
+    @property
+    def expanded(self) -> Self:
+        """The same with the series of the outputs about their sizes."""
+        if self.expansion and self.expansion.holds(self.unknowns[:, 0]):
+            return self
+        return replace(self, expansion=self.frame.outputs.about(self.unknowns[:, 0]))
 
     @property
     def columns(self) -> Array:
@@ -291,8 +338,8 @@ class GapStates(ABC):
                 result[:, _CLOSING + charge] = by_potential[:, 1 + charge]
             return result
         gap = terms.profile.rates(heads, before) - exterior[:, 0]
-        for field in range(law.shape[1]):
-            law[:, field] += (self.over_size[:, field] / terms.reference)[..., None] * gap
+        for place in range(law.shape[1]):
+            law[:, place] += (self.over_size[:, place] / terms.reference)[..., None] * gap
         return result
 
     def response_rates(self, directions: Array) -> Array:
@@ -358,7 +405,7 @@ _NEWTON_CLOSE, _NEXT_CLOSE = 1e-11, 1e-12  # a step, and the next one if steps s
 _STALLED = 1e-7  # steps below it that no longer shrink are rounding
 _LONGEST = 0.3  # of the extent's unknowns in a step
 _REOPENED = 3  # times at most that a closed gap is opened
-_SLOW = 0.1  # of a step that the next one is below, or its equations are those of another state
+_SLOW, _SLOW_HELD = 0.02, 0.1  # of a step that the next one is below, or its equations are those of another state
 _ROUNDED = 1e-9  # steps below it are slow by rounding: new equations would make them no faster
 _NEAR = 0.7  # distance in logarithms of the parameters within which a solved case is a start
 _TANGENT_CLOSE, _REFINEMENTS = 1e-13, 12
@@ -466,38 +513,43 @@ def _solved(chords: Sequence[Factored], right: Array) -> Array:
     return result
 
 
-def iterated(states: _State, starts: Sequence[Factored | None]) -> Settled[_State]:
+def iterated(states: _State, starts: Sequence[Factored | None], slow: float = _SLOW) -> Settled[_State]:
     """Limits of Newton's iteration, their gaps open or not.
 
-    starts: factorised equations of states next to each case; None: its own.
+    starts: factorised equations of states next to each case; None: its own; slow: share of a step that the next one is
+    below, or the equations are made anew.
     """
     count, unknowns, chords = len(starts), np.array(states.unknowns), list(starts)
-    running, converged = np.arange(count), np.zeros(count, dtype=bool)
-    last = np.full(count, np.inf)
+    active, part, is_near = np.arange(count), states, False
+    converged, last = np.zeros(count, dtype=bool), np.full(count, np.inf)
     for _ in range(_NEWTON_STEPS):
-        now = states.part(running).moved(unknowns[running])
-        fresh = np.array([chords[case] is None for case in running.tolist()])
-        _renew(chords, running, now, np.flatnonzero(fresh))
-        change = now.steps(_of(chords, running))
+        now, before = part.moved(unknowns[active]), last[active]
+        fresh = np.array([chords[case] is None for case in active.tolist()])
+        _renew(chords, active, now, np.flatnonzero(fresh))
+        change = now.steps(_of(chords, active))
         size = np.max(np.abs(change) / now.terms.sizes, 1)
-        before = last[running]
-        slow = np.flatnonzero(~fresh & ~(size < _SLOW * before) & ~(before < _ROUNDED))
-        if slow.size:
-            at_rest = now if slow.size == running.size else now.part(slow)
-            _renew(chords, running[slow], at_rest, np.arange(slow.size))
-            change[slow] = at_rest.steps(_of(chords, running[slow]))
+        stale = np.flatnonzero(~fresh & ~(size < slow * before) & ~(before < _ROUNDED) & np.isfinite(size))
+        if stale.size:
+            others = now if stale.size == active.size else now.part(stale)
+            _renew(chords, active[stale], others, np.arange(stale.size))
+            change[stale] = others.steps(_of(chords, active[stale]))
         change /= np.maximum(1.0, np.max(np.abs(change[:, : states.frame.extents]), 1) / _LONGEST)[:, None]
         size = np.max(np.abs(change) / now.terms.sizes, 1)
-        unknowns[running] -= change
+        unknowns[active] -= change
+        last[active] = size
         close = (size < _NEWTON_CLOSE) | ((size < _STALLED) & (size > before / 2))
         # steps of one chord shrink by one factor
         close |= np.isfinite(before) & (size**2 < _NEXT_CLOSE * before)
-        converged[running] = close
-        last[running] = size
-        running = running[~close & np.isfinite(size)]
+        converged[active] |= close
+        running = np.flatnonzero(~converged[active] & np.isfinite(size))
         if not running.size:
             break
-    return Settled(states.moved(unknowns), _of(chords, np.arange(count)), converged)
+        if 2 * running.size <= active.size:  # few cases take longer
+            active, part = active[running], part.part(running)
+        if not is_near and np.max(np.abs(change[:, 0])) < _NEXT / 4:
+            part, is_near = part.moved(unknowns[active]).expanded, True
+    final = part if active.size == count else states
+    return Settled(final.moved(unknowns), _of(chords, np.arange(count)), converged)
 
 
 def _of(chords: Sequence[Factored | None], cases: Indices) -> list[Factored]:
@@ -514,7 +566,8 @@ def _renew(chords: list[Factored | None], cases: Indices, states: GapStates, pla
 
 def continued(states: _State, near: Settled[_State]) -> Settled[_State]:
     """Solutions that start from solved contacts, or from those without air where that leads to none."""
-    return _with(iterated(states.moved(near.states.unknowns), near.chords), states)
+    start = replace(states, unknowns=near.states.unknowns, expansion=near.states.expansion)
+    return _with(iterated(start, near.chords, _SLOW_HELD), states)
 
 
 def _with(result: Settled[_State], states: _State) -> Settled[_State]:
