@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.arrays import Array, BoolArray, is_finite, unmasked
-from solver.material.cuts import canonical
+from solver.material.cuts import canonical, generalised_stiffness
 from solver.material.datasheet import ENTRIES, converted, meant
 from solver.material.evidence import SECTIONS, Alternative, Sourced, read_alternatives, read_sourced, with_unit
 from solver.material.usual import question, questions
@@ -388,6 +388,41 @@ class Material:
             [zero, self.f33, -self.g33, -self.mu33],
         ])  # fmt: skip
         return Q, R, T
+
+    def stiffness_tensor(self, cut: str = "") -> Array:
+        """Generalised stiffness of contacts in space, in the axes of the surface (x, y, normal), SI.
+
+        Parameters
+        ----------
+        cut : str, of a material that has none itself
+
+        Returns
+        -------
+        ndarray
+            E[i, J, K, l] of T_iJ = E_iJKl dU_K/dx_l with U = (u, phi, psi) and T = (sigma, D, B); (3, 5, 5, 3).
+
+        Raises
+        ------
+        MaterialError
+            Constants over case axes, no c12, two cuts, or a cut that is unknown.
+
+        Examples
+        --------
+        >>> import solver
+        >>> solver.find("36Y LiNbO3").stiffness_tensor().shape
+        (3, 5, 5, 3)
+        """
+        if self.shape:
+            raise MaterialError(f"{self.name}: constants over cases; a contact in space takes one material")
+        if np.isnan(self.c12):
+            raise MaterialError(f"{self.name}: c12: missing; contacts in space need it [Pa]")
+        if cut and self.cut:
+            raise MaterialError(f"{self.name}: cut: {cut!r} beside the cut of the material, {self.cut}")
+        constants = {name: float(getattr(self, name)) for name in _ALL_UNITS}
+        try:
+            return generalised_stiffness(constants, cut or self.cut)
+        except ValueError as error:
+            raise MaterialError(f"{self.name}: {error}") from None
 
     @np.errstate(all="ignore")  # products beyond double precision compare as infinite
     def check(self) -> None:

@@ -7,15 +7,11 @@ from Y by n degrees about X towards Z.
 """
 
 import re
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from solver.arrays import Array, is_finite, shown
-
-if TYPE_CHECKING:
-    from solver.material.constants import Material
 
 #: Families of cuts that the factor `cut` names; those of `ANGLED` have the factor `cut_angle`.
 FAMILIES, ANGLED = ("Z", "X", "Y", "rotated Y", "tilt"), ("rotated Y", "tilt")
@@ -69,13 +65,10 @@ def split(name: str) -> tuple[str, str] | None:
     return (match["cut"], match["material"]) if match else None
 
 
-def generalised_stiffness(material: "Material", cut: str = "") -> Array:
-    """E[i, J, K, l] with T_iJ = E_iJKl U_K,l for U = (u, phi, psi) and T = (sigma, D, B); (3, 5, 5, 3), SI.
-
-    ``cut`` replaces that of the material where it has none. A material without case axes.
-    """
-    turn = rotation(cut or material.cut)
-    c, e, f, eps, g, mu = _matrices(material)
+def generalised_stiffness(constants: Mapping[str, float], cut: str) -> Array:
+    """E[i, J, K, l] with T_iJ = E_iJKl U_K,l for U = (u, phi, psi) and T = (sigma, D, B); (3, 5, 5, 3), SI."""
+    turn = rotation(cut)
+    c, e, f, eps, g, mu = _matrices(constants)
     elastic, coupling = np.zeros((3, 3, 3, 3)), np.zeros((2, 3, 3, 3))
     for row, (i, j) in enumerate(_VOIGT):
         for column, (k, m) in enumerate(_VOIGT):
@@ -93,23 +86,8 @@ def generalised_stiffness(material: "Material", cut: str = "") -> Array:
     return tensor
 
 
-def axial(tensor: Array) -> bool:
-    """Return whether a generalised stiffness is isotropic about the normal z."""
-    turn = _about_z(1.0)  # no crystal has a rotation by one radian
-    whole = np.eye(5)
-    whole[:3, :3] = turn
-    turned = np.einsum("ia,JB,KC,ld,aBCd->iJKl", turn, whole, whole, turn, tensor)
-    size = np.maximum(np.max(np.abs(tensor), axis=(0, 3)), np.finfo(np.float64).tiny)
-    return bool(np.all(np.max(np.abs(turned - tensor), axis=(0, 3)) <= 1e-9 * size))  # rounding alone
-
-
-def _matrices(material: "Material") -> tuple[Array, ...]:
+def _matrices(v: Mapping[str, float]) -> tuple[Array, ...]:
     """c (6, 6), e and f (3, 6), eps, g and mu (3, 3) in the crystal's axes, of the trigonal classes 3m and 32 too."""
-    v = {
-        name: float(getattr(material, name))
-        for name in ("c11", "c12", "c13", "c14", "c33", "c44", "e11", "e14", "e15", "e22", "e31", "e33",
-                     "f15", "f31", "f33", "eps11", "eps33", "g11", "g33", "mu11", "mu33")
-    }  # fmt: skip
     c = np.diag([v["c11"], v["c11"], v["c33"], v["c44"], v["c44"], (v["c11"] - v["c12"]) / 2])
     for (i, j), value in {
         (0, 1): v["c12"], (0, 2): v["c13"], (1, 2): v["c13"], (0, 3): v["c14"], (1, 3): -v["c14"], (4, 5): v["c14"],
