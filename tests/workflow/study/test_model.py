@@ -17,7 +17,7 @@ from workflow.study.reading import InputError, read_material, read_yaml
 
 QUICKSTART = Path("config/quickstart.yaml")
 #: Studies of which the solver takes seconds for the corners.
-SECONDS = ("film_actuator", "film_sensor", "paper", "point_sensor")
+SECONDS = ("air_sensor", "film", "film_actuator", "film_sensor", "paper", "point_sensor", "probe")
 
 
 @pytest.mark.parametrize(
