@@ -90,7 +90,7 @@ def test_choices_of_numbers_and_names_together(study: Study, model: GaussianProc
     assert "charge,given,profile,,,,cylinder,,," in rows
 
 
-@pytest.mark.soak  # workflow/design/test_searching.py merges fronts by hand
+@pytest.mark.soak  # workflow/design/test_judging.py merges fronts by hand
 def test_the_front_is_that_of_all_combinations(study: Study, model: GaussianProcess) -> None:
     materials = ("BaTiO3", "PZT-5H")
     over = {"radius": {}, "material": {"choices": list(materials)}, "profile": {}}

@@ -3,9 +3,9 @@
 import pytest
 
 from solver.names import FILM_QUANTITIES, QUANTITIES
-from tests.studies import edited, made, refusal
+from tests.studies import edited, made, refusal, shipped
 from workflow.run.provenance import ROOT
-from workflow.study import datum
+from workflow.study import coupling, datum
 from workflow.study.model import Study
 
 FILM = """\
@@ -88,3 +88,32 @@ def test_bad_films_are_refused_in_one_line(old: str, new: str, expected: str) ->
 def test_a_study_of_heat_names_what_is_not_known_or_given_twice(old: str, new: str, words: str) -> None:
     text = (ROOT / "config/taxel.yaml").read_text(encoding="utf-8")
     assert words in refusal(text.replace(old, new))
+
+
+QUICKSTART = shipped("quickstart")
+
+
+def made_of(**fixed: str | float) -> Study:
+    """The quickstart of something else, without its designs."""
+    factors = {name: axis for name, axis in QUICKSTART.factors.items() if name not in ("volume_fraction", "charge")}
+    return QUICKSTART.model_copy(update={"fixed": fixed, "factors": factors, "design": {}})
+
+
+def test_a_field_needs_a_material_that_couples_to_it_or_a_charge() -> None:
+    assert coupling.fields(QUICKSTART) == {"electric", "magnetic"}
+    assert coupling.fields(made_of(material="PZT-4")) == {"electric"}
+    assert coupling.fields(made_of(material="CoFe2O4")) == {"magnetic"}
+    assert coupling.fields(made_of(composite="AlScN", scandium_fraction=0.3)) == {"electric"}
+    assert coupling.fields(made_of(material="glass")) == set()
+    assert coupling.fields(made_of(material="glass", charge=1e-6)) == {"electric"}
+    assert coupling.fields(shipped("paper")) == {"electric", "magnetic"}
+
+
+def test_quantities_of_a_field_that_is_none_are_not_told_unless_they_are_asked_for() -> None:
+    study = made_of(material="PZT-4")
+    names = coupling.told(study)
+    assert {"voltage", "peak_pressure", "stroke_per_volt"} <= set(names)
+    assert not {"magnetic_potential", "flux_per_force", "stroke_per_ampere", "permeance_per_length"} & set(names)
+    surrogate = study.surrogate.model_copy(update={"outputs": ["depth", "magnetic_potential"]})
+    assert coupling.told(study.model_copy(update={"surrogate": surrogate})) == ["depth", "magnetic_potential"]
+    assert coupling.told(QUICKSTART) == QUICKSTART.outputs
