@@ -14,6 +14,7 @@ from solver.body import kind_of
 from tests.workflow.design.test_answer import ANSWER
 from workflow.design.verdict import leftout
 from workflow.design.verdict.leftout import LeftOut, SolvedCase
+from workflow.design.verdict.variable import End
 from workflow.design.wording import words
 from workflow.language import statements
 from workflow.study.allowable import Allowable
@@ -161,4 +162,9 @@ def test_a_recommendation_needs_that_nothing_left_out_exceeds_its_band(
     inside = tuple(replace(variable, edge=None) for variable in ANSWER.variables)
     answer = replace(ANSWER, terms=(objective, limited), variables=inside, beyond="", left_out=(effect,))
     assert words.verdict(answer).kind == kind
-    assert words.verdict(replace(answer, beyond="a stress")).kind == "beyond linear theory; otherwise recommended"
+    assert words.verdict(replace(answer, beyond="a stress")).kind == f"beyond linear theory; otherwise {kind}"
+    effect_words = kind.removeprefix("recommended").removeprefix(" within the model")
+    ended = replace(answer, variables=tuple(replace(variable, edge=End.UPPER) for variable in inside))
+    assert words.verdict(ended).kind == words.AT_EDGE + effect_words
+    missed = replace(answer, terms=(objective, replace(limited, margin=-0.5)))
+    assert words.verdict(missed).kind == words.UNREACHABLE  # claims nothing that an effect could take back
