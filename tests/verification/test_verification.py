@@ -45,7 +45,7 @@ FEW: dict[str, tuple[ModuleType, dict[str, tuple[object, ...]]]] = {
     "digits": (digits, {"EXTREMES": ("tiny", "coalescing roots")}),
     "film_air": (film_air, {"CASES": ("PZT-4 on steel, air",)}),
     "film_elements": (film_elements, {"CASES": ("composite on steel", "BaTiO3 on CoFe2O4 on a rigid base")}),
-    "integral_equations": (integral_equations, {"PUNCHES": ("wedge, corner trailing",), "AIRY": ("film",)}),
+    "integral_equations": (integral_equations, {"PUNCHES": ("cylinder", "tilted flat"), "AIRY": ("film",)}),
     "points": (points, {"_BASES": ("rigid",)}),
 }  # fmt: skip
 

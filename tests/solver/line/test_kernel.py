@@ -37,8 +37,7 @@ def of(material: solver.Material, base: str, ratio: float) -> Kernel:
 
 
 @pytest.mark.parametrize(
-    ("name", "base"),
-    [*zip(solver.materials(), cycle(["rigid", "steel"])), *product(STEEP, ["rigid", "steel"])],
+    ("name", "base"), [*zip(solver.materials(), cycle(["rigid", "steel"])), *product(STEEP, ["rigid", "steel"])]
 )
 def test_no_built_in_material_is_refused(name: str, base: str) -> None:
     for ratio in (1e-3, 1.0, 30.0):

@@ -74,10 +74,7 @@ def test_random_cases_are_those_of_the_solver(film: Study, tmp_path: Path) -> No
 
 def test_other_constants_and_other_questions_are_other_cases(film: Study, tmp_path: Path) -> None:
     slab(film, tmp_path)
-    for old, new in (
-        ("dataset:", "phases: [CoFe2O4, BaTiO3]\ndataset:"),
-        ("inside: 2", "inside: 4"),
-    ):
+    for old, new in (("dataset:", "phases: [CoFe2O4, BaTiO3]\ndataset:"), ("inside: 2", "inside: 4")):
         assert slab(made(FILM.replace(old, new)), tmp_path)[0].taken == 0
 
 

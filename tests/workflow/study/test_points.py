@@ -12,7 +12,7 @@ from solver.body import HALF_SPACE
 from solver.fields import POINT_FIELDS
 from solver.names import POINT_QUANTITIES
 from surrogate import Input
-from tests.studies import data_set, edited, fitted, made, refusal, shipped
+from tests.studies import data_set, fitted, made, refusal, shipped
 from workflow.dataset import effects, factorial
 from workflow.dataset import slabs as dataset
 from workflow.design.search import targets
@@ -91,27 +91,6 @@ def test_figures_of_a_device_are_whole_and_the_force_is_a_factor(study: Study) -
     for name, figure in FIGURES_BY["point"].items():
         assert "electrode_length" not in figure.formula, name
     assert "electrode_length" in DEVICE
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        (
-            "{amplifier:",
-            "{electrode_length: 10 mm, amplifier:",
-            "device: electrode_length: a point contact has none: its forces and charges are whole",
-        ),
-        ("groups:", "surrogate: {fields: 8}\ngroups:", "surrogate: fields: point contacts have none; must be 0"),
-        ("peak_pressure <=", "leading_compression <= 1 MPa, peak_pressure <=", "'leading_compression' is not one of"),
-        (
-            "groups:",
-            "categories: {profile: [sphere, cylinder]}\ngroups:",
-            "categories: profile: sphere, cylinder: lines and points need a study each",
-        ),
-    ],
-)
-def test_what_a_point_has_not_is_refused_in_one_line(old: str, new: str, message: str) -> None:
-    assert message in refusal(edited(BALL, old, new))
 
 
 EFFECTS = """\
