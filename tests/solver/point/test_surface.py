@@ -82,7 +82,7 @@ def test_strains_are_hankel_s_integrals(punch: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("punch", PUNCHES[:3], ids=lambda punch: punch["profile"])
 def test_stresses_on_a_film_are_those_inside_it(punch: dict[str, Any]) -> None:
-    """(P5.1) and sums over k, against Hankel integrals of the densities, continued to the surface from 1e-5 a."""
+    """(P5.1) and sums over k, against Hankel integrals of the densities, continued to the surface from 1e-3 a."""
     places, stresses = np.array([-0.4, 0.8, 1.2, -3.0]), ("radial_stress", "hoop_stress")
     case = (
         {"material": "BaTiO3", "punch": "steel", "thickness": 1e-4, "surroundings": "insulated", "base": "polyimide"}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solver import solve
+from solver import find, solve
 from solver.body import kind_of
 from tests.workflow.design.test_answer import ANSWER
 from workflow.design.verdict import leftout
@@ -116,6 +116,38 @@ def test_the_quickstart_ball_has_the_figures_of_its_page() -> None:
     # 539 uC/m2/K (docs/heat.md) over pi (36.175 um)^2, of 40.0 pC times 5 uN/0.2 N
     assert heat.left_out_words.endswith("; of the whole body 450 µK equal the smallest force.")
     assert next(iter(budget)) == "mass of the punch"
+
+
+def test_heat_beside_the_contact_is_that_of_an_insulated_edge() -> None:
+    """An electrode without end collects heat as the spot's area: 2 sqrt(diffusivity time/pi)/a more."""
+    case = BALL | {
+        "electrode": "top",
+        "collector": 2,
+        "surroundings": "insulated",
+        "touch_temperature": 294.15,
+        "hold": 4e-6,
+    }
+    found = effects(case)
+    material, solved = find("PZT-4"), solve(case)
+    conductivity, capacity = (float(material.thermal[name].value) for name in ("conductivity", "heat_capacity"))
+    width = (conductivity / capacity * 4e-6 / np.pi) ** 0.5
+    effect = found["heat beside the contact"]
+    assert effect.left_out_size == pytest.approx(width, rel=1e-12)
+    share = found["heat"].left_out_share * 2 * width / float(solved["contact_radius"])
+    assert effect.left_out_share == pytest.approx(share, rel=1e-9)
+    below = effects(BALL | {"touch_temperature": 294.15, "hold": 4e-6})  # the punch collects below its contact alone
+    assert below["heat beside the contact"].left_out_share < below["heat"].left_out_share * 2 * width / 3.6e-5
+
+
+def test_a_base_that_bends_and_a_pad_that_ends() -> None:
+    # e31 - e33 c13/c33 of PZT-4 is -14.956 C/m2, steel has 200 GPa and 0.28: 36.175 um collect 40 pC of 0.2 N
+    assert effects(BALL)["bending of the base"].left_out_size == pytest.approx(294e-6, rel=1e-2)
+    pad = {"material": "AlN", "profile": "sphere", "radius": 1e-3, "thickness": 1e-6, "base": "silicon", "force": 0.01}
+    ends = effects(pad | {"electrode": "top", "collector": 2, "surroundings": "insulated"})["end of the pad"]
+    assert ends.left_out_share == pytest.approx(
+        1 - 0.23 / 0.26, abs=0.03
+    )  # the table of docs/electrodes.md, two digits
+    assert ends.left_out_size == pytest.approx(10e-3 * ends.left_out_share, rel=1e-12)
 
 
 def test_signals_are_judged_at_the_smallest_force_and_stresses_at_the_largest() -> None:
