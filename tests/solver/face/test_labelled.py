@@ -285,10 +285,7 @@ def test_a_solution_says_what_no_factor_says(factors: dict[str, object], said: d
     [
         ({"profile": "sphere", "radius": 1e-3, "force": [1.0, 1e5]}, "in 1 of 2 cases, at worst a half-width of"),
         ({"radius": 1e-3, "load": 1e8}, "strain: a half-width of 0.00122 m is 1.2 of the punch radius 0.001 m"),
-        (
-            {"thickness": 1e-4, "base": "rigid", "profile": "flat", "width": 1e-4, "load": 4e6},
-            "0.22 of the thickness",
-        ),
+        ({"thickness": 1e-4, "base": "rigid", "profile": "flat", "width": 1e-4, "load": 4e6}, "0.22 of the thickness"),
         ({"thickness": 1e-4, "base": "steel", "profile": "sphere", "radius": 0.1, "force": 2e4}, ""),
         ({"radius": 0.05, "load": 1e5}, ""),
     ],
