@@ -273,7 +273,7 @@ def _add_si(command: argparse.ArgumentParser) -> None:
 def _add_solve(commands: Commands) -> None:
     """Add ``solve`` to the commands of the program."""
     command = commands.add_parser("solve", help="solve one case or a table exactly: quantities and surface fields")
-    _add_cases(command, printed=True, nc="netCDF", csv="CSV", svg="a drawing to scale")
+    _add_cases(command, printed=True, nc="netCDF", csv="CSV")
     _add_si(command)
     command.add_argument("--positions", metavar="X1,X2,...", help="surface positions X = (x - c)/h, or r/a")
     command.add_argument(

@@ -36,7 +36,6 @@ from solver.names import (
     OF_AN_ELECTRODE,
     OF_HEAT,
     POINT_SLIDING,
-    PROFILES,
 )
 from solver.units import written
 from storage.files import output, write_text, writing
@@ -49,7 +48,6 @@ from workflow.study.reading import InputError, one_line, read_material
 
 _NAMED = 8  # quantities that a message names
 _PHASES = ("BaTiO3", "CoFe2O4")  # of a composite, as the solver has them
-_DRAWING = ".svg"
 _PRINTED = 6  # digits of a printed value
 _DEFAULTS: dict[str, float | str | None] = {name: factor.default for name, factor in FACTORS.items()}
 _DEFAULTS |= {name: choices[0] for name, choices in CHOICES.items() if name not in ("composite", "corner")}
@@ -85,42 +83,8 @@ def solve_table(options: argparse.Namespace) -> None:
         case = out.isel(case=0)
         notes = [_defaults(table, case), *_left_out(table, options.materials)]
         print("\n".join([*_lines(case, si=options.si), "", *notes]))
-    elif options.output.suffix == _DRAWING:
-        if table.count > 1 or positions is not None:
-            raise InputError(f"{options.output}: a drawing is of one case, without --positions")
-        write_text(options.output, _drawing(table, out.isel(case=0)))
-        say(f"wrote {options.output}: punch and body to scale; open it in a browser")
     else:
         _wrote(options, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
-
-
-def _drawing(table: Table, case: xr.Dataset) -> str:
-    """The one case of a table to scale, as SVG."""
-    # a table needs no report
-    from workflow.report import device
-    from workflow.report.firstscreen import punch_in_words
-
-    factors = {name: cells.tolist()[0] for name, cells in table.columns.items() if not table.empty(name)[0]}
-    values = {name: factors.get(name, default) for name, default in _DEFAULTS.items()}
-    profile, surroundings = (str(values[name] or CHOICES[name][0]) for name in ("profile", "surroundings"))
-    kind = kind_of([*factors], profile, surroundings)
-    trailing, leading = (float(case[name].item()) for name in kind.ends)
-    drawn = device.Device(
-        profile,
-        str(factors.get("corner", CHOICES["corner"][0])),
-        float(factors[PROFILES[profile].needs[-1]]),
-        trailing,
-        leading,
-        float(factors[kind.loads.force]),
-        conducts=values["electric"] == CHOICES["electric"][0],
-        thickness=float(factors["thickness"]) if kind.layered else None,
-        base=str(factors.get("base", "a base by its modulus")) if kind.layered else "",
-        grounded=kind.layered and (values["interface_electric"] or CHOICES["interface_electric"][0]) == "grounded",
-        exponent=float(factors.get("exponent", 1.0)),
-        slides=float(factors.get("friction", 0.0)) > 0,
-    )
-    body = str(factors.get("material", "a composite"))
-    return device.draw(drawn, f"{body}; {punch_in_words(factors)}")
 
 
 def _is_long(options: argparse.Namespace) -> bool:
