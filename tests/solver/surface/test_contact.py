@@ -7,7 +7,7 @@ from scipy.special import ellipe, ellipk
 import solver
 from solver.surface.contact import SurfaceContact, solve_contact
 from solver.surface.response import SurfaceBody, SurfaceError
-from solver.surface.shape import Cone, Disc, Ellipsoid, Map, Roller, sphere
+from solver.surface.shape import Cone, Disc, Ellipsoid, Map, Roller, RoughSphere, sphere
 from tests.solver.surface.crystals import film, hexagonal, lithium_niobate, tilted, y_cut
 
 PZT = SurfaceBody((), hexagonal("PZT-4"))
