@@ -16,6 +16,7 @@ from solver.halfplane.surface import HalfPlane
 from solver.material.constants import TRIGONAL, UNITS
 from solver.names import ALL_QUANTITIES, CHOICES, FACTORS, LIMITS, PROFILES, QUANTITIES
 from workflow.cli.casetable import TEXT_FACTORS, read_cases
+from workflow.report import symbols
 from workflow.run.provenance import ROOT
 from workflow.study.reading import read_material
 
@@ -100,6 +101,15 @@ def test_the_example_of_a_material_is_the_file() -> None:
     assert material.limits["depoling_stress"].value == 10e6
     assert material.spread["eps33"] == (12.7e-9, 13.02e-9)
     assert name in read_cases(ROOT / "examples/own_material.csv").columns["material"]
+
+
+def test_symbols_of_the_paper_are_those_of_its_page() -> None:
+    table = [line for line in PAGE.partition("## Symbols of the paper")[2].splitlines() if line.startswith("|")]
+    for name, (symbol, equation) in (symbols.FACTORS | symbols.FIELDS).items():
+        (row,) = (row for row in table if f"`{name}`" in row)
+        assert row.endswith(f"| ({equation}) |")
+        plain = symbol.removeprefix("−").replace("η", "eta").replace("σ", "sigma")
+        assert plain in row.replace(",", " ").split()
 
 
 PAGES = {
