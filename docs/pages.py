@@ -17,7 +17,7 @@ from solver import names
 from solver.described import Described
 from solver.fields import FIELDS, POINT_FIELDS
 from workflow.cli.main import EXAMPLES, main
-from workflow.report import problem
+from workflow.report.page import TEMPLATES
 
 ROOT = Path(__file__).parents[1]
 #: Files that ``python -m docs`` draws; a site without them leaves their figures out.
@@ -49,8 +49,7 @@ def on_files(files: Any, config: Any) -> Any:
         "study.md": study(),
         "modules.md": modules(),
         "quantities.md": quantities(),
-        "problem.svg": problem.draw(),
-        "film.svg": problem.film(),
+        "problem.svg": (TEMPLATES / "halfplane.svg").read_text(encoding="utf-8"),
         "pygments.css": HtmlFormatter(style="friendly").get_style_defs(".highlight"),
     }
     for page in sorted((ROOT / "docs/tutorials").glob("*.md")):

@@ -72,6 +72,11 @@ def say(message: str) -> None:
     print(one_line(message), file=sys.stderr)
 
 
+def printable(text: str) -> str:
+    """Lines whose names, which may come from a file, cannot command the terminal."""
+    return "\n".join(one_line(line) for line in text.split("\n"))
+
+
 def numbers(where: str, text: str) -> list[float]:
     """Numbers between commas."""
     values = []

@@ -19,7 +19,7 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, in_words, title
 from workflow.learning.timing import by_quantity
-from workflow.report import firstscreen, problem, ranked, sections, sentences, tables, whatif
+from workflow.report import firstscreen, ranked, sections, sentences, tables, whatif
 from workflow.report.svg import element, inlined
 from workflow.study import coupling
 from workflow.study.datum import HANGING, length
@@ -43,6 +43,7 @@ _MEANINGS = {
 _COMMENT = re.compile(r"^\s*//.*\n|^ +", re.MULTILINE)
 _LEAST = 1e-5  # share that is told
 _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
+_TOP, _BOTTOM = 150, 294  # of all layers in it
 #: Scripts of the page, in the order in which they need each other.
 _SCRIPTS = (
     "contents.js", "numbers.js", "hover.js", "surrogate.js", "largest.js", "stack.js", "chart.js", "fields.js",
@@ -51,6 +52,12 @@ _SCRIPTS = (
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
+
+
+TITLE = "A conducting punch slides on a magneto-electro-elastic half-plane"
+ON_FILM = "A conducting punch slides on a film on its base"
+ON_LAYERS = "A conducting punch slides on layers on their base"
+AT_POINT = "A conducting ball is pressed into a body"
 
 
 def page(
@@ -82,7 +89,7 @@ def page(
     content: dict[str, Any] = {
         "study": study,
         "name": name,
-        "problem": _problem(study),
+        "problem": _problem(study, environment),
         "figures": {path.stem: _figure(path) for path in figures},
         "provenance": json.loads(provenance.read_text(encoding="utf-8")),
         "factors": FACTORS,
@@ -186,24 +193,25 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
     return says
 
 
-def _problem(study: Study) -> Markup:
+def _problem(study: Study, environment: Environment) -> Markup:
     """The drawing of a study's bodies: a half-plane, a film, or both where films are shown beside it."""
-    effects = study.effects
+    effects, layers = study.effects, _layers(study) or ["film"]
     if study.kind.contact == "point":
-        layers = (_layers(study) or ["film"]) if study.kind.layered else []
-        return element(problem.point(layers), "film" if layers else "problem", problem.AT_POINT)
+        return _on_layers(environment, layers if study.kind.layered else [], AT_POINT, point=True)
     of_films = study.kind.layered or (effects is not None and "thickness" in effects.baseline)
-    with_film = effects is not None and bool(effects.film)
-    drawings = [] if of_films else [element(problem.draw(), "problem", problem.TITLE)]
-    drawings += [_film(study)] if of_films or with_film else []
+    drawings = (
+        [] if of_films else [element((TEMPLATES / "halfplane.svg").read_text(encoding="utf-8"), "problem", TITLE)]
+    )
+    if of_films or (effects is not None and effects.film):
+        drawings.append(_on_layers(environment, layers, ON_LAYERS if len(layers) > 1 else ON_FILM))
     return Markup("\n").join(drawings)
 
 
-def _film(study: Study) -> Markup:
-    """The drawing of a film, or of a body's layers while there is room for their names."""
-    names = _layers(study)
-    title = problem.ON_LAYERS if len(names) > 1 else problem.ON_FILM
-    return element(problem.one_film(names or ["film"]), "film", title)
+def _on_layers(environment: Environment, layers: Sequence[str], title: str, *, point: bool = False) -> Markup:
+    """The drawing of a contact on layers from the top down, or on a half-space."""
+    edges = [round(_TOP + (_BOTTOM - _TOP) * number / max(len(layers), 1)) for number in range(len(layers) + 1)]
+    drawn = environment.get_template("film.svg.j2").render(title=title, layers=layers, edges=edges, point=point)
+    return element(drawn, "film" if layers else "problem", title)
 
 
 def _layers(study: Study) -> list[str]:
