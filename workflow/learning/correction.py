@@ -41,11 +41,6 @@ _COUNTED = (("rows", "row"), ("values", "measured value"))
 _RARE = 0.01  # chance of so few rows within their intervals from which on they disagree
 
 
-def understated(posterior: Learnt, output: int) -> bool:
-    """Return whether errors are reported as larger than stated."""
-    return posterior.scale(output)[1] > LARGER
-
-
 @dataclass(frozen=True)
 class Summary:
     """Results of learning from measured rows."""

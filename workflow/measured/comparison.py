@@ -255,7 +255,7 @@ def _said(
     if off is None:
         return _without_error(row, model[0])
     if abs(off) > AGREES_WITHIN:
-        return "disagrees", _off(off) + _and(row.outside)
+        return "disagrees", _off(off) + (f": {row.outside}" if row.outside else "")
     return "agrees", _off(off) + _ruled_out(row, others)
 
 
@@ -271,10 +271,6 @@ def _without_error(row: Measurement, value: Spread) -> tuple[Word, str]:
     if row.outside:
         return "disagrees", row.outside
     return "cannot be told", f"no error is published; the model is {number(100 * (ratio - 1), 2)} % off"
-
-
-def _and(outside: str) -> str:
-    return f": {outside}" if outside else ""
 
 
 def _ruled_out(row: Measurement, others: Sequence[float | None]) -> str:

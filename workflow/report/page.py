@@ -116,7 +116,7 @@ def page(
         "readouts": [],
         "signal": None,
         "beside": None,
-        "scripts": [_script(name) for name in _SCRIPTS],
+        "scripts": [Markup(_COMMENT.sub("", (TEMPLATES / name).read_text(encoding="utf-8"))) for name in _SCRIPTS],
         "effects": list(study.effects.vary) if study.effects else [],
         "effects_table": tables.effects(study, folder) if study.effects else [],
         "spans": None,
@@ -149,17 +149,15 @@ def page(
         content["whatif_json"] = whatif.as_json(content["whatif"])
     if study.signal:
         content["signal"] = pressed = tables.signal(folder)
-        content["beside"] = _beside(study, pressed) if study.signal.case else None
+        content["beside"] = (
+            firstscreen.card(study, pressed, pressed["held"], pressed["left_out"]) if study.signal.case else None
+        )
     if study.effects:
         drawn = ranked.draw(ranked.spans(content["effects_table"]))
         content["spans"] = element(drawn, "spans", "what each factor changes, the strongest first", 1.6)
     content["says"] = _says(study, folder, content)
     content |= {"parts": sections.standing(content), "page": content}
     return environment.get_template("report.html.j2").render(content)
-
-
-def _beside(study: Study, pressed: Mapping[str, Any]) -> firstscreen.Card:
-    return firstscreen.card(study, pressed, pressed["held"], pressed["left_out"])
 
 
 def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, str]:
@@ -236,11 +234,6 @@ def _figure(path: Path) -> dict[str, Any]:
     caption = (CAPTIONS / f"{kind}.rst").read_text(encoding="utf-8").replace("\n", " ").replace("``", "").strip()
     alt = f"{kind} {target.replace('_', ' ')}: {caption}".replace(" :", ":")
     return {"caption": caption, "svg": inlined(path, alt), "name": path.stem, "kind": kind}
-
-
-def _script(name: str) -> Markup:
-    """A script of ours, to stand inside the page, without its comments and indents."""
-    return Markup(_COMMENT.sub("", (TEMPLATES / name).read_text(encoding="utf-8")))
 
 
 def _seconds(value: float) -> str:
