@@ -7,6 +7,8 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
+import yaml
+
 from workflow.cli import progress
 from workflow.design.wording import unreached
 from workflow.language.spelling import nearest
@@ -34,7 +36,8 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
     _check_results(name)
     if study.verification:
         _check_verifiable(name)
-    options = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(_profile(profile))]
+    folder = _profile(profile)
+    options = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(folder)]
     configuration.check_profiles(options)
     if location.by_path(name):
         options += ["--config", f"study={location.address(name)}"]
@@ -50,14 +53,23 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
     with progress.followed(study):
         status = _snakemake([*options, "--quiet", "host", "reason", "--", report, *others])
     if status == 0:
-        folder = Path(report).parent
-        _check_origin(study, folder / "provenance.json")
+        if bucket := _bucket(folder):  # no result is in a folder of this machine
+            print(f"report: {bucket}/{report}")
+            return status
+        results = Path(report).parent
+        _check_origin(study, results / "provenance.json")
         from workflow.design.wording import table  # scikit-learn stands behind it, for which the start should not wait
 
-        for line in [*table.outcome(folder, list(study.design)), *unreached.lines(folder / "design.nc")]:
+        for line in [*table.outcome(results, list(study.design)), *unreached.lines(results / "design.nc")]:
             print(line)
         print(f"report: {report}")
     return status
+
+
+def _bucket(profile: Path) -> str:
+    """Address below which a profile's storage holds the results; empty where results are in the current folder."""
+    entries = yaml.safe_load((profile / "config.yaml").read_text(encoding="utf-8")) or {}
+    return str(entries.get("default-storage-prefix", "")).rstrip("/")
 
 
 def _check_folder(folder: Path) -> None:
