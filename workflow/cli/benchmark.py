@@ -9,7 +9,7 @@ from typing import Any
 
 from storage.files import regular
 from workflow.language.spelling import nearest
-from workflow.study.reading import InputError, number, one_line
+from workflow.study.reading import InputError, located, number, one_line
 
 TABLE = Path(__file__).with_name("benchmark.csv")
 _COLUMNS = ("problem", "quantity", "value")
@@ -49,11 +49,9 @@ def _rows(path: Path) -> list[dict[str, str]]:
     """Rows of a table with a header, as texts."""
     if regular(path).stat().st_size > _MOST_BYTES:
         raise InputError(f"{path}: larger than {_MOST_BYTES} bytes")
-    try:
+    with located(path, (UnicodeDecodeError, csv.Error)):
         lines = path.read_text(encoding="utf-8-sig").splitlines()
         rows = list(csv.DictReader(lines, strict=True))
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: {error}") from None
     return [{str(name).strip(): str(cell or "").strip() for name, cell in row.items()} for row in rows]
 
 

@@ -36,7 +36,7 @@ from workflow.study.categories import output
 from workflow.study.consistency import check_target, check_values
 from workflow.study.keys import Origin
 from workflow.study.model import Study
-from workflow.study.reading import InputError, first_problem
+from workflow.study.reading import InputError, first_problem, located
 from workflow.study.target import Target
 
 _BARE = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
@@ -171,15 +171,13 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
     infer = list(named("--infer", words.get("infer")))
     point: dict[str, float | str] = {name: _usual(study, name) for name in study.categories}
     point |= {name: _value(f"--at: {name}", name, text) for name, text in named("--at", words.get("at")).items()}
-    try:
+    with located("invert"):
         for name, point_value in point.items():
             check_values(study, "--at", name, [point_value])
         combination = {name: str(point.pop(name)) for name in study.categories}
         held = {name: float(value) for name, value in point.items()}
         outputs = [_learned(study, name, combination) for name in measured]
         inversion = Inversion(model.only(outputs) if study.kind.tabled else model, infer, outputs, held)
-    except ValueError as error:
-        raise InputError(f"invert: {error}") from None
     estimate = inversion.estimate(np.array(values), np.array(errors))
     if estimate.misfit > _IMPOSSIBLE + len(measured):
         raise InputError(
@@ -235,10 +233,8 @@ def _measured(name: str, text: str) -> tuple[float, float]:
     if shared and _BARE.fullmatch(value.strip()):  # 380+-4 pC/N: one unit for both
         value = f"{value} {shared['unit']}"
     mean = quantity(where, value, _units(name))
-    try:
+    with located(where):
         absolute, share = size(name, std)
-    except ValueError as error:
-        raise InputError(f"{where}: {error}") from None
     if not np.isfinite(mean):
         raise InputError(f"{where}: {text!r} needs finite numbers")
     return mean, absolute + share * abs(mean)

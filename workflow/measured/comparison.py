@@ -15,7 +15,7 @@ from solver.names import COMPOSITES
 from solver.units import prefixed
 from storage.described import described
 from workflow.language.numbers import number
-from workflow.study.reading import InputError
+from workflow.study.reading import located
 from workflow.study.sections import UNITS, Measurement, ModelQuantity, ModelValue
 
 Case = Mapping[str, float | str]
@@ -131,10 +131,8 @@ def compared(measurements: Mapping[str, Measurement]) -> list[Row]:
 
 
 def _row(label: str, row: Measurement) -> Row:
-    try:
+    with located(f"measurements: {label}"):
         model, rivals = ([modelled(entry) for entry in group] for group in (row.model, row.rivals))
-    except ValueError as error:
-        raise InputError(f"measurements: {label}: {error}") from None
     verdict = judged(row, model, rivals)
     return {
         "name": label,
