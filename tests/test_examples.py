@@ -81,8 +81,9 @@ SAID = {
 }
 SERVER = ROOT / "examples/umbridge_server.py"  # needs a package that is not installed
 SCRIPTS = sorted({*(ROOT / "examples").glob("*.py")} - {SERVER})
-#: Left to `make soak`; what they ask: workflow/design/test_search.py, solver/face/test_films.py, surrogate/intervals/.
-LONG = {"design.py", "film_voltage.py", "intervals.py"}
+#: Left to `make soak`; what they ask: workflow/design/test_search.py, solver/face/test_films.py, surrogate/intervals/,
+#: solver/line/test_grading.py.
+LONG = {"design.py", "film_voltage.py", "graded_film.py", "intervals.py"}
 GALLERY = (ROOT / "docs/gallery.md").read_text(encoding="utf-8")
 
 

@@ -2,12 +2,11 @@
 
 import tomllib
 from collections.abc import Mapping
-from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
 
-from solver.arrays import shown
+from solver.arrays import nearest, shown
 from solver.material.constants import Material, MaterialError
 
 
@@ -62,7 +61,7 @@ def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Mate
         for variant in origin.variants() if origin else ():
             if variant.name == name:
                 return variant
-        near = get_close_matches(name, known, 1, 0.5)
-        hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
+        near = nearest(name, known)
+        hint = f"did you mean {near!r}?" if near else f"known are {', '.join(known)}"
         raise MaterialError(f"material: {shown(name)} is unknown; {hint}")
     return known[name]

@@ -10,6 +10,7 @@ from pathlib import Path
 import yaml
 
 from workflow.cli import progress
+from workflow.cli.words import say
 from workflow.design.wording import unreached
 from workflow.language.spelling import nearest
 from workflow.study import configuration, location, partition
@@ -32,7 +33,7 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
     name = location.given(text)
     study = studies.named(name)
     for line in study.defaults:
-        print(line, file=sys.stderr)
+        say(line)
     _check_results(name)
     if study.verification:
         _check_verifiable(name)

@@ -3,7 +3,6 @@
 import argparse
 import csv
 import io
-import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -25,6 +24,7 @@ from solver.face.attributes import of_output, united
 from solver.face.filmfactors import present, settled
 from solver.face.strain import Excess, sentence
 from solver.fields import ACROSS, ALONG, EVERY_INTERIOR
+from solver.material.punches import RIGID_PUNCH
 from solver.names import (
     ALL_QUANTITIES,
     CHOICES,
@@ -80,7 +80,9 @@ def solve_table(options: argparse.Namespace) -> None:
     _check_units(table, out)
     _tell_missing(*_lacking(table, out), out.attrs.get("heat", ""))
     if options.output is None:
-        print("\n".join([*_lines(out.isel(case=0), si=options.si), "", *_left_out(table, options.materials)]))
+        case = out.isel(case=0)
+        notes = [_defaults(table, case), *_left_out(table, options.materials)]
+        print("\n".join([*_lines(case, si=options.si), "", *notes]))
     else:
         write_whole(out, options.output)
         _tell_written(options, table.count, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
@@ -155,12 +157,12 @@ def _lacking(table: Table, out: xr.Dataset) -> tuple[list[str], list[str]]:
 def _tell_missing(missing: Sequence[str], partial: Sequence[str], heat: str) -> None:
     """Print which quantities no case has, why there is no heat, and which quantities some cases lack."""
     if missing:
-        print(f"left out, because no case has them: {', '.join(missing)}", file=sys.stderr)
+        say(f"left out, because no case has them: {', '.join(missing)}")
     if heat:
-        print(f"heat: {heat}", file=sys.stderr)
+        say(f"heat: {heat}")
     if partial:
         others = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""
-        print(f"empty where a case has no such quantity: {', '.join(partial[:_NAMED])}{others}", file=sys.stderr)
+        say(f"empty where a case has no such quantity: {', '.join(partial[:_NAMED])}{others}")
 
 
 def _lines(case: xr.Dataset, *, si: bool) -> Iterator[str]:
@@ -169,6 +171,28 @@ def _lines(case: xr.Dataset, *, si: bool) -> Iterator[str]:
         plain = float(case[name].values.item()), written(ALL_QUANTITIES[str(name)].units)
         value, unit = plain if si else (value, unit)
         yield one_line(f"{name:34s} {value + 0.0:.{_PRINTED}g} {unit}".rstrip())  # no -0
+
+
+def _defaults(table: Table, case: xr.Dataset) -> str:
+    """A line with the defaults that the one case of a table takes."""
+    named = table.columns.keys()
+    around, profile = (
+        str(case[name].item()) if name in case.coords else CHOICES[name][0] for name in ("surroundings", "profile")
+    )
+    kind = kind_of([*named], profile, around)
+    coupled = {"electric": "voltage", "magnetic": "magnetic_potential"}
+    charged = [name for name, potential in coupled.items() if potential in solver.table(case).index]
+    fields = [name for name in coupled if name in charged or name in named]
+    composite = {"composite": CHOICES["composite"][0]} if "volume_fraction" in named else {}
+    taken = (
+        composite | {"profile": profile} | ({} if named & {*OF_A_PUNCH} else {"punch": RIGID_PUNCH}) | {"friction": 0}
+    )
+    taken |= {name: CHOICES[name][0] for name in fields}
+    taken |= {f"interface_{name}": CHOICES[f"interface_{name}"][0] for name in fields if kind.layered}
+    taken |= {name: 0 for name, field in zip(kind.loads.charges, coupled, strict=True) if field in charged}
+    taken |= {"surroundings": around} if kind.layered else {}
+    taken |= {"datum": "1 m"} if kind.contact == "line" else {}
+    return "defaults: " + ", ".join(f"{name} {value}" for name, value in taken.items() if name not in named)
 
 
 def _left_out(table: Table, materials: Sequence[Path]) -> Iterator[str]:

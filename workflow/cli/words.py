@@ -3,6 +3,7 @@
 import codecs
 import io
 import math
+import os
 import sys
 import unicodedata
 from argparse import ArgumentTypeError
@@ -69,7 +70,10 @@ codecs.register_error(_REPLACING, _replaced)
 
 def say(message: str) -> None:
     """Tell what was done: beside the answers, which go to standard output."""
-    print(one_line(message), file=sys.stderr)
+    try:
+        print(one_line(message), file=sys.stderr, flush=True)
+    except BrokenPipeError:  # a message that nobody reads does not stop the work
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
 
 
 def printable(text: str) -> str:

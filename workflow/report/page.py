@@ -19,7 +19,7 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, in_words, title
 from workflow.learning.timing import by_quantity
-from workflow.report import firstscreen, ranked, sections, sentences, tables, whatif
+from workflow.report import firstscreen, ranked, sections, sentences, symbols, tables, whatif
 from workflow.report.svg import element, inlined
 from workflow.study import coupling
 from workflow.study.datum import HANGING, length
@@ -118,6 +118,7 @@ def page(
         "beside": None,
         "scripts": [Markup(_COMMENT.sub("", (TEMPLATES / name).read_text(encoding="utf-8"))) for name in _SCRIPTS],
         "effects": list(study.effects.vary) if study.effects else [],
+        "symbols": symbols.FACTORS if study.effects and study.kind.contact == "line" else {},
         "effects_table": tables.effects(study, folder) if study.effects else [],
         "spans": None,
         "sobol": [],

@@ -67,9 +67,9 @@ def test_constants_for_heat_have_sources_and_sizes_of_solids() -> None:
     assert {name for name, thermal in bodies.items() if "pyroelectric" in thermal} == {
         name for name, body in solver.materials().items() if body.e33 and body.thermal.get("pyroelectric")
     }  # only what is polar
-    own = solver.find("PVDF")
-    assert solver.Material.from_mapping(own.plain()).thermal == own.thermal
-    assert own.variants()[0].thermal == own.thermal
+    polymer = solver.find("PVDF")
+    assert solver.Material.from_mapping(polymer.plain()).thermal == polymer.thermal
+    assert polymer.variants()[0].thermal == polymer.thermal
 
 
 @pytest.mark.parametrize("law", [solver.fibrous, solver.laminate])

@@ -4,6 +4,7 @@ import zipfile
 from collections.abc import Callable, Sequence
 from functools import cache
 from io import BytesIO
+from itertools import product
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -118,6 +119,33 @@ def assert_agrees(
     expected = part.model.gradient_array(np.clip(inside, *np.transpose(box)))[:, 0]  # ends in single precision
     size = np.abs(expected).max(axis=0)
     assert (np.abs(slopes[answered] - expected).max(axis=0) <= 30 * digits * size).all()
+
+
+#: Numbers that are no points, a denormal within the range of an input, and numbers outside.
+ODD = [np.nan, np.inf, -np.inf, 5e-324, -2.2e-308, 1e300, -3.0]
+
+
+@gcc
+def test_optimisations_change_no_bit_and_what_is_no_point_has_a_status_and_no_number(tmp_path: Path) -> None:
+    _, source = exported(of_bounds(), ["share", "size"], tmp_path, np.float64, 1e-5)
+    plain, quick, fast = (Compiled(source, *flags) for flags in (["-O0"], ["-O2"], ["-O2", "-ffast-math"]))
+    points = spread(of_bounds(), 1000)
+    for output, part in product(range(2), ("interval", "gradient")):
+        same, other = (library.asked(part, points, output)[1] for library in (quick, fast))
+        np.testing.assert_array_equal(plain.asked(part, points, output)[1], same)
+        assert np.abs(other - same).max() <= 1e-6 * np.abs(same).max()
+    assert [library.selftest() for library in (plain, quick, fast)] == [0, 0, 0]
+    outside, abnormal, none = (quick.constants[word] for word in ("OUTSIDE", "NOT_NORMAL", "NO_OUTPUT"))
+    for library, place, part in product((quick, fast), range(2), ("inside", "value", "interval", "gradient")):
+        odd = np.repeat(points[:1], len(ODD), axis=0)
+        odd[:, place] = ODD
+        status, answers = library.asked(part, odd)
+        assert status.tolist() == [abnormal] * 5 + [outside] * 2
+        assert np.isnan(answers).all()
+    for output in (-1, 2):
+        status, answers = quick.asked("value", points[:1], output)
+        assert status.tolist() == [none]
+        assert np.isnan(answers).all()
 
 
 def test_kinds_that_have_no_short_form_are_refused_by_name() -> None:

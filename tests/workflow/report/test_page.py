@@ -69,10 +69,7 @@ addEventListener("load", () => {
     loaded: performance.getEntriesByType("resource").map(e => e.name).filter(n => !n.startsWith("data:")),
     text: document.body.innerText,
   };
-  const pre = document.createElement("pre");
-  pre.id = "probe";
-  pre.textContent = JSON.stringify(out);
-  document.body.replaceChildren(pre);
+  report(out);
 });
 </script>
 """
@@ -122,10 +119,7 @@ addEventListener("load", () => {
     });
     return read();
   });
-  const pre = document.createElement("pre");
-  pre.id = "probe";
-  pre.textContent = JSON.stringify({ seen, presets, moved, complaints });
-  document.body.replaceChildren(pre);
+  report({ seen, presets, moved, complaints });
 });
 </script>
 """.replace("LIMITS", LIMITS)
@@ -395,10 +389,7 @@ addEventListener("load", () => {
     seen.push(read());
   }
   root.querySelectorAll("button[data-case]").forEach((button) => { button.click(); seen.push(read()); });
-  const pre = document.createElement("pre");
-  pre.id = "probe";
-  pre.textContent = JSON.stringify({ seen, complaints });
-  document.body.replaceChildren(pre);
+  report({ seen, complaints });
 });
 </script>
 """.replace("LIMITS", LIMITS)

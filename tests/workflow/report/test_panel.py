@@ -2,7 +2,6 @@
 
 import json
 import re
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ import pytest
 import surrogate
 from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
-from tests.workflow.report.browser import needs_browser, opened
+from tests.workflow.report.browser import axe, needs_browser, opened
 from workflow.design.question import scenarios
 from workflow.design.question.pilot import ask
 from workflow.design.question.sources import Exact, Predicted
@@ -69,10 +68,7 @@ addEventListener("load", async () => {
   const found = await axe.run(document, { resultTypes: ["violations"] });
   out.violations = found.violations.map(({ id, nodes }) => `${id}: ${nodes.map((one) => one.target).join(" ")}`);
   out.complaints = complaints;
-  const pre = document.createElement("pre");
-  pre.id = "probe";
-  pre.textContent = JSON.stringify(out);
-  document.body.replaceChildren(pre);
+  report(out);
 });
 </script>
 """
@@ -87,10 +83,7 @@ addEventListener("load", async () => {
     await new Promise((done) => setTimeout(done, 50));
     out[point] = [...root.querySelectorAll("li[data-limit]")].map(({ dataset }) => ({ ...dataset }));
   }
-  const pre = document.createElement("pre");
-  pre.id = "probe";
-  pre.textContent = JSON.stringify({ judged: out, over: document.getElementById("judged").textContent, complaints });
-  document.body.replaceChildren(pre);
+  report({ judged: out, over: document.getElementById("judged").textContent, complaints });
 });
 </script>
 """
@@ -99,12 +92,8 @@ addEventListener("load", async () => {
 @pytest.fixture(scope="module")
 def seen(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """State of the quickstart's panel while it is used."""
-    package = find_spec("axe_core_python")
-    assert package is not None
-    assert package.origin is not None
-    checker = Path(package.origin).with_name("axe.min.js").read_text(encoding="utf-8")
     page = (quickstart_run.folder / "results/quickstart/report.html").read_text(encoding="utf-8")
-    return opened(page, tmp_path_factory.mktemp("panel"), 1280, f"<script>{checker}</script>{PROBE}")
+    return opened(page, tmp_path_factory.mktemp("panel"), 1280, axe() + PROBE)
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ import pytest
 
 from solver import solve
 from surrogate import GaussianProcess
-from tests.studies import edited, fitted, refusal
+from tests.studies import fitted
 from tests.surrogate.hypervolume import hypervolume
 from workflow.cli import questions
 from workflow.design.search import targets
@@ -90,7 +90,7 @@ def test_choices_of_numbers_and_names_together(study: Study, model: GaussianProc
     assert "charge,given,profile,,,,cylinder,,," in rows
 
 
-@pytest.mark.soak  # workflow/design/test_searching.py merges fronts by hand
+@pytest.mark.soak  # workflow/design/test_judging.py merges fronts by hand
 def test_the_front_is_that_of_all_combinations(study: Study, model: GaussianProcess) -> None:
     materials = ("BaTiO3", "PZT-5H")
     over = {"radius": {}, "material": {"choices": list(materials)}, "profile": {}}
@@ -130,17 +130,3 @@ def test_questions_in_words(study: Study) -> None:
     ):
         with pytest.raises(InputError, match=rf"^[^\n]*{re.escape(says)}[^\n]*$"):
             questions._checked(study, questions.target(study, options | words))
-
-
-@pytest.mark.parametrize(
-    ("edit", "says"),
-    [
-        (("  profile: [cylinder, half_cylinder]", "  profile: [cylinder, cylinder]"), "a name is given twice"),
-        (("  profile: [cylinder, half_cylinder]", "  colour: [red, blue]"), "'colour' is not a category"),
-        (("  charge: 0.0", "  profile: flat"), "fixed: profile: is one of the categories already"),
-        (("[radius, material, profile]", "[radius, material]"), "design: voltage: 'profile' is missing"),
-        (("  outputs: [", "  fields: 8\n  outputs: ["), "are not learned over categories: material, profile"),
-    ],
-)
-def test_bad_categories_are_named(edit: tuple[str, str], says: str) -> None:
-    assert says in refusal(edited(Path("config/catalogue.yaml").read_text(encoding="utf-8"), *edit))

@@ -56,6 +56,21 @@ def test_a_moved_study_is_solved_with_moved_constants(film: Study) -> None:
     assert [constant.change(1.0) for constant in constants] == ["+10.5 %", "+0.02", "+22.1 %"]
 
 
+def test_alternatives_that_differ_by_more_than_30_percent_are_solved() -> None:
+    """A square moves by the square of the alternative's ratio, where a first-order product of 2 x 128 % is 256 %."""
+    study = made(FILM.replace("[rigid, steel]", "[steel, polyimide]"))
+    constants = [constant for constant in uncertainty.uncertain(study) if constant.family == "modulus"]
+    assert [constant.name for constant in constants] == ["steel modulus", "polyimide modulus"]
+
+    def squares(study: Study) -> np.ndarray:
+        return np.array([float(find(name, study.own_materials).c11) ** 2 for name in ("steel", "polyimide")])
+
+    ratio = float(find("polyimide (alternative 1)").c11 / find("polyimide").c11)
+    assert ratio > 1 + uncertainty._WIDE
+    shares = uncertainty.sensitivities(study, constants, squares)
+    assert shares == pytest.approx(np.diag([2 * 0.05, ratio**2 - 1]), rel=1e-4)  # the difference quotient's own 1e-5
+
+
 def test_a_name_that_is_no_constant_is_refused(film: Study) -> None:
     for name, hint in (
         ("BaTiO3 e44", "e33"),

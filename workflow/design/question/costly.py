@@ -98,9 +98,10 @@ def count_exactly(design: Question, term: Term) -> Counted:
     """Value of a term at one design over the scenarios of the verdict, with the deciding ones solved exactly.
 
     The surrogate says which scenarios decide. They are solved; then those are solved that decide now, or may decide by
-    the errors that the surrogate has shown, until none is left. Scenarios that weigh a thousandth of a mean together
-    are not solved: a mean errs by a thousandth of the surrogate's own errors. Where very many scenarios decide, the few
-    of the search are solved instead, and the surrogate says what the many change.
+    the errors that the surrogate has shown, until none is left. Of a deviation, the mean error of solved groups
+    corrects the predictions of the others: they are a tolerance apart, and err alike. Scenarios that weigh a thousandth
+    of a mean together are not solved: a mean errs by a thousandth of the surrogate's own errors. Where very many
+    scenarios decide, the few of the search are solved instead, and the surrogate says what the many change.
     """
     many, few = design.judged[term.key], design.searched[term.key]
     whole = design.value(design.predicted, many, term)
@@ -129,6 +130,14 @@ def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: A
         exact = _solve(design, chosen, batch, [term])[0][0]
         error = max(error, float(np.abs(exact - flat[batch]).max()))
         flat[batch], solved[batch] = exact, True
+        if min(values.shape[1:]) > 1:
+            values[0] += _errors(values[0], predicted[0], solved.reshape(values.shape[1:]))
+
+
+def _errors(values: Array, predicted: Array, solved: Bools) -> Array:
+    """Change that takes values of unsolved groups to predictions corrected by solved groups; (group, draw)."""
+    errors = np.where(solved, values - predicted, 0.0).sum(0) / np.maximum(solved.sum(0), 1)
+    return np.where(solved, 0.0, predicted + errors - values)
 
 
 def _batch(missing: Bools, solved: Bools, distances: Array, least: int) -> Indices:
