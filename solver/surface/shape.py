@@ -14,6 +14,8 @@ from solver.surface.response import SurfaceError
 
 _LEAST_POINTS = 4  # a side of a height map: those of a cubic spline
 _MOST_POINTS = 4096  # a side of a height map: 134 MB
+_WAVES = 400  # of a rough surface: the root mean square of its heights in a contact then scatters as that of a real one
+_HURST = 0.8  # of polished and ground surfaces
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +70,58 @@ def sphere(radius: float) -> Ellipsoid:
     if not (is_finite(radius) and float(radius) > 0):
         raise SurfaceError(f"radius: {radius!r} is not allowed; a finite number > 0 [m]")
     return Ellipsoid(radius, radius)
+
+
+@dataclass(frozen=True, eq=False)
+class RoughSphere(Shape):
+    """Sphere with random waves of all directions, whose amplitude rises as their wavelength to the power 0.8.
+
+    The heights are those of a self-affine surface of Hurst exponent 0.8, as of most polished surfaces (B.N.J.
+    Persson, Tribol. Lett. 54 (2014) 99). They are a sum of waves, so that no grid cuts them off.
+    """
+
+    radius: float  # [m]
+    roughness: float  # Root mean square of the waves' heights [m]
+    longest_wavelength: float  # [m]
+    shortest_wavelength: float  # [m]
+    realisation: int = 0  # Number of the random surface
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.shortest_wavelength <= self.longest_wavelength:
+            raise SurfaceError(
+                f"shortest_wavelength: {self.shortest_wavelength:g} m is not allowed; at most the longest, "
+                f"{self.longest_wavelength:g} m"
+            )
+
+    @property
+    @override
+    def limits(self) -> Sequence[tuple[str, bool, float]]:
+        return (
+            ("radius", False, 0.0),
+            ("roughness", False, 0.0),
+            ("longest_wavelength", False, 0.0),
+            ("shortest_wavelength", False, 0.0),
+        )
+
+    @cached_property
+    def _waves(self) -> tuple[Array, Array, Array]:
+        """Wavenumbers along x and y [1/m] and complex amplitudes [m]; (wave,) each."""
+        random = np.random.default_rng([_WAVES, int(self.realisation)])
+        share, direction, phase = random.random((3, _WAVES))
+        length = self.longest_wavelength * (self.shortest_wavelength / self.longest_wavelength) ** share
+        amplitude = length**_HURST
+        amplitude *= self.roughness / np.sqrt(np.sum(amplitude**2) / 2)
+        k = 2 * np.pi / length * np.exp(2j * np.pi * direction)
+        return k.real, k.imag, amplitude * np.exp(2j * np.pi * phase)
+
+    @override
+    def gap(self, x: Array, y: Array) -> Array:
+        along, across, amplitude = self._waves
+        waves_x = amplitude * np.exp(1j * along * np.asarray(x)[..., None])
+        waves_y = np.exp(1j * across * np.asarray(y)[..., None])
+        heights = np.einsum("...w,...w->...", waves_x, waves_y).real
+        return np.asarray((np.square(x) + np.square(y)) / (2 * self.radius) + heights)
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,6 +44,7 @@ _COMMENT = re.compile(r"^\s*//.*\n|^ +", re.MULTILINE)
 _LEAST = 1e-5  # share that is told
 _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
 _TOP, _BOTTOM = 150, 294  # of all layers in it
+_SHOWN = 0.72  # share of its width at which a page shows a drawing: letters as large as those of the text
 #: Scripts of the page, in the order in which they need each other.
 _SCRIPTS = (
     "contents.js", "numbers.js", "hover.js", "surrogate.js", "largest.js", "stack.js", "chart.js", "fields.js",
@@ -198,9 +199,8 @@ def _problem(study: Study, environment: Environment) -> Markup:
     if study.kind.contact == "point":
         return _on_layers(environment, layers if study.kind.layered else [], AT_POINT, point=True)
     of_films = study.kind.layered or (effects is not None and "thickness" in effects.baseline)
-    drawings = (
-        [] if of_films else [element((TEMPLATES / "halfplane.svg").read_text(encoding="utf-8"), "problem", TITLE)]
-    )
+    half_plane = (TEMPLATES / "halfplane.svg").read_text(encoding="utf-8")
+    drawings = [] if of_films else [element(half_plane, "problem", TITLE, _SHOWN)]
     if of_films or (effects is not None and effects.film):
         drawings.append(_on_layers(environment, layers, ON_LAYERS if len(layers) > 1 else ON_FILM))
     return Markup("\n").join(drawings)
@@ -210,7 +210,7 @@ def _on_layers(environment: Environment, layers: Sequence[str], title: str, *, p
     """The drawing of a contact on layers from the top down, or on a half-space."""
     edges = [round(_TOP + (_BOTTOM - _TOP) * number / max(len(layers), 1)) for number in range(len(layers) + 1)]
     drawn = environment.get_template("film.svg.j2").render(title=title, layers=layers, edges=edges, point=point)
-    return element(drawn, "film" if layers else "problem", title)
+    return element(drawn, "film" if layers else "problem", title, _SHOWN)
 
 
 def _layers(study: Study) -> list[str]:

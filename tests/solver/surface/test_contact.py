@@ -7,7 +7,7 @@ from scipy.special import ellipe, ellipk
 import solver
 from solver.surface.contact import SurfaceContact, solve_contact
 from solver.surface.response import SurfaceBody, SurfaceError
-from solver.surface.shape import Cone, Disc, Ellipsoid, Map, Roller, sphere
+from solver.surface.shape import Cone, Disc, Ellipsoid, Map, Roller, RoughSphere, sphere
 from tests.solver.surface.crystals import film, hexagonal, lithium_niobate, tilted, y_cut
 
 PZT = SurfaceBody((), hexagonal("PZT-4"))
@@ -160,3 +160,16 @@ def test_maps_without_sense_are_refused() -> None:
 def test_insulated_surroundings_of_a_cut_are_refused() -> None:
     with pytest.raises(SurfaceError, match="surroundings: insulated"):
         solve_contact(SurfaceBody((), lithium_niobate()), sphere(1e-3), force=1.0, air=None)
+
+
+def test_rough_spheres_have_their_roughness_on_every_grid_and_another_surface_each() -> None:
+    deviations, lowest = [], []
+    for number in range(8):
+        rough = RoughSphere(20e-3, 10e-9, 1e-4, 1e-5, number)
+        for cells in (200, 311):
+            x = np.linspace(-1e-3, 1e-3, cells)
+            deviations.append(np.std(rough.gap(x[:, None], x) - sphere(20e-3).gap(x[:, None], x)))
+        lowest.append(rough.gap(np.zeros(1), np.zeros(1))[0] / 10e-9)
+    # an area of 20 longest wavelengths a side holds some 400 hills, whose mean square scatters by 2/sqrt(400)
+    np.testing.assert_allclose(deviations, 10e-9, rtol=0.1)
+    assert np.std(lowest) > 0.3
