@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -67,30 +68,10 @@ def page(
     """The page as text."""
     card = json.loads((folder / CARD).read_text(encoding="utf-8")) if study.factors else {}
     hangs = frozenset(card.get("on_datum", HANGING if study.kind.datum == "relative" else ()))
-    environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.globals |= {"figures_of": ranked.names, "most_left_out": leftout.MOST}
-    environment.filters |= {
-        "number": number,
-        "seconds": _seconds,
-        "words": _words,
-        "title": title,
-        "capital": capital,
-        "share": _share,
-        "spoken": in_words,
-        "unbroken": firstscreen.unbroken,
-        "si": shown,
-        "counted": counted,
-    }
     content: dict[str, Any] = {
         "study": study,
         "name": name,
-        "problem": _problem(study, environment),
+        "problem": _problem(study),
         "figures": {path.stem: _figure(path) for path in figures},
         "provenance": json.loads(provenance.read_text(encoding="utf-8")),
         "factors": FACTORS,
@@ -159,7 +140,33 @@ def page(
         content["spans"] = element(drawn, "spans", "what each factor changes, the strongest first", 1.6)
     content["says"] = _says(study, folder, content)
     content |= {"parts": sections.standing(content), "page": content}
-    return environment.get_template("report.html.j2").render(content)
+    return _environment().get_template("report.html.j2").render(content)
+
+
+@cache
+def _environment() -> Environment:
+    """Templates of the page, with what they call."""
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.globals |= {"figures_of": ranked.names, "most_left_out": leftout.MOST}
+    environment.filters |= {
+        "number": number,
+        "seconds": _seconds,
+        "words": _words,
+        "title": title,
+        "capital": capital,
+        "share": _share,
+        "spoken": in_words,
+        "unbroken": firstscreen.unbroken,
+        "si": shown,
+        "counted": counted,
+    }
+    return environment
 
 
 def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, str]:
@@ -193,23 +200,23 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
     return says
 
 
-def _problem(study: Study, environment: Environment) -> Markup:
+def _problem(study: Study) -> Markup:
     """The drawing of a study's bodies: a half-plane, a film, or both where films are shown beside it."""
     effects, layers = study.effects, _layers(study) or ["film"]
     if study.kind.contact == "point":
-        return _on_layers(environment, layers if study.kind.layered else [], AT_POINT, point=True)
+        return _on_layers(layers if study.kind.layered else [], AT_POINT, point=True)
     of_films = study.kind.layered or (effects is not None and "thickness" in effects.baseline)
     half_plane = (TEMPLATES / "halfplane.svg").read_text(encoding="utf-8")
     drawings = [] if of_films else [element(half_plane, "problem", TITLE, _SHOWN)]
     if of_films or (effects is not None and effects.film):
-        drawings.append(_on_layers(environment, layers, ON_LAYERS if len(layers) > 1 else ON_FILM))
+        drawings.append(_on_layers(layers, ON_LAYERS if len(layers) > 1 else ON_FILM))
     return Markup("\n").join(drawings)
 
 
-def _on_layers(environment: Environment, layers: Sequence[str], title: str, *, point: bool = False) -> Markup:
+def _on_layers(layers: Sequence[str], title: str, *, point: bool = False) -> Markup:
     """The drawing of a contact on layers from the top down, or on a half-space."""
     edges = [round(_TOP + (_BOTTOM - _TOP) * number / max(len(layers), 1)) for number in range(len(layers) + 1)]
-    drawn = environment.get_template("film.svg.j2").render(title=title, layers=layers, edges=edges, point=point)
+    drawn = _environment().get_template("film.svg.j2").render(title=title, layers=layers, edges=edges, point=point)
     return element(drawn, "film" if layers else "problem", title, _SHOWN)
 
 
