@@ -248,7 +248,7 @@ def test_bytes_of_attacks(name: str, seed: int, place: Path) -> None:
         ("invert", "results/tiny", "--measured", "peak_pressure=1e6+-1e4", "--infer", "load"),
     ],
 )
-def test_every_command_refuses_a_surrogate_that_is_not_plain(
+def test_every_command_refuses_hostile_files(
     words: tuple[str, ...], place: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (place / "config/tiny.yaml").write_text(hostile.STUDY, encoding="utf-8")

@@ -85,7 +85,7 @@ def low(quantities: xr.Dataset) -> GaussianProcess:
 
 
 @pytest.mark.parametrize("limit", [CRACK, pytest.param(YIELD, marks=pytest.mark.soak)])
-def test_a_limit_on_what_is_searched_for_holds_and_costs_no_regret(
+def test_a_limit_on_a_searched_stress_costs_nothing(
     sensor: Callable[[str], Answer], dense: xr.Dataset, limit: str
 ) -> None:
     answer = sensor(limit)

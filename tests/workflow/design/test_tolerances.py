@@ -49,7 +49,7 @@ def answer(fitted: tuple[Study, GaussianProcess], **changed: Any) -> Answer:
     return targets.answer(fitted[0], "mine", target, fitted[1])
 
 
-def test_the_worst_of_the_tolerances_keeps_the_limit_and_costs_what_a_dense_search_says(
+def test_the_worst_of_the_tolerances_keeps_the_limit_at_the_cost_of_a_search(
     fitted: tuple[Study, GaussianProcess],
 ) -> None:
     design = answer(fitted, tolerance={"radius": "5 %", "volume_fraction": 0.02})
@@ -128,8 +128,6 @@ def test_means_over_distributions_are_those_of_polynomials(count: int) -> None:
         ({"subject_to": ["deviation(voltage_per_load over radius) <= 2 %"]}, "'radius' is none of worst_case"),
     ],
 )
-def test_tolerances_without_sense_are_named(
-    fitted: tuple[Study, GaussianProcess], changed: dict[str, Any], refusal: str
-) -> None:
+def test_bad_tolerances_are_named(fitted: tuple[Study, GaussianProcess], changed: dict[str, Any], refusal: str) -> None:
     with pytest.raises(ValueError, match=refusal):
         answer(fitted, **changed)

@@ -31,9 +31,7 @@ def study() -> Study:
     return made(FILM)
 
 
-def test_times_of_films_hold_their_tables_and_the_panel_knows_no_closed_form(
-    study: Study, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_times_hold_tables_and_the_panel_knows_no_closed_form(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     quantities = factorial.exact(study, factorial.axes(study))
     model = fitted(study, calibrated=True)
     cases, solved, calls = factorial.cases(study, "validation"), factorial.exact, []
