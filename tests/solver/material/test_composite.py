@@ -248,14 +248,10 @@ def test_doubts_in_the_entries_are_what_the_constants_say() -> None:
     ("name", "coupling", "compliances", "strains"),
     [
         ("Terfenol-D", "f", {"s11": 44e-12, "s33": 38e-12, "s13": -16.5e-12}, {"31": -4.3e-9, "33": 8.5e-9}),
-        (
-            "P(VDF-TrFE) 75:25",
-            "e",
-            {"s11": 333e-12, "s33": 300e-12, "s13": -87.5e-12},
-            {"31": 10.4e-12, "33": -33.5e-12},
-        ),
+        ("P(VDF-TrFE) 75:25", "e", {"s11": 333e-12, "s33": 300e-12, "s13": -87.5e-12},
+         {"31": 10.4e-12, "33": -33.5e-12}),
     ],
-)
+)  # fmt: skip
 def test_compliances_and_strain_constants_of_the_source_come_back(
     name: str, coupling: str, compliances: dict[str, float], strains: dict[str, float]
 ) -> None:

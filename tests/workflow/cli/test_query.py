@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from surrogate import GridGP, Input, chebyshev_levels, save
+from surrogate import GridGP, Input, save
 from tests.workflow.cli.test_main import complaint
 from workflow.cli import main, query
 
@@ -134,11 +134,3 @@ def test_no_input_or_device_is_replaced(model: Path, tmp_path: Path, capsys: pyt
 )
 def test_an_interval_is_shown_with_the_figures_that_it_has(numbers: tuple[float, float, float], expected: str) -> None:
     assert query.shown(*numbers) == expected
-
-
-def test_query_says_that_a_surrogate_is_not_calibrated(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    levels = chebyshev_levels(0.0, 1.0, 5)
-    path = tmp_path / "raw.nc"
-    save(GridGP().fit(xr.Dataset({"f": ("x", np.exp(levels))}, coords={"x": levels})), path)
-    assert main.main(["query", str(path), "--at", "x=0.3"]) == 0
-    assert "not calibrated" in capsys.readouterr().err
