@@ -13,9 +13,10 @@ import solver
 from docs import pages
 from docs.formulas import on_page_content, on_page_markdown
 from solver.halfplane.surface import HalfPlane
-from solver.material.constants import UNITS
+from solver.material.constants import TRIGONAL, UNITS
 from solver.names import ALL_QUANTITIES, CHOICES, FACTORS, LIMITS, PROFILES, QUANTITIES
 from workflow.cli.casetable import TEXT_FACTORS, read_cases
+from workflow.report import symbols
 from workflow.run.provenance import ROOT
 from workflow.study.reading import read_material
 
@@ -68,9 +69,10 @@ def test_the_formulas_of_quantities_are_the_solver_s(name: str) -> None:
 
 def test_the_table_of_constants_is_the_code_s() -> None:
     constants = rows("key")
-    assert list(constants) == [*UNITS, "conductor", "name", "source`, `note", "limits", "thermal", "alternatives"]
+    words = ["cut", "conductor", "name", "source`, `note", "limits", "thermal", "alternatives"]
+    assert list(constants) == [*UNITS, *TRIGONAL, *words]
     bare = solver.Material.from_mapping(dict.fromkeys(("c11", "c33"), 3e9) | dict.fromkeys(("c13", "c44"), 1e9))
-    for name, units in UNITS.items():
+    for name, units in (UNITS | TRIGONAL).items():
         default = float(getattr(bare, name))
         needed = name in ("c11", "c13", "c33", "c44")
         expected = "needed" if needed else "unknown" if np.isnan(default) else f"{default:.12g}"
@@ -99,6 +101,15 @@ def test_the_example_of_a_material_is_the_file() -> None:
     assert material.limits["depoling_stress"].value == 10e6
     assert material.spread["eps33"] == (12.7e-9, 13.02e-9)
     assert name in read_cases(ROOT / "examples/own_material.csv").columns["material"]
+
+
+def test_symbols_of_the_paper_are_those_of_its_page() -> None:
+    table = [line for line in PAGE.partition("## Symbols of the paper")[2].splitlines() if line.startswith("|")]
+    for name, (symbol, equation) in (symbols.FACTORS | symbols.FIELDS).items():
+        (row,) = (row for row in table if f"`{name}`" in row)
+        assert row.endswith(f"| ({equation}) |")
+        plain = symbol.removeprefix("−").replace("η", "eta").replace("σ", "sigma")
+        assert plain in row.replace(",", " ").split()
 
 
 PAGES = {

@@ -2,12 +2,14 @@
 
 import tomllib
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
 
 from solver.arrays import nearest, shown
 from solver.material.constants import Material, MaterialError
+from solver.material.cuts import split
 
 
 @cache
@@ -37,7 +39,8 @@ def published() -> Mapping[str, Mapping[str, float]]:
 def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Material:
     """The material of a name.
 
-    ``NAME (alternative 1)`` has the constants of the first alternative of NAME, and so on.
+    ``NAME (alternative 1)`` has the constants of the first alternative of NAME, and so on. ``36Y NAME``, ``X NAME`` and
+    ``tilt 10 deg NAME`` are cuts of it (see ``solver/material/cuts.py``).
 
     Parameters
     ----------
@@ -54,8 +57,15 @@ def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Mate
     >>> low, high = find("BaTiO3").spread["eps33"]
     >>> float(find("BaTiO3 (alternative 1)").eps33) == low
     True
+    >>> find("36Y LiNbO3").cut
+    '36Y'
     """
     known = {**materials(), **more}
+    if name not in known and (parts := split(name)):
+        crystal = find(parts[1], more)
+        if crystal.cut:
+            raise MaterialError(f"material: {shown(name)}: {parts[1]} has a cut already: {crystal.cut}")
+        return replace(crystal, cut=parts[0], name=name)
     if name not in known:
         origin = known.get(name.partition(" (alternative ")[0])
         for variant in origin.variants() if origin else ():

@@ -19,7 +19,7 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, in_words, title
 from workflow.learning.timing import by_quantity
-from workflow.report import firstscreen, problem, ranked, sections, sentences, tables, whatif
+from workflow.report import firstscreen, problem, ranked, sections, sentences, symbols, tables, whatif
 from workflow.report.svg import element, inlined
 from workflow.study import coupling
 from workflow.study.datum import HANGING, length
@@ -111,6 +111,7 @@ def page(
         "beside": None,
         "scripts": [_script(name) for name in _SCRIPTS],
         "effects": list(study.effects.vary) if study.effects else [],
+        "symbols": symbols.FACTORS if study.effects and study.kind.contact == "line" else {},
         "effects_table": tables.effects(study, folder) if study.effects else [],
         "spans": None,
         "sobol": [],
@@ -191,10 +192,10 @@ def _problem(study: Study) -> Markup:
     effects = study.effects
     if study.kind.contact == "point":
         layers = (_layers(study) or ["film"]) if study.kind.layered else []
-        return element(problem.point(layers), "film" if layers else "problem", problem.AT_POINT)
+        return element(problem.point(layers), "film" if layers else "problem", problem.AT_POINT, problem.SHOWN)
     of_films = study.kind.layered or (effects is not None and "thickness" in effects.baseline)
     with_film = effects is not None and bool(effects.film)
-    drawings = [] if of_films else [element(problem.draw(), "problem", problem.TITLE)]
+    drawings = [] if of_films else [element(problem.draw(), "problem", problem.TITLE, problem.SHOWN)]
     drawings += [_film(study)] if of_films or with_film else []
     return Markup("\n").join(drawings)
 
@@ -203,7 +204,7 @@ def _film(study: Study) -> Markup:
     """The drawing of a film, or of a body's layers while there is room for their names."""
     names = _layers(study)
     title = problem.ON_LAYERS if len(names) > 1 else problem.ON_FILM
-    return element(problem.one_film(names or ["film"]), "film", title)
+    return element(problem.one_film(names or ["film"]), "film", title, problem.SHOWN)
 
 
 def _layers(study: Study) -> list[str]:

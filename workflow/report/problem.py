@@ -15,6 +15,9 @@ AT_POINT = "A conducting ball is pressed into a body"
 _WIDTH, _HEIGHT, _SURFACE = 760, 430, 250  # the surface y = 0 lies at this height of the picture
 _RADIUS, _LEADING, _TRAILING, _LOW = 150, 300, 440, 380  # contact from x to x; x of the punch's lowest point
 _DATUM = 690
+_LETTER = 24  # size of letters: 11 pixels on a phone of 390
+#: Share of its width at which a page shows a drawing: letters as large as those of the text.
+SHOWN = 0.72
 _CONTACT = 62  # half of a point contact
 _TOP, _MIDDLE, _BOTTOM = 150, 222, 294  # of a film: surface, interface inside, base
 
@@ -43,7 +46,8 @@ def _span(x0: float, x1: float, y: float, text: str) -> list[str]:
 
 def _opened(title: str) -> list[str]:
     return [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-family="serif" font-size="17">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" '
+        f'font-family="serif" font-size="{_LETTER}">',
         f"<title>{title}</title>",
         f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="{PAPER}"/>',
         TIP,
@@ -86,7 +90,8 @@ def draw() -> str:
         _line(_LOW, _SURFACE, _LOW, _SURFACE + 42, SOFT, 'stroke-dasharray="3 3"'),
         _words(_LEADING - 8, _SURFACE + 24, "leading edge X = \u22121", "end"),
         _words(_TRAILING + 8, _SURFACE + 24, "trailing edge X = 1", "start"),
-        _text(centre - 18, _SURFACE + 98, "X = (x \u2212 c)/h,  c = (a \u2212 b)/2", INK, "end"),
+        _text(centre - 18, _SURFACE + 82, "X = (x \u2212 c)/h", INK, "end"),
+        _text(centre - 18, _SURFACE + 112, "c = (a \u2212 b)/2", INK, "end"),
         # axes, poling, datum
         _arrow(60, _SURFACE, 112, _SURFACE, GOOD),
         _text(108, _SURFACE - 8, "x", GOOD),
@@ -130,7 +135,7 @@ def _loads_on_film() -> list[str]:
         _text(_LOW + 16, 30, "P", BAD),
         _arrow(_LOW - 30, 80, _LOW - 100, 80, BAD),
         _text(_LOW + 60, 86, "T, J", ACCENT),
-        _text(_LOW - 62, 102, "Q = \u03b7P", BAD),
+        _text(_LOW - 62, 106, "Q = \u03b7P", BAD),
         # contact: the centre, and half its length
         _line(centre, _TOP, centre, _TOP + 30, SOFT, 'stroke-dasharray="3 3"'),
         _line(_TRAILING, _TOP, _TRAILING, _TOP + 30, SOFT),
@@ -169,11 +174,11 @@ def _layered(layers: Sequence[str], base: str) -> list[str]:
         *(_line(20, y, _WIDTH - 20, y) for y in edges[1:-1]),
         _arrow(600, _TOP, 600, edges[1], two_headed=True),
         _words(610, (_TOP + edges[1]) // 2 + 5, "thickness", "start"),
-        *(_words(130, (top + low) // 2 + 6, name, "start") for (top, low), name in bands),
+        *(_words(160, (top + low) // 2 + 6, name, "start") for (top, low), name in bands),
         _words(130, _BOTTOM + 98, f"base: rigid, or a {base}", "start"),
         *_electrode(),
         _words(624, _BOTTOM + 32, "interface: grounded (\u03c6 = 0, an electrode),", "end"),
-        _words(624, _BOTTOM + 54, "or bonded (\u03c6 and D pass)", "end"),
+        _words(624, _BOTTOM + 60, "or bonded (\u03c6 and D pass)", "end"),
     ]
 
 
@@ -232,13 +237,13 @@ def film() -> str:
             for part in (_arrow(x, top, x, bottom, two_headed=True), _text(x + 10, bottom - 26, name, anchor="start"))
         ),
         # what each body is
-        _words(130, _TOP + 54, "top layer: the edges are its own", "start"),
-        _words(130, _MIDDLE + 42, "layer 2", "start"),
-        _words(130, _BOTTOM + 26, "base: rigid, or a half-plane", "start"),
+        _words(130, _TOP + 62, "top layer: the edges are its own", "start"),
+        _words(160, _MIDDLE + 42, "layer 2", "start"),
+        _words(130, _BOTTOM + 88, "base: rigid, or a half-plane", "start"),
         *_electrode(),
         _words(624, _BOTTOM + 32, "electrode: \u03c6 = 0, D jumps", "end"),
-        _words(624, _BOTTOM + 54, "or bonded: \u03c6 and D pass", "end"),
-        _words(624, _BOTTOM + 94, "a wave goes down like exp(\u2212Gk\u00b7depth), a part comes back", "end"),
+        _words(624, _BOTTOM + 60, "or bonded: \u03c6 and D pass", "end"),
+        _words(700, _BOTTOM + 116, "a wave goes down like exp(\u2212Gk\u00b7depth), a part comes back", "end"),
         # a surface traction of wavenumber k, and what comes back
         _arrow(_TRAILING + 20, _TOP + 8, _TRAILING + 44, _BOTTOM - 6, BAD),
         _arrow(_TRAILING + 44, _BOTTOM - 6, _TRAILING + 68, _TOP + 8, GOOD),

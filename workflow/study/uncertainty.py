@@ -154,7 +154,7 @@ def _alternatives(study: Study, constant: Constant) -> list[Study]:
     for variant in material.variants():
         pairs = {name: (getattr(material, name), getattr(variant, name)) for name in constant.members}
         changed: dict[str, Any] = {
-            name: other for name, (own, other) in pairs.items() if own * other > 0 and own != other
+            name: other for name, (value, other) in pairs.items() if value * other > 0 and value != other
         }
         with suppress(MaterialError):
             moved_material = replace(material, **changed, alternatives=())

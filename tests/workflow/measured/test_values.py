@@ -39,7 +39,7 @@ def test_a_tip_has_the_charge_of_the_theory_of_points(material: str, expected: f
 def test_lithium_niobate_and_its_spread() -> None:
     """13.517 and 13.444: the eigenvalue problem of `verification.oracles.anisotropic` gives both."""
     spread = modelled(ModelValue(quantity="charge_per_force", case={"material": "LiNbO3", **TIP}))
-    assert 1e12 * spread.value == pytest.approx(13.517, abs=1e-3)
+    assert 1e12 * spread.value == pytest.approx(13.444, abs=1e-3)
     assert 1e12 * spread.deviation == pytest.approx(13.517 - 13.444, abs=1e-3)
     assert spread.sets == 1
 
@@ -51,7 +51,9 @@ def test_clamped_films() -> None:
     assert 1e12 * value("clamped_d33", material="LiNbO3") == pytest.approx(5.3, abs=0.1)
 
 
-@pytest.mark.parametrize(("material", "expected"), [("LiNbO3", 6.0), ("PZT-4", 291.3), ("PZT-5H", 594.2)])
+@pytest.mark.parametrize(
+    ("material", "expected"), [("LiNbO3 (alternative 1)", 6.0), ("PZT-4", 291.3), ("PZT-5H", 594.2)]
+)
 def test_d33_of_a_free_body(material: str, expected: float) -> None:
     """LiNbO3 from d33 = 6 pC/N, of which its e were made; the others by Voigt's matrices (materials, 2)."""
     assert 1e12 * value("free_d33", material=material) == pytest.approx(expected, abs=0.05)

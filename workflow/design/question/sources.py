@@ -97,9 +97,9 @@ class Exact(Source):
 
     @override
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        if self._study.kind.tabled and ALL_PEAKS.keys().isdisjoint(names):
-            return self._remembered(factors, names)
-        return self._anew(factors, names)
+        if self._study.costly.isdisjoint(names):
+            return self._anew(factors, names)
+        return self._remembered(factors, names)
 
     def _remembered(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """Quantities of costly cases, each of which is solved once: the terms of a question share their scenarios."""
@@ -109,7 +109,8 @@ class Exact(Source):
         missing = list(dict.fromkeys(row for row in rows if not self._solved.get(row, {}).keys() >= {*names}))
         if missing:
             anew = dict(zip(over, np.array(missing).T[:, None], strict=True))
-            solved = self._anew(anew, names if self._beyond else self.quantities)
+            together = [name for name in self.quantities if name not in ALL_PEAKS]  # a case has them all at one price
+            solved = self._anew(anew, names if self._beyond or not {*together} >= {*names} else together)
             cases = np.stack([np.broadcast_to(values, (1, len(missing)))[0] for values in solved.values()], -1)
             for row, case in zip(missing, cases.tolist(), strict=True):
                 self._solved[row] = self._solved.get(row, {}) | dict(zip(solved, case, strict=True))

@@ -1,0 +1,55 @@
+"""Quantities of contacts in space by their names; meanings are those of points.
+
+As at a point, ``voltage`` and what is per volt belong to the contact under its charge, ``voltage_per_force`` to the
+contact without charge and ``charge_per_force`` to that at zero voltage.
+"""
+
+import numpy as np
+
+from solver.material.constants import VACUUM_PERMITTIVITY
+from solver.surface.contact import SurfaceContact
+from solver.twoport import Stiffness
+
+
+def quantities(
+    charged: SurfaceContact, uncharged: SurfaceContact | None = None, grounded: SurfaceContact | None = None
+) -> dict[str, float]:
+    """Quantities of a contact, with those of the same force without charge and at zero voltage where these are known.
+
+    A contact that itself is without charge or at zero voltage stands for the others.
+    """
+    port = Stiffness(charged.tangent * [[-1.0], [-1.0]] * [-1.0, 1.0])
+    lengths, moments = charged.lengths, charged.moments
+    out = {
+        "contact_area": charged.area,
+        "contact_length_x": lengths[0],
+        "contact_length_y": lengths[1],
+        "peak_pressure": charged.peak_pressure,
+        "depth": charged.depth,
+        "voltage": charged.voltage,
+        "charge": charged.charge,
+        "force": float(charged.force[2]),
+        "friction_force_x": float(charged.force[0]),
+        "friction_force_y": float(charged.force[1]),
+        "moment_x": float(moments[0]),
+        "moment_y": float(moments[1]),
+        "moment_z": float(moments[2]),
+        "contact_stiffness": float(port.closed),
+        "contact_stiffness_open": float(port.open),
+        "stroke_per_volt": float(port.stroke(1)),
+        "blocked_force_per_volt": float(port.blocked_force(1)),
+        "capacitance": charged.fixed_capacitance,
+        "capacitance_at_force": float(port.capacitance(1)),
+        "peak_displacement": float(np.max(np.abs(charged.electric_displacement))),
+        "relative_error": charged.error,
+    }
+    if uncharged is not None:
+        without = Stiffness(uncharged.tangent * [[-1.0], [-1.0]] * [-1.0, 1.0])
+        out["voltage_per_force"] = float(without.potential_per_force(1))
+    if grounded is not None:
+        out["charge_per_force"] = float(grounded.charge / grounded.force[2])
+    if charged.permittivity is not None:
+        air = np.abs(charged.electric_displacement[charged.weight < 1])
+        share = VACUUM_PERMITTIVITY / charged.permittivity
+        out["gap_field"] = float(np.max(air, initial=0.0)) / VACUUM_PERMITTIVITY * share
+    return out
