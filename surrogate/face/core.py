@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import xarray as xr
 
@@ -109,7 +109,3 @@ class Core(Posterior):
         groups : ndarray of int, shape (n,), number of the group of every case; the cases of one share some coordinates
         """
         return errors
-
-    def plain(self) -> dict[str, Any] | None:
-        """Return all that mean, deviation and interval need, as what JSON can hold; None: only Python evaluates it."""
-        return None

@@ -19,10 +19,8 @@ from typing_extensions import override
 from approximation.arrays import Array, Indices
 from surrogate.data.factorial import Factorial, check_levels, complete_factorial
 from surrogate.data.inputs import Input
-from surrogate.data.packing import rounded
 from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
-from surrogate.face.plain import plain_inputs, plain_outputs
 from surrogate.gp.correction import Correction, correct
 from surrogate.gp.factors import Factor, Features, cosine_basis
 from surrogate.gp.singlepoint import Process, SinglePoint
@@ -105,8 +103,6 @@ def amplitudes(factors: Sequence[Factor], grams: Sequence[Array]) -> tuple[Array
 
 #: The factor kernel, as files name it.
 KERNEL = "chebyshev"
-# Points of the box at which states of an exported train are measured.
-DRAWS = 256
 # As good as the end of a decay: an affine factor has no parameter to tell it.
 AFFINE_DECAY = 1e-3
 
@@ -344,22 +340,6 @@ class GridGP(GaussianProcess):
             )  # fmt: skip
             self._laid_out = made_of, SinglePoint(process)
         return self._laid_out[1]
-
-    def plain(self) -> dict[str, Any] | None:
-        """Return all that mean, deviation and interval need."""
-        features = self._features(np.random.default_rng(0).uniform(-1, 1, (DRAWS, len(self.order_))).T)
-        return {
-            "inputs": plain_inputs(self.inputs_),
-            "order": list(self.order_),
-            "cores": rounded(self.train_.cores, [features[k].mean for k in self.order_]),
-            "factors": [factor.plain() for factor in self.factors_],
-            "offset": self.offset_,
-            "scale": self.scale_,
-            "correction": None if self.correction_ is None else self.correction_.plain(),
-            "amplitude": self.amplitude_,
-            "variance": self._size,
-            **plain_outputs(self),
-        }
 
     @override
     def slopes(self, t: Array) -> Array:

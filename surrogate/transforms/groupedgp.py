@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 import xarray as xr
@@ -13,7 +13,6 @@ from surrogate.data.inputs import Input, stored_inputs, unit_coordinates
 from surrogate.data.points import EVEN
 from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
-from surrogate.face.plain import plain_inputs
 from surrogate.gp.gridgp import KERNEL, GridGP
 from surrogate.gp.singlepoint import SingleGuard
 from surrogate.transforms.groups import Grouping
@@ -175,14 +174,6 @@ class GroupedGP(Transformed):
         model = cls(grouping, None, float(attrs["compression"]))
         model.inputs_ = inputs
         return model
-
-    def plain(self) -> dict[str, Any] | None:
-        """Return the plain process over the axes, the inputs, and what takes them to the axes and outputs back."""
-        plain = self.reduced_.plain()
-        if plain is None:
-            return None
-        groups = {name: array.values.tolist() for name, array in self.state().data_vars.items()}
-        return {**plain, "inputs": plain_inputs(self.inputs_), "axes": plain["inputs"], "groups": groups}
 
     # -- answers -------------------------------------------------------------------------------------------------------
     def single(self) -> Single | None:

@@ -16,7 +16,7 @@ from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
 from surrogate import Input, ScatterGP
 from surrogate.gp import scattergp
-from surrogate.gp.scattergp import REACH, Chebyshev
+from surrogate.gp.scattergp import DEGREE, REACH, Chebyshev
 
 Array = NDArray[np.float64]
 INPUTS = (Input("x", -1.0, 1.0, units="m"), Input("y", 1.0, 100.0, "log"))
@@ -39,8 +39,8 @@ def correlation(theta: Array, a: Array, b: Array) -> Array:
     """The kernel of points (n, 2) and (m, 2) by its sum, of parameters (variance, two of T_1, two decays, noise)."""
     kernel = np.full((len(a), len(b)), theta[0])
     for x, y, first, rho in zip(a.T, b.T, theta[1:3], theta[3:5], strict=True):
-        weights = np.append(1.0, first * rho ** np.arange(400))
-        kernel *= (chebvander(x, 400) * weights) @ chebvander(y, 400).T
+        weights = np.append(1.0, first * rho ** np.arange(DEGREE))
+        kernel *= (chebvander(x, DEGREE) * weights) @ chebvander(y, DEGREE).T
     return kernel
 
 

@@ -20,7 +20,7 @@ from surrogate.use import fmu
 from surrogate.use.ccode import code
 from surrogate.use.rounding import Rounded, rounded
 from tests.compiled import Compiled
-from tests.surrogate import grouped
+from tests.surrogate import curved, grouped
 from tests.surrogate.transforms import test_boundedgp as bounds
 
 gcc = pytest.mark.needs("gcc")
@@ -153,6 +153,19 @@ def test_kinds_that_have_no_short_form_are_refused_by_name() -> None:
     model = ScatterGP([Input("x", 0, 1)]).fit(xr.Dataset({"x": ("case", x), "y": ("case", x**2)}))
     with pytest.raises(ValueError, match=r"the surrogate is a ScatterGP \(engine 'scatter'\); exported are GridGP"):
         rounded(model, ["y"], 1e-5, np.float64)
+
+
+def test_smooth_outputs_beside_curves_are_exported_and_largest_values_refused() -> None:
+    model = curved.fitted()
+    (smooth,) = [name for name in model.outputs_ if name not in model.largest]
+    (part,) = rounded(model, [smooth], 1e-5, np.float64)
+    X, place = spread(model, 500), model.outputs_.index(smooth)
+    mean, std = part.exact.predict_array(X, return_std=True)
+    for alone, together in zip((mean, std), model.predict_array(X, return_std=True), strict=True):
+        np.testing.assert_allclose(alone[:, 0], together[:, place], rtol=1e-6, atol=1e-9 * part.size)
+    assert np.abs(part.model.predict_array(X)[:, 0] - mean[:, 0]).max() <= 1.1e-5 * part.size
+    with pytest.raises(ValueError, match=rf"largest values of curves have no short form; exported are {smooth}"):
+        rounded(model, model.outputs_, 1e-5, np.float64)
 
 
 def test_an_error_that_a_precision_does_not_reach_is_refused() -> None:
