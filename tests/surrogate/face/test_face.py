@@ -167,7 +167,7 @@ def test_unsorted_and_transposed_levels_give_the_same_model(model: GridGP) -> No
 
 
 @pytest.mark.parametrize(("level", "deviations"), [(0.95, 1.959963984540054), (0.5, 0.6744897501960817)])
-def test_without_calibration_the_interval_is_that_of_a_normal_distribution(
+def test_uncalibrated_intervals_are_those_of_a_normal_distribution(
     model: GridGP, level: float, deviations: float
 ) -> None:
     answer, interval = model.predict(MIDDLE), model.interval(MIDDLE, level)
