@@ -7,7 +7,7 @@ all factors stand in one vector, and every part of the answer is a gather from i
 from collections.abc import Callable, Sequence
 from itertools import combinations
 from math import log
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from scipy.special import eval_chebyt
@@ -15,17 +15,31 @@ from scipy.special import eval_chebyt
 from approximation.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.gp.correction import Correction
+from surrogate.gp.factors import Factor
+from surrogate.gp.tensortrain import TensorTrain
 from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.guard import SLABS, Guard
 
-if TYPE_CHECKING:
-    from surrogate.gp.gridgp import GridGP
+
+class Process(Protocol):
+    """Attributes of `GridGP` from which one query alone is laid out."""
+
+    inputs_: tuple[Input, ...]
+    factors_: tuple[Factor, ...]
+    order_: tuple[int, ...]
+    train_: TensorTrain
+    offset_: Array
+    scale_: Array
+    amplitude_: Array
+    variance_: Array
+    correction_: Correction | None
+    calibration_: Calibration | None
 
 
 class SinglePoint:
     """Means and standard deviations of all outputs at one point."""
 
-    def __init__(self, model: "GridGP") -> None:
+    def __init__(self, model: Process) -> None:
         self._scaled = Scaled(model.inputs_)
         self._offset, self._scale = model.offset_, model.scale_
         self._rows = _Rows(model)
@@ -56,7 +70,7 @@ class SinglePoint:
             return mean, np.sqrt(variance)
         return mean, self._stretch(variance, t, T)
 
-    def _lay_out_mean(self, model: "GridGP") -> None:
+    def _lay_out_mean(self, model: Process) -> None:
         self._cores, self._slices, start = [], [], 0
         mean, mirror, nodal, damping = [], [], [], []
         for factor, core in zip(model.order_, model.train_.cores, strict=True):
@@ -71,7 +85,7 @@ class SinglePoint:
         self._mean_rows, self._mirror_rows = np.concatenate(mean), np.concatenate(mirror)
         self._nodal_rows, self._damping = np.concatenate(nodal), np.concatenate(damping)
 
-    def _lay_out_variance(self, model: "GridGP") -> None:
+    def _lay_out_variance(self, model: Process) -> None:
         d = len(model.factors_)
         shares = np.zeros((2 * d, self._rows.count))
         for k, (factor, first) in enumerate(zip(model.factors_, self._rows.first, strict=True)):
@@ -102,7 +116,7 @@ class SinglePoint:
 class _Rows:
     """The polynomials of all factors in one vector, each factor's from T_0 on."""
 
-    def __init__(self, model: "GridGP") -> None:
+    def __init__(self, model: Process) -> None:
         products = [] if model.correction_ is None else [model.correction_.indices]
         products += [] if model.calibration_ is None else [model.calibration_.trend_degree]
         sizes = [
