@@ -1,8 +1,9 @@
 """Contact of a punch with a surface in space: window, refinement to an error, and the contact's fields and loads."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from scipy.ndimage import map_coordinates
@@ -13,8 +14,11 @@ from solver.surface.newton import Grid, Linearised, Loading, State, System, conv
 from solver.surface.response import NORMAL, PHI, SurfaceBody, SurfaceError
 from solver.surface.shape import Map, Shape
 
+Field = TypeVar("Field", Array, BoolArray)
+
 _COARSE = 32  # cells a side of the first grid
-_FINEST = 1024  # cells a side
+_FINEST = 1024  # cells a side that may be asked for
+_REFINED = 256  # cells a side where refinement ends, with the error that is reached
 _MOST_CELLS = 2**20  # 1 GB of spectra and Krylov vectors
 _FILLED = 0.72  # share of the window's lengths that the contact takes
 _LOOSE = 0.45  # share below which the window is narrowed
@@ -22,6 +26,7 @@ _WINDOWS = 40  # windows that are tried
 _SLENDER = 8.0  # largest ratio of the lengths of a cell
 _ACCURACY = 1e-2  # residual over the asked error
 _TANGENT = 1e-2  # residual of tangents over the asked error
+_SECANT = 0.08  # change of the load for the stiffness: a fortieth of the contact's width, several cells
 _ORDER = 1.5  # in the cell, of the error of loads: pressure falls like a root at its edge
 _LEAST_SPACINGS = 4  # points of a height map across a contact
 
@@ -44,6 +49,7 @@ class SurfaceContact:
     fixed_capacitance: float  # d charge/d voltage at a fixed contact [F]
     errors: dict[str, float] = field(default_factory=dict)  # Relative, estimated from two grids
     permittivity: float | None = None  # Of the air beside the contact [F/m]
+    companions: dict[str, "SurfaceContact"] = field(default_factory=dict)  # Of the same force: grounded, uncharged
 
     @property
     def error(self) -> float:
@@ -94,11 +100,12 @@ def solve_contact(
     body: SurfaceBody, shape: Shape, *, force: float | None = None, depth: float | None = None,
     voltage: float = 0.0, charge: float | None = None, friction: float = 0.0, direction: float = 0.0,
     air: float | None = 1.0, end: float = np.inf, punch: tuple[float, float] | None = None,
-    error: float = 1e-3, cells: int | None = None,
+    error: float = 1e-3, cells: int | None = None, companions: bool = False,
 ) -> SurfaceContact:  # fmt: skip
     """Contact of a punch with a body under a force or at a depth, at a voltage or with a charge.
 
     The grid is refined until the estimated error of the loads is below ``error``; ``cells`` a side fixes the grid.
+    ``companions`` are the contacts of the same force without charge and at zero voltage, which quantities need.
     """
     _check({
         "force": force, "depth": depth, "voltage": voltage, "charge": charge, "friction": friction,
@@ -109,7 +116,7 @@ def solve_contact(
     permittivity = None if air is None else air * VACUUM_PERMITTIVITY
     loading = Loading(force, depth, charge, voltage, friction, direction, permittivity, end)
     problem = _Problem(body, None if punch is None else isotropic_half_space(*punch), shape, loading)
-    return problem.refined(error, cells)
+    return problem.refined(error, cells, companions)
 
 
 _RULES: dict[str, tuple[str, float, float]] = {  # allowed values, and their open ends
@@ -175,9 +182,10 @@ class _Problem:
     def __init__(self, body: SurfaceBody, punch: SurfaceBody | None, shape: Shape, loading: Loading) -> None:
         self.body, self.punch, self.shape, self.loading = body, punch, shape, loading
 
-    def refined(self, error: float, cells: int | None) -> SurfaceContact:
-        """Contact on the grid that meets the error."""
+    def refined(self, error: float, cells: int | None, companions: bool) -> SurfaceContact:
+        """Contact on the grid that meets the error, with its companions of the same force."""
         window, state, grid = self._located(error)
+        loadings = self._loadings(companions)
         count, before = _COARSE, dict[str, float]()
         while True:
             count = min(2 * count, cells) if cells else 2 * count
@@ -185,28 +193,43 @@ class _Problem:
             if shape[0] * shape[1] > _MOST_CELLS:
                 raise SurfaceError(f"error: {error:g} needs more than {_MOST_CELLS} cells")
             grid, state = self._moved(grid, state, window, count)
-            system = System(self.body, self.punch, grid, self.loading)
-            state, linear = converged(system, state, _ACCURACY * error)
-            loads = self._loads(linear)
+            system = System(self.body, self.punch, self.shape, grid, self.grounded, state.depth)
+            solved = _solved(system, state, loadings, 1.0, error)
+            state = solved["grounded"].state
+            loads = {name: load for linear in solved.values() for name, load in _loads(linear).items()}
             errors = _errors(before, loads)
             before = loads
-            if count == cells or (cells is None and errors and max(errors.values()) <= error):
-                return self._contact(linear, errors, error)
+            is_fine = count >= _REFINED or (errors and max(errors.values()) <= error)
+            if count == cells or (cells is None and is_fine):
+                factors = (1 - _SECANT, 1 + _SECANT) if companions else ()
+                ends = [_solved(system, state, loadings, factor, error) for factor in factors]
+                contacts = {
+                    name: _contact(linear, errors, error, [end[name] for end in ends])
+                    for name, linear in solved.items()
+                }
+                main = contacts.pop("charged", contacts["grounded"])
+                return replace(main, companions=contacts) if companions else main
 
-    def _loads(self, linear: Linearised) -> dict[str, float]:
-        force, charge = linear.loads
-        system, loading = linear.system, self.loading
-        mechanical = {"depth": linear.state.depth} if loading.force is not None else {"force": force}
-        if loading.charge is not None:
-            return mechanical | {"voltage": linear.state.potential / system.per_volt}
-        return mechanical | {"charge": charge}
+    @property
+    def grounded(self) -> Loading:
+        """The load at zero voltage, from whose contact others are sought: its gap closes smoothly at the edge."""
+        return replace(self.loading, charge=None, voltage=0.0)
+
+    def _loadings(self, companions: bool) -> dict[str, Loading]:
+        """Loads besides that at zero voltage."""
+        loadings = {}
+        if self.loading.charge is not None or self.loading.voltage:
+            loadings["charged"] = self.loading
+        if companions and self.loading.charge != 0:
+            loadings["uncharged"] = replace(self.loading, charge=0.0)
+        return loadings
 
     def _located(self, error: float) -> tuple[_Window, State, Grid]:
         """Window that the contact fills well, with the contact on a coarse grid."""
         window, grid, state = self._first_window(), None, None
         for _ in range(_WINDOWS):
             grid, state = self._moved(grid, state, window, _COARSE)
-            system = System(self.body, self.punch, grid, self.loading)
+            system = System(self.body, self.punch, self.shape, grid, self.grounded, state.depth)
             state, _ = converged(system, state, max(error, 1e-3))
             low, high, touches = self._extent(grid, state)
             lengths = np.subtract(high, low)
@@ -271,7 +294,7 @@ class _Problem:
         """Lowest and highest position of the contact, and whether the contact touches the window along x and y."""
         low, high, touches = np.empty(2), np.empty(2), np.zeros(2, dtype=bool)
         for axis, middles in enumerate((grid.x, grid.y)):
-            covered = np.flatnonzero(np.any(state.pressed, axis=1 - axis))
+            covered = np.flatnonzero(np.any(_on(grid, state.pressed), axis=1 - axis))
             half, end = grid.size[axis] / 2, self.shape.half_extent[axis]
             low[axis], high[axis] = middles[covered[0]] - half, middles[covered[-1]] + half
             beyond = low[axis] > -end * (1 - 1e-9) and covered[0] == 0
@@ -286,40 +309,95 @@ class _Problem:
             low + (np.arange(n) + 0.5) * (high - low) / n
             for low, high, n in zip(window.low, window.high, counts, strict=True)
         )
-        height = self.shape.gap(x[:, None], y)
-        grid = Grid(x, y, np.asarray(height))
+        height, cover = self.shape.on_cells(x, y)
+        grid = Grid(x, y, height, cover)
         if not np.any(np.isfinite(height)):
             raise SurfaceError("shape: no part of the punch lies over the window")
         if old is None or state is None:
             depth = self.loading.depth or float(np.quantile(height[np.isfinite(height)], 0.3))
             pressed = height <= max(depth / 2, float(np.min(height)))
-            zero = np.zeros(grid.shape)
+            zero = np.zeros(height.size)
+            pressed = pressed.ravel()
             return grid, State(np.where(pressed, np.finfo(float).tiny, 0.0), zero, pressed, depth, 0.0)
         places = np.stack(np.broadcast_arrays(((x - old.x[0]) / old.size[0])[:, None], (y - old.y[0]) / old.size[1]))
-        read = [map_coordinates(v, places, order=1, mode="nearest") for v in (state.pressure, state.charge)]
-        inside = map_coordinates(state.pressed.astype(float), places, order=1, mode="constant") > 0.5
+        read = [map_coordinates(_on(old, v), places, order=1, mode="nearest") for v in (state.pressure, state.charge)]
+        inside = map_coordinates(_on(old, state.pressed).astype(float), places, order=1, mode="constant") > 0.5
         finite = np.isfinite(height)
         pressed = inside & finite & (read[0] > 0)
         size = np.sqrt(grid.area / old.area)  # scaled tractions are proportional to the cell's length
         pressure = np.where(pressed, read[0] * size, 0.0)
-        charged = finite if self.loading.permittivity is not None else pressed
-        return grid, State(pressure, np.where(charged, read[1] * size, 0.0), pressed, state.depth, state.potential)
+        charge = np.where(finite if self.loading.permittivity is not None else pressed, read[1] * size, 0.0)
+        around = state.charge[old.height.size :] * size  # levels around a window stay
+        charges = np.concatenate([charge.ravel(), around])
+        return grid, State(pressure.ravel(), charges, pressed.ravel(), state.depth, state.potential)
 
-    def _contact(self, linear: Linearised, errors: dict[str, float], error: float) -> SurfaceContact:
-        """Fields and loads of a converged state."""
-        system, state, grid, loading = linear.system, linear.state, linear.system.grid, self.loading
-        normal, charge = linear.loads
-        tangent, fixed = linear.tangent(_TANGENT * error)
-        along = loading.friction * np.array([np.cos(loading.direction), np.sin(loading.direction)])
-        return SurfaceContact(
-            x=grid.x, y=grid.y,
-            pressure=state.pressure / system.compliance,
-            electric_displacement=state.charge / (system.elastance * system.per_volt),
-            gap=np.where(state.pressed, 0.0, linear.gap), weight=state.pressed.astype(float),
-            depth=state.depth, voltage=state.potential / system.per_volt,
-            force=np.append(along * normal, normal), charge=charge, tangent=tangent,
-            fixed_capacitance=fixed, errors=errors, permittivity=loading.permittivity,
-        )  # fmt: skip
+
+def _loads(linear: Linearised) -> dict[str, float]:
+    """Loads whose error is estimated: what is not prescribed."""
+    force, charge = linear.loads
+    loading = linear.system.loading
+    mechanical = {"depth": linear.state.depth} if loading.force is not None else {"force": force}
+    if loading.charge is not None:
+        return mechanical | {"voltage": linear.state.potential / linear.system.per_volt}
+    return mechanical | {"charge": charge}
+
+
+def _contact(linear: Linearised, errors: dict[str, float], error: float, ends: Sequence[Linearised]) -> SurfaceContact:
+    """Fields and loads of a converged state."""
+    system, state = linear.system, linear.state
+    grid, loading = system.grid, system.loading
+    normal, charge = linear.loads
+    tangent, fixed = linear.tangent(_TANGENT * error)
+    if ends:
+        tangent = _with_secant(tangent, *ends)
+    along = loading.friction * np.array([np.cos(loading.direction), np.sin(loading.direction)])
+    return SurfaceContact(
+        x=grid.x, y=grid.y,
+        pressure=_on(grid, state.pressure) / system.compliance,
+        electric_displacement=_on(grid, state.charge) / (system.elastance * system.per_volt),
+        gap=_on(grid, np.where(state.pressed, 0.0, linear.gap)), weight=_on(grid, state.pressed) * grid.cover,
+        depth=state.depth, voltage=state.potential / system.per_volt,
+        force=np.append(along * normal, normal), charge=float(charge) if loading.charge is None else loading.charge,
+        tangent=tangent,
+        fixed_capacitance=fixed, errors=errors, permittivity=loading.permittivity,
+    )  # fmt: skip
+
+
+def _solved(
+    system: System, state: State, loadings: Mapping[str, Loading], factor: float, error: float
+) -> dict[str, Linearised]:
+    """Contacts at zero voltage and under other loads, with force or depth multiplied by a factor."""
+    grounded = converged(system.under(_multiplied(system.loading, factor)), state, _ACCURACY * error)[1]
+    return {"grounded": grounded} | {
+        name: converged(system.under(_multiplied(loading, factor)), grounded.state, _ACCURACY * error)[1]
+        for name, loading in loadings.items()
+    }
+
+
+def _multiplied(loading: Loading, factor: float) -> Loading:
+    """Loading with its force or depth multiplied by a factor."""
+    force, depth = (None if v is None else factor * v for v in (loading.force, loading.depth))
+    return replace(loading, force=force, depth=depth)
+
+
+def _with_secant(tangent: Array, low: Linearised, high: Linearised) -> Array:
+    """Tangent whose direction of loading is a secant between contacts of a lower and a higher load; (2, 2).
+
+    Cells change sides as the load grows. Where charge is dense at the edge they take it along, which no tangent sees.
+    """
+    per_volt = low.system.per_volt
+    ends = [[end.state.depth, end.state.potential / per_volt, *end.loads] for end in (low, high)]
+    depth, voltage, force, charge = np.subtract(ends[1], ends[0])
+    stroke = -tangent[0, 1] / tangent[0, 0]  # at fixed force
+    capacitance = tangent[1, 1] + tangent[1, 0] * stroke
+    causes, loads = np.array([[depth, stroke], [voltage, 1.0]]), np.array([[force, 0.0], [charge, capacitance]])
+    return np.asarray(loads @ np.linalg.inv(causes))
+
+
+def _on(grid: Grid, values: Field) -> Field:
+    """Part of an array over all cells that belongs to the grid; (x, y)."""
+    part: Field = values[: grid.height.size].reshape(grid.shape)
+    return part
 
 
 def _errors(coarse: dict[str, float], fine: dict[str, float]) -> dict[str, float]:

@@ -4,21 +4,15 @@ As at a point, ``voltage`` and what is per volt belong to the contact under its 
 contact without charge and ``charge_per_force`` to that at zero voltage.
 """
 
-import numpy as np
-
-from solver.material.constants import VACUUM_PERMITTIVITY
 from solver.surface.contact import SurfaceContact
 from solver.twoport import Stiffness
 
 
-def quantities(
-    charged: SurfaceContact, uncharged: SurfaceContact | None = None, grounded: SurfaceContact | None = None
-) -> dict[str, float]:
-    """Quantities of a contact, with those of the same force without charge and at zero voltage where these are known.
-
-    A contact that itself is without charge or at zero voltage stands for the others.
-    """
-    port = Stiffness(charged.tangent * [[-1.0], [-1.0]] * [-1.0, 1.0])
+def quantities(charged: SurfaceContact) -> dict[str, float]:
+    """Quantities of a contact, SI; those that need a companion only with it."""
+    uncharged = charged.companions.get("uncharged", charged if charged.charge == 0 else None)
+    grounded = charged.companions.get("grounded", charged if charged.voltage == 0 else None)
+    port = _port(charged)
     lengths, moments = charged.lengths, charged.moments
     out = {
         "contact_area": charged.area,
@@ -40,16 +34,15 @@ def quantities(
         "blocked_force_per_volt": float(port.blocked_force(1)),
         "capacitance": charged.fixed_capacitance,
         "capacitance_at_force": float(port.capacitance(1)),
-        "peak_displacement": float(np.max(np.abs(charged.electric_displacement))),
         "relative_error": charged.error,
     }
     if uncharged is not None:
-        without = Stiffness(uncharged.tangent * [[-1.0], [-1.0]] * [-1.0, 1.0])
-        out["voltage_per_force"] = float(without.potential_per_force(1))
+        out["voltage_per_force"] = float(_port(uncharged).potential_per_force(1))
     if grounded is not None:
         out["charge_per_force"] = float(grounded.charge / grounded.force[2])
-    if charged.permittivity is not None:
-        air = np.abs(charged.electric_displacement[charged.weight < 1])
-        share = VACUUM_PERMITTIVITY / charged.permittivity
-        out["gap_field"] = float(np.max(air, initial=0.0)) / VACUUM_PERMITTIVITY * share
     return out
+
+
+def _port(contact: SurfaceContact) -> Stiffness:
+    """The contact as a two-port of depth and voltage."""
+    return Stiffness(contact.tangent * [[-1.0], [-1.0]] * [-1.0, 1.0])

@@ -12,6 +12,7 @@ from typing_extensions import override
 from solver.arrays import Array, is_finite
 from solver.surface.response import SurfaceError
 
+_SAMPLES = 8  # a side of a cell that the end of a punch cuts
 _LEAST_POINTS = 4  # a side of a height map: those of a cubic spline
 _MOST_POINTS = 4096  # a side of a height map: 134 MB
 _WAVES = 400  # of a rough surface: the root mean square of its heights in a contact then scatters as that of a real one
@@ -41,6 +42,31 @@ class Shape:
     def half_extent(self) -> tuple[float, float]:
         """Largest |x| and |y| of the punch [m]."""
         return np.inf, np.inf
+
+    def on_cells(self, x: Array, y: Array) -> tuple[Array, Array]:
+        """Height at the middle of the covered part of cells [m], and the share that is covered; (x, y) each.
+
+        x, y: (x,) and (y,), equally spaced middles [m].
+        """
+        height = np.asarray(self.gap(x[:, None], y))
+        cover = np.isfinite(height).astype(float)
+        near = np.pad(cover, 1, mode="edge")
+        n, m = cover.shape
+        parts = [near[1 + i : 1 + i + n, 1 + j : 1 + j + m] for i in (-1, 0, 1) for j in (-1, 0, 1)]
+        rows, columns = np.nonzero(np.ptp(parts, axis=0) > 0)
+        if rows.size:
+            samples = (np.arange(_SAMPLES) + 0.5) / _SAMPLES - 0.5
+            fine_x = x[rows][:, None, None] + (samples * (x[1] - x[0]))[:, None]
+            fine_y = y[columns][:, None, None] + samples * (y[1] - y[0])
+            heights = self.gap(*np.broadcast_arrays(fine_x, fine_y))
+            inside = np.isfinite(heights)
+            share = np.mean(inside, axis=(1, 2))
+            cover[rows, columns] = share
+            total = np.sum(np.where(inside, heights, 0.0), axis=(1, 2))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                mean = np.where(share > 0, total / (share * _SAMPLES**2), np.inf)
+            height[rows, columns] = mean
+        return height, cover
 
     @property
     def sharp(self) -> bool:

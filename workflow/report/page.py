@@ -18,7 +18,7 @@ from workflow.dataset.slabs import CARD
 from workflow.design.verdict import leftout, netcdf
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
-from workflow.language.titles import capital, in_words, title
+from workflow.language.titles import capital, in_words, listed, title
 from workflow.learning.timing import by_quantity
 from workflow.report import firstscreen, ranked, sections, sentences, symbols, tables, whatif
 from workflow.report.svg import element, inlined
@@ -113,6 +113,7 @@ def page(
         content["surface"] = tables.surface(folder / "surface_validation.nc") if study.surrogate.fields else None
         content["levels"] = tables.levels(Path(levels[0])) if levels else None
         content["sobol"] = tables.sobol(folder, coupling.outputs(study))
+        content["distributed"] = listed([title(name) for name in study.distributions])
         content["validation"] = tables.validation(folder, study)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = [row for row in by_quantity(study, times) if row["name"] in names]

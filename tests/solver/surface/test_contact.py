@@ -6,6 +6,7 @@ from scipy.special import ellipe, ellipk
 
 import solver
 from solver.surface.contact import SurfaceContact, solve_contact
+from solver.surface.quantities import quantities
 from solver.surface.response import SurfaceBody, SurfaceError
 from solver.surface.shape import Cone, Disc, Ellipsoid, Map, Roller, RoughSphere, sphere
 from tests.solver.surface.crystals import film, hexagonal, lithium_niobate, tilted, y_cut
@@ -60,15 +61,22 @@ def test_sphere_on_a_film_has_the_charge_of_the_point(radius: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("stiffness", "charge", "stroke"),
-    [(lithium_niobate(), 13.213, 13.213), (lithium_niobate(y_cut(36)), 15.922, 15.932)],
+    ("stiffness", "charge"),
+    [
+        (lithium_niobate(), 13.213),
+        (lithium_niobate(y_cut(36)), 15.93),
+        (lithium_niobate(y_cut(128)), 13.60),
+        (hexagonal("PZT-4", tilted(30)), 222.0),
+    ],
 )
-def test_charge_of_a_cut_is_its_stroke(stiffness: np.ndarray, charge: float, stroke: float) -> None:
-    a = 0.01
-    contact = solve_contact(SurfaceBody((), stiffness), sphere(1.0), depth=a**2, cells=64)
+def test_charge_of_a_cut_is_its_stroke(stiffness: np.ndarray, charge: float) -> None:
+    contact = solve_contact(SurfaceBody((), stiffness), sphere(1.0), depth=1e-4, cells=64)
     force, induced = contact.tangent
-    assert 1e12 * induced[0] / force[0] == pytest.approx(charge, rel=1e-3)
-    assert -1e12 * force[1] / force[0] == pytest.approx(stroke, rel=1e-3)
+    stroke = -1e12 * force[1] / force[0]
+    assert stroke == pytest.approx(charge, rel=4e-3)  # the reference's air ends at twice the contact
+    assert per_force(contact) == pytest.approx(stroke, rel=4e-3)
+    # a gap that closes at the edge takes charge, which linear reciprocity leaves out: up to 1 % where air is thin
+    assert 1e12 * induced[0] / force[0] == pytest.approx(stroke, rel=1.2e-2)
 
 
 def test_turning_the_crystal_turns_the_contact() -> None:
@@ -94,6 +102,23 @@ def test_sliding_sphere_loses_load_and_charge_to_the_second_order() -> None:
     np.testing.assert_allclose(fast.force, [0.6 * fast.force[2], 0, fast.force[2]])
 
 
+def test_ball_on_a_film_in_air_has_the_quantities_of_the_point() -> None:
+    point = solver.solve({
+        "body": solver.Stack([solver.Layer("PZT-4", 1e-4)]), "profile": "sphere", "radius": 5e-3, "force": 4.0,
+    })  # fmt: skip
+    contact = solve_contact(FILM, sphere(5e-3), force=4.0, charge=0.0, end=5e-3, companions=True)
+    values = quantities(contact)
+    # charge at the edge, over single cells, decides voltages and capacitances
+    bounds = {
+        "depth": 1e-3, "charge_per_force": 1e-3, "peak_pressure": 1e-3, "contact_stiffness": 2e-3,
+        "contact_stiffness_open": 2e-3, "voltage": 4e-3, "stroke_per_volt": 2e-3, "blocked_force_per_volt": 2e-3,
+        "capacitance": 4e-3, "capacitance_at_force": 4e-3, "voltage_per_force": 2e-2,
+    }  # fmt: skip
+    for name, bound in bounds.items():
+        assert values[name] == pytest.approx(float(point[name].squeeze()), rel=bound), name
+    assert values["contact_area"] == pytest.approx(np.pi * float(point["contact_radius"].squeeze()) ** 2, rel=1e-2)
+
+
 def test_elastic_punch_softens_as_its_compliance_does() -> None:
     punch = (70e9, 0.33)
     depth = 1e-6
@@ -107,7 +132,7 @@ def test_cone_and_disc_have_their_closed_forms() -> None:
     cone = solve_contact(PZT, Cone(0.01), force=1.0, air=None)
     assert cone.depth == pytest.approx(np.sqrt(np.pi * 0.01 / (2 * Es)), rel=1e-3)
     disc = solve_contact(PZT, Disc(1e-4), force=1.0, air=None)
-    assert disc.depth == pytest.approx(1 / (2 * Es * 1e-4), rel=1e-2)  # a staircase at its edge
+    assert disc.depth == pytest.approx(1 / (2 * Es * 1e-4), rel=1e-3)
 
 
 def test_map_of_a_sphere_is_the_sphere() -> None:
@@ -121,11 +146,11 @@ def test_map_of_a_sphere_is_the_sphere() -> None:
 
 def test_tilted_roller_presses_harder_at_one_end() -> None:
     straight, tilted_roller = (
-        solve_contact(FILM, Roller(5e-3, 2e-3, 5.0, tilt), force=100.0, cells=64) for tilt in (0.0, 1e-4)
+        solve_contact(FILM, Roller(5e-3, 1e-3, 5.0, tilt), force=50.0, cells=32) for tilt in (0.0, 1e-4)
     )
-    assert abs(straight.moments[0]) < 1e-3 * 100 * 2e-3
-    assert tilted_roller.moments[0] > 100 * 5e-5  # its lowest point lies at negative y
-    assert tilted_roller.peak_pressure > 1.1 * straight.peak_pressure
+    assert abs(straight.moments[0]) < 1e-3 * 50 * 1e-3
+    assert tilted_roller.moments[0] > 50 * 2e-5  # its lowest point lies at negative y
+    assert tilted_roller.peak_pressure > 1.05 * straight.peak_pressure
 
 
 @pytest.mark.parametrize(

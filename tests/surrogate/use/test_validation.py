@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.stats
 import xarray as xr
 from numpy.polynomial.chebyshev import chebval2d, chebvander2d
 from scipy.integrate import quad
@@ -123,6 +124,20 @@ def test_main_effects_are_the_conditional_means() -> None:
     }
     for name, effect in want.items():
         np.testing.assert_allclose(indices["main_effect"].sel(input=name), effect, rtol=0, atol=1e-9)
+
+
+def test_indices_under_a_distribution_are_those_of_its_moments() -> None:
+    """Of f = sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1, with x3 triangular: moments of x3^4 by its density."""
+    low, mode, high = -1.0, 0.5, 2.0
+    triangular = scipy.stats.triang((mode - low) / (high - low), low, high - low)
+    fourth, eighth = (float(triangular.moment(order)) for order in (4, 8))
+    one, two = 0.5 * (1 + 0.1 * fourth) ** 2, 7.0**2 / 8
+    both = 0.5 * 0.1**2 * (eighth - fourth**2)
+    indices = sobol(ishigami(), {"x3": triangular.ppf}).sel(output="f")
+    whole = one + two + both
+    # the quantile function has square roots at its ends, and 64 nodes
+    np.testing.assert_allclose(indices["first_order"], np.array([one, two, 0]) / whole, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(indices["total"], np.array([one + both, two, both]) / whole, rtol=0, atol=1e-5)
 
 
 def test_outputs_of_one_or_no_input_have_trivial_indices() -> None:

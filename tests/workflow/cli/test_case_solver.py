@@ -78,7 +78,7 @@ def test_a_row_at_fault_is_named_by_its_line(tmp_path: Path, changed: dict[str, 
         case_solver.solved(read_cases(path), solve)
 
 
-def test_a_long_table_is_answered_in_blocks(
+def test_long_tables_take_blocks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A later block has columns and faults of its own; the file is that of one table, or none."""
@@ -126,9 +126,7 @@ PZT-4,,50,,1e4,,0.2,steel,,,air,,,,2.2,insulating
 """
 
 
-def test_a_table_mixes_lines_points_and_surroundings_and_is_written_as_one(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_table_mixes_lines_points_and_surroundings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table, out, sheet = tmp_path / "mixed.csv", tmp_path / "out.nc", tmp_path / "out.csv"
     table.write_text(LINES_AND_POINTS, encoding="utf-8")
     assert main.main(["solve", str(table), "-o", str(out)]) == 0

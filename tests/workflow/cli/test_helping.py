@@ -20,7 +20,7 @@ def test_every_command_has_an_example_that_it_takes(name: str, capsys: pytest.Ca
 
 
 @pytest.mark.parametrize("name", ["list", "material", "solve"])
-def test_what_needs_no_results_runs(
+def test_examples_run(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -115,9 +115,7 @@ def test_a_check_that_takes_long_ends_and_tells_the_time_of_a_run(monkeypatch: p
     assert study.defaults[-1].startswith(expected)
 
 
-def test_the_surrogate_of_a_study_with_holes_is_exact_at_kept_nodes_and_refuses_beyond_its_edge(
-    study: Study, folder: Path
-) -> None:
+def test_a_surrogate_with_holes_is_exact_at_its_nodes_and_refuses_beyond_its_edge(study: Study, folder: Path) -> None:
     """Oracles: the solver at its nodes, and on fresh cases whether it answers and what."""
     whole = read_whole(folder / "quantities.nc")
     model = training.fit(study, whole)
