@@ -1,7 +1,7 @@
 """Share in contact of the cells that the edge of a contact cuts.
 
 Near the edge the gap grows like c s^(3/2) with the distance s, so that -gap^(2/3) is linear outside and extends into
-the contact. The edge where this vanishes has the radius of a Hertz contact to 0.02 cells, whatever its place on the grid.
+the contact. The edge where this vanishes has the radius of a Hertz contact to 0.02 cells on every grid.
 """
 
 import numpy as np

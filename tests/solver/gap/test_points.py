@@ -49,9 +49,7 @@ def answer(case: Mapping[str, Any]) -> dict[str, float]:
 @pytest.mark.parametrize(
     ("material", "thickness", "radius", "charge"), [(BTO, 1e-4, 1e-4, 1e-9), (POLYMER, 5e-5, 2e-4, 0.0)]
 )
-def test_finite_elements_of_body_and_gap_agree(
-    material: Material, thickness: float, radius: float, charge: float
-) -> None:
+def test_elements_of_body_and_gap_agree(material: Material, thickness: float, radius: float, charge: float) -> None:
     """On a rigid base, order 8, single nodes good to 4e-5; on steel and half-spaces, in half a minute, as well."""
     constants_of_film = constants(material) | {"c12": float(material.c12)}
     other = PointContact([Layer(constants_of_film, thickness)], None, 5e-3, radius, charge)

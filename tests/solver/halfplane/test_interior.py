@@ -114,21 +114,15 @@ POTENTIALS = [f"{field}_potential" for field in BOTH]
 @pytest.mark.parametrize(
     ("case", "path"),
     [
-        (
-            {"volume_fraction": 0.5, "radius": 0.05, "friction": 0.3, "charge": 1e-6, "magnetic_charge": -1e-3},
-            ((0.2, -0.4), (1.7, -0.05)),
-        ),
-        (
-            {"volume_fraction": 0.3, "profile": "flat", "width": 0.01, "friction": 0.5, "charge": 2e-6, "datum": 3.0},
-            ((-1.4, -0.3), (-30.0, -8.0)),
-        ),
-        (
-            {"material": "PZT-4", "radius": 0.1, "friction": 0.6, "electric": "insulating", "speed": 900.0},
-            ((0.1, -5.0), (4.0, 0.0)),
-        ),
+        ({"volume_fraction": 0.5, "radius": 0.05, "friction": 0.3, "charge": 1e-6, "magnetic_charge": -1e-3},
+         ((0.2, -0.4), (1.7, -0.05))),
+        ({"volume_fraction": 0.3, "profile": "flat", "width": 0.01, "friction": 0.5, "charge": 2e-6, "datum": 3.0},
+         ((-1.4, -0.3), (-30.0, -8.0))),
+        ({"material": "PZT-4", "radius": 0.1, "friction": 0.6, "electric": "insulating", "speed": 900.0},
+         ((0.1, -5.0), (4.0, 0.0))),
     ],
     ids=["cylinder", "flat", "moving"],
-)
+)  # fmt: skip
 def test_differences_of_potentials_are_line_integrals_of_the_fields(
     case: dict[str, Any], path: tuple[tuple[float, float], tuple[float, float]]
 ) -> None:

@@ -160,9 +160,7 @@ def response(material: Material) -> SurfaceResponse:
     ],
     ids=["cylinder", "wedge", "cubic"],
 )
-def test_the_surfaces_of_body_and_elastic_punch_fit(
-    profile: dict[str, Any], slope: tuple[float, ...], lost: float
-) -> None:
+def test_surfaces_of_body_and_elastic_punch_fit(profile: dict[str, Any], slope: tuple[float, ...], lost: float) -> None:
     """Slopes of body and punch, each from the Stroh eigenvectors of its material, differ by that of the profile."""
     t, body, punch = tractions(ELASTIC | profile), response(FIBROUS), response(Material.isotropic(210e9, 0.3))
     fits = body.shear_coupling[0] * t.values[0] + body.normal_compliance[0] @ t.transforms[1:]

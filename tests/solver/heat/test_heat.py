@@ -87,9 +87,7 @@ def test_layers_warm_as_finite_volumes_do(film: int) -> None:
 
 
 @pytest.mark.parametrize(("radius", "collecting"), [(2e-3, 1e-3), (0.7e-3, 0.7e-3), (0.5e-3, 1.5e-3)])
-def test_a_disc_below_a_warm_disc_collects_what_axisymmetric_finite_volumes_give_it(
-    radius: float, collecting: float
-) -> None:
+def test_a_disc_below_a_warm_disc_collects_as_axisymmetric_volumes_say(radius: float, collecting: float) -> None:
     cover, film, base, time = Slab(0.5e-3, *PDMS), Slab(50e-6, *FILM), Slab(np.inf, *FR4), 2.0
     warming = Warming(layered([0.5e-3, 50e-6], PDMS, FILM, FR4), np.array([0.0, 1.0]), time)
     transformed = warming.over(Spot("disc", radius, "disc", collecting))

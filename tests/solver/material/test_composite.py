@@ -58,9 +58,7 @@ def test_composites_are_those_of_the_full_tensors(kind: str, fraction: float) ->
 @BOTH
 @property_based
 @given(first=phases(), second=phases(), fraction=between(0.0, 1.0))
-def test_composites_of_any_admissible_phases(
-    kind: str, first: solver.Material, second: solver.Material, fraction: float
-) -> None:
+def test_any_admissible_phases_mix(kind: str, first: solver.Material, second: solver.Material, fraction: float) -> None:
     """The check of a material is that of its energy."""
     assert_exact(kind, first, second, fraction, 1e-11)
     MIX[kind](first, second, fraction).check()
@@ -96,9 +94,7 @@ def test_two_readings_of_a_laminate_of_a_laminate() -> None:
         np.testing.assert_allclose(value, float(getattr(flat, name)), rtol=1e-13, atol=1e-26, err_msg=name)
 
 
-def test_a_name_without_law_is_refused_and_a_new_law_serves_the_layers_of_a_study(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_name_without_law_is_refused_and_a_new_law_serves_layers(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(solver.MaterialError, match="'woven' is not one of fibrous, laminate, AlScN"):
         laws.compose("woven", PHASES, 0.3)
     layer = BodyLayer(composite="laminate", volume_fraction=0.3, thickness=1e-4)
@@ -252,14 +248,10 @@ def test_doubts_in_the_entries_are_what_the_constants_say() -> None:
     ("name", "coupling", "compliances", "strains"),
     [
         ("Terfenol-D", "f", {"s11": 44e-12, "s33": 38e-12, "s13": -16.5e-12}, {"31": -4.3e-9, "33": 8.5e-9}),
-        (
-            "P(VDF-TrFE) 75:25",
-            "e",
-            {"s11": 333e-12, "s33": 300e-12, "s13": -87.5e-12},
-            {"31": 10.4e-12, "33": -33.5e-12},
-        ),
+        ("P(VDF-TrFE) 75:25", "e", {"s11": 333e-12, "s33": 300e-12, "s13": -87.5e-12},
+         {"31": 10.4e-12, "33": -33.5e-12}),
     ],
-)
+)  # fmt: skip
 def test_compliances_and_strain_constants_of_the_source_come_back(
     name: str, coupling: str, compliances: dict[str, float], strains: dict[str, float]
 ) -> None:

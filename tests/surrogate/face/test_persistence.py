@@ -74,7 +74,7 @@ def replaced(name: str, value: Any) -> Callable[[xr.Dataset], xr.Dataset]:  # an
         (lambda d: d.assign(variance=d["variance"] * 1.01), "probe_std do not come out again"),
     ],
 )
-def test_a_wrong_model_is_refused_with_its_reason(
+def test_wrong_models_are_refused(
     change: Callable[[xr.Dataset], xr.Dataset], says: str, stored: bytes, tmp_path: Path
 ) -> None:
     path = tmp_path / "model.nc"

@@ -63,7 +63,7 @@ def test_an_error_of_its_own_kind_is_found_and_evaluated() -> None:
 
 
 @pytest.mark.parametrize("weighted", [False, True])
-def test_what_is_left_of_a_case_is_what_a_fit_to_the_others_leaves(
+def test_the_remainder_of_a_case_is_that_of_a_fit_to_the_others(
     weighted: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rng = np.random.default_rng(1)

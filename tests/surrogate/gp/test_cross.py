@@ -93,9 +93,7 @@ def model(cases: xr.Dataset) -> CrossGP:
     return crossing().fit(cases)
 
 
-def test_it_is_the_process_of_the_whole_grid_from_a_part_of_it(
-    model: CrossGP, grid: xr.Dataset, cases: xr.Dataset
-) -> None:
+def test_it_is_the_process_of_the_whole_grid(model: CrossGP, grid: xr.Dataset, cases: xr.Dataset) -> None:
     whole = GridGP(inputs=BOX, compression=1e-11).fit(grid)
     X = np.random.default_rng(0).uniform(size=(300, len(BOX)))
     (mean, std), (expected, spread) = model.predict_array(X, return_std=True), whole.predict_array(X, return_std=True)

@@ -49,9 +49,7 @@ def model() -> ScatterGP:
     return ScatterGP(INPUTS, nugget=1e-4).fit(cases(40))
 
 
-def test_prediction_is_that_of_a_dense_process_and_a_derivative_s_variance_that_of_a_difference(
-    model: ScatterGP,
-) -> None:
+def test_predictions_and_variances_of_derivatives_are_those_of_a_dense_process(model: ScatterGP) -> None:
     data, held, step = cases(40), cases(25, seed=1), 1e-3
     answer, slopes = model.predict(held[["x", "y"]]), model.gradient(held[["x", "y"]], return_std=True)
     t = np.stack([input_.to_unit(data[input_.name]) for input_ in INPUTS], axis=1) / REACH

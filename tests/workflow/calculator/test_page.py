@@ -142,7 +142,7 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
     assert seen["restored"] == ["500 µm", "–", 1]
 
 
-def test_the_command_writes_the_page(
+def test_a_command_writes_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(calculator, "tables", lambda: tables(["AlN on silicon"]))

@@ -74,9 +74,7 @@ def test_a_simulator_finds_no_fault_in_the_unit_and_runs_it(
         assert (seen[f"{name}_lower"][inside] <= seen[name][inside]).all()
 
 
-def test_the_example_finds_the_load_of_a_voltage(
-    quickstart_run: Project, model: surrogate.GaussianProcess, tmp_path: Path
-) -> None:
+def test_the_example_finds_its_load(quickstart_run: Project, model: surrogate.GaussianProcess, tmp_path: Path) -> None:
     command = ["export", "results/quickstart", "--as", "c", "--outputs", "voltage", "-o", f"{tmp_path}/sensor.c"]
     written = quickstart_run.run("meecontact", *command).stderr
     assert "1 outputs in" in written

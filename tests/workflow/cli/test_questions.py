@@ -16,7 +16,7 @@ from workflow.design.wording.table import as_csv, as_json
 from workflow.study.reading import InputError
 
 
-def test_answers_as_a_table_and_as_json(
+def test_answers_in_both_forms(
     ran: Project, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ["--maximise", "abs(voltage_per_load)", "--over", "radius,volume_fraction", "--at", "load=1e4"]

@@ -20,7 +20,7 @@ CASE = "profile=sphere,material=BaTiO3,radius=5 mm"
 DEVICE = "input_capacitance=10 pF,input_resistance=1 GOhm"
 
 
-def test_the_example_of_the_page_runs(
+def test_the_page_s_example(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -127,7 +127,7 @@ def test_every_rule_has_words() -> None:
     assert all(rule.startswith("figure_") or "drawing" not in step(study, rule, names) for rule in rules)
 
 
-def test_only_a_terminal_sees_what_is_done_now(
+def test_only_a_terminal_sees_the_present_step(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with busy("searching") as tell:

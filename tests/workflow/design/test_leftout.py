@@ -93,9 +93,7 @@ def test_each_formula_gives_a_figure_by_hand(
 @pytest.mark.parametrize(
     ("rms", "waves", "grid"), [(3e-9, 1.0, 1.45), (1e-8, 1.0, 2.42), (1e-8, 0.5, 3.70), (2e-8, 0.5, 5.76)]
 )
-def test_roughness_is_that_of_contacts_on_a_grid(
-    rms: float, waves: float, grid: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_roughness_is_that_on_a_grid(rms: float, waves: float, grid: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Hertz's ball on crossed waves (conjugate gradients, 192 x 192, E* 62.65 GPa, a crest in the middle).
 
     Waves of half the length count as twice the height. A load that spreads makes the formula the larger one, by 13 %.
@@ -185,9 +183,7 @@ def test_what_is_not_known_is_named_and_never_zero() -> None:
         ("abs(charge_per_force)", "", np.nan, "recommended"),
     ],
 )
-def test_a_recommendation_needs_that_nothing_left_out_exceeds_its_band(
-    goal: str, moves: str, ratio: float, kind: str
-) -> None:
+def test_a_recommendation_needs_effects_within_their_band(goal: str, moves: str, ratio: float, kind: str) -> None:
     objective = replace(ANSWER.terms[0], statement=statements.objective(goal, maximise=True))
     effect = LeftOut("heat", moves, 1.0, 1.0, "K", ratio / 20, ratio, "heat is 35 times the signal", "It is.")
     limited = replace(ANSWER.terms[1], margin=0.5)

@@ -25,9 +25,7 @@ from workflow.report.page import TEMPLATES
      (99999.6, 5, "1×10⁵"), (9.9999e-4, 2, "0.001"), (-1.5e-7, 2, "\N{MINUS SIGN}1.5×10⁻⁷"), (2.5, 1, "3"),
      (float("nan"), 4, "–"), (None, 4, "–")],
 )  # fmt: skip
-def test_a_number_is_short_and_never_in_the_notation_of_programs(
-    value: float | None, digits: int, expected: str
-) -> None:
+def test_a_number_is_short_and_never_as_programs_write_it(value: float | None, digits: int, expected: str) -> None:
     assert number(value, digits) == expected
 
 

@@ -149,11 +149,8 @@ def test_a_verdict_has_its_deviations_and_its_reason() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        (
-            "value: 13.0",
-            "value: -13.0",
-            "measurements.lithium_niobate_tip.value: -13.0: input should be greater than 0",
-        ),
+        ("value: 13.0", "value: -13.0",
+         "measurements.lithium_niobate_tip.value: -13.0: input should be greater than 0"),
         ("value: 13.0", "value: .nan", "measurements.lithium_niobate_tip.value: nan: "),
         ("error: 2.0", "error: 0.0", "measurements.lithium_niobate_tip.error: 0.0: input should be greater than 0"),
         ("unit: pC/N", "unit: nC/N", "measurements.lithium_niobate_tip.unit: 'nC/N': "),
@@ -161,25 +158,16 @@ def test_a_verdict_has_its_deviations_and_its_reason() -> None:
         ("quantity: charge_per_force", "quantity: charge", "measurements.lithium_niobate_tip.model.0.quantity: "),
         ("{material: LiNbO3, profile", "{material: LiNbO, profile", "measurements.lithium_niobate_tip.model.0: "),
         ("{material: LiNbO3, profile", "{profile", "measurements.lithium_niobate_tip.model.0: case: material: missing"),
-        (
-            ", scandium_fraction: 0.1}",
-            "}",
-            "measurements.scandium_nitride_diffraction.model.0: case: scandium_fraction: mi",
-        ),
-        (
-            "composite: AlScN, scandium_fraction: 0.1",
-            "composite: fibrous, volume_fraction: 0.5",
-            "measurements.scandium_nitride_diffraction.model.0: case: composite: 'fibrous' is not one of AlScN",
-        ),
-        (
-            "collector: 2, patch_size: 1.0e-5",
-            "collector: 2",
-            "measurements.aluminium_nitride_full_electrode.rivals.2: case: patch_size: missing",
-        ),
+        (", scandium_fraction: 0.1}", "}",
+         "measurements.scandium_nitride_diffraction.model.0: case: scandium_fraction: mi"),
+        ("composite: AlScN, scandium_fraction: 0.1", "composite: fibrous, volume_fraction: 0.5",
+         "measurements.scandium_nitride_diffraction.model.0: case: composite: 'fibrous' is not one of AlScN"),
+        ("collector: 2, patch_size: 1.0e-5", "collector: 2",
+         "measurements.aluminium_nitride_full_electrode.rivals.2: case: patch_size: missing"),
         ("force: 1.0e-4}", "farce: 1.0e-4}", "measurements.lithium_niobate_tip.model.0.case.farce: "),
         (MODEL, "    model: []", "measurements.lithium_niobate_tip: model: 0 values; must be one"),
     ],
-)
+)  # fmt: skip
 def test_a_bad_row_is_refused_in_one_line(old: str, new: str, expected: str) -> None:
     text = Path("config/measured.yaml").read_text(encoding="utf-8")
     assert refusal(edited(text, old, new)).startswith(expected)

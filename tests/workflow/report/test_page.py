@@ -204,7 +204,7 @@ def test_who_decides_reads_the_first_screen_only(looked: Callable[[int], dict[st
     assert "0.001 is met" in seen["lines"][0]
 
 
-def test_the_page_is_self_contained_escaped_and_of_the_present_study(
+def test_the_page_is_whole_escaped_and_of_its_study(
     ran: Project, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     written = page(ran)

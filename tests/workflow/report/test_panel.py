@@ -189,7 +189,7 @@ def test_the_stack_is_drawn_as_python_draws_it(seen: dict[str, Any], model: surr
 
 
 @needs_browser
-def test_fields_under_the_punch_are_those_of_python(
+def test_fields_are_those_of_python(
     seen: dict[str, Any], model: surrogate.GaussianProcess, quickstart_run: Project
 ) -> None:
     X = np.array([-0.99, -0.5, 0.1, 0.9])

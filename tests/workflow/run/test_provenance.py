@@ -109,9 +109,7 @@ def test_what_a_job_does_not_import_may_change(root: Path) -> None:
     sources.check({}, str(root / "workflow/scripts/slab.py"))  # a script that runs alone
 
 
-def test_a_job_is_held_to_the_sources_of_the_run_that_holds_its_results(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_job_is_held_to_the_sources_of_its_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The edit lies between the start of the run and that of the job, here in what the run is told of its sources."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(joblog, "_log_to", lambda _: None)

@@ -11,7 +11,6 @@ import pytest
 from solver import solve
 from surrogate import GaussianProcess
 from tests.studies import fitted
-from tests.surrogate.hypervolume import hypervolume
 from workflow.cli import questions
 from workflow.design.search import targets
 from workflow.design.wording import table
@@ -19,7 +18,6 @@ from workflow.learning import readout_trial
 from workflow.study.categories import output
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
-from workflow.study.target import Target
 
 MATERIALS, PROFILES = ("BaTiO3", "PZT-4", "PZT-5H", "BaTiO3-CoFe2O4 50:50"), ("cylinder", "half_cylinder")
 SENSITIVITY, TENSION = "voltage_per_load", "trailing_tension"
@@ -88,26 +86,6 @@ def test_choices_of_numbers_and_names_together(study: Study, model: GaussianProc
     rows = table.as_csv([answer]).splitlines()
     assert "charge,variable,material,,,,PZT-5H,,," in rows
     assert "charge,given,profile,,,,cylinder,,," in rows
-
-
-@pytest.mark.soak  # workflow/design/test_judging.py merges fronts by hand
-def test_the_front_is_that_of_all_combinations(study: Study, model: GaussianProcess) -> None:
-    materials = ("BaTiO3", "PZT-5H")
-    over = {"radius": {}, "material": {"choices": list(materials)}, "profile": {}}
-    target = Target.model_validate(study.design["front"].model_dump(exclude_unset=True) | {"over": over})
-    answer = targets.answer(study, "front", target, model)
-    front = answer.pictures["front_exact"].values * [1, -1]
-    everything = np.concatenate([np.stack(dense(*kinds), -1) for kinds in product(materials, PROFILES)]) * [1, -1]
-    everything = everything[everything[:, 1] >= -150e6]
-    reference = everything.min(0)
-    assert hypervolume(front, reference) >= 0.999 * hypervolume(everything, reference)
-    chosen = set(answer.pictures["front_choice"].values)
-    assert len(chosen) > 1
-    for value, choice in zip(
-        answer.pictures["front_exact"].values, answer.pictures["front_choice"].values, strict=True
-    ):
-        sensitivity, tension = dense(*choice.split(", "))
-        assert tension[np.abs(sensitivity - value[0]).argmin()] == pytest.approx(value[1], rel=0.02)
 
 
 def test_a_read_out_of_one_combination(study: Study, model: GaussianProcess) -> None:
