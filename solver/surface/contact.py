@@ -204,7 +204,7 @@ class _Problem:
                 factors = (1 - _SECANT, 1 + _SECANT) if companions else ()
                 ends = [_solved(system, state, loadings, factor, error) for factor in factors]
                 contacts = {
-                    name: _contact(linear, errors, error, [end[name] for end in ends])
+                    name: _contact(linear, solved["grounded"], errors, error, [end[name] for end in ends])
                     for name, linear in solved.items()
                 }
                 main = contacts.pop("charged", contacts["grounded"])
@@ -349,7 +349,9 @@ def _loads(linear: Linearised) -> dict[str, float]:
     return mechanical | {"charge": charge}
 
 
-def _contact(linear: Linearised, errors: dict[str, float], error: float, ends: Sequence[Linearised]) -> SurfaceContact:
+def _contact(
+    linear: Linearised, grounded: Linearised, errors: dict[str, float], error: float, ends: Sequence[Linearised]
+) -> SurfaceContact:
     """Fields and loads of a converged state."""
     system, state = linear.system, linear.state
     grid, loading = system.grid, system.loading
@@ -357,12 +359,14 @@ def _contact(linear: Linearised, errors: dict[str, float], error: float, ends: S
     tangent, fixed = linear.tangent(_TANGENT * error)
     if ends:
         tangent = _with_secant(tangent, *ends)
+    changed = _on(grid, state.pressed).astype(float) - _on(grid, grounded.state.pressed)
+    weight = np.clip(grounded.share + changed * grid.cover, 0, 1)
     along = loading.friction * np.array([np.cos(loading.direction), np.sin(loading.direction)])
     return SurfaceContact(
         x=grid.x, y=grid.y,
         pressure=_on(grid, state.pressure) / system.compliance,
         electric_displacement=_on(grid, state.charge) / (system.elastance * system.per_volt),
-        gap=_on(grid, np.where(state.pressed, 0.0, linear.gap)), weight=linear.share,
+        gap=_on(grid, np.where(state.pressed, 0.0, linear.gap)), weight=weight,
         depth=state.depth, voltage=state.potential / system.per_volt,
         force=np.append(along * normal, normal), charge=float(charge) if loading.charge is None else loading.charge,
         tangent=tangent,
