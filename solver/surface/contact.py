@@ -27,7 +27,9 @@ _SLENDER = 8.0  # largest ratio of the lengths of a cell
 _ACCURACY = 1e-2  # residual over the asked error
 _TANGENT = 1e-2  # residual of tangents over the asked error
 _SECANT = 0.08  # change of the load for the stiffness: a fortieth of the contact's width, several cells
-_ORDER = 1.5  # in the cell, of the error of loads: pressure falls like a root at its edge
+# difference between two grids over the error that is left: pressure falls like a root, so that the error of loads falls
+# like the cell to the power 3/2
+_SHARE_LEFT = {"force": 2**1.5 - 1, "depth": 2**1.5 - 1, "charge": 1.0, "voltage": 1.0}
 _LEAST_SPACINGS = 4  # points of a height map across a contact
 
 
@@ -412,9 +414,9 @@ def _on(grid: Grid, values: Field) -> Field:
 
 
 def _errors(coarse: dict[str, float], fine: dict[str, float]) -> dict[str, float]:
-    """Relative errors on the finer of two grids, the error falling with the cell."""
+    """Relative errors on the finer of two grids: of charges, at single cells of the edge, their whole difference."""
     return {
-        name: abs(value - coarse[name]) / (2**_ORDER - 1) / max(abs(value), np.finfo(float).tiny)
+        name: float(abs(value - coarse[name]) / _SHARE_LEFT[name] / max(abs(value), np.finfo(float).tiny))
         for name, value in fine.items()
         if name in coarse
     }
