@@ -186,7 +186,7 @@ class _Problem:
         """Contact on the grid that meets the error, with its companions of the same force."""
         window, state, grid = self._located(error)
         loadings = self._loadings(companions)
-        count, before = _COARSE, dict[str, float]()
+        count, before, least = _COARSE, dict[str, float](), self._least_cells(window)
         while True:
             count = min(2 * count, cells) if cells else 2 * count
             shape = window.counts(count)
@@ -199,7 +199,7 @@ class _Problem:
             loads = {name: load for linear in solved.values() for name, load in _loads(linear).items()}
             errors = _errors(before, loads)
             before = loads
-            is_fine = count >= _REFINED or (errors and max(errors.values()) <= error)
+            is_fine = count >= least and (count >= _REFINED or (errors and max(errors.values()) <= error))
             if count == cells or (cells is None and is_fine):
                 factors = (1 - _SECANT, 1 + _SECANT) if companions else ()
                 ends = [_solved(system, state, loadings, factor, error) for factor in factors]
@@ -209,6 +209,13 @@ class _Problem:
                 }
                 main = contacts.pop("charged", contacts["grounded"])
                 return replace(main, companions=contacts) if companions else main
+
+    def _least_cells(self, window: _Window) -> int:
+        """Cells a side that resolve the points of a height map, within bounds."""
+        if not isinstance(self.shape, Map):
+            return 0
+        points = max(length / spacing for length, spacing in zip(window.lengths, self.shape.spacing, strict=True))
+        return min(int(points / 2), _FINEST // 2)
 
     @property
     def grounded(self) -> Loading:
@@ -355,7 +362,7 @@ def _contact(linear: Linearised, errors: dict[str, float], error: float, ends: S
         x=grid.x, y=grid.y,
         pressure=_on(grid, state.pressure) / system.compliance,
         electric_displacement=_on(grid, state.charge) / (system.elastance * system.per_volt),
-        gap=_on(grid, np.where(state.pressed, 0.0, linear.gap)), weight=_on(grid, state.pressed) * grid.cover,
+        gap=_on(grid, np.where(state.pressed, 0.0, linear.gap)), weight=linear.share,
         depth=state.depth, voltage=state.potential / system.per_volt,
         force=np.append(along * normal, normal), charge=float(charge) if loading.charge is None else loading.charge,
         tangent=tangent,

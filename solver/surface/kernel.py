@@ -16,7 +16,7 @@ from scipy.special import jv
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.cache import cached
-from solver.surface.response import NORMAL, PHI, WIDEST, SurfaceBody, SurfaceError
+from solver.surface.response import NORMAL, PHI, SurfaceBody, SurfaceError
 
 #: Component pairs (displacement, traction) of contacts without friction, and those that friction adds.
 NORMAL_PAIRS = ((NORMAL, NORMAL), (NORMAL, PHI), (PHI, PHI))
@@ -31,6 +31,7 @@ _DECAYED = 36.0  # exponent at the largest wavenumber: e^-36 is below rounding
 _PHASE = 40.0  # of a panel in k at the largest distance
 _PANEL_NODES = 20
 _SPACING = 0.05  # of the table of D, in asinh(r / (2 decay h))
+_WIDEST = 400.0  # largest distance over the thickness of the top layer
 _MARGIN = 12  # rows and columns around the table, for its spline
 
 
@@ -184,9 +185,9 @@ def _bessel(highest: int, x: Array) -> list[tuple[int, Array]]:
 def _layer_cells(body: SurfaceBody, pairs: Pairs, nx: int, ny: int, dx: float, dy: float) -> Array:
     """Integrals of D over cells at offsets -n..n; (pair, 2 nx + 1, 2 ny + 1) [m2 times D]."""
     farthest = np.hypot((nx + 3) * dx, (ny + 3) * dy) / body.thickness
-    if farthest > WIDEST:
+    if farthest > _WIDEST:
         raise SurfaceError(
-            f"thickness: {body.thickness:g} m of the top layer is below 1/{WIDEST:g} of the surface that is solved"
+            f"thickness: {body.thickness:g} m of the top layer is below 1/{_WIDEST:g} of the surface that is solved"
         )
     table = _layer_table(body, pairs, body.thickness * 2.0 ** max(np.ceil(np.log2(farthest)), -3))
     x, y = np.arange(-nx - 2, nx + 3) * dx, np.arange(-ny - 2, ny + 3) * dy

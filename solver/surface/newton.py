@@ -13,6 +13,7 @@ import numpy as np
 import scipy.fft
 
 from solver.arrays import Array, BoolArray, ComplexArray
+from solver.surface.edge import share_in_contact
 from solver.surface.kernel import NORMAL_PAIRS, SLIDING_PAIRS, WORKERS, Kernel, kernel
 from solver.surface.response import NORMAL, PHI, SurfaceBody, SurfaceError
 from solver.surface.shape import Shape
@@ -23,11 +24,12 @@ _RESTARTS = 5
 _ENTRIES = 3  # after which a cell stays in contact: its charge pulls, so that neither side is free of error
 _LEVELS = 8  # coarser levels of the air around the grid
 _LEVEL_CELLS, _COVERED = 32, 8  # cells a side of a level, and those that the level below covers
+_REACH = 64.0  # thicknesses of a layer, from where charges on it do not meet through the layer
 _PARTS = 4  # of a coarse cell, a side, of its mean capacitance
 _NEGLIGIBLE = 100.0  # potential across the gap over that by the charges of a level, beyond which charges are alone
 _RAYS, _RAY_NODES, _FAR = 64, 40, 1e3  # of the gap's capacitance beyond, to this multiple of its end
-_CUT = 0.52  # of the elastance of a cell, times 1/w - 1 for a share w: a disc of 12 cells is then exact to 1e-3
 _FREE, _NEARLY = 14, 0.05  # steps after which, and residual below which, cells at the edge no longer change sides
+_CUT = 0.52  # of the elastance of a cell, times 1/w - 1 for a share w: a disc of 12 cells is then exact to 1e-3
 _ROUNDING = 0.05  # resistance of the gap over the elastance of a cell, below which the gap counts as closing
 _STALLED = 2e-3  # residual that is accepted where the iteration ends
 _FORCING = 0.02  # share of a residual that the linear solution of one step leaves
@@ -112,7 +114,7 @@ class System:
                 break
             coarse = _around(grid, len(heights))
             height = coarse_heights(shape, coarse)
-            if body.reach_limited(float(np.hypot(*coarse.size)) * (_LEVEL_CELLS + 3)):
+            if float(np.hypot(*coarse.size)) * _LEVEL_CELLS > _REACH * body.thickness:
                 break
             table = kernel(body, punch, pairs, coarse.shape, *coarse.size)
             self._levels.append((table, self._scaled(table)))
@@ -272,7 +274,7 @@ def _linear(coarse: Array, fine: Array) -> Array:
 class Linearised:
     """Newton's linear system about a state: rows of the gap, of the potential and of what is prescribed."""
 
-    def __init__(self, system: System, state: State) -> None:
+    def __init__(self, system: System, state: State, *, cut: bool = False) -> None:
         self.system, self.state = system, state
         self.depression, self.minus_phi = system.apply(state.pressure, state.charge)
         self.gap = np.where(system.finite, system.height - state.depth + self.depression, np.inf)
@@ -294,6 +296,18 @@ class Linearised:
         share = system.single * self._row
         self._weight = np.sqrt(share) * self.charged
         self._alone = np.where(self.charged, (1 - share) * self._row, 0.0)
+
+    @property
+    def share(self) -> Array:
+        """Share of each cell of the grid that is in contact; (x, y).
+
+        A voltage opens the gap like the root of the distance to the edge: the cells then count as wholes.
+        """
+        grid, fine = self.system.grid, slice(0, self.system.fine)
+        pressed = self.state.pressed[fine].reshape(grid.shape)
+        if self.state.potential:
+            return np.asarray(pressed * grid.cover)
+        return share_in_contact(self.gap[fine].reshape(grid.shape), pressed) * grid.cover
 
     @property
     def _root(self) -> float:

@@ -18,9 +18,8 @@ from solver.material.constants import MaterialError
 NORMAL, PHI = 2, 3  # indices of (u_z, s_zz) and of (phi, D_z)
 _PERTURBATION = 1e-5  # of the stiffness where roots coincide; the mean over both signs is exact to its square
 _COINCIDENT = 1e4  # condition number of the eigenvectors above which roots count as coincident
-_RESOLVED = 1e-7  # share of the largest harmonic below which harmonics of the direction are rounding
+_RESOLVED = 1e-6  # share of the largest harmonic below which harmonics of the direction are rounding
 _DIRECTIONS = (8, 16, 32, 64, 128)  # numbers of directions; the smallest that resolves every harmonic is used
-WIDEST = 400.0  # largest distance over the thickness of the top layer
 _INVARIANT = 1e-9  # relative change of a stiffness on rotation below which a body counts as isotropic about z
 
 
@@ -80,10 +79,6 @@ class SurfaceBody:
     def thickness(self) -> float:
         """Thickness of the top layer [m]; infinite of a half-space."""
         return self.layers[0].thickness if self.layers else np.inf
-
-    def reach_limited(self, reach: float) -> bool:
-        """Return whether the response of the layers is not computed at a distance [m]."""
-        return reach > WIDEST * self.thickness
 
     @cached_property
     def fields(self) -> int:

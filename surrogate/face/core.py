@@ -14,8 +14,14 @@ from surrogate.data.inputs import Input
 Single = Callable[[Sequence[float], bool], tuple[Array, Array | None] | None]
 
 
-class Posterior(ABC):
-    """Distributions of p outputs over d inputs, asked for at B points in scaled coordinates, (d, B)."""
+class Core(ABC):
+    """A model of p outputs over d inputs, asked at B points in scaled coordinates (d, B), which a file can hold."""
+
+    engine: ClassVar[str]  # name of the kind in files
+    inputs_: tuple[Input, ...]  # of the fitted model
+    outputs_: tuple[str, ...]  # names of its outputs
+    attrs_: dict[str, dict[str, str]]  # `units` and `long_name` of every output
+    cases_: int  # number of cases that it was trained on
 
     @property
     @abstractmethod
@@ -45,25 +51,6 @@ class Posterior(ABC):
         t : ndarray, shape (d, B), scaled coordinates
         weights : ndarray, shape (parts, p), of the parts of the variance
         """
-
-
-class Core(Posterior):
-    """A model with named inputs and outputs, which a file can hold.
-
-    Attributes
-    ----------
-    engine : str, name of the kind in files
-    inputs_ : tuple of Input, of the fitted model
-    outputs_ : tuple of str, names of its outputs
-    attrs_ : dict, `units` and `long_name` of every output
-    cases_ : int, number of cases that it was trained on
-    """
-
-    engine: ClassVar[str]
-    inputs_: tuple[Input, ...]
-    outputs_: tuple[str, ...]
-    attrs_: dict[str, dict[str, str]]
-    cases_: int
 
     @abstractmethod
     def state(self) -> xr.Dataset:

@@ -23,7 +23,7 @@ from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.correction import Correction, correct
 from surrogate.gp.factors import Factor, Features, cosine_basis
-from surrogate.gp.singlepoint import Process, SinglePoint
+from surrogate.gp.singlepoint import SinglePoint
 from surrogate.gp.tensortrain import TensorTrain, compress
 
 # Largest share of the variation along a factor that its amplitude may claim, and the steps of the first, coarse search.
@@ -334,11 +334,7 @@ class GridGP(GaussianProcess):
         """Return the short way of one query alone."""
         made_of = self.train_, self.correction_, self.calibration_
         if not all(current is then for current, then in zip(made_of, self._laid_out[0], strict=True)):
-            process = Process(
-                self.inputs_, self.factors_, self.order_, self.train_, self.offset_, self.scale_, self.amplitude_,
-                self._size, self.correction_, self.calibration_,
-            )  # fmt: skip
-            self._laid_out = made_of, SinglePoint(process)
+            self._laid_out = made_of, SinglePoint(self)
         return self._laid_out[1]
 
     @override

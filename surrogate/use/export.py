@@ -45,8 +45,8 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
         "order": grid.order_,
         "trains": [_train(part) for part in parts],
         "factors": [
-            {"levels": each.levels, "affine": each.affine, "decay": each.decay, "unknown": each.unknown}
-            for each in grid.factors_
+            {"levels": factor.levels, "affine": factor.affine, "decay": factor.decay, "unknown": factor.unknown}
+            for factor in grid.factors_
         ],
         "amplitude": grid.amplitude_[:, rows],
         "variance": (grid.variance_ * grid.scale_**2)[rows],

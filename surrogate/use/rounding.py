@@ -62,10 +62,10 @@ class RoundedGP(GridGP):
     def slopes(self, t: Array) -> Array:
         T = [polynomials(t[k], max(2, size)) for k, size in zip(self.order_, self.chebyshev_.modes, strict=True)]
         S = [
-            slopes(t[k], each)[: core.shape[1]]
-            for k, each, core in zip(self.order_, T, self.chebyshev_.cores, strict=True)
+            slopes(t[k], whole)[: core.shape[1]]
+            for k, whole, core in zip(self.order_, T, self.chebyshev_.cores, strict=True)
         ]
-        T = [each[: core.shape[1]] for each, core in zip(T, self.chebyshev_.cores, strict=True)]
+        T = [whole[: core.shape[1]] for whole, core in zip(T, self.chebyshev_.cores, strict=True)]
         return self.chebyshev_.gradient(T, S)[np.argsort(self.order_)]
 
     @override
@@ -248,11 +248,11 @@ def _terms(grid: GridGP, correction: Correction, negligible: float) -> list[Arra
     for position, k in enumerate(grid.order_):
         degree, n = correction.indices[terms, k], correction.levels[k]
         core = np.zeros((count, 1 + n + int(correction.indices[:, k].max()), count))
-        each = np.arange(count)
+        row = np.arange(count)
         nodal = factors == k  # T_n T_a = (T_{n+a} + T_|n-a|) / 2
-        core[each[~nodal], degree[~nodal], each[~nodal]] = 1.0
+        core[row[~nodal], degree[~nodal], row[~nodal]] = 1.0
         for shifted in (n + degree, np.abs(n - degree)):
-            np.add.at(core, (each[nodal], shifted[nodal], each[nodal]), 0.5)
+            np.add.at(core, (row[nodal], shifted[nodal], row[nodal]), 0.5)
         if position == 0:
             core = core.sum(axis=0, keepdims=True)
         if position == len(grid.order_) - 1:

@@ -9,7 +9,7 @@ from typing import Any
 
 from workflow.cli.textfile import sheet, with_point
 from workflow.language.spelling import nearest
-from workflow.study.reading import InputError, number, one_line
+from workflow.study.reading import InputError, located, number, one_line
 
 TABLE = Path(__file__).with_name("benchmark.csv")
 _COLUMNS = ("problem", "quantity", "value")
@@ -48,11 +48,8 @@ def verdict(expected: str, answer: float | None) -> str:
 def _rows(path: Path) -> tuple[dict[int, dict[str, str]], str]:
     """Rows of a table with a header, as texts by line of the file, and what separates the cells."""
     table = sheet(path, _MOST_BYTES)
-    try:
-        with table.open() as file:
-            header, *rows = list(table.rows(file, _MOST_BYTES)) or [(0, [""])]
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: {error}") from None
+    with located(path, (UnicodeDecodeError, csv.Error)), table.open() as file:
+        header, *rows = list(table.rows(file, _MOST_BYTES)) or [(0, [""])]
     names = [name.strip() for name in header[1]]
     cells = {line: [*map(str.strip, row), *[""] * len(names)] for line, row in rows}
     return {line: dict(zip(names, row, strict=False)) for line, row in cells.items()}, table.separator

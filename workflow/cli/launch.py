@@ -1,5 +1,6 @@
 """A study from its check to its report: Snakemake, started with the profile that is asked for."""
 
+import argparse
 import json
 import subprocess
 import sys
@@ -18,6 +19,11 @@ from workflow.study.model import Study
 from workflow.study.reading import InputError
 
 SNAKEFILE = Path(__file__).parents[1] / "Snakefile"
+
+
+def run(options: argparse.Namespace) -> int:
+    """Check a study and run it, as the options say; its results go below the current folder."""
+    return launch(options.study, options.cores, options.profile, dry=options.dry_run)
 
 
 def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:

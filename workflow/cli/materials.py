@@ -1,5 +1,6 @@
 """``meecontact material``: the list of what is built in, and one material in full."""
 
+import argparse
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,6 +15,7 @@ from solver.material.constants import TRIGONAL, UNITS
 from solver.material.cuts import rotation
 from solver.material.datasheet import strain_charge, stress_matrices
 from solver.names import COMPOSITES, FACTORS, LIMITS, THERMAL
+from workflow.cli.words import printable
 from workflow.language.numbers import shown
 from workflow.study.reading import InputError, read_material
 
@@ -22,6 +24,11 @@ _WIDE, _DIGITS = 100, 6  # columns of what is printed, and digits of a constant
 _KNOWN_AS = {"N s2 C-2": "H m-1", "N s V-1 C-1": "s m-1"}
 #: Units of the slopes of (u_y, phi, psi) by (sigma_yy, D_y, B_y).
 _COMPLIANCE = (("Pa-1", "V m N-1", "A m N-1"), ("V m N-1", "V m C-1", "A m C-1"), ("A m N-1", "A m C-1", "A2 N-1"))
+
+
+def show(options: argparse.Namespace) -> None:
+    """Print one material, or the list of all, as the options say."""
+    print(listed() if options.material is None else printable(described(options.material)))
 
 
 def listed() -> str:

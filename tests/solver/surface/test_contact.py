@@ -32,6 +32,8 @@ def test_sphere_on_a_half_space_is_hertz() -> None:
     load = 4 / 3 * modulus(PZT) * np.sqrt(5e-3) * depth**1.5
     assert contact.force[2] == pytest.approx(load, rel=2e-4)
     assert per_force(contact) == pytest.approx(250.10013, rel=1e-7)  # whatever the grid
+    assert contact.area == pytest.approx(np.pi * 5e-3 * depth, rel=2e-3)
+    np.testing.assert_allclose(contact.lengths, 2 * np.sqrt(5e-3 * depth), rtol=5e-3)
 
 
 @pytest.mark.parametrize("ratio", [2, 10])
@@ -142,6 +144,40 @@ def test_map_of_a_sphere_is_the_sphere() -> None:
         solve_contact(PZT, shape, force=4.0, air=None, cells=64) for shape in (Map(heights, (4e-6, 4e-6)), sphere(5e-3))
     )
     assert contact.depth == pytest.approx(exact.depth, rel=1e-5)
+
+
+def test_middle_of_a_long_roller_is_the_plane() -> None:
+    """Depth and largest pressure against those of a line of the same load per length at zero voltage."""
+    contact = solve_contact(FILM, Roller(5e-3, 2e-3), depth=1.2e-6, air=None, cells=64)
+    middle = np.argsort(np.abs(contact.y))[:2]
+    load = np.sum(np.mean(contact.pressure[:, middle], axis=1)) * (contact.x[1] - contact.x[0])
+    line = {
+        "body": solver.Stack([solver.Layer("PZT-4", 1e-4)]), "radius": 5e-3, "load": load, "surroundings": "insulated",
+    }  # fmt: skip
+    charge = load * float(solver.solve(line)["charge_per_force"].squeeze())
+    plane = solver.solve(line | {"charge": charge})
+    assert contact.depth == pytest.approx(float(plane["depth"].squeeze()), rel=1e-3)
+    assert np.max(contact.pressure[:, middle]) == pytest.approx(float(plane["peak_pressure"].squeeze()), rel=1e-3)
+
+
+def test_charge_varies_smoothly_with_the_load() -> None:
+    forces = 4.0 * 1.03 ** np.arange(5)
+    charges = np.log([per_force(solve_contact(FILM, sphere(5e-3), force=f, cells=64, end=5e-3)) for f in forces])
+    assert np.ptp(np.diff(charges)) < 4e-4  # between neighbours that differ by 1e-3
+
+
+def test_roughness_raises_the_pressure_and_leaves_the_charge() -> None:
+    x = (np.arange(128) - 63.5) * 2e-6
+    waves = np.random.default_rng(1).normal(size=(128, 128))
+    k = np.hypot(*np.meshgrid(np.fft.fftfreq(128, 2e-6), np.fft.fftfreq(128, 2e-6)))
+    rough = np.fft.ifft2(np.fft.fft2(waves) * np.exp(-((k * 12e-6) ** 2))).real
+    ball = (x[:, None] ** 2 + x**2) / (2 * 5e-3)
+    smooth, hilly = (
+        solve_contact(FILM, Map(ball + rms * rough / np.std(rough), (2e-6, 2e-6)), force=4.0, cells=128)
+        for rms in (0.0, 2e-8)
+    )
+    assert hilly.peak_pressure > 1.5 * smooth.peak_pressure
+    assert per_force(hilly) == pytest.approx(per_force(smooth), rel=5e-3)
 
 
 def test_tilted_roller_presses_harder_at_one_end() -> None:

@@ -152,7 +152,7 @@ def test_every_script_that_needs_a_study_takes_the_one_it_was_planned_with() -> 
         if "workflow.study.planned" in names:
             calls = [ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.Call)]
             [call] = [call for call in calls if call.startswith("planned.")]
-            assert call == "planned.study(snakemake)", script
+            assert call == "planned.start(globals())", script
             assert re.search(r"^        study=sections\(", text, re.MULTILINE), rule
             checked += 1
     assert checked >= 14

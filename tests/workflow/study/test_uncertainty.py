@@ -7,8 +7,9 @@ from solver import Material, find, solve
 from tests.studies import made
 from workflow.dataset import factorial
 from workflow.study import uncertainty
-from workflow.study.model import Study
+from workflow.study.model import Study, load
 from workflow.study.reading import InputError
+from workflow.study.target import Distribution
 
 FILM = """\
 title: A film on steel
@@ -39,6 +40,15 @@ def test_families_and_their_priors(film: Study) -> None:
     off = np.mean([np.log(other.eps11 / find("BaTiO3").eps11), np.log(other.eps33 / find("BaTiO3").eps33)])
     assert priors["BaTiO3 permittivity"] == pytest.approx(abs(off))
     assert {priors["steel poisson"], priors["steel modulus"], priors["CoFe2O4 stiffness"]} == {0.02, 0.05}
+
+
+def test_the_first_design_question_tells_the_distribution_of_a_factor() -> None:
+    study = load("config/peaks.yaml")
+    assert list(study.distributions) == ["friction"]
+    poled = study.design["poled"]
+    narrow = poled.model_copy(update={"uncertain": {"friction": Distribution(uniform=[0.1, 0.2])}})
+    both = study.model_copy(update={"design": {"narrow": narrow, "poled": poled}})
+    assert both.distributions == {"friction": Distribution(uniform=[0.1, 0.2])}
 
 
 def test_a_moved_study_is_solved_with_moved_constants(film: Study) -> None:

@@ -7,7 +7,7 @@ names none.
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -52,15 +52,17 @@ _CAPACITANCE = ("capacitance_at_force", "capacitance_at_load", "capacitance", "c
 class LeftOut:
     """One effect that the model leaves out, at one case."""
 
-    left_out: str  # its name
-    left_out_moves: str  # "signal", "stress" or "signal, stress"; empty for what only informs
-    left_out_size: float  # the effect's size in this case, over its SI unit
-    left_out_matters: float  # size at which it matters, over the same unit
-    left_out_units: str
-    left_out_share: float  # relative change of what it moves; NaN where it is not known, or on the safe side
-    left_out_ratio: float  # share over the printed band
-    left_out_brief: str  # for a verdict
-    left_out_words: str  # one sentence
+    left_out: Annotated[str, "effect that the model leaves out"]
+    left_out_moves: Annotated[
+        str, "what the effect moves: the signal, the stress, or both; empty for what only informs"
+    ]
+    left_out_size: Annotated[float, "size of the effect at this design, over its unit in left_out_units"]
+    left_out_matters: Annotated[float, "size at which the effect matters, over its unit in left_out_units"]
+    left_out_units: Annotated[str, "unit of the effect's size"]
+    left_out_share: Annotated[float, "relative change by the effect of what it moves"]
+    left_out_ratio: Annotated[float, "that change over the printed band"]
+    left_out_brief: Annotated[str, "the effect in few words"]
+    left_out_words: Annotated[str, "the effect in one sentence"]
 
 
 @dataclass(frozen=True, eq=False)
