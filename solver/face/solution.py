@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from importlib import import_module
 from math import prod
 from types import MappingProxyType
@@ -16,8 +17,9 @@ from solver.curves import REGIONS, SIZES, described
 from solver.described import Contact
 from solver.face.body import Body
 from solver.face.cases import Cases
-from solver.face.factors import Factors, checked
+from solver.face.factors import checked
 from solver.face.refusal import FactorError, SmallStrainWarning
+from solver.face.rows import Factors, of_kinds, solved_by_kind
 from solver.face.strain import Excess, excesses, sentence
 from solver.fields import ACROSS, ALONG, EVERY_FIELD, EVERY_INTERIOR
 from solver.material.constants import Material
@@ -55,9 +57,11 @@ def solve(
         named after their factor; dimensions broadcast, so sequences span the full factorial. A table spans none: every
         row of a ``pandas.DataFrame``, of the ``pandas.Series`` in a mapping, which share an index, and every mapping of
         a list is one case, along the one dimension ``case`` with the labels of the index. A cell that is masked, NA or
-        None is NaN. ``load`` must be given, what the ``profile`` needs (default ``cylinder``: ``radius``; see
-        ``solver.names.PROFILES``; or a :class:`Profile` of one's own), and either ``material`` (a name or
-        :class:`Material`) or the fraction of a composite (``composite``, default ``fibrous``; see
+        None is NaN. A heading may have a unit, as ``radius [mm]``. Rows of several kinds (lines and points, materials
+        and composites) are solved kind by kind; cells that a kind has no use for are empty, and a row is NaN in the
+        quantities of other kinds. ``load`` must be given, what the ``profile`` needs (default ``cylinder``:
+        ``radius``; see ``solver.names.PROFILES``; or a :class:`Profile` of one's own), and either ``material`` (a name
+        or :class:`Material`) or the fraction of a composite (``composite``, default ``fibrous``; see
         ``solver.names.COMPOSITES``). The rest default to 0 (``datum``: 1 m; ``electric`` and ``magnetic``: conducting).
         A case with a ``thickness`` is a film on its ``base``, graded with a ``base_volume_fraction``, see
         ``solver.names.OF_A_FILM``; NaN and empty names mean that a case has none. A film that something warm
@@ -119,6 +123,9 @@ def solve(
     >>> dict(solve([roller | {"load": 1e4}, roller | {"load": 4e4}]).sizes)
     {'case': 2}
     """
+    if parts := of_kinds(factors):
+        alike = partial(solve, materials=materials, phases=phases, regular=regular, peaks=peaks)
+        return solved_by_kind(parts, lambda part: alike(part, positions))
     arrays = checked(factors)
     pressed = {name: array for name, array in arrays.items() if name not in OF_HEAT}
     cases = Cases(pressed, materials, phases)
@@ -262,6 +269,9 @@ def solve_interior(
     >>> round(float(solve_interior(film, [0.0], [-1.0], fields=["stress_yy"])["stress_yy"].squeeze()) / 1e6, 3)
     -221.335
     """
+    if parts := of_kinds(factors):
+        alike = partial(solve_interior, fields=fields, materials=materials, phases=phases)
+        return solved_by_kind(parts, lambda part: alike(part, x, y))
     cases = Cases(checked(factors), materials, phases)
     grid_x, grid_y = _grid(x, y)
     for name in fields or ():
@@ -353,6 +363,8 @@ def solve_curves(
     >>> bool(abs(largest / solver.solve(case, peaks=True)["peak_von_mises"] - 1) < 0.01)
     True
     """
+    if parts := of_kinds(factors):
+        return solved_by_kind(parts, lambda part: solve_curves(part, regions, materials=materials, phases=phases))
     cases = Cases(checked(factors), materials, phases)
     for name in regions:
         if name not in REGIONS:

@@ -89,17 +89,18 @@ def test_names_units_dimensions_and_numbers(case: Case) -> None:
 def test_cases_together_are_the_cases_alone_in_any_order_and_leave_their_input(case: Case) -> None:
     force, charge = pressing(case)
     charges = np.array([0.0, 1e-11 * case[force]])
-    table = case | {force: [case[force], 1.1 * case[force]], charge: charges}
+    forces = [1.1 * case[force]] if "air" in case.values() else [case[force], 1.1 * case[force]]  # air takes long
+    table = case | {force: forces, charge: charges}
     whole, inside = solver.solve(table, X), solver.solve_interior(table, X, Y)
     assert whole["depth"].dims == (force, charge)
-    if "air" not in case.values():  # the order is the face's, and air takes long
+    if "air" not in case.values():
         turned = solver.solve(dict(reversed(table.items())), X)
         assert turned["depth"].dims == (charge, force)
         assert_alike(turned.transpose(*whole.dims), whole, 1e-12)
     assert charges.tolist() == [0.0, 1e-11 * case[force]]
-    single = case | {force: 1.1 * case[force], charge: charges[1]}
-    assert_alike(whole.isel({force: 1, charge: 1}), solver.solve(single, X), 1e-9)
-    assert_alike(inside.isel({force: 1, charge: 1}), solver.solve_interior(single, X, Y), 1e-8)
+    single = case | {force: forces[-1], charge: charges[1]}
+    assert_alike(whole.isel({force: -1, charge: 1}), solver.solve(single, X), 1e-9)
+    assert_alike(inside.isel({force: -1, charge: 1}), solver.solve_interior(single, X, Y), 1e-8)
 
 
 @each_variant
