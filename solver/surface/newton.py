@@ -169,7 +169,8 @@ class System:
         nodes, weights = np.polynomial.legendre.leggauss(_RAY_NODES)
         r = np.exp(low + (high - low) * (nodes[:, None] + 1) / 2)
         x, y = middle[0] + r * np.cos(angle), middle[1] + r * np.sin(angle)
-        gap = np.maximum(shape.gap(x, y) - depth, np.finfo(float).tiny)
+        height = shape.gap(x, y)
+        gap = np.maximum(height - depth, height / 2)  # the surface there yields by less than half the gap
         density = r**2 / (gap * (1 + (x**2 + y**2) / self.loading.end**2))
         return float(self.loading.permittivity * np.sum(weights @ density * (high - low) / 2) * 2 * np.pi / _RAYS)
 
