@@ -14,14 +14,8 @@ from solver.material.datasheet import strain_charge, stress_matrices
 from solver.material.usual import USUAL
 
 TITANATE: dict[str, float] = {
-    "c11": 166e9,
-    "c12": 77e9,
-    "c13": 78e9,
-    "c33": 162e9,
-    "c44": 43e9,
-    "e31": -4.4,
-    "e33": 18.6,
-}
+    "c11": 166e9, "c12": 77e9, "c13": 78e9, "c33": 162e9, "c44": 43e9, "e31": -4.4, "e33": 18.6,
+}  # fmt: skip
 TITANATE |= {"e15": 11.6, "eps11": 11.2e-9, "eps33": 12.6e-9, "mu11": 5e-6, "mu33": 10e-6, "rho": 5800.0}
 FERRITE: dict[str, float] = {"c11": 286e9, "c12": 173e9, "c13": 170.5e9, "c33": 269.5e9, "c44": 45.3e9, "f31": 580.3}
 FERRITE |= {"f33": 699.7, "f15": 550.0, "eps11": 0.08e-9, "eps33": 0.093e-9, "mu11": 590e-6, "mu33": 157e-6}

@@ -104,11 +104,13 @@ def test_sliding_sphere_loses_load_and_charge_to_the_second_order() -> None:
     np.testing.assert_allclose(fast.force, [0.6 * fast.force[2], 0, fast.force[2]])
 
 
-def test_ball_on_a_film_in_air_has_the_quantities_of_the_point() -> None:
-    point = solver.solve({
-        "body": solver.Stack([solver.Layer("PZT-4", 1e-4)]), "profile": "sphere", "radius": 5e-3, "force": 4.0,
-    })  # fmt: skip
-    contact = solve_contact(FILM, sphere(5e-3), force=4.0, charge=0.0, end=5e-3, companions=True)
+@pytest.mark.parametrize("thickness", [None, 1e-4])
+def test_ball_in_air_has_the_quantities_of_the_point(thickness: float | None) -> None:
+    layer = {"body": solver.Stack([solver.Layer("PZT-4", thickness or 1.0)])}
+    punch = {"profile": "sphere", "radius": 5e-3, "force": 4.0, "surroundings": "air"}
+    point = solver.solve(({"material": "PZT-4"} if thickness is None else layer) | punch)
+    body = PZT if thickness is None else FILM
+    contact = solve_contact(body, sphere(5e-3), force=4.0, charge=0.0, end=5e-3, companions=True, cells=128)
     values = quantities(contact)
     # charge at the edge, over single cells, decides voltages and capacitances
     bounds = {

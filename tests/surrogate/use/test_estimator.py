@@ -21,15 +21,10 @@ Array = NDArray[np.float64]
 # These fit two hundred cases of ten columns, six to fifteen times, or all that a factorial is asked of in every type of
 # numbers; what they say of weights and of several outputs is below too: left to `make soak`.
 SLOW = {
-    "check_dtype_object",
-    "check_estimators_dtypes",
-    "check_positive_only_tag_during_fit",
-    "check_regressor_data_not_an_array",
-    "check_regressor_multioutput",
-    "check_regressors_int",
-    "check_regressors_train",
-    "check_sample_weight_equivalence_on_dense_data",
-}
+    "check_dtype_object", "check_estimators_dtypes", "check_positive_only_tag_during_fit",
+    "check_regressor_data_not_an_array", "check_regressor_multioutput", "check_regressors_int",
+    "check_regressors_train", "check_sample_weight_equivalence_on_dense_data",
+}  # fmt: skip
 LEVELS = [chebyshev_levels(0, 1, 6), chebyshev_levels(1, 50, 7, "log"), chebyshev_levels(-2, 3, 5)]
 
 

@@ -94,63 +94,35 @@ def test_bad_input_is_refused_in_one_line(
 
 
 # inline copies of the layouts that makers' manuals and public threads show; the same press in each
-FILES: dict[str, tuple[str, str]] = {
-    "spreadsheet": ("Time (s),Force (N)\n0,0\n0.5,2\n1.5,2\n", "utf-8"),
-    "Instron": (
-        'Specimen label,"A 1"\nTest date,3/1/2024\n\n"Time","Extension","Load"\n"(s)","(mm)","(kN)"\n'
-        '"0.000","0.00000","0.00000"\n"0.500","0.00123","0.00200"\n"1.500","0.00123","0.00200"\n',
-        "utf-8",
-    ),
-    "Zwick": (
-        "Prüfprotokoll\nPrüfzeit;Standardkraft;Verformung\ns;N;mm\n0,000;0,000;0\n0,500;2,000;0,01\n1,500;2,000;0,01\n",
-        "cp1252",
-    ),
-    "MTS": (
-        "MTS793|MPT|ENU|1|2|.|/|:|1|0|0|A\nData Acquisition: Timed\n\n"
-        "Time\tAxial Displacement\tAxial Force\nSec\tmm\tkN\n"
-        "0\t0\t0\n0.5\t-0.01\t-2e-3\n1.5\t-0.01\t-2e-3\n",
-        "utf-8",
-    ),
-    "LabVIEW": (
-        "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t,\n"
-        "X_Columns\tOne\nDate\t2016/08/11\nTime\t14:37:48,2010002\n***End_of_Header***\t\n\nChannels\t1\t\n"
-        "Samples\t3\t\nDate\t2016/08/11\t\nTime\t15:37:48,375\t\nY_Unit_Label\tN\t\nX_Dimension\tTime\t\n"
-        "X0\t0,0000000000000000E+0\t\nDelta_X\t0,500000\t\n***End_of_Header***\t\t\nX_Value\tForce\tComment\n"
-        "0,000000\t0,000000\t\n0,500000\t2,000000\n1,500000\t2,000000\n",
-        "utf-8",
-    ),
-    "Excel in UTF-16": ("Zeit [s]\tKraft [mN]\r\n0\t0\r\n0,5\t2000\r\n1,5\t2000\r\n", "utf-16"),
-    "Arduino": (
-        "12:00:00.001 -> millis,force_N\n"
-        "12:00:00.010 -> 100,0.00\n12:00:00.510 -> 600,2.00\n12:00:01.510 -> 1600,2.00\n",
-        "utf-8",
-    ),
-    "NumPy": ("# t [s] force [N]\n0.0e+00 0.0e+00\n5.0e-01 2.0e+00\n1.5e+00 2.0e+00\n", "utf-8"),
-    "logger": (
-        "Date,Time,Force (N)\n2024-03-01,23:59:58.0,0.0\n2024-03-01,23:59:58.5,2.0\n2024-03-01,23:59:59.5,2.0\n",
-        "utf-8",
-    ),
-    "balance": ("# HX711\ntime_ms;weight (gf)\n0;0\n500;203.9432426\n1500;203.9432426\n", "utf-8"),
-    "Unix time": (
-        "timestamp,load_cell [N]\n1709251200.000000,0\n1709251200.500000,2\n1709251201.500000,2\n",
-        "utf-8-sig",
-    ),
-    "ISO dates": (
-        "time,force [N]\n2024-03-01T12:00:00.000Z,0\n2024-03-01T12:00:00.500Z,2\n2024-03-01T12:00:01.500Z,2\n",
-        "utf-8",
-    ),
-    "Bluehill": (
-        "Results Table 1\n,Maximum Force\n,(N)\n1,2.00\n2,2.01\n\nTime,Extension,Force\n(s),(mm),(N)\n"
-        '"0.0","0","0"\n"0.5","1","2"\n"1.5","1","2"\n',
-        "utf-8",
-    ),
-    "US dates": (
-        "Time,Force (KN)\n3/14/2024 1:59:59.5 PM,0\n3/14/2024 2:00:00 PM,2e-3\n3/14/2024 2:00:01 PM,2e-3\n",
-        "utf-8",
-    ),
-    "names that are not known": ("測定時間(msec.),荷重(N)\n0,0\n500,2\n1500,2\n", "utf-8"),
-    "footer": ("time [s],force [N]\n0,0\n0.5,2\n1.5,2\n\nEOF\n", "utf-8"),
-}
+FILES = {
+    "spreadsheet": "Time (s),Force (N)\n0,0\n0.5,2\n1.5,2\n",
+    "Instron": 'Specimen label,"A 1"\nTest date,3/1/2024\n\n"Time","Extension","Load"\n"(s)","(mm)","(kN)"\n'
+    '"0.000","0.00000","0.00000"\n"0.500","0.00123","0.00200"\n"1.500","0.00123","0.00200"\n',
+    "Zwick": "Prüfprotokoll\nPrüfzeit;Standardkraft;Verformung\ns;N;mm\n"
+    "0,000;0,000;0\n0,500;2,000;0,01\n1,500;2,000;0,01\n",
+    "MTS": "MTS793|MPT|ENU|1|2|.|/|:|1|0|0|A\nData Acquisition: Timed\n\n"
+    "Time\tAxial Displacement\tAxial Force\nSec\tmm\tkN\n"
+    "0\t0\t0\n0.5\t-0.01\t-2e-3\n1.5\t-0.01\t-2e-3\n",
+    "LabVIEW": "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t,\n"
+    "X_Columns\tOne\nDate\t2016/08/11\nTime\t14:37:48,2010002\n***End_of_Header***\t\n\nChannels\t1\t\n"
+    "Samples\t3\t\nDate\t2016/08/11\t\nTime\t15:37:48,375\t\nY_Unit_Label\tN\t\nX_Dimension\tTime\t\n"
+    "X0\t0,0000000000000000E+0\t\nDelta_X\t0,500000\t\n***End_of_Header***\t\t\nX_Value\tForce\tComment\n"
+    "0,000000\t0,000000\t\n0,500000\t2,000000\n1,500000\t2,000000\n",
+    "Excel in UTF-16": "Zeit [s]\tKraft [mN]\r\n0\t0\r\n0,5\t2000\r\n1,5\t2000\r\n",
+    "Arduino": "12:00:00.001 -> millis,force_N\n"
+    "12:00:00.010 -> 100,0.00\n12:00:00.510 -> 600,2.00\n12:00:01.510 -> 1600,2.00\n",
+    "NumPy": "# t [s] force [N]\n0.0e+00 0.0e+00\n5.0e-01 2.0e+00\n1.5e+00 2.0e+00\n",
+    "logger": "Date,Time,Force (N)\n2024-03-01,23:59:58.0,0.0\n2024-03-01,23:59:58.5,2.0\n2024-03-01,23:59:59.5,2.0\n",
+    "balance": "# HX711\ntime_ms;weight (gf)\n0;0\n500;203.9432426\n1500;203.9432426\n",
+    "Unix time": "timestamp,load_cell [N]\n1709251200.000000,0\n1709251200.500000,2\n1709251201.500000,2\n",
+    "ISO dates": "time,force [N]\n2024-03-01T12:00:00.000Z,0\n2024-03-01T12:00:00.500Z,2\n2024-03-01T12:00:01.500Z,2\n",
+    "Bluehill": "Results Table 1\n,Maximum Force\n,(N)\n1,2.00\n2,2.01\n\nTime,Extension,Force\n(s),(mm),(N)\n"
+    '"0.0","0","0"\n"0.5","1","2"\n"1.5","1","2"\n',
+    "US dates": "Time,Force (KN)\n3/14/2024 1:59:59.5 PM,0\n3/14/2024 2:00:00 PM,2e-3\n3/14/2024 2:00:01 PM,2e-3\n",
+    "names that are not known": "測定時間(msec.),荷重(N)\n0,0\n500,2\n1500,2\n",
+    "footer": "time [s],force [N]\n0,0\n0.5,2\n1.5,2\n\nEOF\n",
+}  # fmt: skip
+ENCODINGS = {"Zwick": "cp1252", "Excel in UTF-16": "utf-16", "Unix time": "utf-8-sig"}
 SCOPES = {  # the force of a volt is 20 N
     "Tektronix": "Record Length,3,,0.0,0.0,\nSample Interval,5e-1,,0.5,0.1,\nTrigger Point,0,,1.5,0.1,\n"
     "Source,CH1,,,,\n"
@@ -167,8 +139,7 @@ SCOPES = {  # the force of a volt is 20 N
 @pytest.mark.parametrize("name", [*FILES, *SCOPES])
 def test_files_of_instruments_are_read(name: str, tmp_path: Path) -> None:
     path = tmp_path / "history.txt"
-    text, encoding = FILES.get(name) or (SCOPES[name], "utf-8")
-    path.write_bytes(text.encode(encoding))
+    path.write_text((FILES | SCOPES)[name], encoding=ENCODINGS.get(name, "utf-8"), newline="")
     file = read_history(path, line=False, scale="20 N/V" if name in SCOPES else None)
     times = file.history.times
     np.testing.assert_allclose(times - times[0], [0, 0.5, 1.5], rtol=1e-9, err_msg=name)

@@ -66,12 +66,8 @@ def test_every_case_of_the_data_set_is_the_solvers_stack(study: Study, slab: Pat
         stored = whole.isel(dict(zip(("copper_thickness", "volume_fraction", "load", "base"), place, strict=True)))
         body = stack(stored["copper_thickness"].item(), stored["volume_fraction"].item(), stored["base"].item())
         case = {
-            "surroundings": "insulated",
-            "body": body,
-            "radius": 0.05,
-            "friction": 0.1,
-            "load": stored["load"].item(),
-        }
+            "surroundings": "insulated", "body": body, "radius": 0.05, "friction": 0.1, "load": stored["load"].item(),
+        }  # fmt: skip
         exact = solver.solve(case, stored["position"].values)
         for name in (*study.quantities, *FIELDS):
             np.testing.assert_allclose(
