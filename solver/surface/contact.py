@@ -27,6 +27,7 @@ _SLENDER = 8.0  # largest ratio of the lengths of a cell
 _ACCURACY = 1e-2  # residual over the asked error
 _TANGENT = 1e-2  # residual of tangents over the asked error
 _SECANT = 0.08  # change of the load for the stiffness: a fortieth of the contact's width, several cells
+_ROUNDING = 1e-9  # electric load over the mechanical one, in scaled units, below which it is rounding
 # difference between two grids over the error that is left: pressure falls like a root, so that the error of loads falls
 # like the cell to the power 3/2
 _SHARE_LEFT = {"force": 2**1.5 - 1, "depth": 2**1.5 - 1, "charge": 1.0, "voltage": 1.0}
@@ -342,13 +343,14 @@ class _Problem:
 
 
 def _loads(linear: Linearised) -> dict[str, float]:
-    """Loads whose error is estimated: what is not prescribed."""
+    """Loads whose error is estimated: what is not prescribed, without the rounding of a body that does not couple."""
     force, charge = linear.loads
-    loading = linear.system.loading
+    loading, per_volt = linear.system.loading, linear.system.per_volt
     mechanical = {"depth": linear.state.depth} if loading.force is not None else {"force": force}
     if loading.charge is not None:
-        return mechanical | {"voltage": linear.state.potential / linear.system.per_volt}
-    return mechanical | {"charge": charge}
+        coupled = abs(linear.state.potential) > _ROUNDING * linear.state.depth
+        return mechanical | ({"voltage": linear.state.potential / per_volt} if coupled else {})
+    return mechanical | ({"charge": charge} if abs(charge) > _ROUNDING * force * per_volt else {})
 
 
 def _contact(
